@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// The exit codes of the command (docs/user_guide.md, exit codes). Only cli/ exits.
+
+#pragma once
+
+#include "core/error.hpp"
+
+namespace elastogen {
+
+enum ExitCode : int {
+  kExitDone = 0,           ///< every step converged; warnings are possible
+  kExitUsage = 2,          ///< an option, a selection, a unit, contradictory pins
+  kExitAsset = 3,          ///< a file that cannot be used, nothing to simulate
+  kExitDraft = 4,          ///< a step missed the tolerance, a voxel is inverted, --max-time is over
+  kExitDiverged = 5,       ///< a step had to be refused; the frames before it were written
+  kExitResources = 6,      ///< memory, a budget, a disk
+  kExitInterrupted = 130,  ///< SIGINT; what there was has been written
+  kExitTerminated = 143,   ///< SIGTERM; the same
+};
+
+/// The code of an exception.
+inline ExitCode exit_code(ErrorKind kind) {
+  switch (kind) {
+    case ErrorKind::kUsage:
+      return kExitUsage;
+    case ErrorKind::kAsset:
+      return kExitAsset;
+    case ErrorKind::kDiverged:
+      return kExitDiverged;
+    case ErrorKind::kResources:
+      return kExitResources;
+  }
+  return kExitUsage;
+}
+
+}  // namespace elastogen

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+// The command line as option structs; units are converted here. The only includer of CLI11.
+
+#pragma once
+
+#include "core/scene.hpp"
+#include "core/state.hpp"
+#include "network/solver.hpp"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace elastogen {
+
+/// --floor: an axis-parallel plane; without a place the lowest point of the asset along up.
+struct FloorOption {
+  int axis = -1;                ///< -1: the up axis
+  std::optional<double> place;  ///< [m]
+};
+
+struct AnimateOptions {
+  std::string input, output;
+  Material material;              ///< one for the whole asset
+  std::vector<std::string> pins;  ///< selections
+  std::optional<Vec3> gravity;    ///< [m/s^2]; unset: 9.81 down
+  StartMotion motion;
+  std::optional<FloorOption> floor;
+  double friction = 0.5;
+  int voxels = 48;  ///< along the longest edge
+  double h = 0;     ///< [m], 0: from voxels
+  double size = 0;  ///< longest edge of the asset [m], 0: as the file has it
+  int up = 1;       ///< axis that points up: 1 y, 2 z
+  int64_t frames = 120;
+  double fps = 30;
+  int substeps = 0;  ///< 0: auto
+  TimeScheme scheme = TimeScheme::kEuler;
+  SolverOptions solver;
+  Hourglass hourglass = Hourglass::kFull;
+  bool keyframe = false;           ///< GLB profile; else modal
+  std::string state, log, report;  ///< files, empty for none
+  int threads = 0;                 ///< 0: all
+  int64_t max_memory = 0;          ///< [bytes], 0: no limit
+  int64_t max_voxels = 64'000'000;
+  double max_time = 0;  ///< wall time of the steps [s], 0: no limit
+  bool strict = false, quiet = false;
+  std::string command;  ///< as typed
+};
+
+struct DemoOptions {
+  std::string folder = ".";
+  int threads = 0;
+  bool quiet = false;
+  std::string command;
+};
+
+/// What was asked for: at most one verb is set; with none, `code` is the exit code (help, version,
+/// usage errors, which have been printed).
+struct CommandLine {
+  std::optional<AnimateOptions> animate;
+  std::optional<DemoOptions> demo;
+  int code = 0;
+};
+
+/// @throws Error (usage) on values that are no numbers, units, materials or selections.
+CommandLine parse_command_line(int argc, const char* const* argv);
+
+}  // namespace elastogen

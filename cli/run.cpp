@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/run.hpp"
+
+#include "cli/progress.hpp"
+#include "cli/scene_setup.hpp"
+#include "cli/signals.hpp"
+#include "cli/version.hpp"
+#include "core/error.hpp"
+#include "core/parallel.hpp"
+#include "io/animation_writer.hpp"
+#include "io/state_writer.hpp"
+#include "io/step_log.hpp"
+#include "voxelize/embedding.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+
+namespace elastogen {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// Everything that a run writes.
+struct Outputs {
+  std::unique_ptr<AnimationWriter> animation;
+  std::unique_ptr<StepLog> log;
+  std::unique_ptr<StateWriter> state;
+};
+
+Matrix4 root_matrix(double scale, int up) {
+  Matrix4 m = kIdentity4;
+  m[0] = m[5] = m[10] = scale;
+  // z up to y up: a quarter turn about x
+  if (up == 2) m[5] = m[10] = 0, m[6] = -scale, m[9] = scale;
+  return m;
+}
+
+std::unique_ptr<AnimationWriter> open_animation(const Asset& asset, const Surface& surface,
+                                                const AnimateOptions& o) {
+  AnimationOptions options;
+  options.fps = o.fps;
+  options.keyframe = o.keyframe;
+  options.generator = version_text();
+  options.command = o.command;
+  options.commit = build_commit();
+  options.root = root_matrix(surface.scale, o.up);
+  return AnimationWriter::create(o.output, asset, surface, options);
+}
+
+std::unique_ptr<StateWriter> open_state(const Scene& scene, const AnimateOptions& o,
+                                        const Solver& solver, const State& state) {
+  if (o.state.empty()) return nullptr;
+  StateHeader header;
+  header.fps = o.fps;
+  header.solver = solver_name(solver.mode());
+  header.tolerance = o.solver.tolerance;
+  header.commit = build_commit();
+  if (scene.floor)
+    header.contact = {
+        {"floor_normal_x", scene.floor->normal[0]}, {"floor_normal_y", scene.floor->normal[1]},
+        {"floor_normal_z", scene.floor->normal[2]}, {"floor_offset", scene.floor->offset},
+        {"friction", scene.floor->friction},        {"layer", scene.grid.h / 4}};
+  return std::make_unique<StateWriter>(o.state, scene, header, state);
+}
+
+/// Steps the clip and collects what the report says of it.
+class Clip {
+ public:
+  Clip(const Asset& asset, const AnimateOptions& options, const RunHooks& hooks, Setup& setup,
+       RunResult& result)
+      : o_(options), hooks_(hooks), setup_(setup), result_(result), report_(result.report) {
+    outputs_.animation = open_animation(asset, setup.surface, options);
+    embedding_ = embed(setup.scene.grid, setup.surface.vertices);
+    const Clock::time_point begin = Clock::now();
+    solver_ = std::make_unique<Solver>(setup.scene, options.solver);
+    state_ = initial_state(setup.scene, options.motion);
+    report_.stage_seconds.setup += seconds_since(begin);
+    if (!o_.log.empty()) outputs_.log = std::make_unique<StepLog>(o_.log);
+    outputs_.state = open_state(setup.scene, options, *solver_, state_);
+    displacement_ = Array<double>(setup.surface.vertices.rows(), 3);
+  }
+
+  void run() {
+    Progress progress(o_.frames, o_.quiet);
+    const Clock::time_point begin = Clock::now();
+    write_frame({.converged = true});
+    for (int64_t frame = 1; frame <= o_.frames; ++frame) {
+      FrameCertificate certificate{.converged = true, .residual = 0, .min_j = 1e300};
+      if (!step_frame(frame, begin, certificate)) break;
+      write_frame(certificate);
+      ++report_.frames;
+      progress.update(frame, certificate.residual, certificate.converged);
+    }
+    report_.stage_seconds.steps = seconds_since(begin) - report_.stage_seconds.write;
+  }
+
+  void finish() {
+    const Clock::time_point begin = Clock::now();
+    outputs_.animation->finish();
+    if (outputs_.state) outputs_.state->finish();
+    report_.stage_seconds.write += seconds_since(begin);
+    report_.converged_share = report_.steps > 0 ? double(converged_) / double(report_.steps) : 1;
+    if (converged_ < report_.steps) raise(kExitDraft);
+    if (report_.min_j <= 0) {
+      report_.warnings.push_back(fmt::format("a voxel is inverted: min J = {:.3g}", report_.min_j));
+      raise(kExitDraft);
+    }
+    if (report_.steps > 0 && largest_motion_ < 1e-6 * setup_.longest_edge)
+      report_.warnings.push_back(nothing_moved(setup_.scene));
+  }
+
+ private:
+  void raise(ExitCode code) {
+    if (result_.code == kExitDone) result_.code = code;
+  }
+
+  /// False: the clip ends here, and the code says why.
+  bool step_frame(int64_t frame, Clock::time_point begin, FrameCertificate& certificate) {
+    for (int k = 0; k < setup_.substeps; ++k) {
+      if (const int signal = pending_signal(); signal != 0) {
+        result_.code = ExitCode(128 + signal);
+        report_.warnings.push_back("interrupted");
+        return false;
+      }
+      if (o_.max_time > 0 && seconds_since(begin) > o_.max_time) {
+        raise(kExitDraft);
+        report_.warnings.push_back(
+            fmt::format("--max-time reached after {} of {} frames", report_.frames, o_.frames));
+        return false;
+      }
+      const StepReport r = solver_->step(state_);
+      if (!r.finite) {
+        result_.code = kExitDiverged;
+        report_.warnings.push_back(fmt::format(
+            "frame {}: step {} has no finite result; the clip ends before it", frame, r.step));
+        return false;
+      }
+      take(frame, r, certificate);
+    }
+    return true;
+  }
+
+  void take(int64_t frame, const StepReport& r, FrameCertificate& certificate) {
+    certificate.converged &= r.converged;
+    certificate.residual = std::max(certificate.residual, r.residual);
+    certificate.min_j = std::min(certificate.min_j, r.min_j);
+    ++report_.steps;
+    converged_ += r.converged;
+    report_.worst_residual = std::max(report_.worst_residual, r.residual);
+    report_.min_j = std::min(report_.min_j, r.min_j);
+    report_.step_ms.push_back(r.ms);
+    if (outputs_.log) outputs_.log->write(frame, r);
+    if (outputs_.state) outputs_.state->step(state_, r);
+    if (hooks_.on_step) hooks_.on_step(r);
+  }
+
+  void write_frame(const FrameCertificate& certificate) {
+    const Clock::time_point begin = Clock::now();
+    deform_asset(setup_.scene.grid, embedding_, state_.x, displacement_);
+    for (int64_t k = 0; k < displacement_.size(); ++k)
+      largest_motion_ = std::max(largest_motion_, std::abs(displacement_.data()[k]));
+    outputs_.animation->frame(displacement_, certificate);
+    if (hooks_.on_frame) {
+      Array<double> positions = setup_.surface.vertices;
+      for (int64_t k = 0; k < positions.size(); ++k) positions.data()[k] += displacement_.data()[k];
+      hooks_.on_frame(positions);
+    }
+    report_.stage_seconds.write += seconds_since(begin);
+  }
+
+  const AnimateOptions& o_;
+  const RunHooks& hooks_;
+  Setup& setup_;
+  RunResult& result_;
+  RunReport& report_;
+  Outputs outputs_;
+  Embedding embedding_;
+  std::unique_ptr<Solver> solver_;
+  State state_;
+  Array<double> displacement_;
+  int64_t converged_ = 0;
+  double largest_motion_ = 0;
+};
+
+void print_summary(const RunResult& result) {
+  const RunReport& r = result.report;
+  fmt::print("{} of {} steps converged, worst residual {:.2e}, min J {:.3f}\n",
+             std::llround(r.converged_share * double(r.steps)), r.steps, r.worst_residual, r.min_j);
+  fmt::print("{:.1f} ms a step (median), {:.2f} s in all\n", quantile(r.step_ms, 0.5),
+             r.stage_seconds.read + r.stage_seconds.voxelize + r.stage_seconds.setup +
+                 r.stage_seconds.steps + r.stage_seconds.write);
+}
+
+void warn(const std::vector<std::string>& warnings) {
+  for (const std::string& w : warnings) fmt::print(stderr, "warning: {}\n", w);
+}
+
+}  // namespace
+
+RunResult run_animation(const Asset& asset, const AnimateOptions& options, double read_seconds,
+                        const RunHooks& hooks) {
+  std::optional<ThreadLimit> threads;
+  if (options.threads > 0) threads.emplace(options.threads);
+  RunResult result;
+  RunReport& report = result.report;
+  report.command = options.command;
+  report.commit = build_commit();
+  report.stage_seconds.read = read_seconds;
+
+  Setup setup = set_up(asset, options, hooks.materials, hooks.regions, report);
+  if (!options.quiet) print_setup(setup, options);
+  warn(report.warnings);
+  ELASTOGEN_CHECK(!options.strict || report.warnings.empty(), "--strict: ", report.warnings[0]);
+  const size_t warned = report.warnings.size();
+
+  Clip clip(asset, options, hooks, setup, result);
+  clip.run();
+  clip.finish();
+  report.peak_memory_bytes = peak_memory_bytes();
+  if (!options.report.empty()) write_report(options.report, report);
+  warn({report.warnings.begin() + int64_t(warned), report.warnings.end()});
+  if (options.strict && report.warnings.size() > warned && result.code == kExitDone)
+    result.code = kExitUsage;
+  if (!options.quiet) print_summary(result);
+  return result;
+}
+
+}  // namespace elastogen

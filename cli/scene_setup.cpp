@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/scene_setup.hpp"
+
+#include "core/error.hpp"
+#include "core/time_scheme.hpp"
+#include "voxelize/regions.hpp"
+#include "voxelize/voxelize.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numbers>
+
+namespace elastogen {
+namespace {
+
+double now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+void summarise(const Asset& asset, const Surface& surface, const VoxelizeReport& voxels,
+               AssetSummary& summary) {
+  summary.path = asset.path;
+  summary.format = asset.format;
+  summary.vertices = surface.vertices.rows();
+  summary.faces = surface.triangles.rows();
+  summary.closed = voxels.closed;
+  summary.findings = asset.findings;
+  summary.findings.insert(summary.findings.end(), voxels.findings.begin(), voxels.findings.end());
+}
+
+Floor make_floor(const FloorOption& option, const AnimateOptions& o, const Box& box) {
+  Floor floor;
+  const int axis = option.axis < 0 ? o.up : option.axis;
+  floor.normal = {0, 0, 0};
+  floor.normal[size_t(axis)] = 1;
+  floor.offset = option.place.value_or(box.lower[size_t(axis)]);
+  floor.friction = o.friction;
+  return floor;
+}
+
+/// Planes of pins and floor, so that a layer of nodes lies in them.
+VoxelizeOptions voxelize_options(const AnimateOptions& o, const std::optional<Floor>& floor,
+                                 const Box& box) {
+  VoxelizeOptions v;
+  v.voxels = o.voxels;
+  v.h = o.h;
+  v.max_voxels = o.max_voxels;
+  v.max_memory = o.max_memory;
+  for (const std::string& pin : o.pins) {
+    const auto at = plane(parse_selection(pin), box);
+    if (at && !v.align[at->first]) v.align[at->first] = at->second;
+  }
+  if (floor)
+    for (int d = 0; d < 3; ++d)
+      if (floor->normal[size_t(d)] != 0 && !v.align[d]) v.align[d] = floor->offset;
+  return v;
+}
+
+void pin(const AnimateOptions& o, const Box& box, Scene& scene,
+         std::vector<std::string>& warnings) {
+  scene.pinned = Array<uint8_t>(scene.grid.node_count());
+  for (const std::string& text : o.pins) {
+    const Array<uint8_t> selected = select_nodes(scene.grid, parse_selection(text), box);
+    int64_t count = 0;
+    for (int64_t n = 0; n < selected.rows(); ++n) {
+      scene.pinned(n) |= selected(n);
+      count += selected(n);
+    }
+    if (count == 0)
+      warnings.push_back(
+          fmt::format("--pin '{}' holds nothing: no node of the grid lies in it; the "
+                      "asset spans {:.4g}..{:.4g}, {:.4g}..{:.4g}, {:.4g}..{:.4g} m",
+                      text, box.lower[0], box.upper[0], box.lower[1], box.upper[1], box.lower[2],
+                      box.upper[2]));
+  }
+}
+
+/// A body that begins below the floor can never be stepped.
+void check_above_floor(const Scene& scene) {
+  const Floor& floor = *scene.floor;
+  double lowest = 1e300;
+  for (int64_t p = 0; p < scene.surface.position.rows(); ++p) {
+    double height = -floor.offset;
+    for (int d = 0; d < 3; ++d) height += floor.normal[size_t(d)] * scene.surface.position(p, d);
+    lowest = std::min(lowest, height);
+  }
+  ELASTOGEN_CHECK(lowest > -0.2 * scene.grid.h, "the asset begins ", -lowest,
+                  " m below the floor; move the floor to ", floor.offset + lowest,
+                  " m or lower (--floor alone takes the lowest point)");
+}
+
+/// Steps a frame for which dt <= 1/60 s and the elastic Courant number stays at or below 50.
+int automatic_substeps(Scene scene, double frame_seconds) {
+  scene.dt = frame_seconds;
+  const double wanted = std::max(60 * frame_seconds, courant_number(scene) / 50);
+  return int(std::clamp(std::ceil(wanted - 1e-9), 1.0, 16.0));
+}
+
+}  // namespace
+
+Setup set_up(const Asset& asset, const AnimateOptions& o, const std::vector<Material>& materials,
+             const std::function<Array<int32_t>(const VoxelGrid&)>& regions, RunReport& report) {
+  Setup setup;
+  Scene& scene = setup.scene;
+  double start = now();
+  setup.surface = pose_surface(asset, o.size);
+  const Box& box = setup.surface.box;
+  setup.longest_edge = std::max({box.extent(0), box.extent(1), box.extent(2)});
+  if (o.floor) scene.floor = make_floor(*o.floor, o, box);
+  Voxelized voxelized = voxelize(setup.surface, voxelize_options(o, scene.floor, box));
+  scene.grid = std::move(voxelized.grid);
+  report.stage_seconds.voxelize = now() - start;
+  summarise(asset, setup.surface, voxelized.report, report.asset);
+
+  start = now();
+  scene.materials = materials.empty() ? std::vector<Material>{o.material} : materials;
+  scene.material = regions ? regions(scene.grid) : Array<int32_t>(scene.grid.voxel_count());
+  pin(o, box, scene, report.warnings);
+  Vec3 down = {};
+  down[size_t(o.up)] = -9.81;
+  scene.gravity = o.gravity.value_or(down);
+  if (scene.floor) {
+    scene.surface = surface_points(scene.grid, setup.surface);
+    check_above_floor(scene);
+  }
+  setup.substeps = o.substeps;
+  if (o.substeps == 0) {
+    Scene probe;
+    probe.materials = scene.materials;
+    probe.grid.h = scene.grid.h;
+    setup.substeps = automatic_substeps(probe, 1 / o.fps);
+  }
+  scene.dt = 1 / (o.fps * setup.substeps);
+  scene.scheme = o.scheme;
+  scene.hourglass = o.hourglass;
+  finish_scene(scene);
+  const bool held = std::any_of(scene.pinned.data(), scene.pinned.data() + scene.pinned.rows(),
+                                [](uint8_t p) { return p != 0; });
+  if (!held && !scene.floor && scene.gravity != Vec3{})
+    report.warnings.push_back("nothing holds the asset (no --pin, no --floor): it falls freely");
+  report.stage_seconds.setup = now() - start;
+  report.voxels = scene.grid.voxel_count();
+  report.nodes = scene.grid.node_count();
+  report.h = scene.grid.h;
+  report.materials = scene.materials;
+  return setup;
+}
+
+void print_setup(const Setup& setup, const AnimateOptions& o) {
+  const Scene& scene = setup.scene;
+  fmt::print("{} voxels of {:.4g} m, {} nodes, {} piece{}\n", scene.grid.voxel_count(),
+             scene.grid.h, scene.grid.node_count(), scene.grid.pieces,
+             scene.grid.pieces == 1 ? "" : "s");
+  for (const Material& m : scene.materials)
+    fmt::print("{}: {}, E {:.4g} Pa, nu {:.4g}, rho {:.4g} kg/m^3\n", m.name, law_name(m.law),
+               m.young, m.poisson, m.density);
+  fmt::print("{} frames at {:.4g} fps, {} step{} a frame of {:.4g} s, Courant number {:.3g}\n",
+             o.frames, o.fps, setup.substeps, setup.substeps == 1 ? "" : "s", scene.dt,
+             courant_number(scene));
+  fmt::print("numerical damping: a vibration of 1 / 5 / 20 Hz keeps");
+  for (const double f : {1.0, 5.0, 20.0})
+    fmt::print("{} {:.0f} %", f == 1 ? "" : " /",
+               100 * amplitude_kept(scene.scheme, 2 * std::numbers::pi * f * scene.dt));
+  fmt::print(" of its amplitude a period\n");
+  std::fflush(stdout);
+}
+
+std::string nothing_moved(const Scene& scene) {
+  int64_t pinned = 0;
+  for (int64_t n = 0; n < scene.pinned.rows(); ++n) pinned += scene.pinned(n);
+  if (pinned == scene.pinned.rows()) return "nothing moved: every node is pinned";
+  if (scene.gravity == Vec3{}) return "nothing moved: no gravity and no start motion";
+  return fmt::format("nothing moved: the material ({:.3g} Pa) is too stiff for its weight to show",
+                     scene.materials[0].young);
+}
+
+}  // namespace elastogen

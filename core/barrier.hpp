@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// Contact barrier and smoothed Coulomb friction of one point, as functions of one number (Li et
+// al., Incremental Potential Contact, 2020).
+
+#pragma once
+
+#include "core/base.hpp"
+
+#include <cmath>
+
+namespace elastogen {
+
+/// A function of one variable with its first two derivatives.
+struct Curve {
+  double value = 0, first = 0, second = 0;
+};
+
+/// b(s) = -(1 - s)^2 ln s for 0 < s < 1, 0 for s >= 1: C2, convex, infinite at s = 0.
+inline Curve barrier(double s) {
+  if (s >= 1) return {};
+  const double l = std::log(s), r = 1 - s;
+  return {-r * r * l, 2 * r * l - r * r / s, -2 * l + 4 * r / s + r * r / (s * s)};
+}
+
+/// Smoothed length f0(y) of a slip y >= 0, as force and stiffness need it: f0, f0'/y (finite at
+/// y = 0) and f0'',
+///
+///     f0 = -y^3/(3 e^2) + y^2/e + e/3,   f0' = 2 y/e - y^2/e^2   (y < e);      f0 = y beyond.
+struct SmoothedSlip {
+  double value, first_over_y, second;
+};
+
+inline SmoothedSlip smoothed_slip(double y, double e) {
+  if (y >= e) return {y, 1 / y, 0};
+  return {-y * y * y / (3 * e * e) + y * y / e + e / 3, 2 / e - y / (e * e),
+          2 / e - 2 * y / (e * e)};
+}
+
+}  // namespace elastogen

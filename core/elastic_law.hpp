@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: Apache-2.0
+// Isotropic elastic laws in principal stretches: psi, its gradient t = dpsi/dsigma, its Hessian
+// H = d2psi/dsigma2. At rest psi = 0, t = 0, H = 2 mu I + lambda 1 1^T for every law.
+//
+//   fixed corotated      mu sum (s-1)^2 + lambda/2 (J-1)^2
+//   neo-Hookean          mu/2 (I-3) - mu l(J) + lambda/2 l(J)^2,   l = ln J, continued below J0 =
+//   0.1 stable neo-Hookean   mu'/2 [I-3 - ln((I+1)/4)] + lambda'/2 [(J-a)^2 - (1-a)^2]  (Smith et
+//   al.
+//                        2018), mu' = 4 mu/3, lambda' = lambda + 5 mu/6, a = 1 + 3 mu'/(4 lambda')
+//   StVK                 mu sum e^2 + lambda/2 (sum e)^2,   e = (s^2-1)/2
+//   Hencky               the same with e = ln s, continued below s = 0.1
+//
+// with I = sum s^2 and J = s_0 s_1 s_2. The continuation of ln is the C2 quadratic
+// ln y0 + d - d^2/2, d = (y - y0)/y0, so every law has a finite force in every state.
+//
+// Written in s - 1, so that no digits are lost near rest (docs/physics.md). A learned law has the
+// same interface: a function from stretches to Response.
+
+#pragma once
+
+#include "core/material.hpp"
+#include "core/pack.hpp"
+
+namespace elastogen {
+
+/// Law and moduli [Pa] as the kernels take them.
+template <class S>
+struct LawParameters {
+  Law law = Law::kNeoHookean;
+  S mu = 0, lambda = 0;
+};
+
+/// Energy [J/m^3], gradient [Pa] and, where asked for, Hessian [Pa] in stretches.
+template <class T>
+struct Response {
+  T psi;
+  T t[3];
+  T H[6];  ///< 00, 11, 22, 01, 12, 20; filled only if asked for
+};
+
+namespace law {
+
+/// l(y) = ln y continued below y0, with first and second derivative; y is given as y - 1.
+template <class T>
+struct Logarithm {
+  T value, first, second;
+};
+
+template <class T>
+ELASTOGEN_HD inline Logarithm<T> continued_log(const T& y_minus_1) {
+  using S = Scalar<T>;
+  constexpr S kStart = S(0.1), kLogStart = S(-2.302585092994045684);
+  const auto inside = y_minus_1 > kStart - 1;
+  const T safe = inside ? y_minus_1 : constant<T>(kStart - 1);
+  const T inverse = 1 / (1 + safe), d = (y_minus_1 - (kStart - 1)) / kStart;
+  Logarithm<T> l;
+  l.value = inside ? log_1p(safe) : kLogStart + d - d * d / 2;
+  l.first = inside ? inverse : (1 - d) / kStart;
+  l.second = inside ? -inverse * inverse : constant<T>(-1 / (kStart * kStart));
+  return l;
+}
+
+/// What a law in (sum s^2, J) shares: psi_J = dpsi/dJ, psi_JJ, and the part that depends on s
+/// alone.
+template <bool kHessian, class T>
+ELASTOGEN_HD inline void add_volume_part(const T s[3], const T& psi_J, const T& psi_JJ,
+                                         Response<T>& r) {
+  const T minor[3] = {s[1] * s[2], s[2] * s[0], s[0] * s[1]};  // dJ/ds
+  for (int i = 0; i < 3; ++i) r.t[i] += psi_J * minor[i];
+  if constexpr (kHessian) {
+    for (int i = 0; i < 3; ++i) r.H[i] += psi_JJ * minor[i] * minor[i];
+    for (int i = 0; i < 3; ++i) {
+      const int j = (i + 1) % 3, k = (i + 2) % 3;
+      r.H[3 + i] += psi_JJ * minor[i] * minor[j] + psi_J * s[k];
+    }
+  }
+}
+
+template <bool kHessian, class T>
+ELASTOGEN_HD inline Response<T> fixed_corotated(const T e[3], const T s[3], const T& J_minus_1,
+                                                Scalar<T> mu, Scalar<T> lambda) {
+  Response<T> r;
+  r.psi = mu * (e[0] * e[0] + e[1] * e[1] + e[2] * e[2]) + lambda / 2 * J_minus_1 * J_minus_1;
+  for (int i = 0; i < 3; ++i) r.t[i] = 2 * mu * e[i];
+  if constexpr (kHessian)
+    for (int i = 0; i < 6; ++i) r.H[i] = constant<T>(i < 3 ? 2 * mu : 0);
+  add_volume_part<kHessian>(s, T(lambda * J_minus_1), constant<T>(lambda), r);
+  return r;
+}
+
+template <bool kHessian, class T>
+ELASTOGEN_HD inline Response<T> neo_hookean(const T e[3], const T s[3], const T& J_minus_1,
+                                            Scalar<T> mu, Scalar<T> lambda) {
+  const Logarithm<T> l = continued_log(J_minus_1);
+  // mu/2 (I - 3) - mu ln J with the linear terms, which cancel, left out where they are exact
+  const T I_minus_3 = e[0] * (2 + e[0]) + e[1] * (2 + e[1]) + e[2] * (2 + e[2]);
+  Response<T> r;
+  r.psi = mu * (I_minus_3 / 2 - l.value) + lambda / 2 * l.value * l.value;
+  // t_i = mu s_i + psi_J dJ/ds_i; in the regular range mu (s_i - 1/s_i) + lambda ln J / s_i
+  const T psi_J = (lambda * l.value - mu) * l.first;
+  const auto inside = J_minus_1 > Scalar<T>(0.1) - 1;
+  const T minor[3] = {s[1] * s[2], s[2] * s[0], s[0] * s[1]};
+  for (int i = 0; i < 3; ++i) {
+    const T regular = (mu * e[i] * (2 + e[i]) + lambda * l.value) * minor[i] * l.first;
+    r.t[i] = inside ? regular : mu * s[i] + psi_J * minor[i];
+  }
+  if constexpr (kHessian) {
+    const T t[3] = {r.t[0], r.t[1], r.t[2]};
+    for (int i = 0; i < 6; ++i) r.H[i] = constant<T>(i < 3 ? mu : 0);
+    const T psi_JJ = (lambda * l.value - mu) * l.second + lambda * l.first * l.first;
+    add_volume_part<true>(s, psi_J, psi_JJ, r);
+    for (int i = 0; i < 3; ++i) r.t[i] = t[i];
+  }
+  return r;
+}
+
+template <bool kHessian, class T>
+ELASTOGEN_HD inline Response<T> stable_neo_hookean(const T e[3], const T s[3], const T& J_minus_1,
+                                                   Scalar<T> mu, Scalar<T> lambda) {
+  using S = Scalar<T>;
+  const S m = 4 * mu / 3, l = lambda + 5 * mu / 6, offset = 3 * m / (4 * l);  // a - 1
+  const T I_minus_3 = e[0] * (2 + e[0]) + e[1] * (2 + e[1]) + e[2] * (2 + e[2]);
+  const T inverse = 1 / (I_minus_3 + 4);  // 1 / (I + 1)
+  const T shear = (I_minus_3 + 3) * inverse;
+  Response<T> r;
+  r.psi =
+      m / 2 * (I_minus_3 - log_1p(T(I_minus_3 / 4))) + l / 2 * J_minus_1 * (J_minus_1 - 2 * offset);
+  // m s_i I/(I+1) + l (J - a) J_i; the parts 3m/4 s_i and 3m/4 J_i cancel at rest
+  const T minor[3] = {s[1] * s[2], s[2] * s[0], s[0] * s[1]};
+  const T d[3] = {e[0] - (e[1] + e[2] + e[1] * e[2]), e[1] - (e[2] + e[0] + e[2] * e[0]),
+                  e[2] - (e[0] + e[1] + e[0] * e[1])};  // s_i - J_i
+  const T excess = I_minus_3 * inverse / 4;             // I/(I+1) - 3/4
+  for (int i = 0; i < 3; ++i)
+    r.t[i] = m * excess * s[i] + S(0.75) * m * d[i] + l * J_minus_1 * minor[i];
+  if constexpr (kHessian) {
+    for (int i = 0; i < 3; ++i) {
+      const int j = (i + 1) % 3, k = (i + 2) % 3;
+      r.H[i] = m * shear + 2 * m * s[i] * s[i] * inverse * inverse + l * minor[i] * minor[i];
+      r.H[3 + i] = 2 * m * s[i] * s[j] * inverse * inverse + l * minor[i] * minor[j] +
+                   l * (J_minus_1 - offset) * s[k];
+    }
+  }
+  return r;
+}
+
+/// mu sum e^2 + lambda/2 (sum e)^2 of strains e(s) with derivatives first and second.
+template <bool kHessian, class T>
+ELASTOGEN_HD inline Response<T> quadratic(const T e[3], const T first[3], const T second[3],
+                                          Scalar<T> mu, Scalar<T> lambda) {
+  const T trace = e[0] + e[1] + e[2];
+  Response<T> r;
+  r.psi = mu * (e[0] * e[0] + e[1] * e[1] + e[2] * e[2]) + lambda / 2 * trace * trace;
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3;
+    const T w = 2 * mu * e[i] + lambda * trace;
+    r.t[i] = w * first[i];
+    if constexpr (kHessian) {
+      r.H[i] = (2 * mu + lambda) * first[i] * first[i] + w * second[i];
+      r.H[3 + i] = lambda * first[i] * first[j];
+    }
+  }
+  return r;
+}
+
+}  // namespace law
+
+/// Response of a law to stretches of any sign.
+/// @tparam kHessian  whether H is filled.
+template <bool kHessian, class T>
+ELASTOGEN_HD inline Response<T> elastic_response(const LawParameters<Scalar<T>>& p, const T s[3]) {
+  const T e[3] = {s[0] - 1, s[1] - 1, s[2] - 1};
+  const T pairs = e[0] * e[1] + e[1] * e[2] + e[2] * e[0];
+  const T J_minus_1 = e[0] + e[1] + e[2] + pairs + e[0] * e[1] * e[2];
+  switch (p.law) {
+    case Law::kFixedCorotated:
+      return law::fixed_corotated<kHessian>(e, s, J_minus_1, p.mu, p.lambda);
+    case Law::kNeoHookean:
+      return law::neo_hookean<kHessian>(e, s, J_minus_1, p.mu, p.lambda);
+    case Law::kStableNeoHookean:
+      return law::stable_neo_hookean<kHessian>(e, s, J_minus_1, p.mu, p.lambda);
+    case Law::kStvk: {
+      const T green[3] = {e[0] * (1 + e[0] / 2), e[1] * (1 + e[1] / 2), e[2] * (1 + e[2] / 2)};
+      const T one[3] = {constant<T>(1), constant<T>(1), constant<T>(1)};
+      return law::quadratic<kHessian>(green, s, one, p.mu, p.lambda);
+    }
+    case Law::kHencky:
+      break;
+  }
+  T hencky[3], first[3], second[3];
+  for (int i = 0; i < 3; ++i) {
+    const law::Logarithm<T> l = law::continued_log(e[i]);
+    hencky[i] = l.value, first[i] = l.first, second[i] = l.second;
+  }
+  return law::quadratic<kHessian>(hencky, first, second, p.mu, p.lambda);
+}
+
+}  // namespace elastogen

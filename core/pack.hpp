@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+// Eight numbers that are worked on at once. The maths of one voxel is written once, as templates on
+// T; with T = Pack<float> or Pack<double> it runs on a row of eight voxels, with T = double on one.
+//
+// A pack is a vector of the compiler: + - * /, comparisons and m ? a : b work lane by lane.
+
+#pragma once
+
+#include "core/base.hpp"
+
+#include <cmath>
+#include <cstring>
+
+namespace elastogen {
+
+inline constexpr int kLanes = 8;
+
+namespace detail {
+template <class T>
+struct PackOf;
+template <>
+struct PackOf<float> {
+  typedef float type __attribute__((vector_size(32)));
+  typedef int32_t mask __attribute__((vector_size(32)));
+};
+template <>
+struct PackOf<double> {
+  typedef double type __attribute__((vector_size(64)));
+  typedef int64_t mask __attribute__((vector_size(64)));
+};
+template <class T>
+struct ScalarOf {
+  using type = T;
+};
+template <>
+struct ScalarOf<PackOf<float>::type> {
+  using type = float;
+};
+template <>
+struct ScalarOf<PackOf<double>::type> {
+  using type = double;
+};
+}  // namespace detail
+
+template <class T>
+using Pack = typename detail::PackOf<T>::type;
+template <class T>
+using PackMask = typename detail::PackOf<T>::mask;
+
+/// The type of one lane: T itself for a scalar.
+template <class T>
+using Scalar = typename detail::ScalarOf<T>::type;
+
+template <class T>
+inline constexpr bool is_pack = !std::is_same_v<T, Scalar<T>>;
+
+/// The same number in every lane.
+template <class T>
+ELASTOGEN_HD inline T constant(Scalar<T> value) {
+  return T{} + value;
+}
+
+template <class S>
+inline Pack<S> load(const S* from) {
+  Pack<S> value;
+  std::memcpy(&value, from, sizeof value);
+  return value;
+}
+
+template <class S>
+inline void store(S* to, const Pack<S>& value) {
+  std::memcpy(to, &value, sizeof value);
+}
+
+template <class T>
+ELASTOGEN_HD inline T square_root(const T& a) {
+  if constexpr (is_pack<T>) {
+    T result;
+    for (int k = 0; k < kLanes; ++k) result[k] = std::sqrt(a[k]);
+    return result;
+  } else {
+    return std::sqrt(a);
+  }
+}
+
+template <class T>
+ELASTOGEN_HD inline T absolute(const T& a) {
+  return a < 0 ? -a : a;
+}
+
+template <class T>
+ELASTOGEN_HD inline T larger(const T& a, const T& b) {
+  return a > b ? a : b;
+}
+
+template <class T>
+ELASTOGEN_HD inline T smaller(const T& a, const T& b) {
+  return a < b ? a : b;
+}
+
+/// Whether a condition holds in some lane.
+template <class Mask>
+ELASTOGEN_HD inline bool any(const Mask& mask) {
+  if constexpr (std::is_same_v<Mask, bool>) {
+    return mask;
+  } else {
+    bool result = false;
+    for (int k = 0; k < kLanes; ++k) result |= mask[k] != 0;
+    return result;
+  }
+}
+
+/// ln(1 + x) for x > -1, accurate relative to x near 0.
+///
+/// Packs: 1 + x = 2^k m with m in [sqrt(1/2), sqrt 2), and ln m = 2 artanh((m - 1) / (m + 1)) by
+/// its series; within 4 eps of the exact value.
+template <class T>
+ELASTOGEN_HD inline T log_1p(const T& x) {
+  if constexpr (!is_pack<T>) {
+    return std::log1p(x);
+  } else {
+    using S = Scalar<T>;
+    T exponent, rest;
+    for (int k = 0; k < kLanes; ++k) {
+      // bits of sqrt(1/2) subtracted, so that the exponent rounds to nearest in the logarithm
+      if constexpr (sizeof(S) == 4) {
+        int32_t bits;
+        const float y = 1 + x[k];
+        std::memcpy(&bits, &y, 4);
+        const int32_t e = (bits - 0x3f3504f3) >> 23;
+        bits -= e * (1 << 23);
+        float m;
+        std::memcpy(&m, &bits, 4);
+        exponent[k] = float(e);
+        rest[k] = e == 0 ? x[k] : m - 1;
+      } else {
+        int64_t bits;
+        const double y = 1 + x[k];
+        std::memcpy(&bits, &y, 8);
+        const int64_t e = (bits - 0x3fe6a09e667f3bcd) >> 52;
+        bits -= e * (int64_t(1) << 52);
+        double m;
+        std::memcpy(&m, &bits, 8);
+        exponent[k] = double(e);
+        rest[k] = e == 0 ? x[k] : m - 1;
+      }
+    }
+    const T z = rest / (2 + rest), z2 = z * z;
+    constexpr int kTerms = sizeof(S) == 4 ? 5 : 11;
+    T sum = constant<T>(S(1) / (2 * kTerms + 1));
+    for (int k = kTerms - 1; k >= 1; --k) sum = sum * z2 + S(1) / S(2 * k + 1);
+    return exponent * S(0.693147180559945309417) + 2 * z * (1 + z2 * sum);
+  }
+}
+
+}  // namespace elastogen

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+// The CPU loops, on TBB. Results never depend on the number of threads: bodies write disjoint
+// places, and sums are taken block by block and added in the order of the blocks.
+
+#pragma once
+
+#include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+namespace elastogen {
+
+inline constexpr int64_t kBlock = 2048;
+
+/// Limits the threads of all loops while it lives.
+class ThreadLimit {
+ public:
+  explicit ThreadLimit(int threads)
+      : control_(tbb::global_control::max_allowed_parallelism, size_t(threads)) {}
+
+ private:
+  tbb::global_control control_;
+};
+
+/// body(begin, end) over the blocks of [0, n).
+template <class Body>
+void for_blocks(int64_t n, const Body& body, int64_t block = kBlock) {
+  const int64_t blocks = (n + block - 1) / block;
+  if (blocks <= 1) {
+    if (n > 0) body(int64_t(0), n);
+    return;
+  }
+  tbb::parallel_for(int64_t(0), blocks,
+                    [&](int64_t b) { body(b * block, std::min(n, (b + 1) * block)); });
+}
+
+/// body(i) for each i of [0, n).
+template <class Body>
+void for_each(int64_t n, const Body& body, int64_t block = kBlock) {
+  for_blocks(
+      n,
+      [&](int64_t begin, int64_t end) {
+        for (int64_t i = begin; i < end; ++i) body(i);
+      },
+      block);
+}
+
+/// Sum over the blocks of partial(begin, end), a double; same bits on any number of threads.
+template <class Partial>
+double ordered_sum(int64_t n, const Partial& partial) {
+  const int64_t blocks = (n + kBlock - 1) / kBlock;
+  std::vector<double> sums(static_cast<size_t>(blocks));
+  for_blocks(n, [&](int64_t begin, int64_t end) {
+    sums[static_cast<size_t>(begin / kBlock)] = partial(begin, end);
+  });
+  double sum = 0;
+  for (const double s : sums) sum += s;
+  return sum;
+}
+
+}  // namespace elastogen

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// Preconditioned conjugate gradients on function objects.
+
+#pragma once
+
+#include "core/reduce.hpp"
+
+#include <vector>
+
+namespace elastogen {
+
+struct PcgResult {
+  int iterations = 0;
+  double residual = 0;  ///< |b - A x| / |b| as the recurrence has it
+  bool converged = false;
+};
+
+/// Vectors of a solve, kept between calls.
+template <class T>
+struct PcgWork {
+  std::vector<T> r, z, p, Ap;
+  explicit PcgWork(int64_t size) : r(size_t(size)), z(r), p(r), Ap(r) {}
+};
+
+/// Solves A x = b from x = 0 to |b - A x| <= tolerance |b|. A must be symmetric positive definite;
+/// where round-off makes its curvature negative the present x is returned.
+template <class T, class Product, class Precondition>
+PcgResult pcg(const T* b, T* x, int64_t size, double tolerance, int max_iterations,
+              PcgWork<T>& work, const Product& product, const Precondition& precondition) {
+  auto& [r, z, p, Ap] = work;
+  for_each(size, [&](int64_t k) { x[k] = 0, r[size_t(k)] = b[k]; });
+  const double start = norm(b, size);
+  PcgResult result;
+  result.residual = start > 0 ? 1 : 0;
+  double rz_before = 1;
+  while (result.residual > tolerance && result.iterations < max_iterations) {
+    precondition(r.data(), z.data());
+    const double rz = dot(r.data(), z.data(), size);
+    const T beta = result.iterations == 0 ? T(0) : T(rz / rz_before);
+    for_each(size, [&](int64_t k) { p[size_t(k)] = z[size_t(k)] + beta * p[size_t(k)]; });
+    product(p.data(), Ap.data());
+    const double curvature = dot(p.data(), Ap.data(), size);
+    if (!(curvature > 0) || !(rz > 0)) return result;
+    const T alpha = T(rz / curvature);
+    add_scaled(alpha, p.data(), x, size);
+    add_scaled(T(-alpha), Ap.data(), r.data(), size);
+    rz_before = rz;
+    result.residual = norm(r.data(), size) / start;
+    ++result.iterations;
+  }
+  result.converged = result.residual <= tolerance;
+  return result;
+}
+
+}  // namespace elastogen

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// Sums and vector updates over nodal arrays: float64 sums in a fixed order.
+
+#pragma once
+
+#include "core/parallel.hpp"
+
+#include <cmath>
+
+namespace elastogen {
+
+/// sum_i a_i b_i in float64.
+template <class T>
+double dot(const T* a, const T* b, int64_t n) {
+  return ordered_sum(n, [=](int64_t begin, int64_t end) {
+    // eight running sums, so that the loop is not one chain of additions
+    double sum[8] = {};
+    int64_t i = begin;
+    for (; i + 8 <= end; i += 8)
+      for (int k = 0; k < 8; ++k) sum[k] += double(a[i + k]) * double(b[i + k]);
+    for (; i < end; ++i) sum[0] += double(a[i]) * double(b[i]);
+    return ((sum[0] + sum[1]) + (sum[2] + sum[3])) + ((sum[4] + sum[5]) + (sum[6] + sum[7]));
+  });
+}
+
+template <class T>
+double norm(const T* a, int64_t n) {
+  return std::sqrt(dot(a, a, n));
+}
+
+/// y += alpha x
+template <class T>
+void add_scaled(T alpha, const T* x, T* y, int64_t n) {
+  for_blocks(n, [=](int64_t begin, int64_t end) {
+    for (int64_t i = begin; i < end; ++i) y[i] += alpha * x[i];
+  });
+}
+
+}  // namespace elastogen

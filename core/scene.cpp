@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/scene.hpp"
+
+#include "core/error.hpp"
+#include "core/parallel.hpp"
+#include "core/state.hpp"
+
+#include <cmath>
+
+namespace elastogen {
+namespace {
+
+bool finite(const Vec3& v) {
+  return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]);
+}
+
+void check_scene(const Scene& scene) {
+  const VoxelGrid& grid = scene.grid;
+  const int64_t voxels = grid.voxel_count(), nodes = grid.node_count();
+  const auto is = [](const auto& array, int64_t rows, int cols) {
+    return array.rows() == rows && array.cols() == cols;
+  };
+  ELASTOGEN_CHECK(voxels > 0, "the scene has no voxels");
+  ELASTOGEN_CHECK(grid.h > 0 && std::isfinite(grid.h), "h must be positive, got ", grid.h);
+  ELASTOGEN_CHECK(is(grid.fill, voxels, 1) && is(grid.shape_mean, voxels, 8) &&
+                      is(grid.corners, voxels, 8) && is(grid.voxels, nodes, 8),
+                  "the tables of the grid do not fit its ", voxels, " voxels and ", nodes,
+                  " nodes");
+  ELASTOGEN_CHECK(is(scene.material, voxels, 1), "material must be (voxels, 1)");
+  ELASTOGEN_CHECK(is(scene.pinned, nodes, 1), "pinned must be (nodes, 1)");
+  ELASTOGEN_CHECK(!scene.materials.empty(), "the scene has no material");
+  for (const Material& m : scene.materials) check_material(m);
+  for (int64_t v = 0; v < voxels; ++v)
+    ELASTOGEN_CHECK(scene.material(v) >= 0 && scene.material(v) < int(scene.materials.size()),
+                    "voxel ", v, " has material ", scene.material(v), " of ",
+                    scene.materials.size());
+  ELASTOGEN_CHECK(scene.dt > 0 && std::isfinite(scene.dt), "dt must be positive, got ", scene.dt);
+  ELASTOGEN_CHECK(finite(scene.gravity), "gravity must be finite");
+  if (!scene.floor) return;
+  const Vec3& n = scene.floor->normal;
+  ELASTOGEN_CHECK(std::abs(std::hypot(n[0], n[1], n[2]) - 1) < 1e-9, "the floor's normal must be ",
+                  "a unit vector");
+  ELASTOGEN_CHECK(std::isfinite(scene.floor->offset), "the floor's offset must be finite");
+  ELASTOGEN_CHECK(scene.floor->friction >= 0 && std::isfinite(scene.floor->friction),
+                  "friction must not be negative, got ", scene.floor->friction);
+}
+
+/// Factor on rho of every material: the asset's volume over that of the fill, one for the scene.
+double volume_scale(const VoxelGrid& grid) {
+  if (grid.volume <= 0) return 1;
+  double filled = 0;
+  for (int64_t v = 0; v < grid.voxel_count(); ++v) filled += grid.fill(v);
+  return grid.volume / (filled * grid.h * grid.h * grid.h);
+}
+
+void fill_mass(Scene& scene) {
+  const VoxelGrid& grid = scene.grid;
+  const double scale = volume_scale(grid) * grid.h * grid.h * grid.h;
+  scene.mass = Array<double>(grid.node_count());
+  for_each(grid.node_count(), [&](int64_t n) {
+    double sum = 0;
+    for (int c = 0; c < 8; ++c) {
+      const int64_t v = grid.voxels(n, c);
+      if (v < 0) continue;
+      const double rho = scene.materials[size_t(scene.material(v))].density;
+      sum += scale * rho * grid.fill(v) * grid.shape_mean(v, c);
+    }
+    scene.mass(n) = sum;
+  });
+}
+
+/// The voxel on the far side of corner c along an axis, or -1: it shares that corner.
+int32_t neighbour(const VoxelGrid& grid, int64_t voxel, int axis, bool upper) {
+  const int bit = 1 << axis;
+  const int corner = upper ? bit : 0;
+  return grid.voxels(grid.corners(voxel, corner), upper ? 0 : bit);
+}
+
+/// Weights of one voxel: which axes have both faces free decides between solid, sheet and strip.
+void variance_of_voxel(const VoxelGrid& grid, const Material& m, int64_t v, double weight[4]) {
+  constexpr int kAxes[4] = {3, 6, 5, 7};  // axes of the patterns xy, yz, zx, xyz as bits
+  int thin = 0, count = 0;
+  for (int d = 0; d < 3; ++d)
+    if (neighbour(grid, v, d, false) < 0 && neighbour(grid, v, d, true) < 0)
+      thin |= 1 << d, ++count;
+  const double E = m.young, nu = m.poisson;
+  double c = (m.mu() + E / 2) / 2;
+  if (count == 1) c = E / (2 * (1 - nu * nu));
+  if (count >= 2) c = E / 2;
+  const double fill2 = grid.fill(v) * grid.fill(v);
+  for (int k = 0; k < 4; ++k) weight[k] = kAxes[k] & thin ? c * fill2 : c;
+}
+
+}  // namespace
+
+void finish_scene(Scene& scene) {
+  check_scene(scene);
+  fill_mass(scene);
+  const int64_t voxels = scene.grid.voxel_count();
+  scene.variance = Array<double>(voxels, 4);
+  if (scene.hourglass == Hourglass::kOff) return;
+  for_each(voxels, [&](int64_t v) {
+    variance_of_voxel(scene.grid, scene.materials[size_t(scene.material(v))], v,
+                      scene.variance.row(v));
+  });
+}
+
+State initial_state(const Scene& scene, const StartMotion& motion) {
+  const Array<double>& X = scene.grid.rest;
+  const int64_t nodes = X.rows();
+  ELASTOGEN_CHECK(scene.mass.rows() == nodes, "initial_state needs a finished scene");
+  double mass = 0, centre[3] = {};
+  for (int64_t n = 0; n < nodes; ++n) {
+    mass += scene.mass(n);
+    for (int d = 0; d < 3; ++d) centre[d] += scene.mass(n) * X(n, d);
+  }
+  State state;
+  state.x = X;
+  state.v = Array<double>(nodes, 3);
+  const double* w = motion.spin;
+  for (int64_t n = 0; n < nodes; ++n) {
+    if (scene.pinned(n)) continue;
+    const double r[3] = {X(n, 0) - centre[0] / mass, X(n, 1) - centre[1] / mass,
+                         X(n, 2) - centre[2] / mass};
+    for (int d = 0; d < 3; ++d) {
+      const int e = (d + 1) % 3, f = (d + 2) % 3;
+      state.v(n, d) = motion.velocity[d] + w[e] * r[f] - w[f] * r[e];
+    }
+  }
+  return state;
+}
+
+}  // namespace elastogen

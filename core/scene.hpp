@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a solver is given: grid, materials, constraints, forces, floor, time step.
+
+#pragma once
+
+#include "core/material.hpp"
+#include "core/voxel_grid.hpp"
+
+#include <optional>
+#include <vector>
+
+namespace elastogen {
+
+enum class TimeScheme : uint8_t { kEuler = 0, kBdf2 = 1 };
+
+/// Which part of the strain-variance (hourglass) term acts: with the corotated torsion correction,
+/// plain, or none (the operator that the ElastoGen paper prints).
+enum class Hourglass { kFull, kVariance, kOff };
+
+/// The half space normal . x >= offset is free; friction is Coulomb's coefficient.
+struct Floor {
+  Vec3 normal = {0, 1, 0};  ///< unit vector
+  double offset = 0;        ///< [m]
+  double friction = 0.5;    ///< [-]
+};
+
+/// Points of the asset's surface, each carried by the trilinear weights of a voxel.
+/// Filled by voxelize/surface_points; needed only where there is a collider.
+struct SurfacePoints {
+  Array<int32_t> voxel;    ///< (points, 1)
+  Array<double> weights;   ///< trilinear weight of each corner, (points, 8), rows sum to 1
+  Array<double> area;      ///< share of the surface [m^2], (points, 1)
+  Array<double> position;  ///< at rest [m], (points, 3)
+};
+
+struct Scene {
+  VoxelGrid grid;
+  std::vector<Material> materials = {Material{}};
+  Array<int32_t> material;  ///< index into materials of each voxel, (voxels, 1)
+  Array<uint8_t> pinned;    ///< 1 where a node keeps its position, (nodes, 1)
+  Vec3 gravity = {};        ///< [m/s^2]
+  std::optional<Floor> floor;
+  SurfacePoints surface;
+  double dt = 1.0 / 60;  ///< [s]
+  TimeScheme scheme = TimeScheme::kEuler;
+  Hourglass hourglass = Hourglass::kFull;
+
+  // filled by finish_scene
+  Array<double> mass;      ///< lumped mass of each node [kg], (nodes, 1)
+  Array<double> variance;  ///< hourglass weight of the patterns xy, yz, zx, xyz before the fill
+                           ///< [Pa], (voxels, 4)
+};
+
+/// Fills mass and variance of a scene:
+///
+///     m_c = sum over the voxels of c of s rho phi h^3 Nbar_c,
+///
+/// s scales each material so that, where the asset has a volume, the total mass is exact;
+/// variance weights (mu + E/2)/2, E/(2(1-nu^2)) in sheets and E/2 in strips one voxel thick, there
+/// times phi^2 on the patterns that contain a thin axis (notes in docs/physics.md).
+///
+/// @throws Error on inconsistent shapes, a bad material, dt <= 0, or non-finite numbers.
+void finish_scene(Scene& scene);
+
+}  // namespace elastogen

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// The state of a run: what a step reads and writes. float64 always.
+
+#pragma once
+
+#include "core/array.hpp"
+
+namespace elastogen {
+
+struct Scene;
+
+struct State {
+  // the present; filled by initial_state, then by step
+  Array<double> x;    ///< positions [m], (nodes, 3)
+  Array<double> v;    ///< velocities [m/s], (nodes, 3)
+  double time = 0;    ///< [s]
+  int64_t steps = 0;  ///< steps taken since the start
+
+  // the step before, for BDF2; filled by step
+  Array<double> x_before;  ///< (nodes, 3); empty: the next step is implicit Euler
+  Array<double> v_before;  ///< (nodes, 3)
+};
+
+/// A uniform velocity and a spin [rad/s] about the centre of mass.
+struct StartMotion {
+  double velocity[3] = {0, 0, 0};
+  double spin[3] = {0, 0, 0};
+};
+
+/// The rest state with a rigid motion; pinned nodes do not move. Needs a finished scene.
+State initial_state(const Scene& scene, const StartMotion& motion = {});
+
+}  // namespace elastogen

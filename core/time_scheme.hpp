@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// Implicit Euler and BDF2: predictor, mass factor, velocity, numerical damping.
+
+#pragma once
+
+#include "core/scene.hpp"
+#include "core/state.hpp"
+
+namespace elastogen {
+
+/// The scheme of one step: Phi carries a0/(2 dt^2) m |x - xhat|^2.
+struct StepScheme {
+  TimeScheme scheme = TimeScheme::kEuler;
+  double dt = 0;  ///< [s]
+  double a0 = 1;  ///< 1 for Euler, 9/4 for BDF2
+};
+
+/// BDF2 where the scene asks for it and the state has a step before; else implicit Euler.
+StepScheme step_scheme(const Scene& scene, const State& state);
+
+/// Predictor xhat of a node's coordinate,
+///
+///     Euler  x + dt v + dt^2 g,
+///     BDF2   (4 x - x') / 3 + (2 dt / 9) (4 v - v') + (4/9) dt^2 g,
+///
+/// minus x, so that no digits are lost to the place of the body.
+double predicted_motion(const StepScheme& s, double x, double v, double x_before, double v_before,
+                        double gravity);
+
+/// Velocity after the step: (x - x^n)/dt or (3 x - 4 x^n + x^{n-1})/(2 dt).
+double velocity_after(const StepScheme& s, double x, double x_now, double x_before);
+
+/// Share of its amplitude that a vibration of angular frequency omega keeps over one period.
+double amplitude_kept(TimeScheme scheme, double omega_dt);
+
+}  // namespace elastogen

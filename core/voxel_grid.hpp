@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// The sparse voxel grid that both solvers step on: topology and geometry, no material.
+
+#pragma once
+
+#include "core/array.hpp"
+#include "core/base.hpp"
+
+namespace elastogen {
+
+/// Active voxels of edge h on the lattice origin + h (i, j, k).
+///
+/// Voxels and nodes are sorted by the 8x8x8 brick of their lattice coordinate, bricks in Morton
+/// order, x fastest inside a brick. Corner c = i + 2 j + 4 k of a voxel lies on the + side of axis
+/// d when bit d of c is set.
+struct VoxelGrid {
+  double h = 0;      ///< voxel edge [m]
+  Vec3 origin = {};  ///< position of lattice point (0, 0, 0) [m]
+
+  // filled by voxelize/bricks
+  Array<int32_t> voxel_coord;  ///< lattice coordinate of each voxel's corner 0, (voxels, 3)
+  Array<int32_t> node_coord;   ///< lattice coordinate of each node, (nodes, 3)
+  Array<int32_t> corners;      ///< node of each corner, (voxels, 8)
+  Array<int32_t> voxels;       ///< voxel of which the node is corner c, (nodes, 8), -1 if none
+  Array<double> rest;          ///< rest position [m], (nodes, 3)
+  Array<int32_t> piece;  ///< connected piece (voxels that share a node) of each node, (nodes, 1)
+  int pieces = 0;
+
+  // filled by voxelize/fill_fraction
+  Array<double> fill;        ///< filled share of each voxel after the floor of 0.02, (voxels, 1)
+  Array<double> shape_mean;  ///< mean of each corner's shape function over the fill, (voxels, 8),
+                             ///< rows sum to 1, 1/8 in a full voxel
+  double volume = 0;         ///< volume of the asset [m^3]; 0 where it has none (open sheets)
+
+  int64_t voxel_count() const { return corners.rows(); }
+  int64_t node_count() const { return rest.rows(); }
+};
+
+}  // namespace elastogen

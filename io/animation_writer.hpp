@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// An animation as a file: the asset unchanged, its vertices moved frame by frame.
+
+#pragma once
+
+#include "io/asset.hpp"
+
+#include <memory>
+#include <string>
+
+namespace elastogen {
+
+/// What the solver certifies about one frame; the rest pose is converged with residual 0.
+struct FrameCertificate {
+  bool converged = false;
+  double residual = 0;  ///< |grad E| / |M g_ref| of the true equations [-]
+  double min_j = 1;     ///< smallest det F [-]
+};
+
+struct AnimationOptions {
+  double fps = 30;             ///< [1/s]
+  bool keyframe = false;       ///< one morph target a frame; else displacement modes
+  double modal_error = 1e-3;   ///< largest vertex error of the modes / longest edge [-]
+  std::string generator = "";  ///< program and version
+  std::string command = "";    ///< the command line
+  std::string commit = "";     ///< of the program
+  Matrix4 root = kIdentity4;   ///< scale of --size and turn of --up, applied above all scene roots
+};
+
+/// Writes an animation frame by frame; the first frame is the start. Frames wait in an unnamed
+/// file beside the output, so that memory does not grow with their number, and nothing is left
+/// behind without finish().
+class AnimationWriter {
+ public:
+  virtual ~AnimationWriter() = default;
+
+  /// A writer for the ending of `path` (.glb).
+  /// @param asset, surface  what was read and posed; both must outlive the writer.
+  /// @throws Error (usage) for another ending, fps <= 0 or a root matrix without inverse;
+  ///         (resources) if the folder cannot be written.
+  static std::unique_ptr<AnimationWriter> create(const std::string& path, const Asset& asset,
+                                                 const Surface& surface,
+                                                 const AnimationOptions& options = {});
+
+  /// Adds a frame.
+  /// @param displacement  of the surface's vertices [m], (vertices, 3), finite.
+  virtual void frame(In<double> displacement, const FrameCertificate& certificate) = 0;
+
+  /// Writes the file under a temporary name and renames it.
+  /// @throws Error (usage) without a frame; (resources) where disk or format is too small.
+  virtual void finish() = 0;
+};
+
+}  // namespace elastogen

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+// An asset as its file has it: meshes in the file's own numbers and vertex order, the node tree,
+// materials; and the one surface in metres that the solver is given.
+
+#pragma once
+
+#include "core/array.hpp"
+#include "core/base.hpp"
+
+#include <string>
+#include <vector>
+
+namespace elastogen {
+
+/// Column-major 4x4, as glTF has it.
+using Matrix4 = std::array<double, 16>;
+inline constexpr Matrix4 kIdentity4 = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+
+/// Triangles of one material.
+struct TriangleGroup {
+  int material = -1;            ///< index into Asset::materials, -1 for none
+  std::vector<int32_t> corner;  ///< three drawn vertices a triangle
+  int primitive = -1;           ///< glTF: index of the primitive in its mesh
+};
+
+/// A mesh in its own space. A drawn vertex is a position with attributes; the first ones are the
+/// file's positions in the file's order, further ones split a position at a seam (OBJ).
+struct Mesh {
+  std::string name;
+  std::vector<Vec3> position;        ///< in the file's numbers and order
+  std::vector<int32_t> position_of;  ///< position of each drawn vertex; the first are 0, 1, 2, ...
+  std::vector<std::array<float, 2>> uv;      ///< per drawn vertex, or empty; v as glTF (down)
+  std::vector<std::array<float, 3>> normal;  ///< per drawn vertex, or empty
+  std::vector<std::array<float, 4>> colour;  ///< per drawn vertex, linear RGBA, or empty
+  std::vector<TriangleGroup> groups;
+};
+
+/// A node of the scene tree; several nodes may show one mesh.
+struct AssetNode {
+  std::string name;
+  int parent = -1;
+  Matrix4 matrix = kIdentity4;  ///< to the parent
+  int mesh = -1;                ///< index into Asset::meshes, -1 for none
+};
+
+struct AssetMaterial {
+  std::string name;
+  std::array<float, 4> base_colour = {0.8f, 0.8f, 0.8f, 1};
+  std::string
+      texture;  ///< path of the base colour image, resolved beside the asset; empty for none
+  bool double_sided = false;
+};
+
+/// Something a reader or the check noticed, and what was done about it.
+struct Finding {
+  std::string what;  ///< short id, e.g. "zero-area"
+  int64_t count = 0;
+  std::string text;  ///< a sentence for people
+};
+
+struct Asset {
+  std::string path;
+  std::string format;  ///< "obj", "ply", "stl", "gltf", "glb"
+  std::vector<Mesh> meshes;
+  std::vector<AssetNode> nodes;  ///< in file order; every mesh is shown by one node at least
+  std::vector<AssetMaterial> materials;
+  std::vector<Finding> findings;
+  bool y_up = false;  ///< the format says so (glTF)
+  double unit = 0;    ///< metres per file unit where the format says so (glTF: 1), else 0
+};
+
+/// Where the vertices of one shown mesh stand in a Surface.
+struct SurfaceInstance {
+  int node = -1;
+  int mesh = -1;
+  int64_t first_vertex = 0;  ///< one surface vertex per position of the mesh, in its order
+  int64_t first_triangle = 0;
+  int64_t triangles = 0;
+};
+
+/// Every shown mesh, posed by the node tree, in metres and the asset's own axes.
+struct Surface {
+  Array<double> vertices;    ///< [m], (vertices, 3)
+  Array<int32_t> triangles;  ///< (triangles, 3)
+  Array<int32_t> material;   ///< asset material of each triangle, -1 for none, (triangles, 1)
+  std::vector<SurfaceInstance> instances;
+  double scale = 1;  ///< metres per file unit that was applied (--size)
+  Box box;           ///< of the vertices that triangles use [m]
+};
+
+/// Matrix of a node to the asset's root. @throws Error (asset) on a cycle.
+Matrix4 world_matrix(const Asset& asset, int node);
+
+/// Poses an asset and scales it so that its longest edge is `size` metres (0: as the file has it).
+/// @throws Error (asset) if there is no triangle, no extent, or a number is not finite.
+Surface pose_surface(const Asset& asset, double size = 0);
+
+}  // namespace elastogen

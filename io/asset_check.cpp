@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/asset_check.hpp"
+
+#include "core/error.hpp"
+
+#include <cmath>
+
+namespace elastogen {
+namespace {
+
+template <size_t N>
+bool is_finite(const std::array<float, N>& v) {
+  for (const float x : v)
+    if (!std::isfinite(x)) return false;
+  return true;
+}
+
+void check_positions(const Asset& asset, const Mesh& mesh) {
+  for (size_t i = 0; i < mesh.position.size(); ++i)
+    for (const double x : mesh.position[i])
+      ELASTOGEN_CHECK_ASSET(std::isfinite(x), asset.path, ": mesh \"", mesh.name, "\": vertex ", i,
+                            " (counted from 0) is not finite");
+}
+
+void check_indices(const Asset& asset, const Mesh& mesh) {
+  for (size_t d = 0; d < mesh.position_of.size(); ++d)
+    ELASTOGEN_CHECK_ASSET(
+        mesh.position_of[d] >= 0 && size_t(mesh.position_of[d]) < mesh.position.size(), asset.path,
+        ": mesh \"", mesh.name, "\": drawn vertex ", d, " has the position ", mesh.position_of[d],
+        " of ", mesh.position.size());
+  for (const TriangleGroup& group : mesh.groups) {
+    ELASTOGEN_CHECK_ASSET(group.corner.size() % 3 == 0, asset.path, ": mesh \"", mesh.name,
+                          "\": ", group.corner.size(), " corners are no triangles");
+    ELASTOGEN_CHECK_ASSET(group.material >= -1 && group.material < int(asset.materials.size()),
+                          asset.path, ": mesh \"", mesh.name, "\": there is no material ",
+                          group.material);
+    for (size_t k = 0; k < group.corner.size(); ++k)
+      ELASTOGEN_CHECK_ASSET(
+          group.corner[k] >= 0 && size_t(group.corner[k]) < mesh.position_of.size(), asset.path,
+          ": mesh \"", mesh.name, "\": triangle ", k / 3, " has the vertex ", group.corner[k],
+          ", there are ", mesh.position_of.size());
+  }
+}
+
+/// Sets values that are not finite to the default.
+template <size_t N>
+void repair(Asset& asset, const Mesh& mesh, std::vector<std::array<float, N>>& values,
+            const std::array<float, N>& value, const char* name) {
+  ELASTOGEN_CHECK_ASSET(values.empty() || values.size() == mesh.position_of.size(), asset.path,
+                        ": mesh \"", mesh.name, "\": ", values.size(), ' ', name, " for ",
+                        mesh.position_of.size(), " vertices");
+  int64_t bad = 0;
+  for (std::array<float, N>& v : values) {
+    if (is_finite(v)) continue;
+    v = value;
+    ++bad;
+  }
+  add_finding(asset, concat("bad-", name), bad, concat(name, " that were not finite were reset"));
+}
+
+/// What the welded triangles tell.
+void add_topology(Asset& asset, const Surface& surface, const WeldedMesh& w) {
+  add_finding(asset, "zero-area", w.zero_area,
+              "triangles of no area are in the file; the physics passes over them");
+  add_finding(asset, "duplicate-faces", w.duplicate_faces,
+              "triangles repeat another one; the physics sees one of them");
+  add_finding(asset, "double-sided", w.opposite_pairs,
+              "triangles are there twice, once from each side");
+  add_finding(asset, "unreferenced", w.unreferenced, "vertices belong to no triangle");
+  if (asset.format == "obj" || asset.format == "ply")  // the others split vertices by design
+    add_finding(asset, "duplicate-vertices", w.merged,
+                "vertices lie on another one; they are joined for the physics only");
+  add_finding(asset, "non-manifold", w.nonmanifold_edges, "edges have three faces or more");
+  add_finding(asset, "open", w.border_edges, "edges have one face: the surface is open");
+  add_finding(asset, "mixed-winding", w.turned_edges,
+              "edges lie between two triangles of opposite winding");
+  if (w.closed() && w.balanced() && w.volume < 0)
+    add_finding(asset, "flipped", surface.triangles.rows(),
+                "triangles are wound inside out, all of them");
+  if (w.pieces > 1) add_finding(asset, "pieces", w.pieces, "pieces are not joined by an edge");
+}
+
+}  // namespace
+
+void add_finding(Asset& asset, const std::string& what, int64_t count, const std::string& text) {
+  if (count == 0) return;
+  for (Finding& finding : asset.findings) {
+    if (finding.what != what) continue;
+    finding.count += count;
+    return;
+  }
+  asset.findings.push_back({what, count, text});
+}
+
+void check_asset(Asset& asset) {
+  for (Mesh& mesh : asset.meshes) {
+    check_positions(asset, mesh);
+    check_indices(asset, mesh);
+    repair(asset, mesh, mesh.uv, {0, 0}, "uvs");
+    repair(asset, mesh, mesh.normal, {0, 0, 1}, "normals");
+    repair(asset, mesh, mesh.colour, {1, 1, 1, 1}, "colours");
+  }
+  const Surface surface = pose_surface(asset);
+  const WeldedMesh welded = weld(surface);
+  ELASTOGEN_CHECK_ASSET(welded.triangles.rows() > 0, asset.path,
+                        ": no triangle has an area: nothing to simulate");
+  add_topology(asset, surface, welded);
+}
+
+}  // namespace elastogen

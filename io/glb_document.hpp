@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// The glTF document of an asset, to which a writer adds an animation, and the GLB container.
+
+#pragma once
+
+#include "io/asset.hpp"
+#include "io/gltf_source.hpp"
+
+#include <string>
+#include <vector>
+
+namespace elastogen {
+
+/// JSON with one buffer. Node i of the document is node i of the asset.
+struct GlbDocument {
+  std::string json;
+  Bytes bin;
+  std::vector<std::string> notes;  ///< what could not be taken along
+};
+
+/// The document of an asset that came from a glTF file: the file's own, with buffers and images
+/// from beside it embedded, without its animations and morph targets. The bytes behind its
+/// accessors and images stay as they are.
+/// @throws Error (asset) as read_gltf_source.
+GlbDocument gltf_document(const Asset& asset);
+
+/// A document made of an asset from any other format: one mesh for each of the asset's, drawn
+/// vertices in its order. Positions are float32; where a mesh lies further from the origin than
+/// 100 times its size they are relative to its centre, which goes into the node. PNG and JPEG
+/// textures are embedded.
+GlbDocument mesh_document(const Asset& asset);
+
+/// MIME type of an image by its first bytes, "" if it is none that glTF knows.
+std::string image_type(const Bytes& image);
+
+/// Appends bytes at a multiple of four; returns their offset.
+uint64_t append_bytes(Bytes& bin, const void* data, size_t size);
+
+/// Writes a GLB file under a temporary name and renames it.
+/// @throws Error (resources) if it would be larger than the 4 GiB of the format or the disk is
+/// full.
+void write_glb(const std::string& path, const std::string& json, const Bytes& bin);
+
+}  // namespace elastogen

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// The geometry part of a glTF document, read by tinygltf.
+
+#pragma once
+
+#include "io/gltf_source.hpp"
+
+namespace tinygltf {
+class Model;
+}
+
+namespace elastogen {
+
+/// Fills scenes, nodes, meshes, accessors, buffer views and materials of a model. tinygltf takes
+/// fields of a wrong type for absent ones, narrows integers and recurses, so it is given only what
+/// has been checked: every index and size is a non-negative integer below 2^31 (byte offsets and
+/// lengths: 2^53), lists hold objects, extras and extensions are left out, buffers and images too.
+/// Indices are not yet compared with the lists that they point into.
+/// @throws Error (asset) naming the field.
+void read_gltf_model(const GltfSource& source, tinygltf::Model& model);
+
+}  // namespace elastogen

@@ -1,0 +1,352 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/gltf_reader.hpp"
+
+#include "core/error.hpp"
+#include "io/gltf_accessor.hpp"
+#include "io/gltf_model.hpp"
+
+#include <nlohmann/json.hpp>
+#define TINYGLTF_NO_STB_IMAGE
+#define TINYGLTF_NO_STB_IMAGE_WRITE
+#include <tiny_gltf.h>
+
+#include <cmath>
+#include <map>
+
+namespace elastogen {
+
+namespace {
+
+using nlohmann::json;
+
+/// Decoded vertices and corners may outnumber the bytes of the file, but not by more.
+constexpr uint64_t kMaxReuse = 64;
+
+class GltfReader {
+ public:
+  explicit GltfReader(const std::string& path) : source_(read_gltf_source(path)) {
+    asset_.path = path;
+    read_gltf_model(source_, model_);
+    for (const Bytes& buffer : source_.buffers) budget_ += kMaxReuse * buffer.size();
+  }
+
+  Asset read() {
+    const bool binary = source_.json.size() > 0 && asset_.path.ends_with(".glb");
+    asset_.format = binary ? "glb" : "gltf";
+    asset_.y_up = true;
+    asset_.unit = 1;
+    read_nodes();
+    show_scene();
+    for (size_t m = 0; m < model_.materials.size(); ++m) read_material(model_.materials[m]);
+    read_meshes();
+    note_what_is_left_out();
+    return std::move(asset_);
+  }
+
+ private:
+  template <class... Parts>
+  void check(bool condition, const Parts&... parts) const {
+    ELASTOGEN_CHECK_ASSET(condition, asset_.path, ": ", parts...);
+  }
+
+  void note(const char* what, int64_t count, const char* text) {
+    if (count > 0) asset_.findings.push_back({what, count, text});
+  }
+
+  // nodes
+
+  static Matrix4 composed(const tinygltf::Node& node) {
+    Matrix4 matrix = kIdentity4;
+    if (!node.matrix.empty()) {
+      std::copy(node.matrix.begin(), node.matrix.end(), matrix.begin());
+      return matrix;
+    }
+    if (!node.rotation.empty()) {
+      const double x = node.rotation[0], y = node.rotation[1], z = node.rotation[2],
+                   w = node.rotation[3], s = 2 / (x * x + y * y + z * z + w * w);
+      matrix = {1 - s * (y * y + z * z),
+                s * (x * y + w * z),
+                s * (x * z - w * y),
+                0,
+                s * (x * y - w * z),
+                1 - s * (x * x + z * z),
+                s * (y * z + w * x),
+                0,
+                s * (x * z + w * y),
+                s * (y * z - w * x),
+                1 - s * (x * x + y * y),
+                0,
+                0,
+                0,
+                0,
+                1};
+    }
+    for (size_t c = 0; c < 3 && !node.scale.empty(); ++c) {
+      for (size_t r = 0; r < 3; ++r) matrix[4 * c + r] *= node.scale[c];
+    }
+    for (size_t r = 0; r < 3 && !node.translation.empty(); ++r) {
+      matrix[12 + r] = node.translation[r];
+    }
+    return matrix;
+  }
+
+  void check_transform(const tinygltf::Node& node, size_t index) const {
+    const auto is = [](const std::vector<double>& v, size_t n) {
+      return v.empty() || v.size() == n;
+    };
+    check(
+        is(node.matrix, 16) && is(node.rotation, 4) && is(node.scale, 3) && is(node.translation, 3),
+        "nodes[", index, "]: its transform has the wrong number of entries");
+    double norm = 0;
+    for (const double q : node.rotation) norm += q * q;
+    check(node.rotation.empty() || (norm > 1e-12 && std::isfinite(norm)), "nodes[", index,
+          "]: its rotation is not a quaternion of length one");
+  }
+
+  void read_nodes() {
+    const size_t count = model_.nodes.size();
+    asset_.nodes.resize(count);
+    for (size_t n = 0; n < count; ++n) {
+      const tinygltf::Node& node = model_.nodes[n];
+      check_transform(node, n);
+      asset_.nodes[n].name = node.name;
+      asset_.nodes[n].matrix = composed(node);
+      check(node.mesh < int64_t(model_.meshes.size()), "nodes[", n, "]: there is no mesh ",
+            node.mesh);
+      for (const int child : node.children) {
+        check(child >= 0 && size_t(child) < count, "nodes[", n, "]: there is no node ", child);
+        int& parent = asset_.nodes[size_t(child)].parent;
+        check(parent < 0, "nodes[", child, "] has two parents");
+        parent = int(n);
+      }
+    }
+  }
+
+  /// Roots of the default scene; of the first where none is named; all roots without scenes.
+  std::vector<int> scene_roots() const {
+    std::vector<int> roots;
+    if (model_.scenes.empty()) {
+      for (size_t n = 0; n < asset_.nodes.size(); ++n) {
+        if (asset_.nodes[n].parent < 0) roots.push_back(int(n));
+      }
+      return roots;
+    }
+    const int scene = std::max(model_.defaultScene, 0);
+    check(size_t(scene) < model_.scenes.size(), "there is no scene ", scene);
+    for (const int node : model_.scenes[size_t(scene)].nodes) {
+      check(node >= 0 && size_t(node) < asset_.nodes.size(), "scenes[", scene,
+            "]: there is no node ", node);
+      roots.push_back(node);
+    }
+    return roots;
+  }
+
+  /// Walks the tree from the roots and sets the mesh of each node that is reached. A root of the
+  /// scene stands in it without its parent, if it has one.
+  void show_scene() {
+    check_acyclic();
+    std::vector<int> stack = scene_roots();
+    for (const int root : stack) asset_.nodes[size_t(root)].parent = -1;
+    std::vector<bool> seen(asset_.nodes.size(), false);
+    while (!stack.empty()) {
+      const auto n = size_t(stack.back());
+      stack.pop_back();
+      check(!seen[n], "node ", n, " is listed twice in its scene");
+      seen[n] = true;
+      const tinygltf::Node& node = model_.nodes[n];
+      asset_.nodes[n].mesh = node.mesh;
+      const std::string name = node.name.empty() ? concat("nodes[", n, ']') : node.name;
+      check(node.skin < 0 || node.mesh < 0, "node \"", name,
+            "\" is skinned, which is not read; bake the pose into the mesh and export without "
+            "the skin");
+      stack.insert(stack.end(), node.children.begin(), node.children.end());
+    }
+  }
+
+  /// Each node has one parent at most, so a cycle is what the roots do not reach.
+  void check_acyclic() const {
+    std::vector<int> stack;
+    size_t reached = 0;
+    for (size_t n = 0; n < asset_.nodes.size(); ++n) {
+      if (asset_.nodes[n].parent < 0) stack.push_back(int(n));
+    }
+    while (!stack.empty()) {
+      const auto n = size_t(stack.back());
+      stack.pop_back();
+      ++reached;
+      const auto& children = model_.nodes[n].children;
+      stack.insert(stack.end(), children.begin(), children.end());
+    }
+    check(reached == asset_.nodes.size(), "the node tree has a cycle");
+  }
+
+  void read_material(const tinygltf::Material& from) {
+    AssetMaterial material;
+    material.name = from.name;
+    material.double_sided = from.doubleSided;
+    const std::vector<double>& factor = from.pbrMetallicRoughness.baseColorFactor;
+    for (size_t c = 0; c < 4; ++c)
+      material.base_colour[c] = c < factor.size() ? float(factor[c]) : 1;
+    asset_.materials.push_back(std::move(material));
+  }
+
+  // meshes
+
+  static bool is_surface(const tinygltf::Primitive& primitive) {
+    return primitive.mode >= TINYGLTF_MODE_TRIANGLES &&
+           primitive.mode <= TINYGLTF_MODE_TRIANGLE_FAN &&
+           primitive.attributes.contains("POSITION");
+  }
+
+  /// Takes decoded numbers from the budget, so that a small file cannot ask for endless copies.
+  void spend(uint64_t count) {
+    check(count <= budget_, "its accessors are used more often than any real file does");
+    budget_ -= count;
+  }
+
+  /// Appends an accessor's rows to an attribute that so far fills `first` vertices.
+  template <size_t N>
+  void append(int accessor, int64_t first, int64_t count,
+              std::vector<std::array<float, N>>& attribute, std::array<float, N> fill) {
+    const Array<double> values = accessor_values(source_, model_, accessor);
+    check(values.rows() == count, "accessors[", accessor, "] has ", values.rows(),
+          " vertices, its POSITION has ", count);
+    attribute.resize(size_t(first), fill);
+    for (int64_t v = 0; v < count; ++v) {
+      std::array<float, N> row = fill;
+      for (int c = 0; c < values.cols() && c < int(N); ++c) row[size_t(c)] = float(values(v, c));
+      attribute.push_back(row);
+    }
+  }
+
+  /// Appends the vertices of a primitive to a mesh; returns how many.
+  int64_t append_vertices(const tinygltf::Primitive& primitive, Mesh& mesh) {
+    const int index = primitive.attributes.at("POSITION");
+    const Array<double> position = accessor_values(source_, model_, index);
+    check(position.cols() == 3, "accessors[", index, "]: POSITION must be VEC3");
+    const auto first = int64_t(mesh.position.size()), count = position.rows();
+    spend(uint64_t(count));
+    check(first + count <= INT32_MAX, "a mesh has more than 2^31 vertices");
+    for (int64_t v = 0; v < count; ++v) {
+      mesh.position.push_back({position(v, 0), position(v, 1), position(v, 2)});
+      mesh.position_of.push_back(int32_t(first + v));
+    }
+    const auto has = [&](const char* name) { return primitive.attributes.contains(name); };
+    const auto at = [&](const char* name) { return primitive.attributes.at(name); };
+    if (has("TEXCOORD_0")) append(at("TEXCOORD_0"), first, count, mesh.uv, {});
+    if (has("NORMAL")) append(at("NORMAL"), first, count, mesh.normal, {});
+    if (has("COLOR_0")) append(at("COLOR_0"), first, count, mesh.colour, {1, 1, 1, 1});
+    return count;
+  }
+
+  static void add_triangles(const tinygltf::Primitive& primitive,
+                            const std::vector<uint32_t>& index, int64_t first,
+                            std::vector<int32_t>& corner) {
+    const auto add = [&](size_t a, size_t b, size_t c) {
+      for (const size_t i : {a, b, c}) corner.push_back(int32_t(first + index[i]));
+    };
+    const size_t n = index.size();
+    if (primitive.mode == TINYGLTF_MODE_TRIANGLES) {
+      for (size_t i = 0; i + 2 < n; i += 3) add(i, i + 1, i + 2);
+    } else if (primitive.mode == TINYGLTF_MODE_TRIANGLE_STRIP) {
+      for (size_t i = 0; i + 2 < n; ++i) add(i, i + 1 + i % 2, i + 2 - i % 2);
+    } else {
+      for (size_t i = 1; i + 1 < n; ++i) add(i, i + 1, 0);
+    }
+  }
+
+  std::vector<uint32_t> indices_of(const tinygltf::Primitive& primitive, int64_t vertices) {
+    if (primitive.indices >= 0) {
+      return accessor_indices(source_, model_, primitive.indices, vertices);
+    }
+    std::vector<uint32_t> all(static_cast<size_t>(vertices));
+    for (size_t i = 0; i < all.size(); ++i) all[i] = uint32_t(i);
+    return all;
+  }
+
+  /// Reads one mesh; counts the primitives that are no triangles.
+  Mesh read_mesh(const tinygltf::Mesh& from, int64_t& skipped) {
+    Mesh mesh;
+    mesh.name = from.name;
+    std::map<int, std::pair<int64_t, int64_t>> ranges;  // first vertex and count of an accessor
+    for (size_t p = 0; p < from.primitives.size(); ++p) {
+      const tinygltf::Primitive& primitive = from.primitives[p];
+      if (!is_surface(primitive)) {
+        ++skipped;
+        continue;
+      }
+      const auto [range, is_new] = ranges.try_emplace(primitive.attributes.at("POSITION"));
+      if (is_new) {
+        const auto first = int64_t(mesh.position.size());
+        range->second = {first, append_vertices(primitive, mesh)};
+      }
+      const auto [first, count] = range->second;
+      const std::vector<uint32_t> indices = indices_of(primitive, count);
+      spend(indices.size());
+      check(primitive.material < int64_t(model_.materials.size()), "mesh \"", from.name,
+            "\": there is no material ", primitive.material);
+      TriangleGroup group{primitive.material, {}, int(p)};
+      add_triangles(primitive, indices, first, group.corner);
+      mesh.groups.push_back(std::move(group));
+    }
+    const size_t drawn = mesh.position.size();
+    if (!mesh.uv.empty()) mesh.uv.resize(drawn, {});
+    if (!mesh.normal.empty()) mesh.normal.resize(drawn, {});
+    if (!mesh.colour.empty()) mesh.colour.resize(drawn, {1, 1, 1, 1});
+    return mesh;
+  }
+
+  /// Reads the meshes that are shown and turns the nodes' file indices into the asset's.
+  void read_meshes() {
+    std::map<int, int> index_of;
+    for (const AssetNode& node : asset_.nodes) {
+      if (node.mesh >= 0) index_of[node.mesh] = -1;
+    }
+    int64_t skipped = 0;
+    for (auto& [file_index, index] : index_of) {
+      Mesh mesh = read_mesh(model_.meshes[size_t(file_index)], skipped);
+      if (mesh.groups.empty()) continue;
+      index = int(asset_.meshes.size());
+      asset_.meshes.push_back(std::move(mesh));
+    }
+    for (AssetNode& node : asset_.nodes) {
+      if (node.mesh >= 0) node.mesh = index_of[node.mesh];
+    }
+    note("not-triangles", skipped, "point and line primitives do not take part in the simulation");
+  }
+
+  void note_what_is_left_out() {
+    const json document = json::parse(source_.json);
+    const json animations = document.value("animations", json::array());
+    note("animations", int64_t(animations.size()),
+         "the animations of the file are replaced by the simulated one");
+    int64_t morphed = 0, missing = 0;
+    for (const json& mesh : document.value("meshes", json::array())) {
+      for (const json& primitive : mesh["primitives"]) morphed += primitive.contains("targets");
+    }
+    note("morph-targets", morphed, "morph targets are left out; the base shape is used");
+    const json images = document.value("images", json::array());
+    check(images.is_array(), "images must be a list");
+    for (size_t i = 0; i < images.size(); ++i) {
+      if (!images[i].is_object() || !images[i].contains("uri")) continue;
+      check(images[i]["uri"].is_string(), "images[", i, "]: the URI is not a string");
+      const std::string uri = images[i]["uri"].get<std::string>();
+      const std::string what = concat("images[", i, ']');
+      missing += !is_data_uri(uri) && resolve_gltf_uri(asset_.path, uri, what).empty();
+    }
+    note("missing-texture", missing, "images that are not beside the file are shown white");
+  }
+
+  GltfSource source_;
+  tinygltf::Model model_;
+  Asset asset_;
+  uint64_t budget_ = 0;
+};
+
+}  // namespace
+
+Asset read_gltf(const std::string& path) {
+  return GltfReader(path).read();
+}
+
+}  // namespace elastogen

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// Reads glTF 2.0 (.glb, .gltf): triangle meshes and the node tree of the default scene.
+
+#pragma once
+
+#include "io/asset.hpp"
+
+#include <string>
+
+namespace elastogen {
+
+/// Reads a glTF file. Asset::nodes are all nodes of the file, in its order; those outside the
+/// default scene show no mesh. A mesh's positions are its distinct POSITION accessors one after
+/// the other, in order of first use by a triangle primitive; strips and fans become triangles.
+/// Other primitives, morph targets and animations are left out, with a finding.
+/// @throws Error (asset) naming file and place: a broken file, compressed meshes (Draco, meshopt),
+///         skins, unknown required extensions, indices or byte ranges out of bounds, a cyclic node
+///         tree, files outside the asset's folder.
+Asset read_gltf(const std::string& path);
+
+}  // namespace elastogen

@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/ply_reader.hpp"
+
+#include "io/asset_check.hpp"
+#include "io/byte_reader.hpp"
+#include "io/ply_header.hpp"
+#include "io/polygon.hpp"
+#include "io/safe_file.hpp"
+
+#include <algorithm>
+#include <filesystem>
+
+namespace elastogen {
+namespace {
+
+/// Hands out the values of either encoding, one after the other, as doubles (all types fit).
+class PlyValues {
+ public:
+  PlyValues(std::string_view bytes, const PlyHeader& header, const std::string& path)
+      : path_(path),
+        is_text_(header.encoding == PlyHeader::kText),
+        text_(bytes),
+        binary_(bytes, path,
+                header.encoding == PlyHeader::kBigEndian ? std::endian::big : std::endian::little) {
+  }
+
+  double next(PlyType type) {
+    if (is_text_) return next_number();
+    switch (type) {
+      case PlyType::kInt8:
+        return binary_.read<int8_t>();
+      case PlyType::kUint8:
+        return binary_.read<uint8_t>();
+      case PlyType::kInt16:
+        return binary_.read<int16_t>();
+      case PlyType::kUint16:
+        return binary_.read<uint16_t>();
+      case PlyType::kInt32:
+        return binary_.read<int32_t>();
+      case PlyType::kUint32:
+        return binary_.read<uint32_t>();
+      case PlyType::kFloat32:
+        return binary_.read<float>();
+      case PlyType::kFloat64:
+        break;
+    }
+    return binary_.read<double>();
+  }
+
+  /// Length of a list whose values can all be there.
+  int64_t next_length(const PlyProperty& list) {
+    const double length = next(list.count_type);
+    ELASTOGEN_CHECK_ASSET(length >= 0 && length == std::floor(length) && length < 0x1p31, path_,
+                          ": a list of ", list.name, " has the length ", length);
+    const int64_t n = int64_t(length);
+    if (is_text_) {
+      ELASTOGEN_CHECK_ASSET(n <= int64_t(text_.size() + 1) / 2, path_, ": ", n, " values of ",
+                            list.name, " are claimed but only ", text_.size(), " bytes are left");
+    } else {
+      binary_.claim(n, size_of(list.type), "values of a list");
+    }
+    return n;
+  }
+
+  void skip(const PlyProperty& property) {
+    const int64_t n = property.is_list ? next_length(property) : 1;
+    if (!is_text_) return binary_.skip(n * size_of(property.type), "bytes of values");
+    for (int64_t k = 0; k < n; ++k) next_number();
+  }
+
+ private:
+  double next_number() {
+    const size_t begin = std::min(text_.find_first_not_of(kBlanks), text_.size());
+    text_.remove_prefix(begin);
+    const std::string_view word = text_.substr(0, text_.find_first_of(kBlanks));
+    text_.remove_prefix(word.size());
+    ELASTOGEN_CHECK_ASSET(!word.empty(), path_, ": the file ends before its values do");
+    const std::optional<double> value = to_double(word);
+    ELASTOGEN_CHECK_ASSET(value.has_value(), path_, ": a number is expected, not \"",
+                          word.substr(0, 40), '"');
+    return *value;
+  }
+
+  static constexpr std::string_view kBlanks = " \t\r\n\v\f";
+  const std::string& path_;
+  bool is_text_;
+  std::string_view text_;
+  ByteReader binary_;
+};
+
+/// Largest value of an integer type, by which colours are scaled; 0 for floats.
+double colour_range(PlyType type) {
+  static constexpr double kRange[] = {127, 255, 32767, 65535, 2147483647., 4294967295., 0, 0};
+  return kRange[int(type)];
+}
+
+class PlyParser {
+ public:
+  PlyParser(std::string_view bytes, const std::string& path)
+      : header_(read_ply_header(bytes, path)), values_(bytes.substr(header_.bytes), header_, path) {
+    asset_.path = path;
+    asset_.format = "ply";
+  }
+
+  Asset parse() {
+    check_faces();
+    Mesh& mesh = asset_.meshes.emplace_back();
+    for (const PlyElement& element : header_.elements) {
+      if (element.name == "vertex" && mesh.position.empty()) {
+        read_vertices(element, mesh);
+      } else if (element.name == "face") {
+        read_faces(element);
+      } else {
+        skip(element);
+      }
+    }
+    build_triangles(mesh);
+    mesh.name = std::filesystem::path(asset_.path).stem().string();
+    asset_.nodes.push_back({mesh.name, -1, kIdentity4, 0});
+    return std::move(asset_);
+  }
+
+ private:
+  void check_faces() const {
+    for (const PlyElement& element : header_.elements) {
+      if (element.name == "face" && element.count > 0) return;
+      ELASTOGEN_CHECK_ASSET(element.name != "tristrips", asset_.path,
+                            ": triangle strips are not read; save it with faces");
+    }
+    throw Error(
+        concat(asset_.path, ": has no faces: a point cloud or splat file, which is not read yet"),
+        ErrorKind::kAsset);
+  }
+
+  void skip(const PlyElement& element) {
+    if (element.properties.empty()) return;
+    for (int64_t k = 0; k < element.count; ++k)
+      for (const PlyProperty& property : element.properties) values_.skip(property);
+  }
+
+  /// Where the known properties of a vertex stand in its row, -1 for none.
+  struct Columns {
+    int position[3], normal[3], uv[2], colour[4];
+  };
+
+  Columns columns_of(const PlyElement& vertex) const {
+    const Columns c = {{vertex.find({"x"}), vertex.find({"y"}), vertex.find({"z"})},
+                       {vertex.find({"nx"}), vertex.find({"ny"}), vertex.find({"nz"})},
+                       {vertex.find({"s", "u", "texture_u", "texture_s"}),
+                        vertex.find({"t", "v", "texture_v", "texture_t"})},
+                       {vertex.find({"red", "r"}), vertex.find({"green", "g"}),
+                        vertex.find({"blue", "b"}), vertex.find({"alpha", "a"})}};
+    for (const int k : c.position)
+      ELASTOGEN_CHECK_ASSET(k >= 0, asset_.path, ": its vertices have no x, y, z");
+    for (const PlyProperty& p : vertex.properties)
+      ELASTOGEN_CHECK_ASSET(!p.is_list || (p.name != "x" && p.name != "y" && p.name != "z"),
+                            asset_.path, ": the property ", p.name, " of a vertex is a list");
+    return c;
+  }
+
+  void read_vertices(const PlyElement& vertex, Mesh& mesh) {
+    const Columns c = columns_of(vertex);
+    const auto all = [](const int* column, int n) {
+      return std::all_of(column, column + n, [](int k) { return k >= 0; });
+    };
+    std::vector<double> row(vertex.properties.size());
+    for (int64_t i = 0; i < vertex.count; ++i) {
+      for (size_t k = 0; k < row.size(); ++k) {
+        const PlyProperty& p = vertex.properties[k];
+        p.is_list ? values_.skip(p) : void(row[k] = values_.next(p.type));
+      }
+      const auto at = [&](int k) { return row[size_t(k)]; };
+      mesh.position.push_back({at(c.position[0]), at(c.position[1]), at(c.position[2])});
+      mesh.position_of.push_back(int32_t(i));
+      if (all(c.normal, 3))
+        mesh.normal.push_back(
+            {float(at(c.normal[0])), float(at(c.normal[1])), float(at(c.normal[2]))});
+      if (all(c.uv, 2)) mesh.uv.push_back({float(at(c.uv[0])), 1 - float(at(c.uv[1]))});
+      if (all(c.colour, 3)) mesh.colour.push_back(colour_of(vertex, c.colour, row));
+    }
+  }
+
+  static std::array<float, 4> colour_of(const PlyElement& vertex, const int* column,
+                                        const std::vector<double>& row) {
+    std::array<float, 4> colour = {0, 0, 0, 1};
+    for (int k = 0; k < 4; ++k) {
+      if (column[k] < 0) continue;
+      const double value = row[size_t(column[k])];
+      const double range = colour_range(vertex.properties[size_t(column[k])].type);
+      const double share = std::clamp(range > 0 ? value / range : value, 0., 1.);
+      colour[size_t(k)] = range > 0 && k < 3 ? linear_from_srgb(share) : float(share);
+    }
+    return colour;
+  }
+
+  void read_faces(const PlyElement& face) {
+    const int column = face.find({"vertex_indices", "vertex_index"});
+    ELASTOGEN_CHECK_ASSET(column >= 0 && face.properties[size_t(column)].is_list, asset_.path,
+                          ": its faces have no list vertex_indices");
+    for (int64_t i = 0; i < face.count; ++i)
+      for (int k = 0; k < int(face.properties.size()); ++k) {
+        const PlyProperty& property = face.properties[size_t(k)];
+        k == column ? read_face(property, i) : values_.skip(property);
+      }
+  }
+
+  void read_face(const PlyProperty& list, int64_t face) {
+    const int64_t n = values_.next_length(list);
+    for (int64_t c = 0; c < n; ++c) {
+      const double index = values_.next(list.type);
+      ELASTOGEN_CHECK_ASSET(index >= 0 && index < 0x1p31 && index == std::floor(index), asset_.path,
+                            ": face ", face, " has the vertex index ", index);
+      corners_.push_back(int32_t(index));
+    }
+    lengths_.push_back(n);
+  }
+
+  /// After all elements, because faces may come before vertices.
+  void build_triangles(Mesh& mesh) {
+    TriangleGroup& group = mesh.groups.emplace_back();
+    if (!header_.texture.empty()) add_material(group);
+    std::vector<Vec3> polygon;
+    const int32_t* corner = corners_.data();
+    for (size_t face = 0; face < lengths_.size(); corner += lengths_[face++]) {
+      const int64_t n = lengths_[face];
+      for (int64_t c = 0; c < n; ++c)
+        ELASTOGEN_CHECK_ASSET(corner[c] < int64_t(mesh.position.size()), asset_.path, ": face ",
+                              face, " has the vertex index ", corner[c], ", the file has ",
+                              mesh.position.size(), " vertices");
+      if (n < 3)
+        add_finding(asset_, "short-face", 1, "faces with fewer than three corners are left out");
+      polygon.clear();
+      for (int64_t c = 0; c < n; ++c) polygon.push_back(mesh.position[size_t(corner[c])]);
+      for (const int c : triangulate(polygon)) group.corner.push_back(corner[c]);
+    }
+  }
+
+  void add_material(TriangleGroup& group) {
+    group.material = 0;
+    AssetMaterial& material = asset_.materials.emplace_back();
+    material.name = header_.texture;
+    material.base_colour = {1, 1, 1, 1};
+    material.texture = resolve_beside(asset_.path, header_.texture);
+    if (material.texture.empty())
+      add_finding(asset_, "missing-texture", 1,
+                  "the texture " + header_.texture + " is not beside the asset");
+  }
+
+  PlyHeader header_;
+  Asset asset_;
+  PlyValues values_;
+  std::vector<int32_t> corners_;
+  std::vector<int64_t> lengths_;
+};
+
+}  // namespace
+
+Asset parse_ply(std::string_view bytes, const std::string& path) {
+  return PlyParser(bytes, path).parse();
+}
+
+Asset read_ply(const std::string& path) {
+  return parse_ply(read_file(path), path);
+}
+
+}  // namespace elastogen

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// PLY to an Asset, positions in double precision and in the order of the file.
+
+#pragma once
+
+#include "io/asset.hpp"
+
+#include <string_view>
+
+namespace elastogen {
+
+/// Text and binary of both byte orders; one mesh, one group. Known vertex properties: x y z,
+/// nx ny nz, s t (u v, texture_u texture_v), red green blue alpha (integers: sRGB of their range;
+/// floats: linear); known face property: vertex_indices (vertex_index). Everything else is skipped.
+/// @throws Error (asset) with the file and the place: a header that is no PLY header, counts beyond
+/// the file's size, no faces.
+Asset read_ply(const std::string& path);
+
+/// The same from memory; `path` is for messages and for the files that it names.
+Asset parse_ply(std::string_view bytes, const std::string& path);
+
+}  // namespace elastogen

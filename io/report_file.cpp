@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/report_file.hpp"
+
+#include "core/error.hpp"
+#include "io/safe_file.hpp"
+
+#include <nlohmann/json.hpp>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace elastogen {
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+Json to_json(const AssetSummary& asset) {
+  Json findings = Json::array();
+  for (const Finding& finding : asset.findings)
+    findings.push_back({{"what", finding.what}, {"count", finding.count}, {"text", finding.text}});
+  return {{"path", asset.path},   {"format", asset.format}, {"vertices", asset.vertices},
+          {"faces", asset.faces}, {"closed", asset.closed}, {"findings", findings}};
+}
+
+Json to_json(const std::vector<Material>& materials) {
+  Json list = Json::array();
+  for (const Material& material : materials)
+    list.push_back({{"name", material.name},
+                    {"law", law_name(material.law)},
+                    {"young", material.young},
+                    {"poisson", material.poisson},
+                    {"density", material.density}});
+  return list;
+}
+
+Json to_json(const StageSeconds& seconds) {
+  return {{"read", seconds.read},
+          {"voxelize", seconds.voxelize},
+          {"setup", seconds.setup},
+          {"steps", seconds.steps},
+          {"write", seconds.write}};
+}
+
+}  // namespace
+
+double quantile(std::vector<double> values, double q) {
+  ELASTOGEN_CHECK(q >= 0 && q <= 1, "a quantile needs 0 <= q <= 1, got ", q);
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  const double place = q * static_cast<double>(values.size() - 1);
+  const auto below = static_cast<size_t>(place);
+  const size_t above = std::min(below + 1, values.size() - 1);
+  return values[below] + (place - std::floor(place)) * (values[above] - values[below]);
+}
+
+int64_t peak_memory_bytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return int64_t{1024} * usage.ru_maxrss;
+}
+
+void write_report(const std::string& path, const RunReport& report) {
+  const Json json = {
+      {"asset", to_json(report.asset)},
+      {"voxels", report.voxels},
+      {"nodes", report.nodes},
+      {"h", report.h},
+      {"materials", to_json(report.materials)},
+      {"steps", report.steps},
+      {"frames", report.frames},
+      {"converged_share", report.converged_share},
+      {"worst_residual", report.worst_residual},
+      {"min_j", report.min_j},
+      {"stage_seconds", to_json(report.stage_seconds)},
+      {"ms_per_step",
+       {{"median", quantile(report.step_ms, 0.5)}, {"p95", quantile(report.step_ms, 0.95)}}},
+      {"peak_memory_bytes", report.peak_memory_bytes},
+      {"warnings", report.warnings},
+      {"command", report.command},
+      {"commit", report.commit},
+  };
+  // file names need not be UTF-8: what is not is replaced
+  write_file(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
+}
+
+}  // namespace elastogen

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// `--report`: what a run was given, what it did and how well, as one JSON file (docs/formats.md,
+// report).
+
+#pragma once
+
+#include "core/material.hpp"
+#include "io/asset.hpp"
+
+#include <string>
+#include <vector>
+
+namespace elastogen {
+
+struct AssetSummary {
+  std::string path;
+  std::string format;  ///< as Asset::format
+  int64_t vertices = 0;
+  int64_t faces = 0;  ///< triangles
+  bool closed = false;
+  std::vector<Finding> findings;
+};
+
+/// Wall time of the stages [s].
+struct StageSeconds {
+  double read = 0, voxelize = 0, setup = 0, steps = 0, write = 0;
+};
+
+struct RunReport {
+  AssetSummary asset;
+  int64_t voxels = 0;
+  int64_t nodes = 0;
+  double h = 0;  ///< voxel edge [m]
+  std::vector<Material> materials;
+  int64_t steps = 0;           ///< taken
+  int64_t frames = 0;          ///< written, the rest frame not counted
+  double converged_share = 0;  ///< of the steps, 0 ... 1
+  double worst_residual = 0;   ///< largest of all steps
+  double min_j = 1;            ///< smallest det F of all steps
+  StageSeconds stage_seconds;
+  std::vector<double> step_ms;  ///< wall time of each step; the file has median and p95
+  int64_t peak_memory_bytes = 0;
+  std::vector<std::string> warnings;
+  std::string command;  ///< as it was typed
+  std::string commit;   ///< of the build
+};
+
+/// Value below which the share q of the values lies, by linear interpolation between neighbours;
+/// 0 for no values. @param q  0 ... 1.
+double quantile(std::vector<double> values, double q);
+
+/// Largest resident memory of this process so far [bytes].
+int64_t peak_memory_bytes();
+
+/// Writes the report, under a temporary name first. A number that is not finite becomes null.
+/// @throws Error (resources) if the disk refuses it.
+void write_report(const std::string& path, const RunReport& report);
+
+}  // namespace elastogen

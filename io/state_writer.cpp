@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/state_writer.hpp"
+
+#include "core/error.hpp"
+#include "core/scene.hpp"
+#include "io/hdf5_file.hpp"
+#include "io/safe_file.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+
+namespace elastogen {
+
+namespace {
+
+constexpr double kReferenceGravity = 9.81;  // g_ref of the certificate [m/s^2]
+
+const char* scheme_name(TimeScheme scheme) {
+  return scheme == TimeScheme::kBdf2 ? "bdf2" : "euler";
+}
+
+const char* hourglass_name(Hourglass hourglass) {
+  switch (hourglass) {
+    case Hourglass::kFull:
+      return "full";
+    case Hourglass::kVariance:
+      return "variance";
+    default:
+      return "off";
+  }
+}
+
+[[noreturn]] void fail(const std::string& path, const char* action) {
+  throw Error(concat(path, ": ", action, " failed: ", std::strerror(errno)), ErrorKind::kResources);
+}
+
+void write_root(hid_t file, const Scene& scene, const StateHeader& header) {
+  const double gravity[3] = {scene.gravity[0], scene.gravity[1], scene.gravity[2]};
+  hdf5::write_attribute(file, "format", std::string("elastogen-state"));
+  hdf5::write_attribute(file, "version", 1);
+  hdf5::write_attribute(file, "h", scene.grid.h);
+  hdf5::write_attribute(file, "dt", scene.dt);
+  hdf5::write_attribute(file, "time_scheme", std::string(scheme_name(scene.scheme)));
+  hdf5::write_attribute(file, "hourglass", std::string(hourglass_name(scene.hourglass)));
+  hdf5::write_attribute(file, "gravity", gravity);
+  hdf5::write_attribute(file, "g_ref", kReferenceGravity);
+  hdf5::write_attribute(file, "fps", header.fps);
+  hdf5::write_attribute(file, "solver", header.solver);
+  hdf5::write_attribute(file, "tolerance", header.tolerance);
+  hdf5::write_attribute(file, "energy", header.energy);
+  hdf5::write_attribute(file, "commit", header.commit);
+}
+
+void write_grid(hid_t file, const Scene& scene) {
+  const hdf5::Handle group = hdf5::create_group(file, "grid");
+  hdf5::write_dataset<double>(group, "rest", scene.grid.rest);
+  hdf5::write_dataset<int32_t>(group, "corners", scene.grid.corners);
+  hdf5::write_dataset<double>(group, "fill", scene.grid.fill);
+  hdf5::write_dataset<double>(group, "shape_mean", scene.grid.shape_mean);
+  hdf5::write_dataset<double>(group, "mass", scene.mass);
+  hdf5::write_dataset<uint8_t>(group, "pinned", scene.pinned);
+  hdf5::write_dataset<double>(group, "hourglass", scene.variance);
+  hdf5::write_dataset<int32_t>(group, "material", scene.material);
+}
+
+/// Fixed-length text that holds the longest of some names.
+hdf5::Handle text_type(size_t longest) {
+  hdf5::Handle type(H5Tcopy(H5T_C_S1), H5Tclose, "text type");
+  hdf5::check(H5Tset_size(type, longest + 1), "text type");
+  hdf5::check(H5Tset_cset(type, H5T_CSET_UTF8), "text type");
+  return type;
+}
+
+/// A row of /materials in memory: name and law of `text` bytes each, then three numbers.
+std::vector<char> material_rows(const std::vector<Material>& materials, size_t text) {
+  const size_t row = 2 * text + 3 * sizeof(double);
+  std::vector<char> rows(row * materials.size());
+  for (size_t m = 0; m < materials.size(); ++m) {
+    const Material& material = materials[m];
+    const double numbers[3] = {material.young, material.poisson, material.density};
+    char* at = rows.data() + row * m;
+    std::copy(material.name.begin(), material.name.end(), at);
+    const std::string_view law = law_name(material.law);
+    std::copy(law.begin(), law.end(), at + text);
+    std::memcpy(at + 2 * text, numbers, sizeof(numbers));
+  }
+  return rows;
+}
+
+void write_materials(hid_t file, const std::vector<Material>& materials) {
+  size_t longest = 0;
+  for (const Material& m : materials)
+    longest = std::max({longest, m.name.size(), law_name(m.law).size()});
+  const size_t text = longest + 1;
+  const hdf5::Handle name = text_type(longest);
+  const hdf5::Handle type(H5Tcreate(H5T_COMPOUND, 2 * text + 3 * sizeof(double)), H5Tclose,
+                          "materials");
+  hdf5::check(H5Tinsert(type, "name", 0, name), "materials");
+  hdf5::check(H5Tinsert(type, "law", text, name), "materials");
+  const char* numbers[3] = {"young", "poisson", "density"};
+  for (size_t k = 0; k < 3; ++k)
+    hdf5::check(H5Tinsert(type, numbers[k], 2 * text + k * sizeof(double), H5T_NATIVE_DOUBLE),
+                "materials");
+  const hdf5::Handle dataset = hdf5::create_dataset(file, "materials", type, {materials.size()});
+  const std::vector<char> rows = material_rows(materials, text);
+  hdf5::check(H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, rows.data()), "materials");
+}
+
+void write_contact(hid_t file, const Scene& scene, const StateHeader& header) {
+  if (!scene.floor) return;
+  const Vec3& n = scene.floor->normal;
+  const double normal[3] = {n[0], n[1], n[2]};
+  const hdf5::Handle group = hdf5::create_group(file, "contact");
+  hdf5::write_attribute(group, "floor_normal", normal);
+  hdf5::write_attribute(group, "floor_offset", scene.floor->offset);
+  hdf5::write_attribute(group, "friction", scene.floor->friction);
+  for (const auto& [name, value] : header.contact)
+    hdf5::write_attribute(group, name.c_str(), value);
+  hdf5::write_dataset<int32_t>(group, "voxel", scene.surface.voxel);
+  hdf5::write_dataset<double>(group, "weights", scene.surface.weights);
+  hdf5::write_dataset<double>(group, "area", scene.surface.area);
+}
+
+/// Dataset (steps) of one value of each report.
+template <class T, class Value>
+void write_column(hid_t group, const char* name, const std::vector<StepReport>& reports,
+                  const Value& value) {
+  Array<T> column(int64_t(reports.size()));
+  for (int64_t t = 0; t < column.rows(); ++t) column(t) = static_cast<T>(value(reports[t]));
+  hdf5::write_dataset<T>(group, name, column);
+}
+
+void write_reports(hid_t group, const std::vector<StepReport>& all) {
+  using R = const StepReport&;
+  write_column<uint8_t>(group, "scheme", all, [](R r) { return r.scheme; });
+  write_column<double>(group, "residual", all, [](R r) { return r.residual; });
+  write_column<uint8_t>(group, "converged", all, [](R r) { return r.converged; });
+  write_column<int32_t>(group, "outer", all, [](R r) { return r.outer; });
+  write_column<int32_t>(group, "inner", all, [](R r) { return r.inner; });
+  write_column<double>(group, "ms", all, [](R r) { return r.ms; });
+  write_column<double>(group, "energy_kinetic", all, [](R r) { return r.energy.kinetic; });
+  write_column<double>(group, "energy_elastic", all, [](R r) { return r.energy.elastic; });
+  write_column<double>(group, "energy_hourglass", all, [](R r) { return r.energy.hourglass; });
+  write_column<double>(group, "energy_gravity", all, [](R r) { return r.energy.gravity; });
+  write_column<double>(group, "energy_contact", all, [](R r) { return r.energy.contact; });
+  write_column<double>(group, "min_j", all, [](R r) { return r.min_j; });
+}
+
+/// /steps/x and /steps/v, entry by entry from the raw file.
+void write_motion(hid_t group, std::FILE* spill, const std::string& path, int64_t entries,
+                  int64_t nodes) {
+  const std::vector<hsize_t> extents = {hsize_t(entries), hsize_t(nodes), 3};
+  const hdf5::Handle x = hdf5::create_dataset(group, "x", H5T_IEEE_F64LE, extents);
+  const hdf5::Handle v = hdf5::create_dataset(group, "v", H5T_IEEE_F64LE, extents);
+  Array<double> values(nodes, 3);
+  const auto size = size_t(values.size());
+  if (std::fseek(spill, 0, SEEK_SET) != 0) fail(path, "keeping the last steps");
+  for (hsize_t entry = 0; entry < hsize_t(entries); ++entry)
+    for (const hid_t dataset : {hid_t(x), hid_t(v)}) {
+      if (std::fread(values.data(), sizeof(double), size, spill) != size)
+        fail(path, "reading a step back");
+      hdf5::write_entry(dataset, entry, values);
+    }
+}
+
+}  // namespace
+
+StateWriter::StateWriter(const std::string& path, const Scene& scene, const StateHeader& header,
+                         const State& initial)
+    : scene_(scene), header_(header), path_(path), spill_(nullptr, std::fclose) {
+  const std::string name = path + ".steps";
+  spill_.reset(std::fopen(name.c_str(), "w+b"));
+  if (!spill_) fail(name, "opening");
+  std::remove(name.c_str());
+  keep(initial);
+}
+
+void StateWriter::keep(const State& state) {
+  const int64_t nodes = scene_.grid.node_count();
+  for (const Array<double>* values : {&state.x, &state.v}) {
+    ELASTOGEN_CHECK(values->rows() == nodes && values->cols() == 3, "x and v must be (", nodes,
+                    ", 3), got (", values->rows(), ", ", values->cols(), ')');
+    const auto size = size_t(values->size());
+    if (std::fwrite(values->data(), sizeof(double), size, spill_.get()) != size)
+      fail(path_, "keeping a step");
+  }
+  time_.push_back(state.time);
+}
+
+void StateWriter::step(const State& state, const StepReport& report) {
+  keep(state);
+  reports_.push_back(report);
+}
+
+void StateWriter::finish() {
+  const auto entries = int64_t(time_.size());
+  SafeFile safe(path_);
+  hdf5::Handle file = hdf5::create_file(safe.temporary());
+  write_root(file, scene_, header_);
+  write_grid(file, scene_);
+  write_materials(file, scene_.materials);
+  write_contact(file, scene_, header_);
+  {
+    const hdf5::Handle steps = hdf5::create_group(file, "steps");
+    hdf5::write_dataset<double>(steps, "time", {time_.data(), entries, 1});
+    write_motion(steps, spill_.get(), path_, entries, scene_.grid.node_count());
+    write_reports(steps, reports_);
+  }
+  file.close();
+  safe.commit();
+}
+
+}  // namespace elastogen

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/step_log.hpp"
+
+#include "core/error.hpp"
+
+#include <nlohmann/json.hpp>
+
+namespace elastogen {
+
+std::string step_log_line(int64_t frame, const StepReport& report) {
+  const EnergyParts& energy = report.energy;
+  const nlohmann::ordered_json line = {
+      {"frame", frame},
+      {"step", report.step},
+      {"time", report.time},
+      {"converged", report.converged},
+      {"residual", report.residual},
+      {"outer", report.outer},
+      {"inner", report.inner},
+      {"scheme", report.scheme == TimeScheme::kBdf2 ? "bdf2" : "euler"},
+      {"float64", report.float64},
+      {"finite", report.finite},
+      {"min_j", report.min_j},
+      {"min_corner_j", report.min_corner_j},
+      {"energies",
+       {{"kinetic", energy.kinetic},
+        {"elastic", energy.elastic},
+        {"hourglass", energy.hourglass},
+        {"gravity", energy.gravity},
+        {"contact", energy.contact}}},
+      {"active_share", report.active_share},
+      {"deepest_overlap", report.deepest_overlap},
+      {"ms", report.ms},
+  };
+  return line.dump();  // writes null for what is not finite
+}
+
+StepLog::StepLog(const std::string& path) : path_(path), file_(path, std::ios::trunc) {
+  if (!file_) throw Error(concat(path, ": cannot be written"), ErrorKind::kResources);
+}
+
+void StepLog::write(int64_t frame, const StepReport& report) {
+  file_ << step_log_line(frame, report) << '\n' << std::flush;
+  if (!file_) throw Error(concat(path_, ": writing failed, disk full?"), ErrorKind::kResources);
+}
+
+}  // namespace elastogen

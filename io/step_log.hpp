@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// `--log-json`: one JSON object a line and time step (docs/formats.md, log).
+
+#pragma once
+
+#include "core/report.hpp"
+
+#include <fstream>
+#include <string>
+
+namespace elastogen {
+
+/// Appends a line a step to a new file, which can be read while the run lives. A number that is
+/// not finite is written as null.
+class StepLog {
+ public:
+  /// @throws Error (resources) if the file cannot be made.
+  explicit StepLog(const std::string& path);
+
+  /// @param frame  the frame that the step belongs to, counted from 1.
+  /// @throws Error (resources) if the disk refuses the line.
+  void write(int64_t frame, const StepReport& report);
+
+ private:
+  std::string path_;
+  std::ofstream file_;
+};
+
+/// The line that StepLog writes, without the line break.
+std::string step_log_line(int64_t frame, const StepReport& report);
+
+}  // namespace elastogen

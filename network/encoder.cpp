@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "network/encoder.hpp"
+
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace elastogen {
+namespace {
+
+constexpr int kSmallestPiece = 64;  // nodes; multigrid alone serves smaller ones
+constexpr size_t kMostPieces = 64;
+constexpr int kCosines = 18;
+
+/// Wave numbers of the lowest cosines in a box of the given extents.
+std::vector<std::array<int, 3>> lowest_waves(const Box& box) {
+  constexpr int kLargest = kCosines;
+  std::vector<std::pair<double, std::array<int, 3>>> waves;
+  const auto frequency = [&](int k, int d) {
+    const double length = box.extent(d);
+    if (k == 0) return 0.0;
+    return length > 0 ? k * k / (length * length) : 1e300;
+  };
+  for (int x = 0; x < kLargest; ++x)
+    for (int y = 0; y < kLargest; ++y)
+      for (int z = 0; z < kLargest; ++z)
+        if ((x + 1) * (y + 1) * (z + 1) <= kCosines)  // no other can be among the lowest
+          waves.push_back({frequency(x, 0) + frequency(y, 1) + frequency(z, 2), {x, y, z}});
+  std::sort(waves.begin(), waves.end());
+  std::vector<std::array<int, 3>> result;
+  for (int k = 0; k < kCosines; ++k) result.push_back(waves[size_t(k)].second);
+  return result;
+}
+
+/// Distance of each listed node to the nearest pinned one of the list: the nearest pinned node is
+/// handed from neighbour to neighbour until nothing changes.
+std::vector<double> pin_distance(const Scene& scene, const std::vector<int32_t>& nodes) {
+  const VoxelGrid& grid = scene.grid;
+  std::vector<int32_t> place(size_t(grid.node_count()), -1), seed(nodes.size(), -1);
+  std::vector<double> distance(nodes.size(), 1e300);
+  std::vector<int32_t> queue, next;
+  for (size_t k = 0; k < nodes.size(); ++k) {
+    place[size_t(nodes[k])] = int32_t(k);
+    if (!scene.pinned(nodes[k])) continue;
+    seed[k] = nodes[k];
+    distance[k] = 0;
+    queue.push_back(int32_t(k));
+  }
+  const auto between = [&](int32_t a, int32_t b) {
+    const double* p = grid.rest.row(a);
+    const double* q = grid.rest.row(b);
+    return std::hypot(p[0] - q[0], p[1] - q[1], p[2] - q[2]);
+  };
+  while (!queue.empty()) {
+    next.clear();
+    for (const int32_t from : queue)
+      for (int c = 0; c < 8; ++c) {
+        const int32_t v = grid.voxels(nodes[size_t(from)], c);
+        if (v < 0) continue;
+        for (int e = 0; e < 8; ++e) {
+          const int32_t to = place[size_t(grid.corners(v, e))];
+          const double d = between(seed[size_t(from)], grid.corners(v, e));
+          if (d >= distance[size_t(to)] * (1 - 1e-12)) continue;
+          distance[size_t(to)] = d;
+          seed[size_t(to)] = seed[size_t(from)];
+          next.push_back(to);
+        }
+      }
+    queue.swap(next);
+  }
+  return distance;
+}
+
+}  // namespace
+
+template <class T>
+Encoder<T>::Encoder(IncrementalPotential& potential) {
+  find_pieces(potential.scene());
+  for (Piece& piece : pieces_) fill_modes(potential.scene(), piece);
+  build_operators(potential);
+}
+
+/// The largest pieces, by node count; ties by number.
+template <class T>
+void Encoder<T>::find_pieces(const Scene& scene) {
+  const VoxelGrid& grid = scene.grid;
+  std::vector<std::vector<int32_t>> nodes(size_t(grid.pieces));
+  for (int64_t n = 0; n < grid.node_count(); ++n)
+    nodes[size_t(grid.piece(n))].push_back(int32_t(n));
+  std::stable_sort(nodes.begin(), nodes.end(),
+                   [](const auto& a, const auto& b) { return a.size() > b.size(); });
+  for (std::vector<int32_t>& list : nodes) {
+    if (list.size() < kSmallestPiece || pieces_.size() == kMostPieces) break;
+    pieces_.emplace_back().nodes = std::move(list);
+  }
+}
+
+template <class T>
+void Encoder<T>::fill_modes(const Scene& scene, Piece& piece) {
+  Box box;
+  bool pinned = false;
+  for (const int32_t n : piece.nodes) {
+    box.add({scene.grid.rest(n, 0), scene.grid.rest(n, 1), scene.grid.rest(n, 2)});
+    pinned |= scene.pinned(n) != 0;
+  }
+  const double size = std::max({box.extent(0), box.extent(1), box.extent(2)});
+  const std::vector<std::array<int, 3>> waves = lowest_waves(box);
+  std::vector<double> distance;
+  if (pinned) distance = pin_distance(scene, piece.nodes);
+  piece.modes.resize(piece.nodes.size() * kModes);
+  for_each(int64_t(piece.nodes.size()), [&](int64_t k) {
+    const double* X = scene.grid.rest.row(piece.nodes[size_t(k)]);
+    const double d = pinned ? distance[size_t(k)] : 0;
+    const double factor = pinned ? d / (d + size / 8) : 1;
+    T* mode = piece.modes.data() + k * kModes;
+    for (int w = 0; w < kCosines; ++w) {
+      double value = factor;
+      for (int i = 0; i < 3; ++i)
+        if (waves[size_t(w)][size_t(i)] > 0)
+          value *= std::cos(std::numbers::pi * waves[size_t(w)][size_t(i)] *
+                            (X[i] - box.lower[size_t(i)]) / box.extent(i));
+      mode[w] = T(value);
+    }
+    for (int i = 0; i < 3; ++i)
+      mode[kCosines + i] =
+          T(factor * (2 * X[i] - box.lower[size_t(i)] - box.upper[size_t(i)]) / size);
+  });
+}
+
+/// A_r of all pieces at once: they do not touch, so one product serves a mode of each.
+template <class T>
+void Encoder<T>::build_operators(IncrementalPotential& potential) {
+  constexpr int kSize = 3 * kModes;
+  using Matrix = Eigen::Matrix<double, kSize, kSize, Eigen::RowMajor>;
+  const size_t nodes = size_t(potential.scene().grid.node_count());
+  std::vector<Matrix, Eigen::aligned_allocator<Matrix>> A(pieces_.size());
+  std::vector<double> p(3 * nodes), Ap(3 * nodes);
+  std::vector<T> product(3 * nodes);
+  reduced_.resize(pieces_.size() * kSize);
+  solution_.resize(reduced_.size());
+  for (int column = 0; column < kSize; ++column) {
+    const int mode = column / 3, component = column % 3;
+    std::fill(p.begin(), p.end(), 0);
+    for (const Piece& piece : pieces_)
+      for (size_t k = 0; k < piece.nodes.size(); ++k)
+        p[3 * size_t(piece.nodes[k]) + size_t(component)] =
+            double(piece.modes[k * kModes + size_t(mode)]);
+    potential.rest_hessian_product(p.data(), Ap.data());
+    for (size_t s = 0; s < pieces_.size(); ++s) {
+      const Piece& piece = pieces_[s];
+      for (int row = 0; row < kModes; ++row) {
+        double sum[3] = {};
+        for (size_t k = 0; k < piece.nodes.size(); ++k)
+          for (size_t i = 0; i < 3; ++i)
+            sum[i] +=
+                double(piece.modes[k * kModes + size_t(row)]) * Ap[3 * size_t(piece.nodes[k]) + i];
+        for (int i = 0; i < 3; ++i) A[s](3 * row + i, column) = sum[i];
+      }
+    }
+  }
+  for (size_t s = 0; s < pieces_.size(); ++s) {
+    // scaled to unit diagonal; directions that the modes hold twice are dropped
+    const Eigen::Matrix<double, kSize, 1> scale =
+        A[s].diagonal().array().max(1e-300).sqrt().inverse().matrix();
+    const Matrix scaled = scale.asDiagonal() * (A[s] + A[s].transpose()) * scale.asDiagonal() / 2;
+    const Eigen::SelfAdjointEigenSolver<Matrix> eigen(scaled);
+    Eigen::Matrix<double, kSize, 1> inverse = eigen.eigenvalues();
+    for (double& value : inverse) value = value > 1e-9 ? 1 / value : 0;
+    const Matrix result = scale.asDiagonal() * eigen.eigenvectors() * inverse.asDiagonal() *
+                          eigen.eigenvectors().transpose() * scale.asDiagonal();
+    pieces_[s].inverse.assign(result.data(), result.data() + kSize * kSize);
+  }
+}
+
+template <class T>
+void Encoder<T>::encode(const T* r, double* y) const {
+  constexpr int64_t kChunk = 1024;
+  constexpr int kSize = 3 * kModes;
+  for (size_t s = 0; s < pieces_.size(); ++s) {
+    const Piece& piece = pieces_[s];
+    const int64_t n = int64_t(piece.nodes.size()), chunks = (n + kChunk - 1) / kChunk;
+    std::vector<T> partial(size_t(chunks) * kSize);
+    for_blocks(
+        n,
+        [&](int64_t begin, int64_t end) {
+          T* sum = partial.data() + begin / kChunk * kSize;
+          for (int64_t k = begin; k < end; ++k) {
+            const T* mode = piece.modes.data() + k * kModes;
+            const T* value = r + 3 * int64_t(piece.nodes[size_t(k)]);
+            for (int i = 0; i < 3; ++i)
+              for (int m = 0; m < kModes; ++m) sum[i * kModes + m] += mode[m] * value[i];
+          }
+        },
+        kChunk);
+    double* result = y + s * kSize;
+    std::fill(result, result + kSize, 0);
+    for (int64_t c = 0; c < chunks; ++c)
+      for (int i = 0; i < 3; ++i)
+        for (int m = 0; m < kModes; ++m)
+          result[3 * m + i] += double(partial[size_t(c * kSize + i * kModes + m)]);
+  }
+}
+
+template <class T>
+void Encoder<T>::decode(const double* y, T* z) const {
+  constexpr int kSize = 3 * kModes;
+  for (size_t s = 0; s < pieces_.size(); ++s) {
+    const Piece& piece = pieces_[s];
+    T coefficient[3][kModes];
+    for (int i = 0; i < 3; ++i)
+      for (int m = 0; m < kModes; ++m) coefficient[i][m] = T(y[s * kSize + size_t(3 * m + i)]);
+    for_each(int64_t(piece.nodes.size()), [&](int64_t k) {
+      const T* mode = piece.modes.data() + k * kModes;
+      T* value = z + 3 * int64_t(piece.nodes[size_t(k)]);
+      for (int i = 0; i < 3; ++i) {
+        T sum = 0;
+        for (int m = 0; m < kModes; ++m) sum += mode[m] * coefficient[i][m];
+        value[i] += sum;
+      }
+    });
+  }
+}
+
+template <class T>
+void Encoder<T>::add(const T* r, T* z) {
+  constexpr int kSize = 3 * kModes;
+  encode(r, reduced_.data());
+  for (size_t s = 0; s < pieces_.size(); ++s) {
+    using Vector = Eigen::Matrix<double, kSize, 1>;
+    using Matrix = Eigen::Matrix<double, kSize, kSize, Eigen::RowMajor>;
+    const Eigen::Map<const Matrix> inverse(pieces_[s].inverse.data());
+    Eigen::Map<Vector>(solution_.data() + s * kSize).noalias() =
+        inverse * Eigen::Map<const Vector>(reduced_.data() + s * kSize);
+  }
+  decode(solution_.data(), z);
+}
+
+template class Encoder<float>;
+template class Encoder<double>;
+
+}  // namespace elastogen

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// The low-frequency encoder: smooth modes of each connected piece, Galerkin with the elastic
+// operator at rest. Added to multigrid it makes the iteration counts nearly independent of the time
+// step: the scalar hierarchies charge rotations and bending, which elasticity gets nearly for
+// nothing.
+//
+//     B_k = c_k(X) d/(d + L/8),     c_k = prod_d cos(pi k_d (X_d - X_d,min)/L_d) and X, Y, Z,
+//     z += B A_r^-1 B^T r,          A_r = B^T A B,
+//
+// 18 cosines of lowest frequency and the three linear functions for each displacement component; d
+// the distance to the nearest pinned node of the piece, L its longest extent (factor 1 where
+// nothing is pinned).
+
+#pragma once
+
+#include "network/incremental_potential.hpp"
+
+#include <vector>
+
+namespace elastogen {
+
+template <class T>
+class Encoder {
+ public:
+  static constexpr int kModes = 21;
+
+  /// Builds modes and A_r; the potential must have begun a step of the scheme that will be used.
+  explicit Encoder(IncrementalPotential& potential);
+
+  /// z += B A_r^-1 B^T r; (nodes, 3).
+  void add(const T* r, T* z);
+
+  /// The modes alone: y = B^T r and z = B y, 3 kModes numbers a piece; for tests.
+  void encode(const T* r, double* y) const;
+  void decode(const double* y, T* z) const;
+
+  int piece_count() const { return int(pieces_.size()); }
+
+ private:
+  struct Piece {
+    std::vector<int32_t> nodes;
+    std::vector<T> modes;         // (nodes, kModes)
+    std::vector<double> inverse;  // (3 kModes, 3 kModes)
+  };
+  void find_pieces(const Scene& scene);
+  void fill_modes(const Scene& scene, Piece& piece);
+  void build_operators(IncrementalPotential& potential);
+  std::vector<Piece> pieces_;
+  std::vector<double> reduced_, solution_;
+};
+
+}  // namespace elastogen

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+// The incremental potential of a step, whose minimum is the next state:
+//
+//     Phi(u) = a0/(2 dt^2) sum_c m_c |u_c - uhat_c|^2 + sum_v W_v psi(F_v) + E_hourglass +
+//     E_contact,
+//
+// u = x - X, and its gradient and Hessian products. The state is float64; the maths of the voxels
+// runs in T = float or double on displacements relative to a node of the voxel's brick, so that
+// float loses no digits to the motion of the body.
+
+#pragma once
+
+#include "core/state.hpp"
+#include "core/time_scheme.hpp"
+#include "network/brick_rows.hpp"
+#include "network/contact.hpp"
+#include "network/local_model.hpp"
+
+namespace elastogen {
+
+/// Value of the potential in its parts [J].
+struct PotentialValue {
+  double inertia = 0, elastic = 0, hourglass = 0, contact = 0;
+  double min_j = 1e300;         ///< smallest det F of a voxel
+  double min_corner_j = 1e300;  ///< smallest det F at a corner; only from residual()
+  double deepest_overlap = 0;   ///< of a surface point with the floor [m]
+  double total() const { return inertia + elastic + hourglass + contact; }
+};
+
+class IncrementalPotential {
+ public:
+  explicit IncrementalPotential(const Scene& scene);
+
+  /// Sets the predictor, the frozen voxel rotations and the lagged normal forces of friction, all
+  /// from the state at the start of the step.
+  void begin_step(const State& state, const StepScheme& scheme);
+
+  /// Takes the nodal rotations of the preconditioner, polar factors of the fill-weighted sum of
+  /// F_v, from the start value of the iteration.
+  void set_nodal_rotations(const double* u);
+
+  /// Value and gradient [N], (nodes, 3), 0 on pinned nodes, at displacement u.
+  template <class T>
+  PotentialValue evaluate(const double* u, T* gradient);
+
+  /// The same in float64 with the smallest Jacobians, for the certificate.
+  PotentialValue residual(const double* u, double* gradient);
+
+  /// Freezes the projected Hessian at u; hessian_product then gives A p, 0 on pinned nodes.
+  void linearise(const double* u);
+  /// The part of linearise that belongs to the contact.
+  void linearise_contact(const double* u) { contact_.linearise(u); }
+  void hessian_product(const float* p, float* product);
+
+  /// The same with the Hessian at rest, in float64, without contact.
+  void rest_hessian_product(const double* p, double* product);
+
+  const Scene& scene() const { return scene_; }
+  const BrickRows& rows() const { return rows_; }
+  const Contact& contact() const { return contact_; }
+  const StepScheme& scheme() const { return scheme_; }
+  /// Predictor uhat = xhat - X [m], (nodes, 3).
+  const std::vector<double>& predictor() const { return predictor_; }
+  /// Nodal rotations, (nodes, 9).
+  const std::vector<float>& nodal_rotation() const { return nodal_rotation_; }
+  /// Inertial diagonal a0 m / dt^2 [N/m] of a node.
+  double inertia(int64_t node) const { return inertia_[size_t(node)]; }
+
+ private:
+  struct Sums {
+    double elastic = 0, hourglass = 0, min_j = 1e300, min_corner_j = 1e300;
+  };
+  template <class T>
+  void read_voxel_data(int64_t row, VoxelData<Pack<T>>& data) const;
+  uint32_t full_lanes(int64_t row) const;
+  template <class T, bool kQuality>
+  PotentialValue evaluate_all(const double* u, T* gradient);
+  void deformation_gradients(const double* u, std::vector<double>& F);
+
+  const Scene& scene_;
+  BrickRows rows_;
+  Contact contact_;
+  StepScheme scheme_;
+  std::vector<double> weights_;    ///< phi, c_xy, c_yz, c_zx, c_xyz, [row][5][lane]
+  std::vector<double> rotation_;   ///< R_v, [row][9][lane]
+  std::vector<double> gradients_;  ///< F_v of set_nodal_rotations, [row][9][lane]
+  std::vector<float> nodal_rotation_;
+  std::vector<double> predictor_, inertia_;
+  std::vector<float> tangent_;  ///< [row][45][lane]; filled by linearise
+  BrickScratch<float> scratch_float_;
+  BrickScratch<double> scratch_double_;
+  std::vector<Sums> sums_;
+  std::vector<NoSums> no_sums_;
+};
+
+}  // namespace elastogen

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: Apache-2.0
+// RNN-1's local step: corner displacements of a voxel (or a row of eight) to its deformation
+// gradient, the response of its material, and the forces on its corners. A learned law takes the
+// place of elastic_response (core/elastic_law.hpp) with the same interface.
+
+#pragma once
+
+#include "core/hex8.hpp"
+#include "core/principal.hpp"
+#include "core/scene.hpp"
+
+namespace elastogen {
+
+/// What a voxel is besides its displacement.
+template <class T>
+struct VoxelData {
+  LawParameters<Scalar<T>> law;
+  Scalar<T> h;  ///< edge [m]
+  Hourglass hourglass = Hourglass::kFull;
+  T phi;   ///< fill
+  T c[4];  ///< variance weights [Pa]
+  T M[7];  ///< moments of the fill; unused where the voxel is full
+  T R[9];  ///< rotation at the start of the step
+};
+
+/// F = I + du/dX, the mean over the fill.
+template <bool kBorder, class T>
+ELASTOGEN_HD inline Mat3<T> deformation_gradient(const VoxelData<T>& v, const T g[3][8]) {
+  const Scalar<T> scale = 1 / (4 * v.h);
+  Mat3<T> F;
+  for (int i = 0; i < 3; ++i) {
+    T d[3];
+    hex8::gradient<kBorder>(g[i], v.M, d);
+    for (int j = 0; j < 3; ++j) F(i, j) = d[j] * scale;
+    F(i, i) = F(i, i) + 1;
+  }
+  return F;
+}
+
+/// Energy of the strain-variance and torsion terms [J]; adds its derivative in the pattern sums to
+/// slope. Quadratic: with g the pattern sums of a direction, slope is the product with its Hessian.
+template <bool kBorder, class T>
+ELASTOGEN_HD inline T hourglass_energy(const VoxelData<T>& v, const T g[3][8], T slope[3][8]) {
+  if (v.hourglass == Hourglass::kOff) return T{};
+  T q[3][4], s[3][4], energy{};
+  for (int i = 0; i < 3; ++i) {
+    hex8::centred_patterns<kBorder>(g[i], v.M, q[i]);
+    energy += hex8::variance(q[i], v.c, s[i]);
+  }
+  if (v.hourglass == Hourglass::kFull)
+    energy += hex8::torsion(q, v.c, constant<T>(v.law.mu), v.R, s);
+  const T weight = v.phi * v.h;
+  for (int i = 0; i < 3; ++i) {
+    for (int k = 0; k < 4; ++k) s[i][k] = s[i][k] * weight;
+    hex8::add_centred_transposed<kBorder>(s[i], v.M, slope[i]);
+  }
+  return energy * weight;
+}
+
+/// Energies of a voxel [J] and its det F.
+template <class T>
+struct VoxelEnergy {
+  T elastic, hourglass, J;
+};
+
+/// Energy of a voxel and its derivative f [N] in the corner displacements u [m] (component,
+/// corner).
+template <bool kBorder, class T>
+ELASTOGEN_HD inline VoxelEnergy<T> voxel_energy(const VoxelData<T>& v, const T u[3][8], T f[3][8]) {
+  using S = Scalar<T>;
+  T g[3][8];
+  for (int i = 0; i < 3; ++i) {
+    for (int c = 0; c < 8; ++c) g[i][c] = u[i][c], f[i][c] = T{};
+    hex8::to_patterns(g[i]);
+  }
+  const Svd3<T> F = svd3(deformation_gradient<kBorder>(v, g));
+  const Response<T> r = elastic_response<false>(v.law, F.sigma);
+  const Mat3<T> P = first_piola(F, r.t);
+
+  VoxelEnergy<T> energy;
+  energy.elastic = v.phi * (v.h * v.h * v.h) * r.psi;
+  energy.J = F.sigma[0] * F.sigma[1] * F.sigma[2];
+  const T weight = v.phi * (v.h * v.h * S(0.25));  // phi h^3 / (4 h)
+  for (int i = 0; i < 3; ++i) {
+    const T d[3] = {P(i, 0) * weight, P(i, 1) * weight, P(i, 2) * weight};
+    hex8::add_gradient_transposed<kBorder>(d, v.M, f[i]);
+  }
+  energy.hourglass = hourglass_energy<kBorder>(v, g, f);
+  for (int i = 0; i < 3; ++i) hex8::to_corners(f[i]);
+  return energy;
+}
+
+/// Upper triangle of the projected d2psi/dF2 [Pa], row-major over the nine entries of F.
+template <class T>
+struct Tangent {
+  T m[45];
+};
+
+/// Projected tangent of a voxel at corner displacements u.
+template <bool kBorder, class T>
+ELASTOGEN_HD inline Tangent<T> voxel_tangent(const VoxelData<T>& v, const T u[3][8]) {
+  T g[3][8];
+  for (int i = 0; i < 3; ++i) {
+    for (int c = 0; c < 8; ++c) g[i][c] = u[i][c];
+    hex8::to_patterns(g[i]);
+  }
+  const Svd3<T> F = svd3(deformation_gradient<kBorder>(v, g));
+  const Response<T> r = elastic_response<true>(v.law, F.sigma);
+  const PrincipalHessian<T> H = positive_part(principal_hessian(F.sigma, r));
+  Tangent<T> result;
+  for (int row = 0, k = 0; row < 9; ++row) {
+    Mat3<T> unit{};
+    unit.m[row] = constant<T>(1);
+    const Mat3<T> column = apply(H, F, unit);
+    for (int col = row; col < 9; ++col) result.m[k++] = column.m[col];
+  }
+  return result;
+}
+
+/// Product f of a voxel's Hessian with the direction p; `stress(dF, dP)` is the tangent's part.
+template <bool kBorder, class T, class Stress>
+ELASTOGEN_HD inline void hessian_product(const VoxelData<T>& v, const Stress& stress,
+                                         const T p[3][8], T f[3][8]) {
+  using S = Scalar<T>;
+  T g[3][8], dF[9], dP[9];
+  for (int i = 0; i < 3; ++i) {
+    for (int c = 0; c < 8; ++c) g[i][c] = p[i][c], f[i][c] = T{};
+    hex8::to_patterns(g[i]);
+    hex8::gradient<kBorder>(g[i], v.M, dF + 3 * i);
+  }
+  stress(dF, dP);
+  const T weight = v.phi * (v.h * S(0.0625));  // phi h^3 / (4 h)^2
+  for (int i = 0; i < 3; ++i) {
+    const T d[3] = {dP[3 * i] * weight, dP[3 * i + 1] * weight, dP[3 * i + 2] * weight};
+    hex8::add_gradient_transposed<kBorder>(d, v.M, f[i]);
+  }
+  hourglass_energy<kBorder>(v, g, f);
+  for (int i = 0; i < 3; ++i) hex8::to_corners(f[i]);
+}
+
+/// Hessian with a projected tangent.
+template <bool kBorder, class T>
+ELASTOGEN_HD inline void voxel_hessian(const VoxelData<T>& v, const Tangent<T>& tangent,
+                                       const T p[3][8], T f[3][8]) {
+  const auto stress = [&](const T dF[9], T dP[9]) {
+    for (int k = 0; k < 9; ++k) dP[k] = T{};
+    for (int row = 0, k = 0; row < 9; ++row) {
+      dP[row] += tangent.m[k++] * dF[row];
+      for (int col = row + 1; col < 9; ++col, ++k) {
+        dP[row] += tangent.m[k] * dF[col];
+        dP[col] += tangent.m[k] * dF[row];
+      }
+    }
+  };
+  hessian_product<kBorder>(v, stress, p, f);
+}
+
+/// Hessian at rest: dP = mu (dF + dF^T) + lambda tr(dF) I, the same for every law.
+template <bool kBorder, class T>
+ELASTOGEN_HD inline void voxel_rest_hessian(const VoxelData<T>& v, const T p[3][8], T f[3][8]) {
+  const auto stress = [&](const T dF[9], T dP[9]) {
+    const T pressure = v.law.lambda * (dF[0] + dF[4] + dF[8]);
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) {
+        dP[3 * i + j] = v.law.mu * (dF[3 * i + j] + dF[3 * j + i]);
+        if (i == j) dP[3 * i + j] += pressure;
+      }
+  };
+  hessian_product<kBorder>(v, stress, p, f);
+}
+
+}  // namespace elastogen

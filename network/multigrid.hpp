@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// Constant-coefficient multigrid, the encoder of many levels: three scalar hierarchies, one a
+// displacement component d, built once a scene,
+//
+//     A_d = a0 M / dt^2 + sum_v phi_v h^3 sum_e k_de (dN/dX_e)(dN/dX_e)^T + variance term,
+//     k_dd = 2 mu + lambda,  k_de = mu (e != d),
+//
+// with the border voxels' own mean gradients on the finest level and averaged moduli, centre
+// gradients and twice the edge on each coarser one. One V-cycle with Chebyshev smoothing is a fixed
+// symmetric positive definite map: a preconditioner, never an iteration of its own.
+
+#pragma once
+
+#include "network/brick_rows.hpp"
+
+#include <memory>
+#include <vector>
+
+namespace elastogen {
+
+/// @tparam T  float, or double where the condition number asks for it (Courant number above 1e3).
+template <class T>
+class Multigrid {
+ public:
+  /// @param a0  mass factor of the time scheme.
+  Multigrid(const Scene& scene, double a0);
+  ~Multigrid();
+
+  /// z = B r, one V-cycle from z = 0; r and z are (nodes, 3), r is 0 on pinned nodes.
+  void apply(const T* r, T* z);
+
+  /// product = A p on the finest level (the three scalar operators, not the elastic one).
+  void operator_product(const T* p, T* product);
+
+  int level_count() const { return int(levels_.size()); }
+
+  /// Mean over the components of the finest level's diagonal at a node [N/m], inertia included;
+  /// 0 on pinned nodes.
+  double diagonal(int64_t node) const;
+
+ private:
+  struct Level;
+  void smooth_from_zero(Level& level);
+  void smooth(Level& level);
+  void cycle(size_t l);
+  std::vector<std::unique_ptr<Level>> levels_;
+};
+
+}  // namespace elastogen

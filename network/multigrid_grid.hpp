@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// One level of the multigrid hierarchy: its voxels, moduli and masses, and the transfers between a
+// level and the next coarser one (edge doubled, nodes of even index kept, trilinear).
+
+#pragma once
+
+#include "network/brick_rows.hpp"
+
+#include <vector>
+
+namespace elastogen {
+
+struct LevelGrid {
+  BrickRows rows;
+  int64_t nodes = 0;
+  double h = 0;     ///< edge [m]
+  double unit = 1;  ///< [N/m]; the cycle runs on the operator divided by it, whatever the scale
+  std::vector<int32_t> corners;  ///< (voxels, 8)
+  std::vector<double> moduli;  ///< phi times mu, lambda, c_xy, c_yz, c_zx, c_xyz [Pa], (voxels, 6)
+  std::vector<double> shape_mean;  ///< (voxels, 8); empty on coarse levels: centre gradients
+  std::vector<double> inertia;     ///< a0 m / dt^2 [N/m], (nodes)
+  std::vector<uint8_t> pinned;     ///< (nodes)
+  Array<int32_t> voxel_coord, node_coord;  ///< lattice coordinates of this level
+
+  // to the next coarser level; filled by coarser_level
+  std::vector<int32_t> parents;  ///< coarse nodes whose mean a node interpolates, (nodes, 8), with
+                                 ///< repetitions; -1 for a pinned one
+  // from the next finer level; filled by coarser_level
+  std::vector<int32_t>
+      children;  ///< fine nodes at offset -1, 0, 1 per axis, (nodes, 27), -1 if none
+};
+
+LevelGrid finest_level(const Scene& scene, double a0);
+
+/// The next level; fills `parents` of the fine one.
+LevelGrid coarser_level(LevelGrid& fine);
+
+/// coarse = P^T fine, gathered, 0 on pinned coarse nodes; (nodes, 3).
+template <class T>
+void restrict_residual(const LevelGrid& coarse_level, const T* fine, T* coarse);
+
+/// fine += P coarse on the free nodes.
+template <class T>
+void prolong_correction(const LevelGrid& fine_level, const T* coarse, T* fine);
+
+}  // namespace elastogen

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "network/newton_solver.hpp"
+
+#include "core/line_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace elastogen {
+namespace {
+
+/// Eisenstat and Walker's second choice with safeguards: how far the linear system is solved.
+double forcing_term(double residual, double before, double last, double target) {
+  double eta = 0.1;
+  if (before > 0) {
+    eta = 0.9 * (residual / before) * (residual / before);
+    if (0.9 * last * last > 0.1) eta = std::max(eta, 0.9 * last * last);
+    eta = std::min(eta, 0.1);
+  }
+  return std::max(eta, 0.5 * target / residual);
+}
+
+}  // namespace
+
+NewtonSolver::NewtonSolver(IncrementalPotential& potential)
+    : potential_(potential),
+      size_(3 * potential.scene().grid.node_count()),
+      trial_u_(size_t(size_)),
+      gradient_(size_t(size_)),
+      trial_gradient_(size_t(size_)),
+      right_(size_t(size_)),
+      step_(size_t(size_)),
+      work_(size_) {}
+
+/// Moves u along step_ until Phi falls; gradient_ and value follow. False: it never did.
+bool NewtonSolver::line_search(double* u, PotentialValue& value) {
+  const auto slope_of = [&](const std::vector<double>& g) {
+    return ordered_sum(size_, [&](int64_t begin, int64_t end) {
+      double sum = 0;
+      for (int64_t k = begin; k < end; ++k) sum += g[size_t(k)] * double(step_[size_t(k)]);
+      return sum;
+    });
+  };
+  const auto move = [&](double a) {
+    for_each(size_, [&](int64_t k) { trial_u_[size_t(k)] = u[k] + a * double(step_[size_t(k)]); });
+  };
+  const double slope = slope_of(gradient_);
+  if (!(slope < 0)) return false;
+  double a = 1;
+  move(a);
+  if (potential_.contact().exists()) {
+    a = potential_.contact().longest_step(u, trial_u_.data());
+    if (a < 1) move(a);
+  }
+  for (int halvings = 0; halvings <= 12; ++halvings, a /= 2) {
+    if (halvings > 0) move(a);
+    const PotentialValue trial =
+        potential_.evaluate<double>(trial_u_.data(), trial_gradient_.data());
+    const double difference = trial.total() - value.total();
+    const double noise = 64 * std::numeric_limits<double>::epsilon() * value.total();
+    if (!std::isfinite(difference) ||
+        !sufficient_decrease(difference, a * slope, a * slope_of(trial_gradient_), noise))
+      continue;
+    std::copy(trial_u_.begin(), trial_u_.end(), u);
+    gradient_.swap(trial_gradient_);
+    value = trial;
+    return true;
+  }
+  return false;
+}
+
+template <class P>
+IterationResult NewtonSolver::solve(double* u, double target, int max_outer, int max_inner,
+                                    Preconditioner<P>& preconditioner) {
+  IterationResult result;
+  PotentialValue value = potential_.evaluate<double>(u, gradient_.data());
+  double before = 0, eta = 0.1;
+  while (true) {
+    const double residual = norm(gradient_.data(), size_);
+    result.converged = residual <= target;
+    if (result.converged || result.outer == max_outer) return result;
+    potential_.linearise(u);
+    preconditioner.update_contact();
+    eta = forcing_term(residual, before, eta, target);
+    before = residual;
+
+    // the right-hand side is scaled to 1, so that float holds it whatever the units of the scene
+    const double unit = residual / std::sqrt(double(size_));
+    for_each(size_, [&](int64_t k) { right_[size_t(k)] = float(-gradient_[size_t(k)] / unit); });
+    const PcgResult inner = pcg(
+        right_.data(), step_.data(), size_, eta, max_inner, work_,
+        [&](const float* p, float* Ap) { potential_.hessian_product(p, Ap); },
+        [&](const float* r, float* z) { preconditioner.apply(r, z); });
+    result.inner += std::max(inner.iterations, 1);
+    for_each(size_, [&](int64_t k) { step_[size_t(k)] *= float(unit); });
+    ++result.outer;
+    if (!line_search(u, value)) return result;
+  }
+}
+
+template IterationResult NewtonSolver::solve(double*, double, int, int, Preconditioner<float>&);
+template IterationResult NewtonSolver::solve(double*, double, int, int, Preconditioner<double>&);
+
+}  // namespace elastogen

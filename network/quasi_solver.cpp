@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "network/quasi_solver.hpp"
+
+#include "core/line_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace elastogen {
+
+template <class T>
+QuasiSolver<T>::QuasiSolver(IncrementalPotential& potential)
+    : potential_(potential),
+      size_(3 * potential.scene().grid.node_count()),
+      trial_u_(size_t(size_)),
+      gradient_(size_t(size_)),
+      trial_gradient_(size_t(size_)),
+      direction_(size_t(size_)),
+      work_(size_t(size_)),
+      history_(size_) {}
+
+/// Halves the step until Phi falls; fills trial_u_ and trial_gradient_.
+template <class T>
+typename QuasiSolver<T>::Trial QuasiSolver<T>::line_search(const double* u,
+                                                           const PotentialValue& start,
+                                                           double slope, int& evaluations) {
+  constexpr int kMostHalvings = 12;
+  const auto move = [&](double a) {
+    for_each(size_,
+             [&](int64_t k) { trial_u_[size_t(k)] = u[k] - a * double(direction_[size_t(k)]); });
+  };
+  double a = first_length_;
+  move(a);
+  if (potential_.contact().exists()) {
+    a *= potential_.contact().longest_step(u, trial_u_.data());
+    if (a < first_length_) move(a);
+  }
+  Trial trial;
+  for (; trial.halvings <= kMostHalvings; ++trial.halvings) {
+    trial.value = potential_.evaluate<T>(trial_u_.data(), trial_gradient_.data());
+    ++evaluations;
+    trial.slope = -a * dot(trial_gradient_.data(), direction_.data(), size_);
+    const double parts = start.elastic + start.hourglass + start.contact + start.inertia;
+    const double noise = 64 * double(std::numeric_limits<T>::epsilon()) / 2 * parts;
+    const double difference = trial.value.total() - start.total();
+    if (std::isfinite(difference) && std::isfinite(trial.slope) &&
+        sufficient_decrease(difference, a * slope, trial.slope, noise)) {
+      trial.accepted = true;
+      // in contact the first matrix overestimates, so the next search starts where this one ended
+      if (potential_.contact().exists())
+        first_length_ = trial.halvings > 0 ? a : std::min(1.0, 2 * first_length_);
+      return trial;
+    }
+    a /= 2;
+    move(a);
+  }
+  return trial;
+}
+
+template <class T>
+template <class P>
+IterationResult QuasiSolver<T>::solve(double* u, double target, int max_outer,
+                                      Preconditioner<P>& first) {
+  IterationResult result;
+  history_.clear();
+  first_length_ = 1;
+  PotentialValue value = potential_.evaluate<T>(u, gradient_.data());
+  result.inner = 1;
+  int struggles = 0;
+  while (true) {
+    result.converged = norm(gradient_.data(), size_) <= target;
+    if (result.converged || result.outer == max_outer) return result;
+    if (potential_.contact().exists()) {
+      potential_.linearise_contact(u);
+      first.update_contact();
+    }
+    history_.direction(gradient_.data(), work_.data(), direction_.data(),
+                       [&](const T* q, T* d) { first.apply(q, d); });
+    const double slope = -dot(gradient_.data(), direction_.data(), size_);
+    const Trial trial = slope < 0 ? line_search(u, value, slope, result.inner) : Trial{};
+    if (!trial.accepted) {
+      if (history_.count() == 0) return result;
+      history_.clear();
+      continue;
+    }
+    struggles = trial.halvings > 1 ? struggles + 1 : 0;
+    result.struggled |= struggles >= 2;
+
+    T* s = history_.next_s();
+    T* y = history_.next_y();
+    for_each(size_, [&](int64_t k) {
+      s[k] = T(trial_u_[size_t(k)] - u[k]);
+      y[k] = trial_gradient_[size_t(k)] - gradient_[size_t(k)];
+      u[k] = trial_u_[size_t(k)];
+    });
+    history_.keep();
+    gradient_.swap(trial_gradient_);
+    value = trial.value;
+    ++result.outer;
+  }
+}
+
+template class QuasiSolver<float>;
+template class QuasiSolver<double>;
+template IterationResult QuasiSolver<float>::solve(double*, double, int, Preconditioner<float>&);
+template IterationResult QuasiSolver<double>::solve(double*, double, int, Preconditioner<float>&);
+template IterationResult QuasiSolver<double>::solve(double*, double, int, Preconditioner<double>&);
+
+}  // namespace elastogen

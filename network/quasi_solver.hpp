@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// The quasi mode: L-BFGS(5) whose first matrix is one pass of the preconditioner; no Hessian is
+// formed. Liu, Bouaziz, Kavan 2017 with multigrid in place of a factorised matrix.
+
+#pragma once
+
+#include "network/lbfgs.hpp"
+#include "network/preconditioner.hpp"
+
+namespace elastogen {
+
+/// How an iteration over the potential ended.
+struct IterationResult {
+  bool converged = false;  ///< |gradient| <= target in the precision of the iteration
+  int outer = 0, inner = 0;
+  bool struggled = false;  ///< the line search halved more than once in two iterations in a row
+};
+
+template <class T>
+class QuasiSolver {
+ public:
+  explicit QuasiSolver(IncrementalPotential& potential);
+
+  /// Improves u until |grad Phi|_2 <= target [N], at most max_outer iterations.
+  /// @tparam P  precision of the preconditioner.
+  template <class P>
+  IterationResult solve(double* u, double target, int max_outer, Preconditioner<P>& first);
+
+ private:
+  struct Trial {
+    PotentialValue value;
+    double slope = 0;  // of Phi along the direction, at the trial
+    int halvings = 0;
+    bool accepted = false;
+  };
+  Trial line_search(const double* u, const PotentialValue& start, double slope, int& evaluations);
+
+  IncrementalPotential& potential_;
+  int64_t size_;
+  std::vector<double> trial_u_;
+  std::vector<T> gradient_, trial_gradient_, direction_, work_;
+  Lbfgs<T> history_;
+  double first_length_ = 1;  // of the next line search; below 1 only in contact
+};
+
+}  // namespace elastogen

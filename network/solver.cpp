@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "network/solver.hpp"
+
+#include "core/error.hpp"
+#include "network/newton_solver.hpp"
+#include "network/predictor.hpp"
+#include "network/quasi_solver.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace elastogen {
+namespace {
+
+constexpr double kReferenceGravity = 9.81;  // g_ref of the certificate [m/s^2]
+constexpr double kNewtonCourant = 100;      // auto hands over to newton
+constexpr double kDoubleCourant = 1000;     // everything in float64
+constexpr double kEncoderCourant = 2;       // below it multigrid alone does as well
+
+bool all_finite(const std::vector<double>& values) {
+  return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
+}
+
+}  // namespace
+
+std::string_view solver_name(SolverMode mode) {
+  constexpr std::string_view kNames[] = {"auto", "quasi", "newton"};
+  return kNames[int(mode)];
+}
+
+SolverMode solver_from_name(std::string_view name) {
+  for (const SolverMode mode : {SolverMode::kAuto, SolverMode::kQuasi, SolverMode::kNewton})
+    if (solver_name(mode) == name) return mode;
+  throw Error(concat("unknown solver '", name, "'; known are auto, quasi, newton"));
+}
+
+double reference_force(const Scene& scene) {
+  double sum = 0;
+  for (int64_t n = 0; n < scene.grid.node_count(); ++n)
+    if (!scene.pinned(n)) sum += scene.mass(n) * scene.mass(n);
+  return kReferenceGravity * std::sqrt(sum);
+}
+
+double courant_number(const Scene& scene) {
+  double largest = 0;
+  for (const Material& m : scene.materials)
+    largest = std::max(largest, scene.dt / scene.grid.h * std::sqrt(m.young / m.density));
+  return largest;
+}
+
+double float_floor(const Scene& scene) {
+  double stiffest = 0;  // 3 K / rho
+  for (const Material& m : scene.materials)
+    stiffest = std::max(stiffest, (2 * m.mu() + 3 * m.lambda()) / m.density);
+  return 1.5 * std::exp2(-23) * stiffest / (kReferenceGravity * scene.grid.h);
+}
+
+struct Solver::Impl {
+  Impl(const Scene& s, const SolverOptions& o)
+      : scene(s),
+        options(o),
+        potential(s),
+        predictor(s),
+        force(reference_force(s)),
+        courant(courant_number(s)),
+        u(3 * size_t(s.grid.node_count())),
+        gradient(u.size()) {
+    ELASTOGEN_CHECK(o.tolerance > 0, "the tolerance must be positive, got ", o.tolerance);
+    mode = o.mode;
+    if (mode == SolverMode::kAuto)
+      mode = courant > kNewtonCourant ? SolverMode::kNewton : SolverMode::kQuasi;
+    // the preconditioner is built for the scheme of the run, at rest
+    State rest = initial_state(scene);
+    StepScheme scheme{scene.scheme, scene.dt, scene.scheme == TimeScheme::kBdf2 ? 2.25 : 1};
+    rest.x_before = rest.x;
+    rest.v_before = rest.v;
+    potential.begin_step(rest, scheme);
+    const bool encoder = !o.skip || courant > kEncoderCourant;
+    // forces beyond the range of float, or conditions beyond its digits
+    const bool in_range = force < 1e25 && force > 1e-25;
+    if (courant > kDoubleCourant || !in_range)
+      precise.emplace(potential, encoder);
+    else
+      single.emplace(potential, encoder);
+  }
+
+  IterationResult iterate(double target, StepReport& report);
+  template <class T, class P>
+  IterationResult quasi(std::unique_ptr<QuasiSolver<T>>& solver, double target,
+                        Preconditioner<P>& first) {
+    if (!solver) solver = std::make_unique<QuasiSolver<T>>(potential);
+    return solver->solve(u.data(), target, options.max_outer, first);
+  }
+  IterationResult newton(double target);
+  void start(const State& state);
+  void certify(const State& state, StepReport& report);
+  void finish(State& state, StepReport& report);
+
+  const Scene& scene;
+  SolverOptions options;
+  IncrementalPotential potential;
+  Predictor predictor;
+  double force, courant;
+  SolverMode mode;
+  std::optional<Preconditioner<float>> single;
+  std::optional<Preconditioner<double>> precise;
+  std::unique_ptr<QuasiSolver<float>> quasi_float;
+  std::unique_ptr<QuasiSolver<double>> quasi_double;
+  std::unique_ptr<NewtonSolver> newton_solver;
+  std::vector<double> u, gradient;
+  Array<double> x;  // of the new state
+};
+
+/// The predictor, cut where it would carry a surface point through the floor.
+void Solver::Impl::start(const State& state) {
+  predictor.start(state, potential.predictor(), u.data());
+  if (!potential.contact().exists()) return;
+  const Array<double>& X = scene.grid.rest;
+  std::vector<double> now(u.size());
+  for (int64_t k = 0; k < X.size(); ++k) now[size_t(k)] = state.x.data()[k] - X.data()[k];
+  const double share = potential.contact().longest_step(now.data(), u.data());
+  if (share < 1)
+    for (size_t k = 0; k < u.size(); ++k) u[k] = now[k] + share * (u[k] - now[k]);
+}
+
+IterationResult Solver::Impl::newton(double target) {
+  if (!newton_solver) newton_solver = std::make_unique<NewtonSolver>(potential);
+  const int outer = std::max(10, options.max_outer / 10);
+  if (precise) return newton_solver->solve(u.data(), target, outer, options.max_inner, *precise);
+  return newton_solver->solve(u.data(), target, outer, options.max_inner, *single);
+}
+
+IterationResult Solver::Impl::iterate(double target, StepReport& report) {
+  report.float64 = true;
+  if (mode == SolverMode::kNewton) return newton(target);
+  if (precise) return quasi(quasi_double, target, *precise);
+  IterationResult result;
+  if (options.skip && float_floor(scene) < options.tolerance / 3) {
+    report.float64 = false;
+    result = quasi(quasi_float, target, *single);
+    if (result.converged) return result;
+    report.float64 = true;
+  }
+  const IterationResult more = quasi(quasi_double, target, *single);
+  result = {more.converged, result.outer + more.outer, result.inner + more.inner,
+            result.struggled || more.struggled};
+  // auto: what quasi cannot do, or can do only with trouble, newton does
+  if (options.mode == SolverMode::kAuto && (!result.converged || result.struggled))
+    mode = SolverMode::kNewton;
+  if (options.mode != SolverMode::kAuto || result.converged) return result;
+  const IterationResult last = newton(target);
+  return {last.converged, result.outer + last.outer, result.inner + last.inner, true};
+}
+
+/// x from u, and the residual of the true equations in float64 on that x.
+void Solver::Impl::certify(const State& state, StepReport& report) {
+  const Array<double>& X = scene.grid.rest;
+  x = state.x;
+  for (int64_t n = 0; n < X.rows(); ++n)
+    for (int d = 0; d < 3; ++d) {
+      if (!scene.pinned(n)) x(n, d) = X(n, d) + u[size_t(3 * n + d)];
+      u[size_t(3 * n + d)] = x(n, d) - X(n, d);
+    }
+  const PotentialValue value = potential.residual(u.data(), gradient.data());
+  const double size = norm(gradient.data(), int64_t(gradient.size()));
+  report.residual = force > 0 ? size / force : 0;
+  report.converged = report.residual <= options.tolerance;
+  report.finite = std::isfinite(value.total()) && std::isfinite(size) && all_finite(u);
+  report.min_j = value.min_j;
+  report.min_corner_j = value.min_corner_j;
+  report.deepest_overlap = value.deepest_overlap / scene.grid.h;
+  report.energy.elastic = value.elastic;
+  report.energy.hourglass = value.hourglass;
+  report.energy.contact = value.contact;
+}
+
+/// Hands the new positions and velocities to the state.
+void Solver::Impl::finish(State& state, StepReport& report) {
+  const StepScheme& scheme = potential.scheme();
+  Array<double> v(x.rows(), 3);
+  for (int64_t n = 0; n < x.rows(); ++n)
+    for (int d = 0; d < 3; ++d) {
+      const double before = state.x_before.empty() ? state.x(n, d) : state.x_before(n, d);
+      if (!scene.pinned(n)) v(n, d) = velocity_after(scheme, x(n, d), state.x(n, d), before);
+      report.energy.kinetic += scene.mass(n) / 2 * v(n, d) * v(n, d);
+      report.energy.gravity -= scene.mass(n) * scene.gravity[size_t(d)] * x(n, d);
+    }
+  state.x_before = std::move(state.x);
+  state.v_before = std::move(state.v);
+  state.x = std::move(x);
+  state.v = std::move(v);
+  ++state.steps;
+  state.time = double(state.steps) * scene.dt;
+}
+
+Solver::Solver(const Scene& scene, const SolverOptions& options)
+    : impl_(std::make_unique<Impl>(scene, options)) {}
+
+Solver::~Solver() = default;
+
+SolverMode Solver::mode() const {
+  return impl_->mode;
+}
+
+StepReport Solver::step(State& state) {
+  const auto begin = std::chrono::steady_clock::now();
+  Impl& s = *impl_;
+  ELASTOGEN_CHECK(state.x.rows() == s.scene.grid.node_count() && state.x.cols() == 3,
+                  "state.x must be (nodes, 3), got (", state.x.rows(), ", ", state.x.cols(), ")");
+  StepReport report;
+  const StepScheme scheme = step_scheme(s.scene, state);
+  report.scheme = scheme.scheme;
+  report.step = state.steps + 1;
+  report.time = double(report.step) * s.scene.dt;
+  s.potential.begin_step(state, scheme);
+  s.start(state);
+  s.potential.set_nodal_rotations(s.u.data());
+
+  // a margin, because the state that is written is rounded once more
+  const double target = 0.95 * s.options.tolerance * s.force;
+  IterationResult result = s.iterate(target, report);
+  s.certify(state, report);
+  if (!report.converged && !report.float64 && report.finite) {
+    report.float64 = true;
+    const IterationResult more = s.quasi(s.quasi_double, target, *s.single);
+    result.outer += more.outer;
+    result.inner += more.inner;
+    s.certify(state, report);
+  }
+  report.outer = result.outer;
+  report.inner = result.inner;
+  if (report.finite) s.finish(state, report);
+  const auto end = std::chrono::steady_clock::now();
+  report.ms = std::chrono::duration<double, std::milli>(end - begin).count();
+  return report;
+}
+
+}  // namespace elastogen

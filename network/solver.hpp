@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// One time step of a scene: the state that minimises the incremental potential, with its
+// certificate. A solver is built once a scene; a step allocates nothing of the grid's size.
+
+#pragma once
+
+#include "core/report.hpp"
+#include "core/state.hpp"
+
+#include <memory>
+#include <string_view>
+
+namespace elastogen {
+
+/// quasi: L-BFGS whose first matrix is one V-cycle with encoder. newton: projected Hessian, PCG
+/// with the same preconditioner. auto: quasi, and newton for very stiff scenes (Courant number
+/// above 100) or where the line search of quasi keeps halving.
+enum class SolverMode { kAuto, kQuasi, kNewton };
+
+std::string_view solver_name(SolverMode mode);
+/// @throws Error naming the known modes.
+SolverMode solver_from_name(std::string_view name);
+
+struct SolverOptions {
+  SolverMode mode = SolverMode::kAuto;
+  double tolerance = 1e-3;  ///< of |grad Phi| / |M g_ref|
+  int max_outer = 400;      ///< L-BFGS iterations; a tenth of it for Newton steps
+  int max_inner = 2000;     ///< PCG iterations of one Newton step
+  bool skip = true;         ///< false: float64 and encoder always, whatever the scene needs
+};
+
+/// |M g_ref| = 9.81 m/s^2 times the 2-norm of the masses over free nodes and components [N].
+double reference_force(const Scene& scene);
+
+/// Elastic Courant number (dt/h) sqrt(E/rho), the largest of the scene's materials.
+double courant_number(const Scene& scene);
+
+/// Estimate of the residual at which an iteration with float voxel maths ends,
+///
+///     1.5 2^-23 3K / (rho g_ref h):
+///
+/// stretches carry an error of about 2^-23, which the bulk modulus turns into forces. Measured
+/// within a factor of 2 (tests/network/solver_test.cpp). Above a third of the tolerance a step runs
+/// in float64.
+double float_floor(const Scene& scene);
+
+class Solver {
+ public:
+  /// The scene must be finished and outlive the solver.
+  Solver(const Scene& scene, const SolverOptions& options);
+  ~Solver();
+
+  /// Advances the state by dt. If the result is not finite the state stays as it was and the report
+  /// says so. Same bits on every run and any number of threads.
+  StepReport step(State& state);
+
+  /// The mode that `auto` has come to.
+  SolverMode mode() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace elastogen

@@ -1,0 +1,330 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/asset_check.hpp"
+
+#include "io/obj_reader.hpp"
+#include "tests/io/test_files.hpp"
+
+#include <cmath>
+#include <limits>
+
+namespace elastogen {
+namespace {
+
+using test::error_of;
+using test::expect_says;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+/// Cube of edge a with its lower corner at o, outside out.
+Asset cube(double a = 1, const Vec3& o = {}) {
+  Asset asset;
+  asset.path = "cube";
+  asset.format = "obj";
+  Mesh& mesh = asset.meshes.emplace_back();
+  mesh.name = "box";
+  for (int c = 0; c < 8; ++c) {
+    mesh.position.push_back({o[0] + a * (c & 1), o[1] + a * (c >> 1 & 1), o[2] + a * (c >> 2)});
+    mesh.position_of.push_back(c);
+  }
+  mesh.groups.push_back({-1,
+                         {0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4,
+                          2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5},
+                         -1});
+  asset.nodes.push_back({"box", -1, kIdentity4, 0});
+  return asset;
+}
+
+std::vector<int32_t>& corners(Asset& asset) {
+  return asset.meshes[0].groups[0].corner;
+}
+
+int64_t count_of(const Asset& asset, const std::string& what) {
+  for (const Finding& f : asset.findings)
+    if (f.what == what) return f.count;
+  return 0;
+}
+
+int64_t count_after_check(Asset asset, const std::string& what) {
+  check_asset(asset);
+  return count_of(asset, what);
+}
+
+TEST(AssetCheck, ACleanCubeHasNoFindings) {
+  for (const double a : {1e-6, 1., 5e16}) {
+    Asset asset = cube(a);
+    check_asset(asset);
+    EXPECT_TRUE(asset.findings.empty()) << asset.findings[0].what;
+    const WeldedMesh w = weld(pose_surface(asset));
+    EXPECT_TRUE(w.closed() && w.balanced());
+    EXPECT_EQ(w.pieces, 1);
+    EXPECT_NEAR(w.volume / (a * a * a), 1, 1e-14);
+  }
+}
+
+TEST(AssetCheck, FarFromTheOriginNothingIsLost) {
+  Asset asset = cube(1.7, {1e7, -2e7, 5e6});
+  check_asset(asset);
+  EXPECT_TRUE(asset.findings.empty());
+  EXPECT_NEAR(weld(pose_surface(asset)).volume, 1.7 * 1.7 * 1.7, 1e-7);
+}
+
+TEST(AssetCheck, NamesTheFirstVertexThatIsNotFinite) {
+  for (const double bad : {kNan, HUGE_VAL, -HUGE_VAL}) {
+    Asset asset = cube();
+    asset.meshes[0].position[5][1] = bad;
+    asset.meshes[0].position[7][0] = bad;
+    expect_says(error_of([&] { check_asset(asset); }), "cube: mesh \"box\": vertex 5 ");
+  }
+}
+
+TEST(AssetCheck, RefusesIndicesOutOfRange) {
+  for (const int32_t bad : {8, -1, std::numeric_limits<int32_t>::max()}) {
+    Asset asset = cube();
+    corners(asset)[4] = bad;
+    expect_says(error_of([&] { check_asset(asset); }), "mesh \"box\": triangle 1 has the vertex");
+    asset = cube();
+    asset.meshes[0].position_of[3] = bad;
+    expect_says(error_of([&] { check_asset(asset); }), "drawn vertex 3 has the position");
+    asset = cube();
+    asset.meshes[0].groups[0].material = bad == -1 ? -2 : bad;
+    expect_says(error_of([&] { check_asset(asset); }), "there is no material");
+  }
+}
+
+TEST(AssetCheck, RefusesWhatCannotBeSimulated) {
+  Asset asset = cube();
+  corners(asset).clear();
+  expect_says(error_of([&] { check_asset(asset); }), "nothing to simulate");
+  asset = cube();
+  asset.nodes.clear();
+  expect_says(error_of([&] { check_asset(asset); }), "nothing to simulate");
+  asset = cube();
+  corners(asset) = {0, 0, 1, 2, 3, 3};
+  expect_says(error_of([&] { check_asset(asset); }), "no triangle has an area");
+  asset = cube(0);
+  expect_says(error_of([&] { check_asset(asset); }), "lie in one point");
+  for (const double a : {1e-200, 1e200}) {
+    asset = cube(a);
+    expect_says(error_of([&] { check_asset(asset); }), "out of range");
+  }
+}
+
+TEST(AssetCheck, CountsWhatIsWrong) {
+  Asset asset = cube();
+  corners(asset).insert(corners(asset).end(), {0, 0, 1, 5, 5, 5});
+  EXPECT_EQ(count_after_check(asset, "zero-area"), 2);
+  EXPECT_EQ(count_after_check(asset, "open"), 0);
+
+  asset = cube();
+  corners(asset).insert(corners(asset).end(), {0, 2, 3, 5, 4, 7});  // again, and again turned
+  EXPECT_EQ(count_after_check(asset, "duplicate-faces"), 2);
+  EXPECT_EQ(count_after_check(asset, "non-manifold"), 0);
+  EXPECT_TRUE(weld(pose_surface(asset)).closed());
+
+  asset = cube();
+  corners(asset).insert(corners(asset).end(), {0, 1, 6});
+  EXPECT_EQ(count_after_check(asset, "non-manifold"), 2);  // 0 1 and 0 6 have three faces
+  EXPECT_EQ(count_after_check(asset, "open"), 1);          // 1 6 has one
+
+  asset = cube();
+  corners(asset).resize(33);
+  EXPECT_EQ(count_after_check(asset, "open"), 3);
+
+  asset = cube();
+  std::swap(corners(asset)[0], corners(asset)[1]);
+  EXPECT_EQ(count_after_check(asset, "mixed-winding"), 3);
+  EXPECT_EQ(count_after_check(asset, "flipped"), 0);
+
+  asset = cube();
+  for (size_t k = 0; k < 36; k += 3) std::swap(corners(asset)[k], corners(asset)[k + 1]);
+  EXPECT_EQ(count_after_check(asset, "flipped"), 12);
+  EXPECT_NEAR(weld(pose_surface(asset)).volume, -1, 1e-14);
+
+  asset = cube();
+  asset.meshes[0].position.push_back({1000, 0, 0});
+  asset.meshes[0].position_of.push_back(8);
+  EXPECT_EQ(count_after_check(asset, "unreferenced"), 1);
+
+  asset = cube();
+  asset.nodes.push_back({"again", -1, kIdentity4, 0});
+  asset.nodes[1].matrix[12] = 3;
+  EXPECT_EQ(count_after_check(asset, "pieces"), 2);
+}
+
+TEST(AssetCheck, ResetsAttributesThatAreNotFinite) {
+  Asset asset = cube();
+  Mesh& mesh = asset.meshes[0];
+  mesh.uv.assign(8, {0.5f, 0.5f});
+  mesh.normal.assign(8, {1, 0, 0});
+  mesh.colour.assign(8, {0, 0, 0, 1});
+  mesh.uv[1][0] = mesh.normal[2][1] = mesh.colour[3][2] = mesh.colour[4][0] = float(kNan);
+  check_asset(asset);
+  EXPECT_EQ(count_of(asset, "bad-uvs"), 1);
+  EXPECT_EQ(count_of(asset, "bad-normals"), 1);
+  EXPECT_EQ(count_of(asset, "bad-colours"), 2);
+  EXPECT_EQ(mesh.uv[1], (std::array<float, 2>{0, 0}));
+  EXPECT_EQ(mesh.normal[2], (std::array<float, 3>{0, 0, 1}));
+  EXPECT_EQ(mesh.colour[3], (std::array<float, 4>{1, 1, 1, 1}));
+  mesh.uv.resize(7);
+  expect_says(error_of([&] { check_asset(asset); }), "7 uvs for 8 vertices");
+}
+
+TEST(Weld, JoinsBelowTheToleranceAndNotAbove) {
+  // a soup of the cube's triangles, each corner moved by a share of the edge
+  for (const auto& [move, vertices] : {std::pair{1e-7, 8}, std::pair{1e-5, 36}}) {
+    const Asset clean = cube(2e-3, {3, -4, 5});
+    Asset soup = clean;
+    Mesh& mesh = soup.meshes[0];
+    mesh.position.clear();
+    mesh.position_of.clear();
+    for (int32_t k = 0; k < 36; ++k) {
+      Vec3 x = clean.meshes[0].position[size_t(clean.meshes[0].groups[0].corner[size_t(k)])];
+      for (int d = 0; d < 3; ++d) x[d] += 2e-3 * move * std::cos(7. * k + 2. * d);
+      mesh.position.push_back(x);
+      mesh.position_of.push_back(k);
+      corners(soup)[size_t(k)] = k;
+    }
+    const WeldedMesh w = weld(pose_surface(soup));
+    EXPECT_EQ(w.vertices.rows(), vertices);
+    EXPECT_EQ(w.merged, 36 - vertices);
+    EXPECT_EQ(w.closed(), vertices == 8);
+  }
+}
+
+TEST(Weld, FindsTheSamePairsAsAllAgainstAll) {
+  // points on a line, 0.4 tolerances apart: each joins the nearest earlier one that stayed
+  Surface surface;
+  const int n = 400;
+  surface.vertices = Array<double>(n + 2, 3);
+  surface.triangles = Array<int32_t>(n, 3);
+  const double tolerance = 1e-3;
+  for (int i = 0; i < n; ++i)
+    for (int d = 0; d < 3; ++d)
+      surface.vertices(i, d) = 0.01 * std::sin(12.9898 * (i + 1) * (d + 1));
+  for (int d = 0; d < 3; ++d) surface.vertices(n, d) = 0.5, surface.vertices(n + 1, d) = -0.5;
+  for (int i = 0; i < n; ++i)
+    surface.triangles(i, 0) = i, surface.triangles(i, 1) = n, surface.triangles(i, 2) = n + 1;
+  for (int i = 0; i < n + 2; ++i)
+    surface.box.add({surface.vertices(i, 0), surface.vertices(i, 1), surface.vertices(i, 2)});
+
+  std::vector<int> kept, expected;
+  for (int i = 0; i < n + 2; ++i) {
+    int nearest = -1;
+    double best = tolerance;  // the longest edge is 1
+    for (size_t k = 0; k < kept.size(); ++k) {
+      double d2 = 0;
+      for (int d = 0; d < 3; ++d)
+        d2 += std::pow(surface.vertices(i, d) - surface.vertices(kept[k], d), 2);
+      if (std::sqrt(d2) < best) best = std::sqrt(d2), nearest = int(k);
+    }
+    expected.push_back(nearest >= 0 ? nearest : int(kept.size()));
+    if (nearest < 0) kept.push_back(i);
+  }
+  const WeldedMesh w = weld(surface, tolerance);
+  EXPECT_EQ(w.welded_of, std::vector<int32_t>(expected.begin(), expected.end()));
+  EXPECT_GT(w.merged, 10);
+  EXPECT_LT(w.merged, n - 10);
+}
+
+TEST(Weld, WallsThatTouchKeepTheSurfaceBalanced) {
+  // two cubes side by side: welded, the wall between them is there twice, once each way
+  Asset asset = cube();
+  asset.nodes.push_back({"beside", -1, kIdentity4, 0});
+  asset.nodes[1].matrix[12] = 1;
+  for (size_t k = 24; k < 30; k += 3) {  // the cube's diagonals at x = 0 as at x = 1
+    const std::vector<int32_t> turned = {1, 3, 7, 1, 7, 5};
+    for (size_t c = 0; c < 3; ++c) corners(asset)[30 + k - 24 + c] = turned[k - 24 + c];
+  }
+  const WeldedMesh w = weld(pose_surface(asset));
+  EXPECT_EQ(w.opposite_pairs, 2);
+  EXPECT_EQ(w.triangles.rows(), 24);
+  EXPECT_TRUE(w.balanced());
+  EXPECT_EQ(w.nonmanifold_edges, 5);  // the rim of the wall and its diagonal
+  EXPECT_NEAR(w.volume, 2, 1e-14);
+}
+
+TEST(Weld, ASheetDrawnFromBothSidesIsBalancedAndHasNoVolume) {
+  Asset asset = cube();
+  corners(asset) = {0, 1, 3, 0, 3, 2, 3, 1, 0, 2, 3, 0};
+  const WeldedMesh w = weld(pose_surface(asset));
+  EXPECT_EQ(w.opposite_pairs, 2);
+  EXPECT_EQ(w.triangles.rows(), 4);
+  EXPECT_TRUE(w.balanced());
+  EXPECT_EQ(w.volume, 0);
+}
+
+TEST(Weld, ASurfaceWithoutTrianglesIsNotClosed) {
+  const WeldedMesh w = weld(Surface{});
+  EXPECT_FALSE(w.closed() || w.balanced());
+}
+
+TEST(Weld, AMoebiusBandIsUnbalanced) {
+  // ten quads, the last glued upside down
+  Surface surface;
+  surface.vertices = Array<double>(20, 3);
+  surface.triangles = Array<int32_t>(20, 3);
+  for (int i = 0; i < 10; ++i)
+    for (int s = 0; s < 2; ++s) {
+      const double a = 0.2 * M_PI * i, r = 2 + (s ? 0.5 : -0.5) * std::cos(0.5 * a);
+      surface.vertices(2 * i + s, 0) = r * std::cos(a);
+      surface.vertices(2 * i + s, 1) = r * std::sin(a);
+      surface.vertices(2 * i + s, 2) = (s ? 0.5 : -0.5) * std::sin(0.5 * a);
+      surface.box.add({r * std::cos(a), r * std::sin(a), 0.5});
+    }
+  for (int i = 0; i < 10; ++i) {
+    const int p = 2 * i, q = p + 1, r = i < 9 ? p + 2 : 1, s = i < 9 ? p + 3 : 0;
+    const int corner[6] = {p, q, r, r, q, s};
+    for (int k = 0; k < 6; ++k) surface.triangles(2 * i + k / 3, k % 3) = corner[k];
+  }
+  const WeldedMesh w = weld(surface);
+  EXPECT_EQ(w.border_edges, 20);
+  EXPECT_EQ(w.turned_edges, 1);
+  EXPECT_EQ(w.pieces, 1);
+  EXPECT_FALSE(w.closed() || w.balanced());
+}
+
+TEST(AssetCheck, FindsWhatIsWrongInRealFiles) {
+  const std::string folder = test::assets_folder();
+  if (folder.empty()) return;
+  struct Row {
+    const char *name, *what;
+    int64_t count;
+  };
+  const Row rows[] = {{"spot_zero_area", "zero-area", 400},
+                      {"spot_zero_area", "open", 0},
+                      {"spot_duplicated_faces", "duplicate-faces", 1000},
+                      {"spot_duplicated_faces", "non-manifold", 0},
+                      {"spot_duplicated_vertices", "duplicate-vertices", 17568 - 2930},
+                      {"spot_duplicated_vertices", "open", 0},
+                      {"spot_flipped", "flipped", 5856},
+                      {"spot_unreferenced", "unreferenced", 5},
+                      {"spot_unreferenced", "open", 0},
+                      {"spot_far_1e7", "duplicate-vertices", 0},
+                      {"spot_micrometres", "zero-area", 0},
+                      {"spot_parsec", "zero-area", 0},
+                      {"spot_headless", "open", 60},
+                      {"spot_holes", "open", 749},
+                      {"spot_shells", "pieces", 4},
+                      {"fan3", "non-manifold", 1},
+                      {"fan3", "open", 6},
+                      {"hourglass_ico", "pieces", 2},
+                      {"moebius", "open", 112},
+                      {"open_sheet", "open", 160}};
+  for (const Row& row : rows) {
+    Asset asset = read_obj(folder + "broken/" + row.name + ".obj");
+    check_asset(asset);
+    EXPECT_EQ(count_of(asset, row.what), row.count) << row.name << ' ' << row.what;
+  }
+  Asset mixed = read_obj(folder + "broken/spot_mixed_winding.obj");
+  check_asset(mixed);
+  EXPECT_GT(count_of(mixed, "mixed-winding"), 1000);
+  const double volumes[][2] = {{1, 0.718}, {1e-18, 0.718}, {27e48, 0.718}};
+  const char* names[] = {"spot_far_1e7", "spot_micrometres", "spot_parsec"};
+  for (int k = 0; k < 3; ++k) {
+    const Surface s = pose_surface(read_obj(folder + "broken/" + names[k] + ".obj"));
+    EXPECT_NEAR(weld(s).volume / volumes[k][0], volumes[k][1], 2e-3) << names[k];
+  }
+}
+
+}  // namespace
+}  // namespace elastogen

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/read_asset.hpp"
+
+#include "tests/io/test_files.hpp"
+
+namespace elastogen {
+namespace {
+
+using test::error_of;
+using test::expect_says;
+using test::TempFolder;
+
+constexpr const char* kObj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+constexpr const char* kPly =
+    "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+    "property float z\nelement face 1\nproperty list uchar int vertex_index\nend_header\n"
+    "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+constexpr const char* kStl =
+    "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\n"
+    "endfacet\nendsolid\n";
+
+TEST(ReadAsset, TakesTheFormatFromTheContentThenFromTheName) {
+  const TempFolder folder;
+  EXPECT_EQ(read_asset(folder.write("a.obj", kObj)).format, "obj");
+  EXPECT_EQ(read_asset(folder.write("A.OBJ", kObj)).format, "obj");
+  EXPECT_EQ(read_asset(folder.write("a.ply", kPly)).format, "ply");
+  EXPECT_EQ(read_asset(folder.write("b.obj", kPly)).format, "ply");
+  EXPECT_EQ(read_asset(folder.write("noname", kPly)).format, "ply");
+  EXPECT_EQ(read_asset(folder.write("a.STL", kStl)).format, "stl");
+  EXPECT_EQ(read_asset(folder.write("a.xyz", kStl)).format, "stl");
+}
+
+TEST(ReadAsset, ChecksWhatItRead) {
+  const TempFolder folder;
+  const Asset asset = read_asset(folder.write("a.obj", kObj));
+  ASSERT_EQ(asset.findings.size(), 1u);
+  EXPECT_EQ(asset.findings[0].what, "open");
+  EXPECT_EQ(asset.findings[0].count, 3);
+  const std::string path = folder.write("nan.obj", "v 0 0 0\nv 1 nan 0\nv 0 1 0\nf 1 2 3\n");
+  expect_says(error_of([&] { read_asset(path); }), path + ": mesh \"nan\": vertex 1 ");
+  expect_says(error_of([&] { read_asset(folder.write("b.obj", "v 0 0 0\n")); }),
+              "nothing to simulate");
+  expect_says(error_of([&] { read_asset(folder.write("c.obj", "v 1e999 0 0\n")); }), "not finite");
+}
+
+TEST(ReadAsset, SaysWhyAFileIsNotRead) {
+  const TempFolder folder;
+  const auto says = [](const std::string& path, const std::string& part) {
+    const std::string message = error_of([&] { read_asset(path); });
+    expect_says(message, path + ": ");
+    expect_says(message, part);
+  };
+  says(folder.path("none.obj"), "there is no such file");
+  says(folder.path(""), "is a folder");
+  says("/dev/null", "is not a regular file");
+  says(folder.write("empty.obj", ""), "the file is empty");
+  says(folder.write("a.fbx", "Kaydara FBX Binary  "),
+       "fbx is not read; read are .obj .ply .stl .glb .gltf");
+  says(folder.write("fake.obj", "Kaydara FBX Binary  "), "fbx is not read");
+  says(folder.write("a.DAE", "<COLLADA>"), "dae is not read");
+  says(folder.write("a.vdb", std::string(" BDV\0\0\0\0", 8)), "vdb is not read");
+  says(folder.write("noname", "???"), "this format is not read");
+  says(folder.write("a.glb", "???"), "a.glb");
+}
+
+TEST(ReadAsset, ReadsOrRefusesEveryRealFile) {
+  const std::string folder = test::assets_folder();
+  if (folder.empty()) return;
+  int read = 0, refused = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    const std::string path = entry.path().string(), ending = entry.path().extension().string();
+    const bool is_read = ending == ".obj" || ending == ".stl" || ending == ".STL" ||
+                         entry.path().parent_path().filename() == "formats" ||
+                         entry.path().parent_path().filename() == "splats";
+    if (!entry.is_regular_file() || !is_read) continue;
+    try {
+      const Asset asset = read_asset(path);
+      EXPECT_FALSE(asset.meshes.empty()) << path;
+      ++read;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::kAsset) << path;
+      EXPECT_TRUE(ending != ".obj" && ending != ".stl" && ending != ".STL") << error.what();
+      expect_says(error.what(), "read");
+      ++refused;
+    }
+  }
+  EXPECT_GE(read, 30);
+  EXPECT_GE(refused, 10);
+}
+
+}  // namespace
+}  // namespace elastogen

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/report_file.hpp"
+
+#include "core/error.hpp"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+
+namespace elastogen {
+namespace {
+
+using Json = nlohmann::json;
+
+std::string scratch() {
+  return std::filesystem::temp_directory_path() / ("elastogen_report_" + std::to_string(getpid()));
+}
+
+Json written(const RunReport& report) {
+  write_report(scratch(), report);
+  std::ifstream file(scratch());
+  const Json json = Json::parse(file);
+  std::filesystem::remove(scratch());
+  return json;
+}
+
+TEST(ReportFile, HasEveryFieldOfTheDocumentation) {
+  RunReport report;
+  report.asset = {"cat.obj", "obj", 100, 196, true, {{"zero-area", 2, "2 triangles dropped"}}};
+  report.voxels = 10;
+  report.nodes = 30;
+  report.h = 0.125;
+  report.materials = {{"foam", Law::kHencky, 2e4, 0.25, 30}};
+  report.steps = 4;
+  report.frames = 2;
+  report.converged_share = 0.75;
+  report.worst_residual = 2e-3;
+  report.min_j = 0.5;
+  report.stage_seconds = {1, 2, 3, 4, 5};
+  report.step_ms = {1, 2, 3, 4, 5};
+  report.peak_memory_bytes = 123456789012;
+  report.warnings = {"nothing moved"};
+  report.command = "elastogen animate cat.obj";
+  report.commit = "abc123";
+  const Json expected = Json::parse(R"({"asset": {"path": "cat.obj", "format": "obj",
+      "vertices": 100, "faces": 196, "closed": true, "findings": [
+        {"what": "zero-area", "count": 2, "text": "2 triangles dropped"}]},
+      "voxels": 10, "nodes": 30, "h": 0.125, "materials": [{"name": "foam", "law": "hencky",
+        "young": 2e4, "poisson": 0.25, "density": 30.0}], "steps": 4, "frames": 2,
+      "converged_share": 0.75, "worst_residual": 2e-3, "min_j": 0.5,
+      "stage_seconds": {"read": 1, "voxelize": 2, "setup": 3, "steps": 4, "write": 5},
+      "ms_per_step": {"median": 3, "p95": 4.8}, "peak_memory_bytes": 123456789012,
+      "warnings": ["nothing moved"], "command": "elastogen animate cat.obj",
+      "commit": "abc123"})");
+  EXPECT_EQ(written(report), expected);
+}
+
+TEST(ReportFile, StaysReadableWithNumbersAndNamesThatJsonLacks) {
+  RunReport report;
+  report.worst_residual = std::numeric_limits<double>::infinity();
+  report.asset.path = "bad \xff name";
+  EXPECT_TRUE(written(report)["worst_residual"].is_null());
+}
+
+TEST(Quantile, InterpolatesBetweenNeighbours) {
+  EXPECT_EQ(quantile({}, 0.5), 0);
+  EXPECT_EQ(quantile({3}, 0.95), 3);
+  EXPECT_EQ(quantile({4, 1, 2, 3}, 0), 1);
+  EXPECT_EQ(quantile({4, 1, 2, 3}, 0.5), 2.5);
+  EXPECT_EQ(quantile({4, 1, 2, 3}, 1), 4);
+  EXPECT_THROW(quantile({1}, 1.5), Error);
+}
+
+TEST(PeakMemory, IsAtLeastWhatIsTouched) {
+  const int64_t bytes = int64_t{256} << 20;
+  const std::vector<char> block(size_t(bytes), 1);
+  EXPECT_GE(peak_memory_bytes(), std::count(block.begin(), block.end(), 1));
+}
+
+}  // namespace
+}  // namespace elastogen

@@ -1,0 +1,365 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/state_writer.hpp"
+
+#include "core/error.hpp"
+#include "core/scene.hpp"
+
+#include <gtest/gtest.h>
+#include <hdf5.h>
+#include <sys/resource.h>
+
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+
+namespace elastogen {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kNodes = 12, kVoxels = 2, kSteps = 3;
+
+template <class T>
+Array<T> counted(int64_t rows, int cols, double first, double step) {
+  Array<T> values(rows, cols);
+  for (int64_t k = 0; k < values.size(); ++k) values.data()[k] = T(first + step * double(k));
+  return values;
+}
+
+/// Two voxels in a row and two materials; every array has numbers of its own.
+Scene two_voxels() {
+  Scene scene;
+  scene.grid.h = 0.25;
+  scene.grid.rest = counted<double>(kNodes, 3, 0.1, 0.01);
+  scene.grid.corners = counted<int32_t>(kVoxels, 8, 0, 0.5);
+  scene.grid.fill = counted<double>(kVoxels, 1, 0.4, 0.2);
+  scene.grid.shape_mean = counted<double>(kVoxels, 8, 0.01, 0.003);
+  scene.material = counted<int32_t>(kVoxels, 1, 0, 1);
+  scene.materials = {Material{}, {"a rather long name of a foam", Law::kStvk, 2e4, 0.3, 30}};
+  scene.pinned = counted<uint8_t>(kNodes, 1, 0, 0.1);
+  scene.mass = counted<double>(kNodes, 1, 1, 0.1);
+  scene.variance = counted<double>(kVoxels, 4, 1e5, 1e3);
+  scene.gravity = {0.5, -9.81, 0.25};
+  scene.dt = 1.0 / 120;
+  scene.scheme = TimeScheme::kBdf2;
+  return scene;
+}
+
+State state_at(int step) {
+  State state;
+  state.x = counted<double>(kNodes, 3, step, 0.001);
+  state.v = counted<double>(kNodes, 3, -step, 0.002);
+  state.time = step / 120.0;
+  return state;
+}
+
+StepReport report_at(int step) {
+  StepReport report;
+  report.step = step;
+  report.scheme = step == 1 ? TimeScheme::kEuler : TimeScheme::kBdf2;
+  report.converged = step != 2;
+  report.residual = 1e-4 * step;
+  report.outer = 10 + step;
+  report.inner = 20 + step;
+  report.min_j = 1 - 0.1 * step;
+  report.energy = {1.0 * step, 2.0 * step, 3.0 * step, 4.0 * step, 5.0 * step};
+  report.ms = 7.5 * step;
+  return report;
+}
+
+class StateWriterTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder = fs::temp_directory_path() / ("elastogen_state_" + std::to_string(getpid()));
+    fs::create_directories(folder);
+    path = folder / "run.h5";
+  }
+  void TearDown() override {
+    if (file >= 0) H5Fclose(file);
+    fs::remove_all(folder);
+  }
+
+  void write(const Scene& scene, int steps = kSteps) const {
+    StateWriter writer(path, scene, header, state_at(0));
+    for (int step = 1; step <= steps; ++step) writer.step(state_at(step), report_at(step));
+    writer.finish();
+  }
+  void open() { file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT); }
+
+  std::vector<hsize_t> shape(const char* name) const {
+    const hid_t dataset = H5Dopen2(file, name, H5P_DEFAULT), space = H5Dget_space(dataset);
+    std::vector<hsize_t> extents(size_t(std::max(0, H5Sget_simple_extent_ndims(space))));
+    H5Sget_simple_extent_dims(space, extents.data(), nullptr);
+    H5Sclose(space);
+    H5Dclose(dataset);
+    return extents;
+  }
+  bool has_type(const char* name, hid_t expected) const {
+    const hid_t dataset = H5Dopen2(file, name, H5P_DEFAULT), type = H5Dget_type(dataset);
+    const bool same = H5Tequal(type, expected) > 0;
+    H5Tclose(type);
+    H5Dclose(dataset);
+    return same;
+  }
+  template <class T>
+  std::vector<T> read(const char* name, hid_t type) const {
+    size_t size = 1;
+    for (const hsize_t extent : shape(name)) size *= extent;
+    std::vector<T> values(size);
+    const hid_t dataset = H5Dopen2(file, name, H5P_DEFAULT);
+    H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
+    H5Dclose(dataset);
+    return values;
+  }
+  std::vector<double> numbers(const char* name) const {
+    return read<double>(name, H5T_NATIVE_DOUBLE);
+  }
+  std::vector<double> attribute(const char* object, const char* name, int count = 1) const {
+    std::vector<double> value(static_cast<size_t>(count));
+    const hid_t id = H5Aopen_by_name(file, object, name, H5P_DEFAULT, H5P_DEFAULT);
+    EXPECT_GE(id, 0) << name;
+    H5Aread(id, H5T_NATIVE_DOUBLE, value.data());
+    H5Aclose(id);
+    return value;
+  }
+  std::string text(const char* name) const {
+    const hid_t id = H5Aopen(file, name, H5P_DEFAULT), type = H5Aget_type(id);
+    std::string value(H5Tget_size(type), '\0');
+    H5Aread(id, type, value.data());
+    H5Tclose(type);
+    H5Aclose(id);
+    return value.c_str();
+  }
+
+  fs::path folder, path;
+  StateHeader header = {30, "quasi", 2e-3, "analytic", "abc123", {{"distance", 0.0625}}};
+  hid_t file = -1;
+};
+
+template <class T>
+std::vector<T> values_of(const Array<T>& array) {
+  return {array.data(), array.data() + array.size()};
+}
+
+TEST_F(StateWriterTest, RootSaysWhatTheRunWas) {
+  write(two_voxels());
+  open();
+  EXPECT_EQ(text("format"), "elastogen-state");
+  EXPECT_EQ(text("time_scheme"), "bdf2");
+  EXPECT_EQ(text("hourglass"), "full");
+  EXPECT_EQ(text("solver"), "quasi");
+  EXPECT_EQ(text("energy"), "analytic");
+  EXPECT_EQ(text("commit"), "abc123");
+  EXPECT_EQ(attribute("/", "version")[0], 1);
+  EXPECT_EQ(attribute("/", "h")[0], 0.25);
+  EXPECT_EQ(attribute("/", "dt")[0], 1.0 / 120);
+  EXPECT_EQ(attribute("/", "g_ref")[0], 9.81);
+  EXPECT_EQ(attribute("/", "fps")[0], 30);
+  EXPECT_EQ(attribute("/", "tolerance")[0], 2e-3);
+  EXPECT_EQ(attribute("/", "gravity", 3), (std::vector<double>{0.5, -9.81, 0.25}));
+}
+
+TEST_F(StateWriterTest, HasTheShapesAndTypesOfTheDocumentation) {
+  write(two_voxels());
+  open();
+  struct Row {
+    const char* name;
+    hid_t type;
+    std::vector<hsize_t> extents;
+  };
+  const hid_t f64 = H5T_IEEE_F64LE, i32 = H5T_STD_I32LE, u8 = H5T_STD_U8LE;
+  const Row rows[] = {
+      {"/grid/rest", f64, {kNodes, 3}},
+      {"/grid/corners", i32, {kVoxels, 8}},
+      {"/grid/fill", f64, {kVoxels}},
+      {"/grid/shape_mean", f64, {kVoxels, 8}},
+      {"/grid/mass", f64, {kNodes}},
+      {"/grid/pinned", u8, {kNodes}},
+      {"/grid/hourglass", f64, {kVoxels, 4}},
+      {"/grid/material", i32, {kVoxels}},
+      {"/steps/time", f64, {kSteps + 1}},
+      {"/steps/x", f64, {kSteps + 1, kNodes, 3}},
+      {"/steps/v", f64, {kSteps + 1, kNodes, 3}},
+      {"/steps/scheme", u8, {kSteps}},
+      {"/steps/residual", f64, {kSteps}},
+      {"/steps/converged", u8, {kSteps}},
+      {"/steps/outer", i32, {kSteps}},
+      {"/steps/inner", i32, {kSteps}},
+      {"/steps/ms", f64, {kSteps}},
+      {"/steps/energy_kinetic", f64, {kSteps}},
+      {"/steps/energy_elastic", f64, {kSteps}},
+      {"/steps/energy_hourglass", f64, {kSteps}},
+      {"/steps/energy_gravity", f64, {kSteps}},
+      {"/steps/energy_contact", f64, {kSteps}},
+      {"/steps/min_j", f64, {kSteps}},
+  };
+  for (const Row& row : rows) {
+    EXPECT_EQ(shape(row.name), row.extents) << row.name;
+    EXPECT_TRUE(has_type(row.name, row.type)) << row.name;
+  }
+}
+
+TEST_F(StateWriterTest, GivesBackTheGrid) {
+  const Scene scene = two_voxels();
+  write(scene);
+  open();
+  EXPECT_EQ(numbers("/grid/rest"), values_of(scene.grid.rest));
+  EXPECT_EQ(numbers("/grid/fill"), values_of(scene.grid.fill));
+  EXPECT_EQ(numbers("/grid/shape_mean"), values_of(scene.grid.shape_mean));
+  EXPECT_EQ(numbers("/grid/mass"), values_of(scene.mass));
+  EXPECT_EQ(numbers("/grid/hourglass"), values_of(scene.variance));
+  EXPECT_EQ(read<int32_t>("/grid/corners", H5T_NATIVE_INT32), values_of(scene.grid.corners));
+  EXPECT_EQ(read<int32_t>("/grid/material", H5T_NATIVE_INT32), values_of(scene.material));
+  EXPECT_EQ(read<uint8_t>("/grid/pinned", H5T_NATIVE_UINT8), values_of(scene.pinned));
+}
+
+TEST_F(StateWriterTest, GivesBackEveryStepToTheBitAfterTheStart) {
+  write(two_voxels());
+  open();
+  const std::vector<double> x = numbers("/steps/x"), v = numbers("/steps/v");
+  const std::vector<double> time = numbers("/steps/time");
+  for (int entry = 0; entry <= kSteps; ++entry) {
+    const State expected = state_at(entry);
+    EXPECT_EQ(time[entry], expected.time);
+    for (int k = 0; k < 3 * kNodes; ++k) {
+      EXPECT_EQ(x[3 * kNodes * entry + k], expected.x.data()[k]);
+      EXPECT_EQ(v[3 * kNodes * entry + k], expected.v.data()[k]);
+    }
+  }
+}
+
+TEST_F(StateWriterTest, GivesBackEveryReport) {
+  write(two_voxels());
+  open();
+  for (int t = 0; t < kSteps; ++t) {
+    const StepReport expected = report_at(t + 1);
+    EXPECT_EQ(numbers("/steps/scheme")[t], double(expected.scheme));
+    EXPECT_EQ(numbers("/steps/residual")[t], expected.residual);
+    EXPECT_EQ(numbers("/steps/converged")[t], expected.converged);
+    EXPECT_EQ(numbers("/steps/outer")[t], expected.outer);
+    EXPECT_EQ(numbers("/steps/inner")[t], expected.inner);
+    EXPECT_EQ(numbers("/steps/ms")[t], expected.ms);
+    EXPECT_EQ(numbers("/steps/energy_kinetic")[t], expected.energy.kinetic);
+    EXPECT_EQ(numbers("/steps/energy_elastic")[t], expected.energy.elastic);
+    EXPECT_EQ(numbers("/steps/energy_hourglass")[t], expected.energy.hourglass);
+    EXPECT_EQ(numbers("/steps/energy_gravity")[t], expected.energy.gravity);
+    EXPECT_EQ(numbers("/steps/energy_contact")[t], expected.energy.contact);
+    EXPECT_EQ(numbers("/steps/min_j")[t], expected.min_j);
+  }
+}
+
+TEST_F(StateWriterTest, NamesTheMaterials) {
+  const Scene scene = two_voxels();
+  write(scene);
+  open();
+  struct Row {
+    char name[40], law[40];
+    double young, poisson, density;
+  };
+  const hid_t name = H5Tcopy(H5T_C_S1);
+  H5Tset_size(name, 40);
+  H5Tset_cset(name, H5T_CSET_UTF8);
+  const hid_t type = H5Tcreate(H5T_COMPOUND, sizeof(Row));
+  H5Tinsert(type, "name", HOFFSET(Row, name), name);
+  H5Tinsert(type, "law", HOFFSET(Row, law), name);
+  H5Tinsert(type, "young", HOFFSET(Row, young), H5T_NATIVE_DOUBLE);
+  H5Tinsert(type, "poisson", HOFFSET(Row, poisson), H5T_NATIVE_DOUBLE);
+  H5Tinsert(type, "density", HOFFSET(Row, density), H5T_NATIVE_DOUBLE);
+  const std::vector<Row> rows = read<Row>("/materials", type);
+  H5Tclose(type);
+  H5Tclose(name);
+  ASSERT_EQ(rows.size(), scene.materials.size());
+  for (size_t m = 0; m < rows.size(); ++m) {
+    EXPECT_EQ(rows[m].name, scene.materials[m].name);
+    EXPECT_EQ(rows[m].law, law_name(scene.materials[m].law));
+    EXPECT_EQ(rows[m].young, scene.materials[m].young);
+    EXPECT_EQ(rows[m].poisson, scene.materials[m].poisson);
+    EXPECT_EQ(rows[m].density, scene.materials[m].density);
+  }
+}
+
+TEST_F(StateWriterTest, HasContactOnlyWhereThereIsAFloor) {
+  Scene scene = two_voxels();
+  write(scene);
+  open();
+  EXPECT_EQ(H5Lexists(file, "contact", H5P_DEFAULT), 0);
+  H5Fclose(file);
+  scene.floor = Floor{{0, 0, 1}, -0.5, 0.3};
+  scene.surface.voxel = counted<int32_t>(5, 1, 0, 0.3);
+  scene.surface.weights = counted<double>(5, 8, 0, 0.01);
+  scene.surface.area = counted<double>(5, 1, 1, 1);
+  write(scene);
+  open();
+  EXPECT_EQ(attribute("/contact", "floor_normal", 3), (std::vector<double>{0, 0, 1}));
+  EXPECT_EQ(attribute("/contact", "floor_offset")[0], -0.5);
+  EXPECT_EQ(attribute("/contact", "friction")[0], 0.3);
+  EXPECT_EQ(attribute("/contact", "distance")[0], 0.0625);
+  EXPECT_EQ(numbers("/contact/weights"), values_of(scene.surface.weights));
+  EXPECT_EQ(numbers("/contact/area"), values_of(scene.surface.area));
+  EXPECT_EQ(shape("/contact/voxel"), (std::vector<hsize_t>{5}));
+}
+
+TEST_F(StateWriterTest, WritesARunThatStoppedBeforeItsFirstStep) {
+  write(two_voxels(), 0);
+  open();
+  EXPECT_EQ(shape("/steps/x"), (std::vector<hsize_t>{1, kNodes, 3}));
+  EXPECT_EQ(shape("/steps/residual"), (std::vector<hsize_t>{0}));
+}
+
+TEST_F(StateWriterTest, LeavesTheOldFileAloneWithoutFinish) {
+  std::ofstream(path) << "old";
+  const Scene scene = two_voxels();
+  {
+    StateWriter writer(path, scene, header, state_at(0));
+    writer.step(state_at(1), report_at(1));
+  }
+  std::string content;
+  std::ifstream(path) >> content;
+  EXPECT_EQ(content, "old");
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 1);
+}
+
+/// Kind of the error of a run of so many steps where no file may grow beyond 512 kB.
+ErrorKind error_on_a_full_disk(const fs::path& path, const StateHeader& header, int steps) {
+  const Scene scene = two_voxels();
+  try {
+    StateWriter writer(path, scene, header, state_at(0));
+    for (int step = 1; step <= steps; ++step) writer.step(state_at(step), report_at(step));
+    writer.finish();
+  } catch (const Error& error) {
+    return error.kind();
+  }
+  return ErrorKind::kUsage;
+}
+
+TEST_F(StateWriterTest, ReportsAFullDiskAndLeavesNothing) {
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit small = {512 * 1024, before.rlim_max};
+  setrlimit(RLIMIT_FSIZE, &small);
+  // a step keeps 576 bytes: the raw file outgrows the limit, then only the packed one
+  const ErrorKind raw = error_on_a_full_disk(path, header, 2000);
+  const ErrorKind packed = error_on_a_full_disk(path, header, 900);
+  setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, handler);
+  EXPECT_EQ(raw, ErrorKind::kResources);
+  EXPECT_EQ(packed, ErrorKind::kResources);
+  EXPECT_TRUE(fs::is_empty(folder));
+}
+
+TEST_F(StateWriterTest, RejectsAStateOfAnotherGridAndAMissingFolder) {
+  const Scene scene = two_voxels();
+  State state = state_at(0);
+  state.v = Array<double>(kNodes - 1, 3);
+  EXPECT_THROW(StateWriter(path, scene, header, state), Error);
+  try {
+    StateWriter(folder / "absent" / "run.h5", scene, header, state_at(0));
+    ADD_FAILURE() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kResources);
+  }
+}
+
+}  // namespace
+}  // namespace elastogen

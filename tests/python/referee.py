@@ -1,0 +1,234 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Referee of state files: recomputes every time step with formulas of its own and compares.
+
+    python3 tests/python/referee.py STATE.h5 [--energy-check] [--json]
+
+Checked in each step: the residual |grad Phi|_2 / |M g_ref| over the free nodes, the flag
+`converged`, the velocity; once: the layout of the file and the nodal masses. `--energy-check` adds
+the recorded energies of these names; others are listed as not checked:
+
+    kinetic    1/2 sum m |v|^2               elastic    sum W psi
+    hourglass  variance and torsion terms    gravity    -sum m g.x, up to a constant
+
+Exit status 0 if everything agrees, else 1 with a table of the worst disagreements.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import h5py
+import numpy as np
+
+import equations
+from equations import Body, Motion, Potential
+from state_file import Floats, LayoutError, State, read_state, require
+
+RESIDUAL_SHARE, RESIDUAL_FLOOR = 0.05, 1e-6
+VELOCITY_SHARE = 1e-5
+MASS_SHARE = 1e-6
+ENERGY_SHARE, ENERGY_FLOOR = 0.01, 1e-6
+ROUND_OFF = 16 * float(np.finfo(float).eps)
+TABLE_ROWS = 10
+
+
+@dataclass(frozen=True)
+class Check:
+    """One comparison; `step` is the entry in the arrays of /steps, -1 for the whole file."""
+
+    step: int
+    quantity: str
+    own: float
+    recorded: float
+    allowed: float  # of |own - recorded|
+
+    @property
+    def excess(self) -> float:
+        """|own - recorded| / allowed; above 1 they disagree. Infinite where it is no number."""
+        difference = abs(self.own - self.recorded)
+        if difference == 0:
+            return 0.0
+        ratio = difference / self.allowed if self.allowed > 0 else np.inf
+        return float(ratio) if np.isfinite(ratio) else float("inf")
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """All comparisons of a file, the density factor of each material, energies left unchecked."""
+
+    steps: int
+    checks: list[Check]
+    factors: dict[str, float]
+    unchecked: list[str]
+
+    @property
+    def disagreements(self) -> list[Check]:
+        """The comparisons that fail, worst first."""
+        return sorted((c for c in self.checks if c.excess > 1), key=lambda c: -c.excess)
+
+    def worst(self, quantity: str) -> Check:
+        """The comparison of one quantity with the largest excess."""
+        return max((c for c in self.checks if c.quantity == quantity), key=lambda c: c.excess)
+
+
+def check_residual(state: State, step: int, own: float) -> list[Check]:
+    """The reported residual within 5 % or 1e-6, and the flag that must follow from it."""
+    reported = float(state.steps["residual"][step])
+    allowed = max(RESIDUAL_SHARE * abs(reported), RESIDUAL_FLOOR)
+    flag = float(reported <= state.tolerance)
+    return [Check(step, "residual", own, reported, allowed),
+            Check(step, "converged", flag, float(state.steps["converged"][step]), 0.0)]
+
+
+def check_velocity(step: int, own: Floats, recorded: Floats, slack: float) -> Check:
+    """Largest difference of a component [m/s] against 0.
+
+    @param slack  [m/s] allowed besides the share of the largest recorded component
+    """
+    allowed = VELOCITY_SHARE * np.abs(recorded).max() + slack
+    return Check(step, "velocity", float(np.abs(own - recorded).max()), 0.0, float(allowed))
+
+
+def velocity_slack(state: State, x: Floats) -> float:
+    """[m/s] what moves a residual by 1e-6, plus what rounded positions leave in the quotient."""
+    return RESIDUAL_FLOOR * state.g_ref * state.dt + ROUND_OFF * float(np.abs(x).max()) / state.dt
+
+
+def energies(state: State, body: Body, found: Potential, x: Floats, v: Floats) -> dict[str, float]:
+    """The referee's energies [J] by the name that follows `energy_` in the file."""
+    return {
+        "kinetic": float(body.mass @ (v * v).sum(1) / 2),
+        "elastic": found.elastic,
+        "hourglass": found.hourglass,
+        "gravity": float(-body.mass @ (x @ state.gravity)),
+    }
+
+
+def check_energies(state: State, own: list[dict[str, float]]) -> Iterator[Check]:
+    """Recorded energies within 1 %, or 1e-6 of the largest energy of the run.
+
+    @param own  one entry a step, from energies()
+    """
+    names = [name for name in own[0] if f"energy_{name}" in state.steps]
+    require(bool(names), f"no recorded energy is one of {list(own[0])}")
+    values = {name: np.array([entry[name] for entry in own]) for name in names}
+    recorded = {name: state.steps[f"energy_{name}"].astype(float) for name in names}
+    if "gravity" in names:
+        values["gravity"] -= values["gravity"][0]
+        recorded["gravity"] -= recorded["gravity"][0]
+    scale = max((float(np.abs(array).max()) for array in recorded.values()), default=0.0)
+    for name in names:
+        for step, (a, b) in enumerate(zip(values[name], recorded[name])):
+            allowed = max(ENERGY_SHARE * abs(b), ENERGY_FLOOR * scale)
+            yield Check(step, f"energy_{name}", float(a), float(b), allowed)
+
+
+def check_masses(state: State) -> tuple[Check, dict[str, float]]:
+    """Nodal masses against rho phi h^3 Nbar with one factor a material; the factors by name."""
+    factors, error = equations.mass_factors(state)
+    used = set(np.unique(state.grid["material"]))
+    named = {f"{i}:{m.name}": float(factors[i]) for i, m in enumerate(state.materials) if i in used}
+    if min(named.values()) <= 0:
+        error = float("inf")
+    return Check(-1, "mass", error, 0.0, MASS_SHARE), named
+
+
+def read_record(state: State, record: int) -> tuple[Floats, Floats]:
+    """Positions [m] and velocities [m/s] of one record, (nodes, 3)."""
+    x, v = state.x[record], state.v[record]
+    require(np.isfinite(x).all() and np.isfinite(v).all(),
+            f"/steps: x or v of record {record} has values that are not finite")
+    return x, v
+
+
+def judge(state: State, with_energies: bool) -> Verdict:
+    """Recomputes all steps of a state file, reading one record at a time."""
+    body = equations.make_body(state)
+    mass_check, factors = check_masses(state)
+    checks, own_energies = [mass_check], []
+    x_before, v_before = None, None
+    x, v = read_record(state, 0)
+    for step, scheme in enumerate(state.steps["scheme"]):
+        motion = Motion(x, v, x_before, v_before) if scheme else Motion(x, v)
+        x_next, v_next = read_record(state, step + 1)
+        found = equations.potential(body, motion, state.gravity, state.dt, x_next,
+                                    equations.rotations(body, x))
+        checks += check_residual(state, step, equations.residual(body, found.gradient, state.g_ref))
+        checks.append(check_velocity(step, equations.velocity(motion, x_next, state.dt), v_next,
+                                     velocity_slack(state, x_next)))
+        own_energies.append(energies(state, body, found, x_next, v_next))
+        x_before, v_before, x, v = x, v, x_next, v_next
+    recorded = {name for name in state.steps if name.startswith("energy_")}
+    if with_energies:
+        checks += check_energies(state, own_energies)
+    unchecked = sorted(recorded - {check.quantity for check in checks})
+    return Verdict(len(state.steps["scheme"]), checks, factors, unchecked)
+
+
+def summary(verdict: Verdict) -> str:
+    """One line: agreement, worst residual comparison, density factors."""
+    bad = {check.step for check in verdict.disagreements}
+    word = f"DISAGREES ({len(verdict.disagreements)} comparisons)" if bad else "agrees"
+    worst = verdict.worst("residual")
+    factors = ", ".join(f"{name} {factor:.6g}" for name, factor in verdict.factors.items())
+    return (f"referee {word}: {verdict.steps - len(bad - {-1})} of {verdict.steps} steps; worst "
+            f"residual: step {worst.step}, own {worst.own:.4e}, reported {worst.recorded:.4e}; "
+            f"density factors: {factors}; not checked: {', '.join(verdict.unchecked) or 'nothing'}")
+
+
+def table(verdict: Verdict) -> str:
+    """The worst disagreements, one a row."""
+    rows = [f"{'step':>6} {'quantity':<18} {'own':>12} {'recorded':>12} {'allowed':>10} "
+            f"{'excess':>9}"]
+    rows += [f"{c.step if c.step >= 0 else 'file':>6} {c.quantity:<18} {c.own:>12.5e} "
+             f"{c.recorded:>12.5e} {c.allowed:>10.2e} {c.excess:>9.3g}"
+             for c in verdict.disagreements[:TABLE_ROWS]]
+    return "\n".join(rows)
+
+
+def as_json(verdict: Verdict) -> str:
+    """The verdict as one JSON object; an excess that is not finite becomes null."""
+    def row(check: Check) -> dict[str, Any]:
+        values = asdict(check) | {"excess": check.excess}
+        return {k: None if isinstance(e, float) and not np.isfinite(e) else e
+                for k, e in values.items()}
+
+    quantities = dict.fromkeys(check.quantity for check in verdict.checks)
+    return json.dumps({
+        "agrees": not verdict.disagreements,
+        "steps": verdict.steps,
+        "density_factors": verdict.factors,
+        "unchecked": verdict.unchecked,
+        "worst": [row(verdict.worst(quantity)) for quantity in quantities],
+        "disagreements": [row(check) for check in verdict.disagreements],
+    })
+
+
+def main(arguments: list[str]) -> int:
+    """Command line; returns the exit status."""
+    parser = argparse.ArgumentParser(description="recompute every step of a state file")
+    parser.add_argument("state", metavar="STATE.h5")
+    parser.add_argument("--energy-check", action="store_true", help="compare the energies too")
+    parser.add_argument("--json", action="store_true", help="print one JSON object instead")
+    options = parser.parse_args(arguments)
+    try:
+        with h5py.File(options.state, "r") as file, np.errstate(all="ignore"):
+            verdict = judge(read_state(file), options.energy_check)
+    except (LayoutError, OSError) as error:
+        problem = f"{options.state}: {error}"
+        print(json.dumps({"agrees": False, "error": problem}) if options.json else
+              f"referee DISAGREES: {problem}")
+        return 1
+    print(as_json(verdict) if options.json else summary(verdict))
+    if verdict.disagreements and not options.json:
+        print(table(verdict))
+    return 1 if verdict.disagreements else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

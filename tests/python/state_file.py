@@ -1,0 +1,259 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Layout of a state file (HDF5): every name, shape, type and attribute, checked before any use.
+
+A state file holds what an outsider needs to recompute each time step: the grid, the materials and
+the positions and velocities of every step. Shapes are written with the letters
+
+    nodes, voxels    sizes of the grid           steps      T time steps
+    records          T + 1, entry 0 is the start
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Shape = tuple[Any, ...]
+
+LAWS = ("fixed-corotated", "neo-hookean", "stable-neo-hookean", "stvk", "hencky")
+
+# name -> (type, shape); a type of one letter is a numpy kind of any width
+GRID: dict[str, tuple[str, Shape]] = {
+    "rest": ("f8", ("nodes", 3)),
+    "corners": ("i4", ("voxels", 8)),
+    "fill": ("f8", ("voxels",)),
+    "shape_mean": ("f8", ("voxels", 8)),
+    "mass": ("f8", ("nodes",)),
+    "pinned": ("u1", ("nodes",)),
+    "hourglass": ("f8", ("voxels", 4)),
+    "material": ("i4", ("voxels",)),
+}
+STEPS: dict[str, tuple[str, Shape]] = {
+    "time": ("f8", ("records",)),
+    "x": ("f8", ("records", "nodes", 3)),
+    "v": ("f8", ("records", "nodes", 3)),
+    "scheme": ("u1", ("steps",)),
+    "residual": ("f8", ("steps",)),
+    "converged": ("u1", ("steps",)),
+    "outer": ("iu", ("steps",)),
+    "inner": ("iu", ("steps",)),
+    "ms": ("f", ("steps",)),
+    "min_j": ("f", ("steps",)),
+}
+ENERGY: tuple[str, Shape] = ("f", ("steps",))
+
+# attribute -> allowed words; None allows any text
+WORDS: dict[str, tuple[str, ...] | None] = {
+    "format": ("elastogen-state",),
+    "time_scheme": ("euler", "bdf2"),
+    "hourglass": ("full", "variance", "off"),
+    "solver": ("quasi", "newton", "paper"),
+    "energy": ("analytic",),
+    "commit": None,
+}
+POSITIVE = ("h", "dt", "g_ref", "fps", "tolerance")
+CONTACT = ("collider", "contact", "floor", "friction")
+FIELDS = ("name", "law", "young", "poisson", "density")
+
+
+class LayoutError(Exception):
+    """The file is not a state file that the referee can judge; the message names the place."""
+
+
+@dataclass(frozen=True)
+class Material:
+    """One solid: law by name, Young's modulus [Pa], Poisson ratio, density [kg/m^3]."""
+
+    name: str
+    law: str
+    young: float
+    poisson: float
+    density: float
+
+
+@dataclass(frozen=True)
+class State:
+    """What a state file says. `x` and `v` stay on disk and are read one record at a time."""
+
+    words: dict[str, str]  # text attributes
+    h: float  # voxel edge [m]
+    dt: float  # time step [s]
+    gravity: Floats  # (3,) [m/s^2]
+    g_ref: float  # [m/s^2]
+    tolerance: float  # residual below which a step counts as converged
+    materials: list[Material]
+    grid: dict[str, NDArray[Any]]  # the datasets of GRID
+    steps: dict[str, NDArray[Any]]  # the datasets of STEPS without x and v, and the energies [J]
+    x: h5py.Dataset  # (records, nodes, 3) [m]
+    v: h5py.Dataset  # (records, nodes, 3) [m/s]
+
+
+def require(condition: bool | np.bool_, *message: object) -> None:
+    """Raises LayoutError with the joined message unless the condition holds."""
+    if not condition:
+        raise LayoutError("".join(str(part) for part in message))
+
+
+def text(value: Any) -> str:
+    """A string attribute or field, of variable or fixed length."""
+    if isinstance(value, bytes):
+        return value.decode("utf-8", "replace").rstrip("\0")
+    require(isinstance(value, str), "expected a text, got ", repr(value))
+    return str(value)
+
+
+def number(value: Any, what: str) -> float:
+    """A scalar number; `what` names it in the message."""
+    array = np.asarray(value)
+    require(array.size == 1 and array.dtype.kind in "iuf", what, " must be one number, got ", value)
+    return float(array.reshape(()))
+
+
+def _attribute(file: h5py.File, name: str) -> Any:
+    require(name in file.attrs, "root attribute '", name, "' is missing")
+    return file.attrs[name]
+
+
+def _read_words(file: h5py.File) -> dict[str, str]:
+    words = {}
+    for name, allowed in WORDS.items():
+        words[name] = text(_attribute(file, name))
+        require(allowed is None or words[name] in allowed,
+                f"root attribute '{name}' must be one of {allowed}, got '{words[name]}'")
+    return words
+
+
+def _read_numbers(file: h5py.File) -> dict[str, float]:
+    numbers = {}
+    for name in POSITIVE:
+        numbers[name] = number(_attribute(file, name), f"root attribute '{name}'")
+        require(np.isfinite(numbers[name]) and numbers[name] > 0,
+                f"root attribute '{name}' must be positive, got {numbers[name]}")
+    version = number(_attribute(file, "version"), "root attribute 'version'")
+    require(version == 1, "version 1 expected, got ", version)
+    return numbers
+
+
+def _check_dataset(node: Any, place: str, kind: str, shape: Shape, sizes: dict[str, int]) -> None:
+    """Type and shape of one dataset; a size letter met for the first time is noted in `sizes`."""
+    require(isinstance(node, h5py.Dataset), place, " must be a dataset")
+    same = node.dtype == np.dtype(kind) if kind[-1].isdigit() else node.dtype.kind in kind
+    require(same, f"{place} must be of type {kind}, got {node.dtype}")
+    require(node.ndim == len(shape), f"{place} must be {shape}, got {node.shape}")
+    for wanted, got in zip(shape, node.shape):
+        size = sizes.setdefault(wanted, got) if isinstance(wanted, str) else wanted
+        require(size == got, f"{place} must be {shape} with {wanted} = {size}, got {node.shape}")
+
+
+def _check_names(names: set[str], wanted: set[str], place: str) -> None:
+    contact = sorted(n for n in names - wanted if n.startswith(CONTACT))
+    require(not contact, f"{place} has {contact}: runs with a collider are outside this referee")
+    require(names >= wanted, f"{place} lacks {sorted(wanted - names)}")
+    require(names <= wanted, f"{place} has unexpected members {sorted(names - wanted)}")
+
+
+def _check_layout(file: h5py.File) -> None:
+    """Names, types and shapes of the groups `grid` and `steps`."""
+    _check_names(set(file), {"grid", "materials", "steps"}, "/")
+    for place in ("grid", "steps"):
+        require(isinstance(file[place], h5py.Group), f"/{place} must be a group")
+    energies = {name for name in file["steps"] if name.startswith("energy_")}
+    _check_names(set(file["grid"]), set(GRID), "/grid")
+    _check_names(set(file["steps"]), set(STEPS) | energies, "/steps")
+    sizes: dict[str, int] = {}
+    for name, (kind, shape) in GRID.items():
+        _check_dataset(file["grid"][name], f"/grid/{name}", kind, shape, sizes)
+    for name, (kind, shape) in (STEPS | {name: ENERGY for name in energies}).items():
+        _check_dataset(file["steps"][name], f"/steps/{name}", kind, shape, sizes)
+    require(sizes["steps"] >= 1, "the file has no time step")
+    require(sizes["records"] == sizes["steps"] + 1,
+            f"{sizes['steps']} steps need {sizes['steps'] + 1} records, got {sizes['records']}")
+
+
+def _material_columns(node: Any) -> dict[str, Any]:
+    """The five columns of /materials: a compound dataset, or a group with an attribute each."""
+    if isinstance(node, h5py.Dataset):
+        missing = set(FIELDS) - set(node.dtype.names or ())
+        require(not missing, f"/materials must be compound with the fields {FIELDS}")
+        table = node[()]
+        return {field: np.atleast_1d(table[field]) for field in FIELDS}
+    missing = set(FIELDS) - set(node.attrs)
+    require(not missing, f"/materials lacks the attributes {sorted(missing)}")
+    return {field: np.atleast_1d(node.attrs[field]) for field in FIELDS}
+
+
+def _read_materials(file: h5py.File) -> list[Material]:
+    columns = _material_columns(file["materials"])
+    count = len(columns["name"])
+    require(count >= 1 and all(len(column) == count for column in columns.values()),
+            "the columns of /materials differ in length or are empty")
+    materials = []
+    for i in range(count):
+        young, poisson, density = (number(columns[c][i], f"/materials {c}") for c in FIELDS[2:])
+        material = Material(text(columns["name"][i]), text(columns["law"][i]), young, poisson,
+                            density)
+        require(material.law in LAWS, f"/materials: unknown law '{material.law}'")
+        require(young > 0 and density > 0 and -1 < poisson < 0.5,
+                f"/materials: '{material.name}' has values out of range")
+        materials.append(material)
+    return materials
+
+
+def _check_voxels(grid: dict[str, NDArray[Any]], materials: int, h: float) -> None:
+    """Values of the grid: indices in range, cubes of edge h, fills and shape means that add up."""
+    nodes = len(grid["rest"])
+    for name in ("rest", "fill", "shape_mean", "mass", "hourglass"):
+        require(np.isfinite(grid[name]).all(), f"/grid/{name} has values that are not finite")
+    for name, end in (("corners", nodes), ("material", materials), ("pinned", 2)):
+        inside = (grid[name] >= 0) & (grid[name] < end)
+        require(inside.all(), f"/grid/{name} must lie in 0..{end - 1}")
+    fill, mean = grid["fill"], grid["shape_mean"]
+    require(((fill > 0) & (fill <= 1)).all(), "/grid/fill must lie in (0, 1]")
+    require((mean >= 0).all() and np.allclose(mean.sum(1), 1, rtol=0, atol=1e-9),
+            "/grid/shape_mean must be >= 0 with sum 1 in each voxel")
+    require((grid["mass"] >= 0).all(), "/grid/mass must be >= 0")
+    corner = grid["rest"][grid["corners"]]
+    bits = (np.arange(8)[:, None] >> np.arange(3)) & 1
+    slack = 1e-9 * h + 16 * np.finfo(float).eps * np.abs(grid["rest"]).max()
+    error = np.abs(corner - corner[:, :1] - h * bits).max()
+    require(error <= slack, f"/grid/corners: a voxel is off a cube of edge h by {error:.3g} m")
+
+
+def _check_steps(steps: dict[str, NDArray[Any]], time_scheme: str, dt: float) -> None:
+    """Values of the steps: equal time steps, an Euler start, flags that are 0 or 1."""
+    uneven = np.abs(np.diff(steps["time"]) - dt).max()
+    require(uneven <= 1e-6 * dt, f"/steps/time is off the time step dt by {uneven:.3g} s")
+    for name in ("scheme", "converged"):
+        require((steps[name] <= 1).all(), f"/steps/{name} must be 0 or 1")
+    require(steps["scheme"][0] == 0, "/steps/scheme: the first step must be Euler (0)")
+    require(time_scheme == "bdf2" or not steps["scheme"].any(),
+            "/steps/scheme has BDF2 steps in a run whose time_scheme is euler")
+    require(not np.any(steps.get("energy_contact", 0)),
+            "/steps/energy_contact is not zero: runs with a collider are outside this referee")
+
+
+def read_state(file: h5py.File) -> State:
+    """Checks the whole layout and reads all but x and v.
+
+    @param file  open state file; it must stay open while `x` and `v` are in use
+    @throws LayoutError  naming the first place that differs from the format
+    """
+    words, numbers = _read_words(file), _read_numbers(file)
+    gravity = np.asarray(_attribute(file, "gravity"))
+    require(gravity.shape == (3,) and gravity.dtype.kind == "f" and np.isfinite(gravity).all(),
+            "root attribute 'gravity' must be three finite numbers")
+    _check_layout(file)
+    materials = _read_materials(file)
+    grid = {name: file["grid"][name][()] for name in GRID}
+    steps = {name: node[()] for name, node in file["steps"].items() if name not in ("x", "v")}
+    _check_voxels(grid, len(materials), numbers["h"])
+    _check_steps(steps, words["time_scheme"], numbers["dt"])
+    return State(words, numbers["h"], numbers["dt"], gravity.astype(float), numbers["g_ref"],
+                 numbers["tolerance"], materials, grid, steps, file["steps"]["x"],
+                 file["steps"]["v"])

@@ -1,0 +1,136 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Small ragged bodies and state files for the self-tests of the referee."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+import equations
+from equations import BITS, Body, Motion
+from state_file import FIELDS, LAWS, Floats, Material, State
+
+H, DT = 0.05, 1 / 60
+GRAVITY = np.array([0.3, -9.7, 0.2])
+CELLS = [(0, 0, 0), (1, 0, 0), (2, 0, 0), (0, 1, 0), (1, 1, 0), (1, 0, 1), (2, 0, 1)]
+
+
+def shape_means(points: Floats) -> Floats:
+    """(8,) means of the trilinear shape functions over points of the unit cube, (n, 3)."""
+    factors = np.where(BITS, points[:, None, :], 1 - points[:, None, :])
+    return factors.prod(2).mean(0)
+
+
+def ragged_grid(seed: int, cells: list[tuple[int, int, int]], materials: list[Material],
+                full: int = 2) -> dict[str, Any]:
+    """The datasets of /grid: the first `full` voxels are full, the others random border voxels."""
+    random = np.random.default_rng(seed)
+    lattice = np.array(cells)[:, None, :] + BITS
+    nodes, corners = np.unique(lattice.reshape(-1, 3), axis=0, return_inverse=True)
+    corners = corners.reshape(-1, 8)
+    fill = np.where(np.arange(len(cells)) < full, 1.0, random.uniform(0.1, 1, len(cells)))
+    mean = np.array([shape_means(random.uniform(0, 1, (12, 3))) for _ in cells])
+    mean[:full] = 1 / 8
+    material = np.arange(len(cells)) % len(materials)
+    density = np.array([m.density for m in materials])[material]
+    mass = np.bincount(corners.ravel(), ((density * fill * H**3)[:, None] * mean).ravel())
+    young = np.array([m.young for m in materials])[material]
+    return {
+        "rest": H * nodes + np.array([0.3, -0.2, 0.1]),
+        "corners": corners.astype(np.int32),
+        "fill": fill,
+        "shape_mean": mean,
+        "mass": mass,
+        "pinned": (nodes[:, 0] == 0).astype(np.uint8),
+        "hourglass": young[:, None] * random.uniform(0.3, 0.6, (len(cells), 4)),
+        "material": material.astype(np.int32),
+    }
+
+
+def make_state(seed: int = 1, laws: tuple[str, ...] = LAWS, hourglass: str = "full",
+               cells: list[tuple[int, int, int]] = CELLS, full: int = 2) -> State:
+    """A state without steps: one material a law, in turn over the voxels."""
+    materials = [Material(f"solid {i}", law, 2e4 * (1 + i), 0.1 + 0.08 * i, 900.0 + 100 * i)
+                 for i, law in enumerate(laws)]
+    words = {"format": "elastogen-state", "time_scheme": "bdf2", "hourglass": hourglass,
+             "solver": "newton", "energy": "analytic", "commit": "none"}
+    return State(words, H, DT, GRAVITY, 9.81, 1e-3, materials,
+                 ragged_grid(seed, cells, materials, full), {}, None, None)
+
+
+def central_differences(function: Callable[[Floats], Any], x: Floats, width: float) -> Floats:
+    """Derivatives of a scalar or array function by each entry of x; first axis: entries of x."""
+    rows = []
+    for index in range(x.size):
+        shift = np.zeros(x.size)
+        shift[index] = width
+        shift = shift.reshape(x.shape)
+        rows.append((np.asarray(function(x + shift)) - function(x - shift)) / (2 * width))
+    return np.array(rows)
+
+
+def solve_step(body: Body, motion: Motion) -> Floats:
+    """x^{n+1} of one step by dense Newton iterations with a differenced Hessian."""
+    R = equations.rotations(body, motion.x)
+    free = np.repeat(body.free, 3)
+    x = motion.x.copy()
+
+    def gradient(y: Floats) -> Floats:
+        return equations.potential(body, motion, GRAVITY, DT, y, R).gradient.ravel()[free]
+
+    for _ in range(12):
+        hessian = central_differences(gradient, x, 1e-6 * H)[free]
+        change = np.zeros(x.size)
+        change[free] = np.linalg.solve(hessian.T, -gradient(x))
+        x = x + change.reshape(x.shape)
+    return x
+
+
+def roll_out(state: State, schemes: list[int], seed: int = 3) -> tuple[Floats, Floats]:
+    """Records x and v of exactly solved steps that start from a random velocity."""
+    body, random = equations.make_body(state), np.random.default_rng(seed)
+    v = [np.where(body.free[:, None], random.normal(0, 0.2, body.rest.shape), 0.0)]
+    x = [body.rest.copy()]
+    for scheme in schemes:
+        motion = Motion(x[-1], v[-1], x[-2], v[-2]) if scheme else Motion(x[-1], v[-1])
+        x.append(solve_step(body, motion))
+        v.append(equations.velocity(motion, x[-1], DT))
+    return np.array(x), np.array(v)
+
+
+def step_arrays(state: State, x: Floats, v: Floats, schemes: list[int],
+                residual: float) -> dict[str, Any]:
+    """The datasets of /steps for given records, all with the same reported residual."""
+    steps = len(schemes)
+    mass = state.grid["mass"]
+    return {
+        "time": DT * np.arange(steps + 1), "x": x, "v": v,
+        "scheme": np.array(schemes, np.uint8), "residual": np.full(steps, residual),
+        "converged": np.full(steps, residual <= state.tolerance, np.uint8),
+        "outer": np.ones(steps, np.int32), "inner": np.ones(steps, np.int32),
+        "ms": np.ones(steps), "min_j": np.ones(steps),
+        "energy_kinetic": 0.5 * np.einsum("n,tni,tni->t", mass, v[1:], v[1:]),
+    }
+
+
+def write_state(path: Path, state: State, steps: dict[str, Any], gravity: Floats,
+                compound: bool = True) -> None:
+    """A state file; the materials as a compound dataset or as attributes of a group."""
+    columns = {f: [getattr(m, f) for m in state.materials] for f in FIELDS}
+    with h5py.File(path, "w") as file:
+        file.attrs.update(state.words | {"version": 1, "h": state.h, "dt": state.dt, "fps": 60.0,
+                                         "gravity": gravity, "g_ref": state.g_ref,
+                                         "tolerance": state.tolerance})
+        for name, values in state.grid.items():
+            file[f"grid/{name}"] = values
+        for name, values in steps.items():
+            file[f"steps/{name}"] = values
+        if compound:
+            kinds = [(f, h5py.string_dtype() if f in FIELDS[:2] else "f8") for f in FIELDS]
+            file["materials"] = np.array(list(zip(*columns.values())), np.dtype(kinds))
+        else:
+            file.create_group("materials").attrs.update(columns)

@@ -1,0 +1,180 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Self-tests of the referee on synthetic state files whose residual is known in closed form."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import json
+import tempfile
+import unittest
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+import equations
+import referee
+from synthetic import GRAVITY, H, make_state, ragged_grid, roll_out, step_arrays, write_state
+
+SEVEN = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (1, 1, 1), (2, 1, 1), (0, 1, 0), (0, 0, 1)]
+
+
+class Tool(unittest.TestCase):
+    """The command on files whose residual is known in closed form.
+
+    The steps are solved exactly under one gravity and recorded with another: the gradient is then
+    -m dg on every free node, and the residual |dg|/g_ref for both time schemes.
+    """
+
+    state = make_state(cells=SEVEN)
+    schemes = [0, 1, 1, 0]
+    change = np.array([0.0, 3e-3, 4e-3])
+    residual = 5e-3 / 9.81
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        cls.x, cls.v = roll_out(cls.state, cls.schemes)
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.path = Path(cls.folder.name) / "state.h5"
+
+    @classmethod
+    def tearDownClass(cls) -> None:
+        cls.folder.cleanup()
+
+    def write(self, **options: Any) -> None:
+        steps = step_arrays(self.state, self.x, self.v, self.schemes, self.residual)
+        write_state(self.path, self.state, steps, GRAVITY + self.change, **options)
+
+    def run_tool(self, *options: str) -> tuple[int, str]:
+        out = io.StringIO()
+        with contextlib.redirect_stdout(out):
+            status = referee.main([str(self.path), *options])
+        return status, out.getvalue()
+
+    def tampered(self, place: str, change: Any, *options: str) -> str:
+        """Output after `change(array)` of one dataset; the tool must fail."""
+        self.write()
+        with h5py.File(self.path, "r+") as file:
+            values = file[place][()]
+            change(values)
+            file[place][...] = values
+        status, output = self.run_tool(*options)
+        self.assertEqual(status, 1, output)
+        return output
+
+    def broken(self, change: Any) -> str:
+        """Output after `change(file)` of the layout; the tool must fail."""
+        self.write()
+        with h5py.File(self.path, "r+") as file:
+            change(file)
+        status, output = self.run_tool()
+        self.assertEqual(status, 1, output)
+        return output
+
+    def test_steps_of_known_residual_agree(self) -> None:
+        for compound in (True, False):
+            self.write(compound=compound)
+            status, output = self.run_tool("--energy-check")
+            self.assertEqual(status, 0, output)
+            self.assertEqual(len(output.splitlines()), 1)
+            self.assertIn("4 of 4 steps", output)
+
+    def test_own_residual_is_exact_for_both_schemes(self) -> None:
+        self.write()
+        with h5py.File(self.path) as file:
+            verdict = referee.judge(referee.read_state(file), False)
+        own = [c.own for c in verdict.checks if c.quantity == "residual"]
+        np.testing.assert_allclose(own, self.residual, rtol=1e-6)
+        for factor in verdict.factors.values():
+            self.assertAlmostEqual(factor, 1, 9)
+
+    def test_json_says_the_same(self) -> None:
+        self.write()
+        verdict = json.loads(self.run_tool("--json")[1])
+        self.assertTrue(verdict["agrees"])
+        self.assertEqual(verdict["steps"], 4)
+        self.assertEqual({row["quantity"] for row in verdict["worst"]},
+                         {"mass", "residual", "converged", "velocity"})
+
+    def test_tampered_values_are_caught(self) -> None:
+        def add(index: Any, value: float) -> Any:
+            return lambda a: a.__setitem__(index, a[index] + value)
+
+        def scale(index: Any, value: float) -> Any:
+            return lambda a: a.__setitem__(index, a[index] * value)
+
+        free = int(np.flatnonzero(self.state.grid["pinned"] == 0)[0])
+        for place, change, word in (
+                ("steps/x", add((2, free, 1), 1e-4 * H), "residual"),
+                ("steps/v", add((0, free, 1), 0.02), "residual"),
+                ("steps/v", add((4, free, 0), 0.001), "velocity"),
+                ("steps/residual", scale(3, 0.9), "residual"),
+                ("steps/converged", add(1, -1), "converged"),
+                ("steps/scheme", lambda a: a.__setitem__(2, 0), "residual"),
+                ("grid/hourglass", scale(slice(None), 1.2), "residual"),
+                ("grid/mass", scale(free, 1.01), "mass"),
+                ("steps/energy_kinetic", scale(1, 1.1), "energy_kinetic")):
+            self.assertIn(word, self.tampered(place, change, "--energy-check"), place)
+
+    def test_without_torsion_the_full_steps_disagree(self) -> None:
+        output = self.broken(lambda f: f.attrs.modify("hourglass", "variance"))
+        self.assertIn("residual", output.splitlines()[2])
+
+    def test_wrong_layout_is_named(self) -> None:
+        def retype(name: str, kind: str) -> Any:
+            def change(file: h5py.File) -> None:
+                values = file[name][()].astype(kind)
+                del file[name]
+                file[name] = values
+            return change
+
+        for change, word in (
+                (lambda f: f.attrs.pop("g_ref"), "g_ref"),
+                (lambda f: f.attrs.modify("version", 2), "version"),
+                (lambda f: f.attrs.modify("solver", "magic"), "solver"),
+                (lambda f: f.pop("grid/fill"), "fill"),
+                (lambda f: f.create_group("collider"), "collider"),
+                (lambda f: f["steps"].create_dataset("extra", data=[1.0]), "extra"),
+                (retype("steps/x", "f4"), "/steps/x"),
+                (retype("grid/corners", "i8"), "/grid/corners"),
+                (lambda f: f["grid/corners"].write_direct(np.full((7, 8), 99, "i4")), "corners"),
+                (lambda f: f["grid/shape_mean"].write_direct(np.full((7, 8), 0.1)), "shape_mean"),
+                (lambda f: f["steps/scheme"].write_direct(np.ones(4, np.uint8)), "scheme"),
+                (lambda f: f["steps/x"].write_direct(np.full(self.x.shape, np.nan)), "finite")):
+            self.assertIn(word, self.broken(change))
+
+    def test_truncated_file_is_refused(self) -> None:
+        self.write()
+        self.path.write_bytes(self.path.read_bytes()[:5000])
+        status, output = self.run_tool()
+        self.assertEqual(status, 1)
+        self.assertIn("DISAGREES", output)
+
+    def test_rest_state_without_gravity_has_residual_zero(self) -> None:
+        rest = np.repeat(self.state.grid["rest"][None], 3, axis=0)
+        steps = step_arrays(self.state, rest, np.zeros_like(rest), [0, 1], 0.0)
+        write_state(self.path, self.state, steps, np.zeros(3))
+        status, output = self.run_tool("--json")
+        self.assertEqual(status, 0, output)
+        worst = {row["quantity"]: row for row in json.loads(output)["worst"]}
+        self.assertLess(worst["residual"]["own"], 1e-10)
+
+    def test_density_factor_of_each_material_is_found(self) -> None:
+        state = make_state(cells=SEVEN, laws=("stvk", "hencky"))
+        grid = ragged_grid(1, SEVEN, state.materials)
+        true = [1.25, 0.8]
+        share = np.zeros((2, len(grid["mass"])))
+        for k in range(2):
+            mine = grid["material"] == k
+            part = state.materials[k].density * H**3 * grid["fill"][mine, None]
+            np.add.at(share[k], grid["corners"][mine], part * grid["shape_mean"][mine])
+        state.grid["mass"][:] = true @ share
+        factors, error = equations.mass_factors(state)
+        np.testing.assert_allclose(factors, true, rtol=1e-10)
+        self.assertLess(error, 1e-10)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "voxelize/embedding.hpp"
+
+#include "core/error.hpp"
+#include "tests/voxelize/shapes.hpp"
+#include "voxelize/bricks.hpp"
+#include "voxelize/nearest_voxel.hpp"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <random>
+
+namespace elastogen {
+namespace {
+
+using namespace test;
+
+Array<double> random_points(int64_t count, double lower, double upper, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> place(lower, upper);
+  Array<double> points(count, 3);
+  for (int64_t i = 0; i < points.size(); ++i) points.data()[i] = place(random);
+  return points;
+}
+
+/// An affine map with stretch, shear and rotation.
+Vec3 affine(const double* p) {
+  return {0.3 + 1.1 * p[0] - 0.4 * p[1] + 0.2 * p[2], -1 + 0.5 * p[0] + 0.9 * p[1],
+          2 - 0.1 * p[0] + 0.3 * p[1] + 1.2 * p[2]};
+}
+
+TEST(Embedding, CarriesAffineFieldsInsideAndOutsideOfTheGrid) {
+  const VoxelGrid grid = make_box(5, 9, 12, 0.2, {-0.1, 0.2, 0.3});
+  const Array<double> points = random_points(500, -2, 4, 1);
+  Array<double> x(grid.node_count(), 3), displacement(points.rows(), 3);
+  for (int64_t n = 0; n < grid.node_count(); ++n) {
+    const Vec3 moved = affine(grid.rest.row(n));
+    std::copy(moved.begin(), moved.end(), x.row(n));
+  }
+  deform_asset(grid, embed(grid, points), x, displacement);
+  for (int64_t p = 0; p < points.rows(); ++p)
+    for (int d = 0; d < 3; ++d)
+      ASSERT_NEAR(points(p, d) + displacement(p, d), affine(points.row(p))[d], 1e-12);
+}
+
+TEST(Embedding, LeavesARestingAssetWhereItIsToTheBit) {
+  const Soup soup = sphere(1, {3, 1, 4}, 4);
+  const Surface surface = soup.surface();
+  const VoxelGrid grid = voxelize(surface, {.voxels = 20}).grid;
+  Array<double> displacement(surface.vertices.rows(), 3);
+  displacement.fill(1);
+  deform_asset(grid, embed(grid, surface.vertices), grid.rest, displacement);
+  for (int64_t i = 0; i < displacement.size(); ++i) {
+    ASSERT_EQ(displacement.data()[i], 0);
+    ASSERT_EQ(surface.vertices.data()[i] + displacement.data()[i], surface.vertices.data()[i]);
+  }
+}
+
+TEST(Embedding, PutsEachPointIntoTheVoxelThatHoldsIt) {
+  const Soup soup = sphere(1, {}, 4);
+  const Surface surface = soup.surface();
+  const VoxelGrid grid = voxelize(surface, {.voxels = 20}).grid;
+  const Embedding embedding = embed(grid, surface.vertices);
+  for (int64_t p = 0; p < surface.vertices.rows(); ++p) {
+    double sum = 0;
+    Vec3 place = {};
+    for (int c = 0; c < 8; ++c) {
+      const double w = embedding.weights(p, c);
+      ASSERT_GE(w, -1e-4);
+      sum += w;
+      const double* corner = grid.rest.row(grid.corners(embedding.voxel(p), c));
+      place = plus(place, scaled({corner[0], corner[1], corner[2]}, w));
+    }
+    ASSERT_NEAR(sum, 1, 1e-14);
+    for (int d = 0; d < 3; ++d) ASSERT_NEAR(place[d], surface.vertices(p, d), 1e-13);
+  }
+}
+
+TEST(Embedding, FindsTheNearestVoxelAsASearchOverAllDoes) {
+  std::mt19937 random(5);
+  std::uniform_int_distribution<int> place(-60, 60);
+  std::vector<std::array<int, 3>> chosen;
+  for (int i = 0; i < 300; ++i) chosen.push_back({place(random), place(random), place(random)});
+  std::sort(chosen.begin(), chosen.end());
+  chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
+  Array<int32_t> coords(static_cast<int64_t>(chosen.size()), 3);
+  for (int64_t v = 0; v < coords.rows(); ++v)
+    for (int d = 0; d < 3; ++d) coords(v, d) = chosen[v][d];
+  const VoxelGrid grid = make_grid(coords, 1, {});
+  const NearestVoxel nearest(grid.voxel_coord);
+  const Array<double> points = random_points(400, -150, 150, 6);
+  for (int64_t p = 0; p < points.rows(); ++p) {
+    const auto distance = [&](int64_t v) {
+      double sum = 0;
+      for (int d = 0; d < 3; ++d) {
+        const double t = points(p, d) - grid.voxel_coord(v, d);
+        sum += std::pow(t - std::clamp(t, 0.0, 1.0), 2);
+      }
+      return sum;
+    };
+    double least = 1e300;
+    for (int64_t v = 0; v < grid.voxel_count(); ++v) least = std::min(least, distance(v));
+    ASSERT_EQ(distance(nearest.find({points(p, 0), points(p, 1), points(p, 2)})), least);
+  }
+}
+
+TEST(Embedding, PlacesPointsHoweverFarAway) {
+  const VoxelGrid grid = make_box(2, 2, 2, 1e-6, {});
+  Array<double> points(2, 3);
+  points(0, 0) = 1e12;
+  points(1, 2) = -1e300;
+  const Embedding embedding = embed(grid, points);
+  EXPECT_EQ(grid.voxel_coord(embedding.voxel(0), 0), 1);
+  EXPECT_EQ(grid.voxel_coord(embedding.voxel(1), 2), 0);
+}
+
+TEST(Embedding, ThreadsDoNotChangeABit) {
+  const VoxelGrid grid = make_box(9, 9, 9, 0.1, {});
+  const Array<double> points = random_points(5000, -0.1, 1, 2);
+  const Array<double> x = random_points(grid.node_count(), 0, 1, 3);
+  Array<double> displacement[2];
+  for (const int threads : {1, 2}) {
+    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+    displacement[threads - 1] = Array<double>(points.rows(), 3);
+    deform_asset(grid, embed(grid, points), x, displacement[threads - 1]);
+  }
+  EXPECT_TRUE(displacement[0] == displacement[1]);
+}
+
+TEST(Embedding, RefusesWrongShapesAndNonFinitePoints) {
+  const VoxelGrid grid = make_box(1, 1, 1, 1);
+  Array<double> points(1, 3), x(8, 3), wrong(7, 3);
+  EXPECT_THROW(embed(grid, Array<double>(4, 2)), Error);
+  const Embedding embedding = embed(grid, points);
+  EXPECT_THROW(deform_asset(grid, embedding, wrong, points), Error);
+  EXPECT_THROW(deform_asset(grid, embedding, x, wrong), Error);
+  points(0, 1) = std::nan("");
+  EXPECT_THROW(embed(grid, points), Error);
+}
+
+TEST(SurfacePoints, ShareOutTheAreaOfTheSurface) {
+  for (const Soup& soup : {box({0, 0, 0}, {1, 0.7, 0.4}), sphere(1, {}, 4), sheet(1, 3)}) {
+    const Surface surface = soup.surface();
+    const VoxelGrid grid = voxelize(surface, {.voxels = 16}).grid;
+    const SurfacePoints points = surface_points(grid, surface);
+    double area = 0;
+    for (int64_t p = 0; p < points.area.rows(); ++p) {
+      ASSERT_GT(points.area(p), 0);
+      area += points.area(p);
+    }
+    EXPECT_NEAR(area, soup.area(), 1e-12 * soup.area());
+  }
+}
+
+TEST(SurfacePoints, AreTheVerticesWhereTrianglesAreSmall) {
+  const Soup soup = sphere(1, {}, 4);
+  const SurfacePoints points =
+      surface_points(voxelize(soup.surface(), {.voxels = 10}).grid, soup.surface());
+  ASSERT_EQ(points.position.rows(), static_cast<int64_t>(soup.vertices.size()));
+  for (int64_t p = 0; p < points.position.rows(); ++p)
+    for (int d = 0; d < 3; ++d) ASSERT_EQ(points.position(p, d), soup.vertices[p][d]);
+}
+
+TEST(SurfacePoints, LieHalfAnEdgeApartOnLargeTriangles) {
+  const Soup soup = box({0, 0, 0}, {1, 1, 1});
+  const VoxelGrid grid = voxelize(soup.surface(), {.voxels = 8}).grid;
+  const SurfacePoints points = surface_points(grid, soup.surface());
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> place(0, 1);
+  for (int trial = 0; trial < 200; ++trial) {
+    Vec3 p = {place(random), place(random), place(random)};
+    p[trial % 3] = trial % 2;
+    double nearest = 1;
+    for (int64_t i = 0; i < points.position.rows(); ++i) {
+      const double* q = points.position.row(i);
+      nearest = std::min(nearest, norm(minus(p, {q[0], q[1], q[2]})));
+    }
+    ASSERT_LE(nearest, grid.h / 2);
+  }
+  // on the surface, each carried by its voxel's weights
+  for (int64_t i = 0; i < points.position.rows(); ++i) {
+    double sum = 0, outside = 1;
+    for (int c = 0; c < 8; ++c) sum += points.weights(i, c);
+    for (int d = 0; d < 3; ++d)
+      outside = std::min({outside, points.position(i, d), 1 - points.position(i, d)});
+    ASSERT_NEAR(sum, 1, 1e-14);
+    ASSERT_NEAR(outside, 0, 1e-15);
+  }
+}
+
+}  // namespace
+}  // namespace elastogen

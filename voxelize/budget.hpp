@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// How many voxels a surface needs, from extents and areas alone: asked before anything is
+// allocated.
+
+#pragma once
+
+#include "io/weld.hpp"
+#include "voxelize/voxelize.hpp"
+
+namespace elastogen {
+
+/// Memory that a simulation takes for each voxel: grid, state and solver [bytes].
+inline constexpr int64_t kBytesPerVoxel = 1024;
+
+/// Upper estimate of the active voxels of edge h: the smaller of the box's cells and
+/// volume / h^3 + sum over the triangles of min(cells of its box, 2 area / h^2 + 2 edges / h + 8).
+/// An open surface may hold more than its signed volume says.
+double estimate_voxels(const WeldedMesh& mesh, double h);
+
+/// @throws Error (resources) if the estimate exceeds max_voxels or max_memory, with an h that fits.
+void check_budget(const WeldedMesh& mesh, double h, const VoxelizeOptions& options);
+
+/// The same for a count that is known.
+void check_budget(int64_t voxels, double h, const VoxelizeOptions& options);
+
+}  // namespace elastogen

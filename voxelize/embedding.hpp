@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// The place of the asset's vertices in the voxel grid, and how the grid moves them.
+
+#pragma once
+
+#include "core/array.hpp"
+#include "core/voxel_grid.hpp"
+
+namespace elastogen {
+
+/// A voxel and trilinear weights for each vertex of a surface.
+struct Embedding {
+  Array<int32_t> voxel;   ///< (vertices, 1)
+  Array<double> weights;  ///< of the voxel's corners, (vertices, 8), rows sum to 1
+};
+
+/// Finds for each point the voxel that holds it; a point outside all voxels (an unreferenced
+/// vertex) takes the nearest voxel, its weights extrapolate.
+/// @param points  [m], (points, 3), finite.
+Embedding embed(const VoxelGrid& grid, In<double> points);
+
+/// Displacement of embedded points,
+///
+///     d_p = sum_c w_pc (x_c - X_c),
+///
+/// exactly zero where the nodes are exactly at rest.
+/// @param x             nodal positions [m], (nodes, 3).
+/// @param displacement  result [m], (points, 3).
+void deform_asset(const VoxelGrid& grid, const Embedding& embedding, In<double> x,
+                  Out<double> displacement);
+
+}  // namespace elastogen

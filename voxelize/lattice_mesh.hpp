@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// The surface as the voxeliser sees it: welded, consistently wound, in units of the voxel edge.
+
+#pragma once
+
+#include "io/weld.hpp"
+#include "voxelize/brick_index.hpp"
+#include "voxelize/voxelize.hpp"
+
+namespace elastogen {
+
+/// Where the lattice lies: point p has lattice coordinates (p - origin) / h.
+struct Lattice {
+  double h = 0;      ///< [m]
+  Vec3 origin = {};  ///< [m]
+  /// Coordinates closer than 1e-9 to a whole number are that number.
+  Vec3 coordinates(const double* p) const;
+};
+
+/// Chooses the lattice: centred on the surface's box, then moved along the axes that are to be
+/// aligned, by half an edge at most.
+/// @throws Error on bad options; (resources) if the box has 2^20 voxels or more along an axis.
+Lattice choose_lattice(const Box& box, const VoxelizeOptions& options);
+
+/// Welded triangles with one orientation a piece.
+struct LatticeMesh {
+  std::vector<Vec3> vertices;    ///< lattice coordinates
+  std::vector<Coord> triangles;  ///< vertices of each
+  std::vector<uint8_t> sheet;    ///< 1: of a piece that bounds no solid
+  int64_t turned = 0;            ///< triangles that were turned
+  int64_t sheets = 0;            ///< triangles of sheets
+};
+
+/// Turns triangles until the two faces of every edge run opposite ways along it; a piece keeps the
+/// orientation of the larger part of its area.
+///
+/// A piece is a sheet if it cannot be oriented, or if it is larger than three voxels and has a
+/// border loop longer than 2 sqrt(its area), however it is folded: a square sheet has 4, a
+/// disc 3.5, half a sphere 2.5, a solid with a hole nearly 0.
+LatticeMesh make_lattice_mesh(const WeldedMesh& mesh, const Lattice& lattice);
+
+}  // namespace elastogen

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "voxelize/regions.hpp"
+
+#include "core/error.hpp"
+#include "io/units.hpp"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+namespace elastogen {
+namespace {
+
+constexpr double kBorder = 1e-9;  // width of a border, of the box's longest edge
+
+[[noreturn]] void refuse(std::string_view text, const std::string& why) {
+  throw Error(concat("selection '", text, "': ", why,
+                     "; it reads: all, AXIS<PLACE, AXIS>PLACE, box(x0,y0,z0,x1,y1,z1) or "
+                     "sphere(x,y,z,RADIUS), where AXIS is x, y or z and PLACE a length (0.2m, 3cm) "
+                     "or a share of the asset's box (5%)"));
+}
+
+Place parse_place(std::string_view text) {
+  if (text.ends_with('%')) return {parse_number(text.substr(0, text.size() - 1)) / 100, true};
+  return {parse_length(text), false};
+}
+
+std::vector<std::string_view> split(std::string_view text, char at) {
+  std::vector<std::string_view> parts;
+  for (size_t end; (end = text.find(at)) != text.npos; text.remove_prefix(end + 1))
+    parts.push_back(text.substr(0, end));
+  parts.push_back(text);
+  return parts;
+}
+
+Selection parse_half_space(std::string_view text) {
+  Selection selection;
+  selection.kind = Selection::Kind::kHalfSpace;
+  selection.axis = text[0] - 'x';
+  selection.below = text[1] == '<';
+  selection.lower[selection.axis] = parse_place(text.substr(text[2] == '=' ? 3 : 2));
+  return selection;
+}
+
+Selection parse_box(const std::vector<std::string_view>& numbers) {
+  Selection selection;
+  selection.kind = Selection::Kind::kBox;
+  for (int d = 0; d < 3; ++d) {
+    selection.lower[d] = parse_place(numbers[d]);
+    selection.upper[d] = parse_place(numbers[d + 3]);
+    if (selection.lower[d].percent == selection.upper[d].percent)
+      ELASTOGEN_CHECK(selection.lower[d].value <= selection.upper[d].value,
+                      "its lower corner comes first");
+  }
+  return selection;
+}
+
+Selection parse_sphere(const std::vector<std::string_view>& numbers) {
+  Selection selection;
+  selection.kind = Selection::Kind::kSphere;
+  for (int d = 0; d < 3; ++d) selection.lower[d] = parse_place(numbers[d]);
+  selection.radius = parse_length(numbers[3]);
+  ELASTOGEN_CHECK(selection.radius > 0, "its radius must be positive");
+  return selection;
+}
+
+/// @param bare  the text without blanks.
+Selection parse(std::string_view bare) {
+  if (bare == "all") return {};
+  if (bare.size() > 2 && bare[0] >= 'x' && bare[0] <= 'z' && (bare[1] == '<' || bare[1] == '>'))
+    return parse_half_space(bare);
+  const bool box = bare.starts_with("box("), sphere = bare.starts_with("sphere(");
+  ELASTOGEN_CHECK(box || sphere, "it begins with none of the known words");
+  ELASTOGEN_CHECK(bare.ends_with(')'), "the closing bracket is missing");
+  bare.remove_suffix(1);
+  const auto numbers = split(bare.substr(bare.find('(') + 1), ',');
+  const size_t wanted = box ? 6 : 4;
+  ELASTOGEN_CHECK(numbers.size() == wanted, "it needs ", wanted, " numbers, got ", numbers.size());
+  return box ? parse_box(numbers) : parse_sphere(numbers);
+}
+
+double resolve(const Place& place, int axis, const Box& box) {
+  return place.percent ? box.lower[axis] + place.value * box.extent(axis) : place.value;
+}
+
+}  // namespace
+
+Selection parse_selection(std::string_view text) {
+  std::string bare;
+  for (const char c : text)
+    if (c != ' ' && c != '\t') bare += c;
+  try {
+    return parse(bare);
+  } catch (const Error& error) {
+    refuse(text, error.what());
+  }
+}
+
+bool contains(const Selection& selection, const Vec3& point, const Box& box) {
+  const double border = kBorder * std::max({box.extent(0), box.extent(1), box.extent(2)});
+  double distance2 = 0;
+  switch (selection.kind) {
+    case Selection::Kind::kAll:
+      return true;
+    case Selection::Kind::kHalfSpace: {
+      const double from =
+          point[selection.axis] - resolve(selection.lower[selection.axis], selection.axis, box);
+      return selection.below ? from <= border : from >= -border;
+    }
+    case Selection::Kind::kBox:
+      for (int d = 0; d < 3; ++d)
+        if (point[d] < resolve(selection.lower[d], d, box) - border ||
+            point[d] > resolve(selection.upper[d], d, box) + border)
+          return false;
+      return true;
+    case Selection::Kind::kSphere:
+      for (int d = 0; d < 3; ++d)
+        distance2 += std::pow(point[d] - resolve(selection.lower[d], d, box), 2);
+      return std::sqrt(distance2) <= selection.radius + border;
+  }
+  return false;
+}
+
+Array<uint8_t> select_nodes(const VoxelGrid& grid, const Selection& selection, const Box& box) {
+  Array<uint8_t> selected(grid.node_count());
+  tbb::parallel_for(int64_t{0}, grid.node_count(), [&](int64_t n) {
+    selected(n) = contains(selection, {grid.rest(n, 0), grid.rest(n, 1), grid.rest(n, 2)}, box);
+  });
+  return selected;
+}
+
+std::optional<std::pair<int, double>> plane(const Selection& selection, const Box& box) {
+  if (selection.kind != Selection::Kind::kHalfSpace) return std::nullopt;
+  const int axis = selection.axis;
+  return std::pair{axis, resolve(selection.lower[axis], axis, box)};
+}
+
+}  // namespace elastogen

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// Parts of an asset as the command names them: y<5%, z>0.2m, box(...), sphere(...), all.
+
+#pragma once
+
+#include "core/voxel_grid.hpp"
+
+#include <optional>
+#include <string_view>
+#include <utility>
+
+namespace elastogen {
+
+/// A length [m], or a share of the asset's box along an axis, counted from its lower face.
+struct Place {
+  double value = 0;
+  bool percent = false;  ///< value is a share: 0.05 for 5%
+};
+
+/// A closed region. Points within 1e-9 of the box's longest edge of its border belong to it, and
+/// < means the same as <=, so that a layer of nodes in the border is always in.
+struct Selection {
+  enum class Kind { kAll, kHalfSpace, kBox, kSphere };
+  Kind kind = Kind::kAll;
+  int axis = 0;                       ///< half space: its normal
+  bool below = true;                  ///< half space: the side
+  std::array<Place, 3> lower, upper;  ///< box; half space: lower[axis]; sphere: lower is the centre
+  double radius = 0;                  ///< sphere [m]
+};
+
+/// Reads
+///
+///     all | AXIS (< | <= | > | >=) PLACE | box(PLACE x6: lower, upper corner)
+///         | sphere(PLACE x3, LENGTH),       AXIS = x | y | z,  PLACE = LENGTH | NUMBER%
+///
+/// with blanks anywhere and lengths as in io/units.hpp.
+/// @throws Error naming what is wrong, and the grammar.
+Selection parse_selection(std::string_view text);
+
+/// @param box  of the asset [m].
+bool contains(const Selection& selection, const Vec3& point, const Box& box);
+
+/// 1 for each node of the grid that lies in a selection at rest, (nodes, 1).
+Array<uint8_t> select_nodes(const VoxelGrid& grid, const Selection& selection, const Box& box);
+
+/// Axis and position [m] of the plane that bounds a half space: a plane to align the grid with.
+std::optional<std::pair<int, double>> plane(const Selection& selection, const Box& box);
+
+}  // namespace elastogen

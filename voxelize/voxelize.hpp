@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// Asset to sparse voxel grid: the one call that other modules use.
+
+#pragma once
+
+#include "core/scene.hpp"
+#include "io/asset.hpp"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace elastogen {
+
+struct VoxelizeOptions {
+  int voxels = 48;  ///< along the longest edge; ignored where h > 0
+  double h = 0;     ///< voxel edge [m], 0: from voxels
+  int64_t max_voxels = 64'000'000;
+  int64_t max_memory = 0;  ///< [bytes], 0: no limit
+  /// planes that a layer of nodes should lie in (pins, floor) [m]; the first of an axis wins
+  std::optional<double> align[3] = {};
+};
+
+struct VoxelizeReport {
+  bool closed = false;          ///< every edge has two faces (after welding)
+  bool winding_number = false;  ///< the inside was found by the generalised winding number
+  int64_t border_voxels = 0;
+  int64_t thin_voxels = 0;        ///< filled by less than the floor of 0.02
+  double volume = 0;              ///< of the fill [m^3]
+  std::vector<Finding> findings;  ///< hinges, several pieces, ...
+};
+
+struct Voxelized {
+  VoxelGrid grid;
+  VoxelizeReport report;
+};
+
+/// Voxelises a surface: every voxel inside or touched by it is active. Fill fractions and
+/// shape-function means are exact integrals where the surface bounds a solid once, and follow from
+/// the winding number (inside: |w| > 1/2) where it is open, overlaps or is badly wound; sheets
+/// become layers of full voxels. Repeats to the bit on any threads.
+/// @throws Error (resources) before any allocation if the voxel or memory budget would be
+///         exceeded, saying how much is needed and which h would fit; (asset) if nothing is left
+///         to simulate.
+Voxelized voxelize(const Surface& surface, const VoxelizeOptions& options = {});
+
+/// Points on the surface for contact: its vertices, and points on large triangles at most h/2
+/// apart, each with its share of the area and the trilinear weights of its voxel.
+SurfacePoints surface_points(const VoxelGrid& grid, const Surface& surface);
+
+}  // namespace elastogen
