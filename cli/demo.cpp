@@ -13,7 +13,7 @@
 namespace elastogen {
 namespace {
 
-constexpr int kFrames = 66;
+constexpr int kFrames = 55;
 constexpr int kTiles = 12;
 constexpr double kFloor = -0.35;  // below the character's feet [m]
 
@@ -23,7 +23,7 @@ AnimateOptions demo_scene(const DemoOptions& options) {
   o.output = options.folder + "/demo.glb";
   o.pins = {"x>97%"};  // a hand
   o.floor = FloorOption{1, kFloor};
-  o.voxels = 40;
+  o.voxels = 36;
   o.frames = kFrames;
   o.threads = options.threads;
   o.quiet = options.quiet;
@@ -43,7 +43,7 @@ Array<float> colours(const Asset& asset) {
 }
 
 void print_certificates(const std::vector<StepReport>& steps) {
-  fmt::print("\n  frame   time s   residual   converged   L-BFGS   min J   overlap h      ms\n");
+  fmt::print("\n  frame   time s   residual   converged    outer   min J   overlap h      ms\n");
   const size_t stride = std::max<size_t>(1, steps.size() / kTiles);
   for (size_t k = stride - 1; k < steps.size(); k += stride) {
     const StepReport& r = steps[k];
@@ -62,8 +62,8 @@ int demo(const DemoOptions& options) {
   std::vector<Array<double>> frames;
   std::vector<StepReport> steps;
   RunHooks hooks;
-  hooks.materials = {{"body", Law::kNeoHookean, 6e4, 0.42, 1000},
-                     {"head", Law::kStableNeoHookean, 2.5e4, 0.40, 600}};
+  hooks.materials = {{"body", Law::kNeoHookean, 4e5, 0.4, 400},
+                     {"head", Law::kStableNeoHookean, 1.5e5, 0.4, 250}};
   hooks.regions = demo_regions;
   hooks.on_step = [&](const StepReport& r) { steps.push_back(r); };
   hooks.on_frame = [&, frame = 0](const Array<double>& positions) mutable {

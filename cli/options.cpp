@@ -9,7 +9,9 @@
 
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 namespace elastogen {
 namespace {
@@ -157,7 +159,9 @@ void resolve(const Typed& t, AnimateOptions& o) {
   o.hourglass = Hourglass(choice("--hourglass", t.hourglass, {"full", "variance", "off"}));
   o.keyframe = choice("--glb-profile", t.profile, {"modal", "keyframe"}) == 1;
   choice("--device", t.device, {"cpu"});
+}
 
+void check_ranges(const Typed& t, const AnimateOptions& o) {
   ELASTOGEN_CHECK(t.h.empty() || o.h > 0, "--h must be positive, got '", t.h, "'");
   ELASTOGEN_CHECK(t.size.empty() || o.size > 0, "--size must be positive, got '", t.size, "'");
   ELASTOGEN_CHECK(o.voxels >= 1, "--voxels must be 1 or more, got ", o.voxels);
@@ -170,6 +174,23 @@ void resolve(const Typed& t, AnimateOptions& o) {
                   "0 and 1, got ", o.solver.tolerance);
   ELASTOGEN_CHECK(o.threads >= 0, "--threads must not be negative, got ", o.threads);
   ELASTOGEN_CHECK(o.max_voxels >= 1, "--max-voxels must be positive, got ", o.max_voxels);
+  ELASTOGEN_CHECK(t.max_memory.empty() || o.max_memory > 0, "--max-memory must be positive, got '",
+                  t.max_memory, "'");
+  ELASTOGEN_CHECK(t.max_time.empty() || o.max_time > 0, "--max-time must be positive, got '",
+                  t.max_time, "'");
+}
+
+/// No output may take the place of another; only the animation may take that of the input.
+void check_outputs(const AnimateOptions& o) {
+  std::vector<std::filesystem::path> taken = {std::filesystem::path(o.input).lexically_normal()};
+  for (const std::string* name : {&o.log, &o.state, &o.report, &o.output}) {
+    if (name->empty()) continue;
+    const auto path = std::filesystem::path(*name).lexically_normal();
+    const auto first = name == &o.output ? taken.begin() + 1 : taken.begin();
+    ELASTOGEN_CHECK(std::find(first, taken.end(), path) == taken.end(), *name,
+                    ": two files of one name: the input and each output need their own");
+    taken.push_back(path);
+  }
 }
 
 std::string joined(int argc, const char* const* argv) {
@@ -213,6 +234,8 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
   }
   if (a.parsed()) {
     resolve(typed, animate);
+    check_ranges(typed, animate);
+    check_outputs(animate);
     animate.command = joined(argc, argv);
     result.animate = animate;
   } else {

@@ -8,8 +8,10 @@
 #include "core/error.hpp"
 #include "core/parallel.hpp"
 #include "io/animation_writer.hpp"
+#include "io/safe_file.hpp"
 #include "io/state_writer.hpp"
 #include "io/step_log.hpp"
+#include "network/contact.hpp"
 #include "voxelize/embedding.hpp"
 
 #include <fmt/format.h>
@@ -62,10 +64,7 @@ std::unique_ptr<StateWriter> open_state(const Scene& scene, const AnimateOptions
   header.tolerance = o.solver.tolerance;
   header.commit = build_commit();
   if (scene.floor)
-    header.contact = {
-        {"floor_normal_x", scene.floor->normal[0]}, {"floor_normal_y", scene.floor->normal[1]},
-        {"floor_normal_z", scene.floor->normal[2]}, {"floor_offset", scene.floor->offset},
-        {"friction", scene.floor->friction},        {"layer", scene.grid.h / 4}};
+    header.contact = {{"layer", contact_layer(scene)}, {"slip_range", slip_range(scene)}};
   return std::make_unique<StateWriter>(o.state, scene, header, state);
 }
 
@@ -78,7 +77,9 @@ class Clip {
     outputs_.animation = open_animation(asset, setup.surface, options);
     embedding_ = embed(setup.scene.grid, setup.surface.vertices);
     const Clock::time_point begin = Clock::now();
-    solver_ = std::make_unique<Solver>(setup.scene, options.solver);
+    SolverOptions solver = options.solver;
+    solver.interrupted = [this] { return stopped(); };
+    solver_ = std::make_unique<Solver>(setup.scene, solver);
     state_ = initial_state(setup.scene, options.motion);
     report_.stage_seconds.setup += seconds_since(begin);
     if (!o_.log.empty()) outputs_.log = std::make_unique<StepLog>(o_.log);
@@ -88,11 +89,11 @@ class Clip {
 
   void run() {
     Progress progress(o_.frames, o_.quiet);
-    const Clock::time_point begin = Clock::now();
+    const Clock::time_point begin = start_ = Clock::now();
     write_frame({.converged = true});
     for (int64_t frame = 1; frame <= o_.frames; ++frame) {
       FrameCertificate certificate{.converged = true, .residual = 0, .min_j = 1e300};
-      if (!step_frame(frame, begin, certificate)) break;
+      if (!step_frame(frame, certificate)) break;
       write_frame(certificate);
       ++report_.frames;
       progress.update(frame, certificate.residual, certificate.converged);
@@ -111,7 +112,8 @@ class Clip {
       report_.warnings.push_back(fmt::format("a voxel is inverted: min J = {:.3g}", report_.min_j));
       raise(kExitDraft);
     }
-    if (report_.steps > 0 && largest_motion_ < 1e-6 * setup_.longest_edge)
+    const bool still = largest_motion_ < 1e-6 * setup_.longest_edge;
+    if (still && report_.frames > 0 && converged_ == report_.steps)
       report_.warnings.push_back(nothing_moved(setup_.scene));
   }
 
@@ -120,21 +122,33 @@ class Clip {
     if (result_.code == kExitDone) result_.code = code;
   }
 
+  /// A signal came, or --max-time is over.
+  bool stopped() const {
+    return pending_signal() != 0 || (o_.max_time > 0 && seconds_since(start_) > o_.max_time);
+  }
+
+  void say_why() {
+    const int signal = pending_signal();
+    if (signal != 0) {
+      result_.code = ExitCode(128 + signal);
+      report_.warnings.push_back("interrupted");
+      return;
+    }
+    raise(kExitDraft);
+    report_.warnings.push_back(
+        fmt::format("--max-time reached after {} of {} frames", report_.frames, o_.frames));
+  }
+
   /// False: the clip ends here, and the code says why.
-  bool step_frame(int64_t frame, Clock::time_point begin, FrameCertificate& certificate) {
+  bool step_frame(int64_t frame, FrameCertificate& certificate) {
     for (int k = 0; k < setup_.substeps; ++k) {
-      if (const int signal = pending_signal(); signal != 0) {
-        result_.code = ExitCode(128 + signal);
-        report_.warnings.push_back("interrupted");
+      StepReport r;
+      r.interrupted = stopped();
+      if (!r.interrupted) r = solver_->step(state_);
+      if (r.interrupted) {
+        say_why();
         return false;
       }
-      if (o_.max_time > 0 && seconds_since(begin) > o_.max_time) {
-        raise(kExitDraft);
-        report_.warnings.push_back(
-            fmt::format("--max-time reached after {} of {} frames", report_.frames, o_.frames));
-        return false;
-      }
-      const StepReport r = solver_->step(state_);
       if (!r.finite) {
         result_.code = kExitDiverged;
         report_.warnings.push_back(fmt::format(
@@ -186,6 +200,7 @@ class Clip {
   Array<double> displacement_;
   int64_t converged_ = 0;
   double largest_motion_ = 0;
+  Clock::time_point start_ = Clock::now();
 };
 
 void print_summary(const RunResult& result) {
@@ -219,6 +234,7 @@ RunResult run_animation(const Asset& asset, const AnimateOptions& options, doubl
   ELASTOGEN_CHECK(!options.strict || report.warnings.empty(), "--strict: ", report.warnings[0]);
   const size_t warned = report.warnings.size();
 
+  if (!options.report.empty()) SafeFile probe(options.report);  // refuses a folder at once
   Clip clip(asset, options, hooks, setup, result);
   clip.run();
   clip.finish();

@@ -23,17 +23,18 @@ struct PcgWork {
 };
 
 /// Solves A x = b from x = 0 to |b - A x| <= tolerance |b|. A must be symmetric positive definite;
-/// where round-off makes its curvature negative the present x is returned.
-template <class T, class Product, class Precondition>
+/// where round-off makes its curvature negative, or stop() says so, the present x is returned.
+template <class T, class Product, class Precondition, class Stop>
 PcgResult pcg(const T* b, T* x, int64_t size, double tolerance, int max_iterations,
-              PcgWork<T>& work, const Product& product, const Precondition& precondition) {
+              PcgWork<T>& work, const Product& product, const Precondition& precondition,
+              const Stop& stop) {
   auto& [r, z, p, Ap] = work;
   for_each(size, [&](int64_t k) { x[k] = 0, r[size_t(k)] = b[k]; });
   const double start = norm(b, size);
   PcgResult result;
   result.residual = start > 0 ? 1 : 0;
   double rz_before = 1;
-  while (result.residual > tolerance && result.iterations < max_iterations) {
+  while (result.residual > tolerance && result.iterations < max_iterations && !stop()) {
     precondition(r.data(), z.data());
     const double rz = dot(r.data(), z.data(), size);
     const T beta = result.iterations == 0 ? T(0) : T(rz / rz_before);
@@ -50,6 +51,14 @@ PcgResult pcg(const T* b, T* x, int64_t size, double tolerance, int max_iteratio
   }
   result.converged = result.residual <= tolerance;
   return result;
+}
+
+/// The same without a way to stop it.
+template <class T, class Product, class Precondition>
+PcgResult pcg(const T* b, T* x, int64_t size, double tolerance, int max_iterations,
+              PcgWork<T>& work, const Product& product, const Precondition& precondition) {
+  return pcg(b, x, size, tolerance, max_iterations, work, product, precondition,
+             [] { return false; });
 }
 
 }  // namespace elastogen

@@ -16,14 +16,15 @@ struct StepReport {
   int64_t step = 0;  ///< counted from 1
   double time = 0;   ///< at the end of the step [s]
   TimeScheme scheme = TimeScheme::kEuler;
-  bool converged = false;   ///< residual <= tolerance
-  double residual = 0;      ///< |grad Phi| / |M g_ref| in float64 on the state that is written
-  int outer = 0;            ///< quasi: L-BFGS iterations; newton: Newton steps
-  int inner = 0;            ///< quasi: evaluations of the potential; newton: PCG iterations
-  bool float64 = false;     ///< the iteration ran in float64 (docs/physics.md, precision)
-  bool finite = true;       ///< false: the step was refused and the state is the one before
-  double min_j = 1;         ///< smallest det F of a voxel
-  double min_corner_j = 1;  ///< smallest det F at a corner of a full voxel
+  bool converged = false;    ///< residual <= tolerance
+  double residual = 0;       ///< |grad Phi| / |M g_ref| in float64 on the state that is written
+  int outer = 0;             ///< quasi: L-BFGS iterations; newton: Newton steps
+  int inner = 0;             ///< quasi: evaluations of the potential; newton: PCG iterations
+  bool float64 = false;      ///< the iteration ran in float64 (docs/physics.md, precision)
+  bool finite = true;        ///< false: the step was refused and the state is the one before
+  bool interrupted = false;  ///< the step was given up on request; the state is the one before
+  double min_j = 1;          ///< smallest det F of a voxel
+  double min_corner_j = 1;   ///< smallest det F at a corner of a full voxel
   EnergyParts energy;
   double active_share = 1;     ///< share of the voxels that was stepped
   double deepest_overlap = 0;  ///< of a surface point with the floor [voxel edges]

@@ -102,7 +102,7 @@ void check_asset(Asset& asset) {
   }
   const Surface surface = pose_surface(asset);
   const WeldedMesh welded = weld(surface);
-  ELASTOGEN_CHECK_ASSET(welded.triangles.rows() > 0, asset.path,
+  ELASTOGEN_CHECK_ASSET(welded.zero_area < surface.triangles.rows(), asset.path,
                         ": no triangle has an area: nothing to simulate");
   add_topology(asset, surface, welded);
 }

@@ -97,6 +97,9 @@ class GltfReader {
     check(
         is(node.matrix, 16) && is(node.rotation, 4) && is(node.scale, 3) && is(node.translation, 3),
         "nodes[", index, "]: its transform has the wrong number of entries");
+    const std::vector<double>& m = node.matrix;
+    check(m.empty() || (m[3] == 0 && m[7] == 0 && m[11] == 0 && m[15] == 1), "nodes[", index,
+          "]: the last row of its matrix is not 0, 0, 0, 1");
     double norm = 0;
     for (const double q : node.rotation) norm += q * q;
     check(node.rotation.empty() || (norm > 1e-12 && std::isfinite(norm)), "nodes[", index,

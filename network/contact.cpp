@@ -8,6 +8,18 @@
 
 namespace elastogen {
 
+double contact_layer(const Scene& scene) {
+  return scene.grid.h / 4;
+}
+
+double slip_range(const Scene& scene) {
+  Box box;
+  const Array<double>& X = scene.surface.position;
+  for (int64_t p = 0; p < X.rows(); ++p) box.add({X(p, 0), X(p, 1), X(p, 2)});
+  const double size = std::max({box.extent(0), box.extent(1), box.extent(2), scene.grid.h});
+  return 1e-3 * std::sqrt(9.81 * size) * scene.dt;
+}
+
 Contact::Contact(const Scene& scene) : scene_(scene) {
   if (!scene.floor) return;
   floor_ = *scene.floor;
@@ -17,13 +29,8 @@ Contact::Contact(const Scene& scene) : scene_(scene) {
   ELASTOGEN_CHECK(
       s.weights.rows() == points_ && s.area.rows() == points_ && s.position.rows() == points_,
       "the surface points' arrays differ in length");
-  layer_ = scene.grid.h / 4;
-  Box box;
-  for (int64_t p = 0; p < points_; ++p)
-    box.add({s.position(p, 0), s.position(p, 1), s.position(p, 2)});
-  const double size = std::max({box.extent(0), box.extent(1), box.extent(2), scene.grid.h});
-  // a slip speed of a thousandth of the body's free-fall speed counts as sticking
-  slip_range_ = 1e-3 * std::sqrt(9.81 * size) * scene.dt;
+  layer_ = contact_layer(scene);
+  slip_range_ = slip_range(scene);
   distance_.resize(size_t(points_));
   normal_force_.resize(size_t(points_));
   start_.resize(3 * size_t(points_));
@@ -32,7 +39,7 @@ Contact::Contact(const Scene& scene) : scene_(scene) {
     const Material& m = scene.materials[size_t(scene.material(s.voxel(p)))];
     stiffness_[size_t(p)] = s.area(p) * m.young * layer_ * layer_ / scene.grid.h;
   }
-  nodal_.resize(2 * size_t(scene.grid.node_count()));
+  stiff_place_.assign(size_t(scene.grid.node_count()), -1);
 }
 
 /// Height of a point at rest above the wall.
@@ -123,9 +130,9 @@ template double Contact::evaluate(const double*, float*);
 template double Contact::evaluate(const double*, double*);
 
 void Contact::linearise(const double* u) {
-  for (const int32_t node : stiff_nodes_)
-    nodal_[2 * size_t(node)] = nodal_[2 * size_t(node) + 1] = 0;
+  for (const int32_t node : stiff_nodes_) stiff_place_[size_t(node)] = -1;
   stiff_nodes_.clear();
+  stiff_blocks_.clear();
   active_.clear();
   for_each(points_, [&](int64_t p) { distance_[size_t(p)] = height(p) + normal_motion(p, u); });
   for (int64_t p = 0; p < points_; ++p) {
@@ -138,7 +145,9 @@ void Contact::linearise(const double* u) {
       const SmoothedSlip f = smoothed_slip(length, slip_range_);
       const double limit = floor_.friction * normal_force_[size_t(p)];
       k.across = limit * f.first_over_y;
-      k.along = limit * f.second;
+      // a tenth of the secant: with none a sliding point would have no stiffness at all, and
+      // Newton's step would carry it through the whole range where it sticks
+      k.along = limit * (0.9 * f.second + 0.1 * f.first_over_y);
       for (double& d : k.direction) d = length > 0 ? d / length : 0;
     }
     active_.push_back(k);
@@ -150,12 +159,20 @@ void Contact::linearise(const double* u) {
 void Contact::add_nodal(const PointStiffness& k) {
   const int32_t* corners = scene_.grid.corners.row(scene_.surface.voxel(k.point));
   for (int c = 0; c < 8; ++c) {
-    const size_t node = size_t(corners[c]);
     const double w = std::abs(scene_.surface.weights(k.point, c));
     if (w == 0) continue;
-    if (nodal_[2 * node] == 0 && nodal_[2 * node + 1] == 0) stiff_nodes_.push_back(corners[c]);
-    nodal_[2 * node] += float(w * k.normal);
-    nodal_[2 * node + 1] += float(w * k.across);
+    int32_t& place = stiff_place_[size_t(corners[c])];
+    if (place < 0) {
+      place = int32_t(stiff_nodes_.size());
+      stiff_nodes_.push_back(corners[c]);
+      stiff_blocks_.resize(stiff_blocks_.size() + 9);
+    }
+    double* block = stiff_blocks_.data() + 9 * size_t(place);
+    for (size_t i = 0; i < 3; ++i)
+      for (size_t j = 0; j < 3; ++j)
+        block[3 * i + j] += w * ((i == j ? k.across : 0) +
+                                 (k.normal - k.across) * floor_.normal[i] * floor_.normal[j] +
+                                 (k.along - k.across) * k.direction[i] * k.direction[j]);
   }
 }
 

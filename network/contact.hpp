@@ -17,6 +17,13 @@
 
 namespace elastogen {
 
+/// Depth dhat of the contact layer below the plane, h/4 [m].
+double contact_layer(const Scene& scene);
+
+/// Slip within a step [m] up to which friction counts as sticking: a thousandth of the body's
+/// free-fall speed times dt.
+double slip_range(const Scene& scene);
+
 class Contact {
  public:
   explicit Contact(const Scene& scene);
@@ -35,10 +42,10 @@ class Contact {
   void linearise(const double* u);
   /// Adds the frozen Hessian times p to f.
   void add_hessian_product(const float* p, float* f) const;
-  /// Row sums of the frozen stiffness per node: along the normal and across it [N/m], (nodes, 2).
-  const std::vector<float>& nodal_stiffness() const { return nodal_; }
-  /// Nodes with stiffness.
+  /// Nodes with frozen stiffness, and the row sums of it, symmetric 3x3 blocks [N/m], (stiff nodes,
+  /// 9).
   const std::vector<int32_t>& stiff_nodes() const { return stiff_nodes_; }
+  const std::vector<double>& stiff_blocks() const { return stiff_blocks_; }
 
   /// Largest share, at most 1, of the way from u to `end` that leaves each point 10 % of its
   /// distance.
@@ -47,7 +54,6 @@ class Contact {
   /// Deepest place of a point below the plane [m], 0 if none.
   double deepest_overlap(const double* u) const;
 
-  double slip_range() const { return slip_range_; }
   const Vec3& normal() const { return floor_.normal; }
 
  private:
@@ -74,8 +80,8 @@ class Contact {
   std::vector<double> distance_, normal_force_, stiffness_;
   std::vector<double> start_;  // displacement of each point at the start of the step
   std::vector<PointStiffness> active_;
-  std::vector<float> nodal_;
-  std::vector<int32_t> stiff_nodes_;
+  std::vector<int32_t> stiff_nodes_, stiff_place_;  // stiff_place_: of each node, -1 if none
+  std::vector<double> stiff_blocks_;
 };
 
 }  // namespace elastogen

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "network/encoder.hpp"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Cholesky>
 
 #include <algorithm>
 #include <cmath>
@@ -160,18 +160,52 @@ void Encoder<T>::build_operators(IncrementalPotential& potential) {
       }
     }
   }
+  place_.assign(nodes, {-1, -1});
   for (size_t s = 0; s < pieces_.size(); ++s) {
-    // scaled to unit diagonal; directions that the modes hold twice are dropped
-    const Eigen::Matrix<double, kSize, 1> scale =
-        A[s].diagonal().array().max(1e-300).sqrt().inverse().matrix();
-    const Matrix scaled = scale.asDiagonal() * (A[s] + A[s].transpose()) * scale.asDiagonal() / 2;
-    const Eigen::SelfAdjointEigenSolver<Matrix> eigen(scaled);
-    Eigen::Matrix<double, kSize, 1> inverse = eigen.eigenvalues();
-    for (double& value : inverse) value = value > 1e-9 ? 1 / value : 0;
-    const Matrix result = scale.asDiagonal() * eigen.eigenvectors() * inverse.asDiagonal() *
-                          eigen.eigenvectors().transpose() * scale.asDiagonal();
-    pieces_[s].inverse.assign(result.data(), result.data() + kSize * kSize);
+    pieces_[s].rest.assign(A[s].data(), A[s].data() + kSize * kSize);
+    invert(pieces_[s], pieces_[s].rest);
+    for (size_t k = 0; k < pieces_[s].nodes.size(); ++k)
+      place_[size_t(pieces_[s].nodes[k])] = {int32_t(s), int32_t(k)};
   }
+}
+
+/// Inverse of A scaled to unit diagonal; 1e-9 keeps directions that the modes hold twice harmless.
+template <class T>
+void Encoder<T>::invert(Piece& piece, const std::vector<double>& A) {
+  constexpr int kSize = 3 * kModes;
+  using Matrix = Eigen::Matrix<double, kSize, kSize, Eigen::RowMajor>;
+  const Eigen::Map<const Matrix> full(A.data());
+  const Eigen::Matrix<double, kSize, 1> scale =
+      full.diagonal().array().max(1e-300).sqrt().inverse().matrix();
+  Matrix scaled = scale.asDiagonal() * (full + full.transpose()) * scale.asDiagonal() / 2;
+  scaled.diagonal().array() += 1e-9;
+  const Matrix inverse = scaled.llt().solve(Matrix::Identity());
+  const Matrix result =
+      scale.asDiagonal() * (inverse + inverse.transpose()) * scale.asDiagonal() / 2;
+  piece.inverse.assign(result.data(), result.data() + kSize * kSize);
+}
+
+template <class T>
+void Encoder<T>::set_nodal_stiffness(const std::vector<int32_t>& nodes,
+                                     const std::vector<double>& blocks) {
+  constexpr size_t kSize = 3 * kModes;
+  std::vector<std::vector<double>> A(pieces_.size());
+  for (size_t s = 0; s < nodes.size(); ++s) {
+    const auto [piece, local] = place_[size_t(nodes[s])];
+    if (piece < 0) continue;
+    std::vector<double>& sum = A[size_t(piece)];
+    if (sum.empty()) sum = pieces_[size_t(piece)].rest;
+    const T* mode = pieces_[size_t(piece)].modes.data() + size_t(local) * kModes;
+    for (size_t m = 0; m < kModes; ++m)
+      for (size_t i = 0; i < 3; ++i) {
+        double* row = sum.data() + (3 * m + i) * kSize;
+        for (size_t n = 0; n < kModes; ++n)
+          for (size_t j = 0; j < 3; ++j)
+            row[3 * n + j] += double(mode[m]) * double(mode[n]) * blocks[9 * s + 3 * i + j];
+      }
+  }
+  for (size_t p = 0; p < pieces_.size(); ++p)
+    invert(pieces_[p], A[p].empty() ? pieces_[p].rest : A[p]);
 }
 
 template <class T>

@@ -15,6 +15,7 @@
 
 #include "network/incremental_potential.hpp"
 
+#include <utility>
 #include <vector>
 
 namespace elastogen {
@@ -30,6 +31,10 @@ class Encoder {
   /// z += B A_r^-1 B^T r; (nodes, 3).
   void add(const T* r, T* z);
 
+  /// Adds the stiffness of some nodes, symmetric 3x3 blocks [N/m], (stiff nodes, 9), to the
+  /// operator, in place of the one added before.
+  void set_nodal_stiffness(const std::vector<int32_t>& nodes, const std::vector<double>& blocks);
+
   /// The modes alone: y = B^T r and z = B y, 3 kModes numbers a piece; for tests.
   void encode(const T* r, double* y) const;
   void decode(const double* y, T* z) const;
@@ -40,12 +45,16 @@ class Encoder {
   struct Piece {
     std::vector<int32_t> nodes;
     std::vector<T> modes;         // (nodes, kModes)
-    std::vector<double> inverse;  // (3 kModes, 3 kModes)
+    std::vector<double> rest;     // A_r at rest, (3 kModes, 3 kModes)
+    std::vector<double> inverse;  // of A_r, the same shape
   };
   void find_pieces(const Scene& scene);
   void fill_modes(const Scene& scene, Piece& piece);
   void build_operators(IncrementalPotential& potential);
+  static void invert(Piece& piece, const std::vector<double>& A);
+
   std::vector<Piece> pieces_;
+  std::vector<std::pair<int32_t, int32_t>> place_;  // piece and place in it of each node, or -1
   std::vector<double> reduced_, solution_;
 };
 

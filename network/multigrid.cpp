@@ -60,8 +60,6 @@ struct Multigrid<T>::Level {
         moduli[(slot - lane) * 6 + k * kLanes + lane] =
             T(grid.moduli[6 * v + k] * grid.h / grid.unit);
     }
-    inertia.resize(size_t(grid.nodes));
-    for (size_t n = 0; n < inertia.size(); ++n) inertia[n] = T(grid.inertia[n] / grid.unit);
     set_diagonal();
   }
 
@@ -89,13 +87,14 @@ struct Multigrid<T>::Level {
         },
         [&](int64_t n, const T force[3]) {
           T sum[3];
-          for (int i = 0; i < 3; ++i) sum[i] = force[i] + inertia[size_t(n)] * p[3 * n + i];
+          for (int i = 0; i < 3; ++i) sum[i] = force[i] + added[size_t(3 * n + i)] * p[3 * n + i];
           finish(n, sum);
         });
   }
 
   void set_diagonal() {
-    std::vector<double> diagonal(3 * size_t(grid.nodes));
+    const size_t size = 3 * size_t(grid.nodes);
+    std::vector<double> diagonal(size);
     for (size_t v = 0; v < grid.rows.slot.size(); ++v) {
       double k[6], M[7] = {};
       for (size_t j = 0; j < 6; ++j) k[j] = grid.moduli[6 * v + j] * grid.h / grid.unit;
@@ -108,24 +107,70 @@ struct Multigrid<T>::Level {
           diagonal[3 * size_t(grid.corners[8 * v + size_t(c)]) + size_t(i)] += f[c];
         }
     }
-    for (size_t k = 0; k < diagonal.size(); ++k) {
-      const double sum = diagonal[k] + grid.inertia[k / 3] / grid.unit;
-      inverse_diagonal[k] = grid.pinned[k / 3] || sum <= 0 ? T(0) : T(1 / sum);
+    elastic_diagonal.assign(diagonal.begin(), diagonal.end());
+    set_added(std::vector<T>(size));
+  }
+
+  /// Inertia plus a further stiffness of each node and component, in units of the level.
+  void set_added(std::vector<T>&& stiffness) {
+    added = std::move(stiffness);
+    for_each(3 * grid.nodes, [&](int64_t i) {
+      const size_t k = size_t(i);
+      added[k] += T(grid.inertia[k / 3] / grid.unit);
+      const T sum = elastic_diagonal[k] + added[k];
+      inverse_diagonal[k] = grid.pinned[k / 3] || sum <= 0 ? T(0) : 1 / sum;
+    });
+  }
+
+  /// Dense inverses of the three operators.
+  void invert() {
+    using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic>;
+    const Eigen::Index n = grid.nodes;
+    for (int i = 0; i < 3; ++i) {
+      Matrix A = elastic[i];
+      for (Eigen::Index k = 0; k < n; ++k) A(k, k) += double(added[size_t(3 * k + i)]);
+      for (Eigen::Index k = 0; k < n; ++k) {
+        if (!grid.pinned[size_t(k)]) continue;
+        A.row(k).setZero();
+        A.col(k).setZero();
+        A(k, k) = 1;
+      }
+      const Matrix result = A.llt().solve(Matrix::Identity(n, n));
+      inverse[i] = ((result + result.transpose()) / 2).template cast<T>();
     }
+  }
+
+  /// The elastic parts of the three operators as dense matrices.
+  void assemble() {
+    const Eigen::Index n = grid.nodes;
+    for (auto& A : elastic) A = Eigen::MatrixXd::Zero(n, n);
+    std::vector<T> unit(3 * size_t(n));
+    for (Eigen::Index column = 0; column < n; ++column) {
+      for (size_t i = 0; i < 3; ++i) unit[3 * size_t(column) + i] = 1;
+      product(unit.data(), [&](int64_t row, const T sum[3]) {
+        for (int i = 0; i < 3; ++i) {
+          elastic[i](row, column) = double(sum[i]);
+          if (row == column) elastic[i](row, row) -= double(added[size_t(3 * row + i)]);
+        }
+      });
+      for (size_t i = 0; i < 3; ++i) unit[3 * size_t(column) + i] = 0;
+    }
+    for (auto& A : elastic) A = (A + A.transpose()).eval() / 2;
   }
 
   LevelGrid grid;
   BrickScratch<T> scratch;
   std::vector<NoSums> no_sums;
   double lambda_max;
-  std::vector<T> moduli, inertia, inverse_diagonal;
+  std::vector<T> moduli, elastic_diagonal, added, inverse_diagonal;
   std::vector<T> r, z, d;
-  Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic> inverse[3];  // coarsest level only
+  Eigen::MatrixXd elastic[3];  // coarsest level only, as its inverse
+  Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic> inverse[3];
 };
 
 template <class T>
 Multigrid<T>::Multigrid(const Scene& scene, double a0) {
-  constexpr int64_t kDense = 250;  // nodes that a dense inverse serves
+  constexpr int64_t kDense = 100;  // nodes that a dense inverse serves
   levels_.push_back(std::make_unique<Level>(finest_level(scene, a0)));
   while (levels_.back()->grid.nodes > kDense && levels_.size() < 12) {
     LevelGrid coarse = coarser_level(levels_.back()->grid);
@@ -134,25 +179,24 @@ Multigrid<T>::Multigrid(const Scene& scene, double a0) {
   }
 
   Level& last = *levels_.back();
-  const Eigen::Index n = last.grid.nodes;
-  if (n > kDense) return;
-  using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic>;
-  Matrix A[3] = {Matrix(n, n), Matrix(n, n), Matrix(n, n)};
-  std::vector<T> unit(3 * size_t(n));
-  for (Eigen::Index column = 0; column < n; ++column) {
-    for (size_t i = 0; i < 3; ++i) unit[3 * size_t(column) + i] = 1;
-    last.product(unit.data(), [&](int64_t row, const T sum[3]) {
-      const bool pinned = last.grid.pinned[size_t(row)] || last.grid.pinned[size_t(column)];
-      for (int i = 0; i < 3; ++i)
-        A[i](row, column) = pinned ? double(row == column) : double(sum[i]);
-    });
-    for (size_t i = 0; i < 3; ++i) unit[3 * size_t(column) + i] = 0;
+  if (last.grid.nodes > kDense) return;
+  last.assemble();
+  last.invert();
+}
+
+template <class T>
+void Multigrid<T>::set_nodal_stiffness(const std::vector<double>& stiffness) {
+  for (size_t l = 0; l < levels_.size(); ++l) {
+    Level& level = *levels_[l];
+    std::vector<T> added(3 * size_t(level.grid.nodes));
+    if (l == 0)
+      for (size_t k = 0; k < stiffness.size(); ++k) added[k] = T(stiffness[k] / level.grid.unit);
+    else
+      restrict_residual(level.grid, levels_[l - 1]->d.data(), added.data());
+    std::copy(added.begin(), added.end(), level.d.begin());
+    level.set_added(std::move(added));
   }
-  for (int i = 0; i < 3; ++i) {
-    const Matrix symmetric = (A[i] + A[i].transpose()) / 2;
-    const Matrix inverse = symmetric.llt().solve(Matrix::Identity(n, n));
-    last.inverse[i] = ((inverse + inverse.transpose()) / 2).template cast<T>();
-  }
+  if (levels_.back()->inverse[0].size() > 0) levels_.back()->invert();
 }
 
 template <class T>
@@ -251,16 +295,6 @@ void Multigrid<T>::operator_product(const T* p, T* product) {
     for (int i = 0; i < 3; ++i)
       product[3 * n + i] = level.grid.pinned[size_t(n)] ? T(0) : unit * sum[i];
   });
-}
-
-template <class T>
-double Multigrid<T>::diagonal(int64_t node) const {
-  double sum = 0;
-  for (int i = 0; i < 3; ++i) {
-    const double inverse = double(levels_.front()->inverse_diagonal[size_t(3 * node + i)]);
-    sum += inverse > 0 ? 1 / inverse / 3 : 0;
-  }
-  return sum * levels_.front()->grid.unit;
 }
 
 template class Multigrid<float>;

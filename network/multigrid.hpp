@@ -34,9 +34,9 @@ class Multigrid {
 
   int level_count() const { return int(levels_.size()); }
 
-  /// Mean over the components of the finest level's diagonal at a node [N/m], inertia included;
-  /// 0 on pinned nodes.
-  double diagonal(int64_t node) const;
+  /// Adds a diagonal stiffness [N/m], (3 nodes), to the operator, in place of the one added before;
+  /// on coarser levels P^T of it, lumped like the mass. An empty vector takes it away.
+  void set_nodal_stiffness(const std::vector<double>& stiffness);
 
  private:
   struct Level;

@@ -170,13 +170,19 @@ template <class T>
 void prolong_correction(const LevelGrid& fine_level, const T* coarse, T* fine) {
   for_each(fine_level.nodes, [&](int64_t n) {
     if (fine_level.pinned[size_t(n)]) return;
+    // the corners that differ: those along the odd axes
+    const int32_t* at = fine_level.node_coord.row(n);
+    const int odd = (at[0] & 1) | (at[1] & 1) << 1 | (at[2] & 1) << 2;
     T sum[3] = {};
-    for (int c = 0; c < 8; ++c) {
+    int corners = 0;
+    for (int c = odd;; c = (c - 1) & odd) {
+      ++corners;
       const int64_t parent = fine_level.parents[size_t(8 * n + c)];
-      if (parent < 0) continue;
-      for (int i = 0; i < 3; ++i) sum[i] += coarse[3 * parent + i];
+      if (parent >= 0)
+        for (int i = 0; i < 3; ++i) sum[i] += coarse[3 * parent + i];
+      if (c == 0) break;
     }
-    for (int i = 0; i < 3; ++i) fine[3 * n + i] += sum[i] / 8;
+    for (int i = 0; i < 3; ++i) fine[3 * n + i] += sum[i] / T(corners);
   });
 }
 

@@ -72,14 +72,15 @@ bool NewtonSolver::line_search(double* u, PotentialValue& value) {
 
 template <class P>
 IterationResult NewtonSolver::solve(double* u, double target, int max_outer, int max_inner,
-                                    Preconditioner<P>& preconditioner) {
+                                    Preconditioner<P>& preconditioner,
+                                    const std::function<bool()>& interrupted) {
   IterationResult result;
   PotentialValue value = potential_.evaluate<double>(u, gradient_.data());
   double before = 0, eta = 0.1;
   while (true) {
     const double residual = norm(gradient_.data(), size_);
     result.converged = residual <= target;
-    if (result.converged || result.outer == max_outer) return result;
+    if (result.converged || result.outer == max_outer || interrupted()) return result;
     potential_.linearise(u);
     preconditioner.update_contact();
     eta = forcing_term(residual, before, eta, target);
@@ -91,7 +92,7 @@ IterationResult NewtonSolver::solve(double* u, double target, int max_outer, int
     const PcgResult inner = pcg(
         right_.data(), step_.data(), size_, eta, max_inner, work_,
         [&](const float* p, float* Ap) { potential_.hessian_product(p, Ap); },
-        [&](const float* r, float* z) { preconditioner.apply(r, z); });
+        [&](const float* r, float* z) { preconditioner.apply(r, z); }, interrupted);
     result.inner += std::max(inner.iterations, 1);
     for_each(size_, [&](int64_t k) { step_[size_t(k)] *= float(unit); });
     ++result.outer;
@@ -99,7 +100,10 @@ IterationResult NewtonSolver::solve(double* u, double target, int max_outer, int
   }
 }
 
-template IterationResult NewtonSolver::solve(double*, double, int, int, Preconditioner<float>&);
-template IterationResult NewtonSolver::solve(double*, double, int, int, Preconditioner<double>&);
+#define ELASTOGEN_INSTANTIATE(P) \
+  template IterationResult NewtonSolver::solve(double*, double, int, int, Preconditioner<P>&, \
+                                               const std::function<bool()>&);
+ELASTOGEN_INSTANTIATE(float)
+ELASTOGEN_INSTANTIATE(double)
 
 }  // namespace elastogen

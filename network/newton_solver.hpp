@@ -16,7 +16,8 @@ class NewtonSolver {
   /// Improves u until |grad Phi|_2 <= target [N]; outer counts Newton steps, inner PCG iterations.
   template <class P>
   IterationResult solve(double* u, double target, int max_outer, int max_inner,
-                        Preconditioner<P>& preconditioner);
+                        Preconditioner<P>& preconditioner,
+                        const std::function<bool()>& interrupted);
 
  private:
   bool line_search(double* u, PotentialValue& value);

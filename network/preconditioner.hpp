@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// RNN-2's one pass: V-cycle plus encoder in nodal rotations, scaled at nodes in contact,
+// RNN-2's one pass: V-cycle plus encoder in nodal rotations,
 //
-//     z = S R ( MG + B A_r^-1 B^T ) R^T S r,     S_n = across I + (along - across) n n^T,
-//     along = (1 + k_n/D_n)^(-1/2),  across likewise with the stiffness of friction,
+//     z = R ( MG + B A_r^-1 B^T ) R^T r,
 //
-// R the block diagonal of nodal rotations at the start of the step, k the nodal stiffness of the
-// contact, D the diagonal of the elastic operator. Symmetric and positive definite: the first
-// matrix of L-BFGS and the preconditioner of CG.
+// R the block diagonal of nodal rotations at the start of the iteration. Contact adds the stiffness
+// K of its nodes to both: its diagonal in the rotated frames to multigrid, the 3x3 blocks to A_r.
+// Symmetric and positive definite: the first matrix of L-BFGS and the preconditioner of CG.
 
 #pragma once
 
@@ -35,7 +34,7 @@ class Preconditioner {
   Multigrid<T> multigrid_;
   std::optional<Encoder<T>> encoder_;
   std::vector<T> r_, z_;
-  std::vector<float> along_, across_;  // S per node; empty while nothing is in contact
+  bool in_contact_ = false;
 };
 
 }  // namespace elastogen

@@ -3,11 +3,16 @@
 
 #include "core/line_search.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 
 namespace elastogen {
+
+namespace {
+
+constexpr int kPatience = 25;  // iterations
+
+}  // namespace
 
 template <class T>
 QuasiSolver<T>::QuasiSolver(IncrementalPotential& potential)
@@ -30,11 +35,11 @@ typename QuasiSolver<T>::Trial QuasiSolver<T>::line_search(const double* u,
     for_each(size_,
              [&](int64_t k) { trial_u_[size_t(k)] = u[k] - a * double(direction_[size_t(k)]); });
   };
-  double a = first_length_;
+  double a = 1;
   move(a);
   if (potential_.contact().exists()) {
-    a *= potential_.contact().longest_step(u, trial_u_.data());
-    if (a < first_length_) move(a);
+    a = potential_.contact().longest_step(u, trial_u_.data());
+    if (a < 1) move(a);
   }
   Trial trial;
   for (; trial.halvings <= kMostHalvings; ++trial.halvings) {
@@ -47,9 +52,6 @@ typename QuasiSolver<T>::Trial QuasiSolver<T>::line_search(const double* u,
     if (std::isfinite(difference) && std::isfinite(trial.slope) &&
         sufficient_decrease(difference, a * slope, trial.slope, noise)) {
       trial.accepted = true;
-      // in contact the first matrix overestimates, so the next search starts where this one ended
-      if (potential_.contact().exists())
-        first_length_ = trial.halvings > 0 ? a : std::min(1.0, 2 * first_length_);
       return trial;
     }
     a /= 2;
@@ -61,16 +63,20 @@ typename QuasiSolver<T>::Trial QuasiSolver<T>::line_search(const double* u,
 template <class T>
 template <class P>
 IterationResult QuasiSolver<T>::solve(double* u, double target, int max_outer,
-                                      Preconditioner<P>& first) {
+                                      Preconditioner<P>& first,
+                                      const std::function<bool()>& interrupted) {
   IterationResult result;
   history_.clear();
-  first_length_ = 1;
   PotentialValue value = potential_.evaluate<T>(u, gradient_.data());
   result.inner = 1;
-  int struggles = 0;
+  int struggles = 0, halved_at = 0;
+  double half = 1e300;
   while (true) {
-    result.converged = norm(gradient_.data(), size_) <= target;
-    if (result.converged || result.outer == max_outer) return result;
+    const double residual = norm(gradient_.data(), size_);
+    if (residual < half) half = residual / 2, halved_at = result.outer;
+    const bool stalled = sizeof(T) == 4 && result.outer - halved_at > kPatience;
+    result.converged = residual <= target;
+    if (result.converged || stalled || result.outer == max_outer || interrupted()) return result;
     if (potential_.contact().exists()) {
       potential_.linearise_contact(u);
       first.update_contact();
@@ -103,8 +109,11 @@ IterationResult QuasiSolver<T>::solve(double* u, double target, int max_outer,
 
 template class QuasiSolver<float>;
 template class QuasiSolver<double>;
-template IterationResult QuasiSolver<float>::solve(double*, double, int, Preconditioner<float>&);
-template IterationResult QuasiSolver<double>::solve(double*, double, int, Preconditioner<float>&);
-template IterationResult QuasiSolver<double>::solve(double*, double, int, Preconditioner<double>&);
+#define ELASTOGEN_INSTANTIATE(T, P) \
+  template IterationResult QuasiSolver<T>::solve(double*, double, int, Preconditioner<P>&, \
+                                                 const std::function<bool()>&);
+ELASTOGEN_INSTANTIATE(float, float)
+ELASTOGEN_INSTANTIATE(double, float)
+ELASTOGEN_INSTANTIATE(double, double)
 
 }  // namespace elastogen

@@ -7,6 +7,8 @@
 #include "network/lbfgs.hpp"
 #include "network/preconditioner.hpp"
 
+#include <functional>
+
 namespace elastogen {
 
 /// How an iteration over the potential ended.
@@ -21,10 +23,12 @@ class QuasiSolver {
  public:
   explicit QuasiSolver(IncrementalPotential& potential);
 
-  /// Improves u until |grad Phi|_2 <= target [N], at most max_outer iterations.
+  /// Improves u until |grad Phi|_2 <= target [N], at most max_outer iterations; in float it also
+  /// ends where 25 iterations did not halve the gradient: the rest is for float64.
   /// @tparam P  precision of the preconditioner.
   template <class P>
-  IterationResult solve(double* u, double target, int max_outer, Preconditioner<P>& first);
+  IterationResult solve(double* u, double target, int max_outer, Preconditioner<P>& first,
+                        const std::function<bool()>& interrupted);
 
  private:
   struct Trial {
@@ -40,7 +44,6 @@ class QuasiSolver {
   std::vector<double> trial_u_;
   std::vector<T> gradient_, trial_gradient_, direction_, work_;
   Lbfgs<T> history_;
-  double first_length_ = 1;  // of the next line search; below 1 only in contact
 };
 
 }  // namespace elastogen

@@ -14,12 +14,19 @@ namespace elastogen {
 namespace {
 
 constexpr double kReferenceGravity = 9.81;  // g_ref of the certificate [m/s^2]
-constexpr double kNewtonCourant = 100;      // auto hands over to newton
+constexpr double kNewtonCourant = 100;      // auto: newton from here on,
+constexpr double kNewtonPoisson = 0.47;     // or here,
+constexpr double kCheap = 80;               // cost of a step that auto does not try to better
+constexpr int kRetry = 10;                  // steps after which auto tries the other mode again
 constexpr double kDoubleCourant = 1000;     // everything in float64
 constexpr double kEncoderCourant = 2;       // below it multigrid alone does as well
 
 bool all_finite(const std::vector<double>& values) {
   return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
+}
+
+IterationResult sum(const IterationResult& a, const IterationResult& b) {
+  return {b.converged, a.outer + b.outer, a.inner + b.inner, a.struggled || b.struggled};
 }
 
 }  // namespace
@@ -67,9 +74,10 @@ struct Solver::Impl {
         u(3 * size_t(s.grid.node_count())),
         gradient(u.size()) {
     ELASTOGEN_CHECK(o.tolerance > 0, "the tolerance must be positive, got ", o.tolerance);
+    pinned = std::any_of(s.pinned.data(), s.pinned.data() + s.pinned.rows(),
+                         [](uint8_t p) { return p != 0; });
     mode = o.mode;
-    if (mode == SolverMode::kAuto)
-      mode = courant > kNewtonCourant ? SolverMode::kNewton : SolverMode::kQuasi;
+    if (mode == SolverMode::kAuto) mode = stiff() ? SolverMode::kNewton : SolverMode::kQuasi;
     // the preconditioner is built for the scheme of the run, at rest
     State rest = initial_state(scene);
     StepScheme scheme{scene.scheme, scene.dt, scene.scheme == TimeScheme::kBdf2 ? 2.25 : 1};
@@ -85,12 +93,19 @@ struct Solver::Impl {
       single.emplace(potential, encoder);
   }
 
+  bool stiff() const {
+    double poisson = 0;
+    for (const Material& m : scene.materials) poisson = std::max(poisson, m.poisson);
+    return courant > kNewtonCourant || poisson > kNewtonPoisson;
+  }
   IterationResult iterate(double target, StepReport& report);
+  IterationResult choose(double target, StepReport& report);
+  double cost(const IterationResult& r) const;
   template <class T, class P>
   IterationResult quasi(std::unique_ptr<QuasiSolver<T>>& solver, double target,
                         Preconditioner<P>& first) {
     if (!solver) solver = std::make_unique<QuasiSolver<T>>(potential);
-    return solver->solve(u.data(), target, options.max_outer, first);
+    return solver->solve(u.data(), target, options.max_outer, first, options.interrupted);
   }
   IterationResult newton(double target);
   void start(const State& state);
@@ -102,7 +117,10 @@ struct Solver::Impl {
   IncrementalPotential potential;
   Predictor predictor;
   double force, courant;
+  bool pinned = false;
   SolverMode mode;
+  double last_cost[3] = {};  // of each mode
+  int64_t last_step[3] = {-kRetry, -kRetry, -kRetry};
   std::optional<Preconditioner<float>> single;
   std::optional<Preconditioner<double>> precise;
   std::unique_ptr<QuasiSolver<float>> quasi_float;
@@ -112,25 +130,40 @@ struct Solver::Impl {
   Array<double> x;  // of the new state
 };
 
-/// The predictor, cut where it would carry a surface point through the floor.
+/// The predictor, cut where it would carry a surface point through the floor, or the state before
+/// where a predictor that leaves it by more than a voxel has the higher potential (a small pinned
+/// body falls many times its size in a step).
 void Solver::Impl::start(const State& state) {
   predictor.start(state, potential.predictor(), u.data());
-  if (!potential.contact().exists()) return;
   const Array<double>& X = scene.grid.rest;
   std::vector<double> now(u.size());
-  for (int64_t k = 0; k < X.size(); ++k) now[size_t(k)] = state.x.data()[k] - X.data()[k];
-  const double share = potential.contact().longest_step(now.data(), u.data());
-  if (share < 1)
-    for (size_t k = 0; k < u.size(); ++k) u[k] = now[k] + share * (u[k] - now[k]);
+  double farthest = 0;
+  for (size_t k = 0; k < u.size(); ++k) {
+    now[k] = state.x.data()[k] - X.data()[k];
+    farthest = std::max(farthest, std::abs(u[k] - now[k]));
+  }
+  if (potential.contact().exists()) {
+    const double share = potential.contact().longest_step(now.data(), u.data());
+    if (share < 1)
+      for (size_t k = 0; k < u.size(); ++k) u[k] = now[k] + share * (u[k] - now[k]);
+  }
+  if (!pinned || farthest < scene.grid.h) return;
+  const double ahead = potential.evaluate<double>(u.data(), gradient.data()).total();
+  const double here = potential.evaluate<double>(now.data(), gradient.data()).total();
+  if (!(ahead < here)) u = now;
 }
 
 IterationResult Solver::Impl::newton(double target) {
   if (!newton_solver) newton_solver = std::make_unique<NewtonSolver>(potential);
-  const int outer = std::max(10, options.max_outer / 10);
-  if (precise) return newton_solver->solve(u.data(), target, outer, options.max_inner, *precise);
-  return newton_solver->solve(u.data(), target, outer, options.max_inner, *single);
+  const int outer = std::max(1, options.max_outer / 4);
+  if (precise)
+    return newton_solver->solve(u.data(), target, outer, options.max_inner, *precise,
+                                options.interrupted);
+  return newton_solver->solve(u.data(), target, outer, options.max_inner, *single,
+                              options.interrupted);
 }
 
+/// The mode that was asked for.
 IterationResult Solver::Impl::iterate(double target, StepReport& report) {
   report.float64 = true;
   if (mode == SolverMode::kNewton) return newton(target);
@@ -142,15 +175,32 @@ IterationResult Solver::Impl::iterate(double target, StepReport& report) {
     if (result.converged) return result;
     report.float64 = true;
   }
-  const IterationResult more = quasi(quasi_double, target, *single);
-  result = {more.converged, result.outer + more.outer, result.inner + more.inner,
-            result.struggled || more.struggled};
-  // auto: what quasi cannot do, or can do only with trouble, newton does
-  if (options.mode == SolverMode::kAuto && (!result.converged || result.struggled))
-    mode = SolverMode::kNewton;
-  if (options.mode != SolverMode::kAuto || result.converged) return result;
-  const IterationResult last = newton(target);
-  return {last.converged, result.outer + last.outer, result.inner + last.inner, true};
+  return sum(result, quasi(quasi_double, target, *single));
+}
+
+/// What a step cost, in passes of the preconditioner: one of quasi comes with an evaluation, one of
+/// newton with a product, and a Newton step with Hessian and evaluation.
+double Solver::Impl::cost(const IterationResult& r) const {
+  return mode == SolverMode::kNewton ? 1.3 * r.inner + 3 * r.outer : 2 * r.inner;
+}
+
+/// auto: quasi while that is cheap, else the cheaper of both; what one cannot do the other tries.
+IterationResult Solver::Impl::choose(double target, StepReport& report) {
+  if (options.mode != SolverMode::kAuto || stiff()) return iterate(target, report);
+  IterationResult result = iterate(target, report);
+  const SolverMode other = mode == SolverMode::kNewton ? SolverMode::kQuasi : SolverMode::kNewton;
+  last_cost[int(mode)] = cost(result);
+  last_step[int(mode)] = report.step;
+  const bool stale = report.step - last_step[int(other)] >= kRetry;
+  const bool dear = last_cost[int(mode)] > kCheap || mode == SolverMode::kNewton;
+  const bool better = last_cost[int(other)] < last_cost[int(mode)];
+  if (!result.converged && !options.interrupted()) {
+    mode = other;
+    result = sum(result, iterate(target, report));
+  } else if (dear && (stale || better)) {
+    mode = other;
+  }
+  return result;
 }
 
 /// x from u, and the residual of the true equations in float64 on that x.
@@ -219,13 +269,13 @@ StepReport Solver::step(State& state) {
 
   // a margin, because the state that is written is rounded once more
   const double target = 0.95 * s.options.tolerance * s.force;
-  IterationResult result = s.iterate(target, report);
+  IterationResult result = s.choose(target, report);
+  report.interrupted = s.options.interrupted();
+  if (report.interrupted) return report;
   s.certify(state, report);
   if (!report.converged && !report.float64 && report.finite) {
     report.float64 = true;
-    const IterationResult more = s.quasi(s.quasi_double, target, *s.single);
-    result.outer += more.outer;
-    result.inner += more.inner;
+    result = sum(result, s.quasi(s.quasi_double, target, *s.single));
     s.certify(state, report);
   }
   report.outer = result.outer;

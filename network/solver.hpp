@@ -7,14 +7,16 @@
 #include "core/report.hpp"
 #include "core/state.hpp"
 
+#include <functional>
 #include <memory>
 #include <string_view>
 
 namespace elastogen {
 
 /// quasi: L-BFGS whose first matrix is one V-cycle with encoder. newton: projected Hessian, PCG
-/// with the same preconditioner. auto: quasi, and newton for very stiff scenes (Courant number
-/// above 100) or where the line search of quasi keeps halving.
+/// with the same preconditioner. auto: newton above Courant number 100 or Poisson ratio 0.47; else
+/// quasi, and where a step takes it more than 40 evaluations (contact, buckling) the cheaper of the
+/// two by their own counts.
 enum class SolverMode { kAuto, kQuasi, kNewton };
 
 std::string_view solver_name(SolverMode mode);
@@ -24,9 +26,11 @@ SolverMode solver_from_name(std::string_view name);
 struct SolverOptions {
   SolverMode mode = SolverMode::kAuto;
   double tolerance = 1e-3;  ///< of |grad Phi| / |M g_ref|
-  int max_outer = 400;      ///< L-BFGS iterations; a tenth of it for Newton steps
-  int max_inner = 2000;     ///< PCG iterations of one Newton step
+  int max_outer = 400;      ///< L-BFGS iterations; a quarter of it for Newton steps
+  int max_inner = 400;      ///< PCG iterations of one Newton step
   bool skip = true;         ///< false: float64 and encoder always, whatever the scene needs
+  /// Polled once an iteration; where it says true the step is given up and the state stays.
+  std::function<bool()> interrupted = [] { return false; };
 };
 
 /// |M g_ref| = 9.81 m/s^2 times the 2-norm of the masses over free nodes and components [N].

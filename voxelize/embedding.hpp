@@ -14,8 +14,9 @@ struct Embedding {
   Array<double> weights;  ///< of the voxel's corners, (vertices, 8), rows sum to 1
 };
 
-/// Finds for each point the voxel that holds it; a point outside all voxels (an unreferenced
-/// vertex) takes the nearest voxel, its weights extrapolate.
+/// Finds for each point the voxel that holds it; a point outside all voxels (in a dropped sliver,
+/// or an unreferenced vertex) takes the nearest voxel. Its weights continue those at the nearest
+/// point of that voxel linearly, so the motion is continuous over the voxel's border.
 /// @param points  [m], (points, 3), finite.
 Embedding embed(const VoxelGrid& grid, In<double> points);
 

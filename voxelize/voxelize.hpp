@@ -26,6 +26,7 @@ struct VoxelizeReport {
   bool winding_number = false;  ///< the inside was found by the generalised winding number
   int64_t border_voxels = 0;
   int64_t thin_voxels = 0;        ///< filled by less than the floor of 0.02
+  int64_t dropped_slivers = 0;    ///< voxels of slivers.hpp, not in the grid
   double volume = 0;              ///< of the fill [m^3]
   std::vector<Finding> findings;  ///< hinges, several pieces, ...
 };
@@ -35,7 +36,8 @@ struct Voxelized {
   VoxelizeReport report;
 };
 
-/// Voxelises a surface: every voxel inside or touched by it is active. Fill fractions and
+/// Voxelises a surface: every voxel inside or touched by it is active, but for slivers that hold
+/// nothing together (slivers.hpp): what lies there goes with the nearest voxel. Fill fractions and
 /// shape-function means are exact integrals where the surface bounds a solid once, and follow from
 /// the winding number (inside: |w| > 1/2) where it is open, overlaps or is badly wound; sheets
 /// become layers of full voxels. Repeats to the bit on any threads.

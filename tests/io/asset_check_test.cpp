@@ -101,6 +101,9 @@ TEST(AssetCheck, RefusesWhatCannotBeSimulated) {
   asset = cube();
   corners(asset) = {0, 0, 1, 2, 3, 3};
   expect_says(error_of([&] { check_asset(asset); }), "no triangle has an area");
+  asset = cube();
+  for (Vec3& x : asset.meshes[0].position) x[1] = x[2] = 0;
+  expect_says(error_of([&] { check_asset(asset); }), "no triangle has an area");
   asset = cube(0);
   expect_says(error_of([&] { check_asset(asset); }), "lie in one point");
   for (const double a : {1e-200, 1e200}) {

@@ -240,6 +240,7 @@ TEST_F(GltfReader, RefusesNumbersThatLeaveTheirBytes) {
       {"/nodes/0/children", {5}, "no node"},
       {"/nodes/0/children", {0}, "cycle"},
       {"/nodes/0/matrix", {1, 2, 3}, "transform"},
+      {"/nodes/0/matrix", std::vector<int>(16, 1), "last row"},
       {"/nodes/0/rotation", {0, 0, 0, 0}, "quaternion"},
       {"/nodes/0/scale", {"a", 1, 1}, "numbers"},
       {"/scenes", {{{"nodes", {3}}}}, "no node"},

@@ -140,13 +140,10 @@ TEST(Multigrid, LargestEigenvalueOfTheSmoothedOperatorStaysBelowTheElementBound)
     for (int64_t n = 0; n < scene.grid.node_count(); ++n) {
       for (int i = 0; i < 3; ++i) unit[size_t(3 * n + i)] = 1;
       multigrid.operator_product(unit.data(), product.data());
-      double mean = 0;
       for (int i = 0; i < 3; ++i) {
         diagonal[size_t(3 * n + i)] = product[size_t(3 * n + i)];
-        mean += diagonal[size_t(3 * n + i)] / 3;
         unit[size_t(3 * n + i)] = 0;
       }
-      ASSERT_NEAR(multigrid.diagonal(n), mean, 1e-12 * mean);
     }
     double largest = 0;
     for (int k = 0; k < 200; ++k) {

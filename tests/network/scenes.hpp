@@ -9,6 +9,7 @@
 #include "core/state.hpp"
 #include "network/incremental_potential.hpp"
 #include "voxelize/bricks.hpp"
+#include "voxelize/slivers.hpp"
 
 #include <algorithm>
 #include <array>
@@ -55,25 +56,33 @@ inline Scene clamped_beam(int nx, int ny, int nz, double h, const Material& mate
   return scene;
 }
 
+struct SampledVoxel {
+  std::array<int32_t, 3> at;
+  double fill, mean[8];
+};
+
+inline Array<int32_t> coordinates(const std::vector<SampledVoxel>& voxels) {
+  Array<int32_t> coords(int64_t(voxels.size()), 3);
+  for (size_t v = 0; v < voxels.size(); ++v)
+    std::copy(voxels[v].at.begin(), voxels[v].at.end(), coords.row(int64_t(v)));
+  return coords;
+}
+
 /// Voxels that the body meets, with fills and shape-function means from samples^3 points each.
-/// @param inside  whether a point [m] lies in the body.
-/// @param least  voxels that are filled less are left out; the floor of the fill is 0.02.
+/// @param inside        whether a point [m] lies in the body.
+/// @param drop_slivers  leaves out what find_slivers finds; the floor of the fill is 0.02.
 inline VoxelGrid sampled_grid(const Box& box, double h, int samples,
-                              const std::function<bool(const Vec3&)>& inside, double least) {
+                              const std::function<bool(const Vec3&)>& inside, bool drop_slivers) {
   int lower[3], count[3];
   for (int d = 0; d < 3; ++d) {
     lower[d] = int(std::floor(box.lower[size_t(d)] / h));
     count[d] = int(std::ceil(box.upper[size_t(d)] / h)) - lower[d];
   }
-  struct Voxel {
-    std::array<int32_t, 3> at;
-    double fill, mean[8];
-  };
-  std::vector<Voxel> voxels;
+  std::vector<SampledVoxel> voxels;
   for (int k = 0; k < count[2]; ++k)
     for (int j = 0; j < count[1]; ++j)
       for (int i = 0; i < count[0]; ++i) {
-        Voxel voxel = {{lower[0] + i, lower[1] + j, lower[2] + k}, 0, {}};
+        SampledVoxel voxel = {{lower[0] + i, lower[1] + j, lower[2] + k}, 0, {}};
         for (int s = 0; s < samples * samples * samples; ++s) {
           const double t[3] = {(s % samples + 0.5) / samples,
                                (s / samples % samples + 0.5) / samples,
@@ -87,38 +96,49 @@ inline VoxelGrid sampled_grid(const Box& box, double h, int samples,
                 (c & 1 ? t[0] : 1 - t[0]) * (c & 2 ? t[1] : 1 - t[1]) * (c & 4 ? t[2] : 1 - t[2]);
         }
         const double total = double(samples) * samples * samples;
-        if (voxel.fill > 0 && voxel.fill >= least * total) voxels.push_back(voxel);
+        if (voxel.fill == 0) continue;
+        for (double& mean : voxel.mean) mean /= voxel.fill;
+        voxel.fill /= total;
+        voxels.push_back(voxel);
       }
 
-  Array<int32_t> coords(int64_t(voxels.size()), 3);
-  for (size_t v = 0; v < voxels.size(); ++v)
-    std::copy(voxels[v].at.begin(), voxels[v].at.end(), coords.row(int64_t(v)));
+  Array<int32_t> coords = coordinates(voxels);
+  if (drop_slivers) {
+    Array<double> fill(coords.rows());
+    for (int64_t v = 0; v < fill.rows(); ++v) fill(v) = voxels[size_t(v)].fill;
+    const std::vector<uint8_t> gone = find_slivers(coords, fill);
+    std::vector<SampledVoxel> left;
+    for (size_t v = 0; v < voxels.size(); ++v)
+      if (!gone[v]) left.push_back(voxels[v]);
+    voxels = std::move(left);
+    coords = coordinates(voxels);
+  }
   VoxelGrid grid = make_grid(coords, h, {});
   // make_grid sorts: look each voxel up by its coordinate
   std::sort(voxels.begin(), voxels.end(), [](auto& a, auto& b) { return a.at < b.at; });
   for (int64_t v = 0; v < grid.voxel_count(); ++v) {
     const std::array<int32_t, 3> at = {grid.voxel_coord(v, 0), grid.voxel_coord(v, 1),
                                        grid.voxel_coord(v, 2)};
-    const auto voxel = std::lower_bound(voxels.begin(), voxels.end(), at,
-                                        [](const Voxel& a, const auto& b) { return a.at < b; });
-    const double total = double(samples) * samples * samples;
-    if (voxel->fill == total) continue;
-    grid.fill(v) = std::max(voxel->fill / total, 0.02);
-    for (int c = 0; c < 8; ++c) grid.shape_mean(v, c) = voxel->mean[c] / voxel->fill;
+    const auto voxel =
+        std::lower_bound(voxels.begin(), voxels.end(), at,
+                         [](const SampledVoxel& a, const auto& b) { return a.at < b; });
+    if (voxel->fill == 1) continue;
+    grid.fill(v) = std::max(voxel->fill, 0.02);
+    std::copy(voxel->mean, voxel->mean + 8, grid.shape_mean.row(v));
   }
   return grid;
 }
 
 /// A ball of radius R about the origin.
-inline VoxelGrid ball_grid(double R, double h, double least = 0) {
+inline VoxelGrid ball_grid(double R, double h, bool drop_slivers = false) {
   return sampled_grid(
       {{-R, -R, -R}, {R, R, R}}, h, 8,
-      [=](const Vec3& p) { return p[0] * p[0] + p[1] * p[1] + p[2] * p[2] < R * R; }, least);
+      [=](const Vec3& p) { return p[0] * p[0] + p[1] * p[1] + p[2] * p[2] < R * R; }, drop_slivers);
 }
 
 /// A bar of length L and square section, half width a, turned by 0.8 rad about (1, 2, 3), about the
 /// origin.
-inline VoxelGrid turned_bar_grid(double L, double a, double h, double least = 0) {
+inline VoxelGrid turned_bar_grid(double L, double a, double h, bool drop_slivers = false) {
   const double s = std::sin(0.8), c = 1 - std::cos(0.8), k = 1 / std::sqrt(14.0);
   const double axis[3] = {k, 2 * k, 3 * k};
   Mat3<double> R = identity<double>();
@@ -140,7 +160,7 @@ inline VoxelGrid turned_bar_grid(double L, double a, double h, double least = 0)
           if (std::abs(R(0, j) * p[0] + R(1, j) * p[1] + R(2, j) * p[2]) >= half[j]) return false;
         return true;
       },
-      least);
+      drop_slivers);
 }
 
 /// A block across brick borders with 15 % holes, random fills and shape means in half of its

@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What an animated GLB must keep of its source: vertices and their order, UVs, materials, names."""
+
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from glb_check import triangle_corners
+from glb_file import Document, local_positions, read_document, require
+from source_mesh import READERS, SourceMesh
+
+MATERIAL_LISTS = ("materials", "textures", "samplers")
+
+
+def check_vertices(source: SourceMesh, document: Document) -> None:
+    """The first vertices are the file's in its order; the rest frame is them to the last bit.
+
+    A mesh far from the origin stands at a node that is moved; then its positions are the file's up
+    to single precision of the mesh's own size.
+    """
+    nodes = [(n, node) for n, node in enumerate(document.items("nodes")) if "mesh" in node]
+    require(len(nodes) == 1, f"{len(nodes)} nodes show a mesh, not one")
+    shift = np.array(nodes[0][1].get("translation", [0.0, 0.0, 0.0]))
+    wanted = (source.position - shift).astype(np.float32).astype(float)
+    for key, rest in local_positions(document, 0).items():
+        require(len(rest) >= len(wanted), f"{key}: {len(rest)} vertices of {len(wanted)}")
+        require((rest[: len(wanted)] == wanted).all(), f"{key}: vertices differ from the file's")
+        known = {tuple(x) for x in wanted}
+        require(all(tuple(x) in known for x in rest[len(wanted):]), f"{key}: a vertex is new")
+        require(source.uv is not None or len(rest) == len(wanted) or bool(source.material),
+                f"{key}: {len(rest)} vertices, the file has {len(wanted)}")
+
+
+def check_uvs(source: SourceMesh, document: Document) -> None:
+    """The pairs of place and uv that triangles use are the file's."""
+    primitives = [p for mesh in document.items("meshes") for p in mesh["primitives"]]
+    if source.uv is None:
+        require(all("TEXCOORD_0" not in p["attributes"] for p in primitives), "UVs are new")
+        return
+    rows = []
+    for p in primitives:
+        require("TEXCOORD_0" in p["attributes"], "a primitive has no UVs")
+        corner = np.unique(document.raw(p["indices"]))
+        rows.append(np.hstack([document.values(p["attributes"]["POSITION"])[corner],
+                               document.values(p["attributes"]["TEXCOORD_0"])[corner]]))
+    found = np.unique(np.vstack(rows), axis=0)
+    pairs = source.uvs()
+    x = document.values(primitives[0]["attributes"]["POSITION"])[pairs[:, 0].astype(int)]
+    wanted = np.unique(np.hstack([x, pairs[:, 1:]]), axis=0)
+    require(found.shape == wanted.shape and (found == wanted).all(),
+            f"{len(found)} pairs of place and uv, the file has {len(wanted)}, or they differ")
+
+
+def check_materials(source: SourceMesh, document: Document) -> None:
+    """As many triangles of each material as the file's faces have."""
+    names, found = [m.get("name", "") for m in document.items("materials")], Counter[str]()
+    for mesh in document.items("meshes"):
+        for p in mesh["primitives"]:
+            found[names[p["material"]]] += triangle_corners(document, p) // 3
+    require(found == source.triangles(), f"triangles of materials {found}, the file has "
+            f"{source.triangles()}")
+
+
+def check_kept_document(source: Document, document: Document) -> None:
+    """A glTF source: accessors, materials, images, nodes and primitives stand where they stood."""
+    for name in MATERIAL_LISTS:
+        require(source.items(name) == document.items(name), name, " differ from the source's")
+    for k, image in enumerate(source.items("images")):
+        if "bufferView" in image:
+            view = document.items("images")[k]["bufferView"]
+            require(source.view(image["bufferView"]) == document.view(view), f"images[{k}] differ")
+    for k in range(len(source.items("accessors"))):
+        require(np.array_equal(source.raw(k), document.raw(k)), f"accessors[{k}] differ")
+    for k, node in enumerate(source.items("nodes")):
+        kept: dict[str, Any] = document.items("nodes")[k]
+        for key in ("name", "matrix", "translation", "rotation", "scale"):
+            require(node.get(key) == kept.get(key), f"nodes[{k}].{key} differs")
+    for k, mesh in enumerate(source.items("meshes")):
+        kept = document.items("meshes")[k]
+        require(mesh.get("name") == kept.get("name"), f"meshes[{k}].name differs")
+        for p, primitive in enumerate(mesh["primitives"]):
+            for key in ("attributes", "indices", "material", "mode"):
+                require(primitive.get(key) == kept["primitives"][p].get(key),
+                        f"meshes[{k}].primitives[{p}].{key} differs")
+
+
+def check_kept(source: Path, document: Document) -> None:
+    """All of it. @throws GlbError naming the first difference."""
+    reader = READERS.get(source.suffix.lower())
+    if reader is None:
+        check_kept_document(read_document(source), document)
+        before, rest = local_positions(read_document(source), 0), local_positions(document, 0)
+        found = sorted((x.shape, x.tobytes()) for x in rest.values())
+        require(found == sorted((x.shape, x.tobytes()) for x in before.values()),
+                "the rest frame is not the source's")
+        return
+    mesh = reader(source)
+    check_vertices(mesh, document)
+    check_uvs(mesh, document)
+    check_materials(mesh, document)

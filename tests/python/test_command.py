@@ -1,0 +1,355 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command as a user sees it: exit codes, messages, files, options."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import tempfile
+import time
+import unittest
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+import glb_check
+import kept
+from command import (BINARY, Run, animate, glb_bytes, glb_parts, run, turned_box, write_obj,
+                     write_ply, write_stl)
+from glb_file import Document, local_positions, parse_glb, read_document, world_positions
+
+BOX = turned_box((0.3, 0.12, 0.1), (1, 2, 3), 25)
+
+
+def small(voxels: int = 8, frames: int = 3, substeps: int = 1) -> tuple[object, ...]:
+    """Options of a short run of a soft bar that is held at one end."""
+    return ("--voxels", voxels, "--frames", frames, "--substeps", substeps, "--young", "1e5",
+            "--pin", "x<10%")
+
+
+SMALL = small()
+
+
+class Command(unittest.TestCase):
+    """A folder of its own, with a mesh in it."""
+
+    def setUp(self) -> None:
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+        self.source = write_obj(self.folder / "box.obj", *BOX)
+        self.output = self.folder / "out.glb"
+
+    def files(self) -> set[str]:
+        return {path.name for path in self.folder.iterdir()}
+
+    def animated(self, *options: object, name: str = "out.glb", code: int = 0) -> Document:
+        """The checked document of a run that must end with `code`."""
+        output = self.folder / name
+        done = animate(self.source, output, *options)
+        self.assertEqual(done.code, code, done.err)
+        document = read_document(output)
+        glb_check.check_animation(document)
+        return document
+
+    def refused(self, done: Run, code: int, *words: str) -> None:
+        """The code, a message on standard error with these words, no file that was not there."""
+        self.assertEqual(done.code, code, done.err)
+        for word in words:
+            self.assertIn(word, done.err)
+        self.assertEqual(self.files(), {"box.obj"})
+
+
+class Usage(Command):
+    """Exit code 2, and help."""
+
+    def test_help_and_version_end_with_zero(self) -> None:
+        for words in (["--help"], ["animate", "--help"], ["demo", "--help"], ["--version"]):
+            done = run(*words)
+            self.assertEqual(done.code, 0, words)
+            self.assertIn("elastogen" if "--version" in words else "Usage", done.out)
+
+    def test_what_cannot_be_meant_is_refused_and_named(self) -> None:
+        for options, words in (
+                (["--law", "jelly"], ["jelly", "stable-neo-hookean"]),
+                (["--material", "unobtainium"], ["unobtainium", "rubber"]),
+                (["--young", "5kg"], ["kg", "Pa"]), (["--young", "-1"], ["Young"]),
+                (["--young", "nan"], ["nan"]), (["--poisson", "0.5"], ["0.5"]),
+                (["--poisson", "-0.1"], ["-0.1"]), (["--density", "0"], ["density"]),
+                (["--size", "3Pa"], ["Pa"]), (["--gravity", "1,2"], ["1,2"]),
+                (["--pin", "y<"], ["y<"]), (["--pin", "ball(0,0,0,1)"], ["ball"]),
+                (["--floor", "q=1"], ["q=1"]), (["--substeps", "0"], ["0"]),
+                (["--solver", "paper"], ["paper", "quasi"]), (["--device", "abacus"], ["abacus"]),
+                (["--time-scheme", "rk4"], ["rk4"]), (["--hourglass", "on"], ["on"]),
+                (["--up", "x"], ["--up"]), (["--tolerance", "0"], ["tolerance"]),
+                (["--voxels", "0"], ["--voxels"]), (["--frames", "-1"], ["--frames"]),
+                (["--frames", "many"], ["many"]), (["--glb-profile", "best"], ["best"]),
+                (["--threads", "-2"], ["--threads"]), (["--max-time", "2m"], ["m"]),
+                (["--max-time", "0"], ["--max-time"]), (["--max-memory", "0"], ["--max-memory"]),
+                (["--no-such-option"], ["--no-such-option"]),
+                (["--state", self.output], ["out.glb"]), (["--log-json", self.source], ["box.obj"]),
+                (["--state", "s", "--report", "./s"], ["own"])):
+            with self.subTest(options):
+                self.refused(animate(self.source, self.output, *options), 2, *words)
+        self.refused(run("animate", self.source), 2, "--output")
+        self.refused(run(), 2)
+        self.refused(run("anime"), 2)
+        self.refused(animate(self.source, self.folder / "out.txt"), 2, "out.txt")
+
+    def test_a_pin_that_holds_nothing_is_a_warning_and_under_strict_an_error(self) -> None:
+        nothing = ("--voxels", 8, "--frames", 1, "--pin", "x>200%", "--pin", "x<10%")
+        self.refused(animate(self.source, self.output, *nothing, "--strict"), 2, "x>200%")
+        done = animate(self.source, self.output, *nothing)
+        self.assertEqual(done.code, 0)
+        self.assertIn("x>200%", done.err)
+
+    def test_nothing_moved_is_a_warning_with_its_cause(self) -> None:
+        done = animate(self.source, self.output, "--voxels", 8, "--frames", 1, "--pin", "all")
+        self.assertEqual(done.code, 0)
+        self.assertIn("pinned", done.err)
+
+
+class Resources(Command):
+    """Exit code 6."""
+
+    def test_a_budget_is_refused_with_the_amount(self) -> None:
+        self.refused(animate(self.source, self.output, "--voxels", 4000, "--max-voxels", 10000), 6,
+                     "needs", "voxels", "10000", "GB")
+        self.refused(animate(self.source, self.output, "--voxels", 200, "--max-memory", "1MB"), 6,
+                     "needs", "GB", "voxels")
+
+    def test_a_place_that_cannot_be_written_is_named(self) -> None:
+        for place in (self.folder / "missing", self.source):  # no folder; a file
+            for option, name in (("-o", "x.glb"), ("--state", "x.h5"), ("--log-json", "x.json")):
+                with self.subTest(f"{option} {place.name}"):
+                    words = [option, place / name]
+                    words += [] if option == "-o" else ["-o", self.output]
+                    done = run("animate", self.source, *SMALL, *words)
+                    self.refused(done, 6, f"{place / name}")
+
+    def test_a_folder_that_takes_no_files_is_named(self) -> None:
+        closed = Path("/proc")  # closed to the superuser too
+        if os.geteuid() != 0:
+            closed = self.folder / "closed"
+            closed.mkdir(mode=0o555)
+        done = animate(self.source, closed / "x.glb", *SMALL)
+        self.assertEqual(done.code, 6)
+        self.assertIn(str(closed / "x.glb"), done.err)
+
+    def test_a_full_disk_ends_the_run(self) -> None:
+        self.refused(animate(self.source, self.output, *SMALL, "--log-json", "/dev/full"), 6,
+                     "/dev/full")
+
+
+class Endings(Command):
+    """Runs that end below the promise or early: whole outputs all the same."""
+
+    LONG = ("--voxels", 12, "--frames", 100000, "--substeps", 1, "--young", "1e5", "--pin",
+            "x<10%", "--fps", 60)
+
+    def outputs(self) -> list[object]:
+        return ["--state", self.folder / "s.h5", "--log-json", self.folder / "l.json", "--report",
+                self.folder / "r.json"]
+
+    def check_whole(self, least: int) -> dict[str, Any]:
+        """GLB, state, log and report are there, whole, and of one length; returns the report."""
+        document = read_document(self.output)
+        glb_check.check_animation(document)
+        report = json.loads((self.folder / "r.json").read_text())
+        log = [json.loads(line) for line in (self.folder / "l.json").read_text().splitlines()]
+        frames = document.json["asset"]["extras"]["elastogen"]["frames"]
+        with h5py.File(self.folder / "s.h5") as file:
+            self.assertEqual(file["steps/x"].shape[0], len(log) + 1)
+            self.assertTrue(np.isfinite(file["steps/x"][()]).all())
+        self.assertEqual(len(frames), report["frames"] + 1)
+        self.assertEqual(report["steps"], len(log))
+        self.assertGreaterEqual(report["frames"], least)
+        self.assertLess(report["frames"], 100000)
+        self.assertEqual(self.files(), {"box.obj", "out.glb", "s.h5", "l.json", "r.json"})
+        return report
+
+    def test_max_time_is_a_draft_with_whole_outputs(self) -> None:
+        done = animate(self.source, self.output, *self.LONG, *self.outputs(), "--max-time", "1s")
+        self.assertEqual(done.code, 4, done.err)
+        self.assertIn("--max-time", done.err)
+        self.check_whole(1)
+
+    def test_a_signal_ends_the_run_with_whole_outputs(self) -> None:
+        for number, code in ((signal.SIGINT, 130), (signal.SIGTERM, 143)):
+            words = [BINARY, "animate", self.source, *self.LONG, *self.outputs(), "-o", self.output]
+            process = subprocess.Popen([str(w) for w in words], stdout=subprocess.DEVNULL,
+                                       stderr=subprocess.PIPE)
+            log = self.folder / "l.json"
+            while process.poll() is None and (not log.exists() or log.stat().st_size < 1000):
+                time.sleep(0.01)
+            process.send_signal(number)
+            error = process.communicate(timeout=60)[1].decode()
+            self.assertEqual(process.returncode, code, error)
+            self.assertTrue(any("interrupted" in w for w in self.check_whole(1)["warnings"]))
+            log.unlink()
+
+    def test_a_step_above_the_tolerance_is_a_draft_everywhere(self) -> None:
+        done = animate(self.source, self.output, *SMALL, "--tolerance", "1e-14", *self.outputs())
+        self.assertEqual(done.code, 4, done.err)
+        report = self.check_whole(3)
+        self.assertLess(report["converged_share"], 1)
+        self.assertGreater(report["worst_residual"], 1e-14)
+        frames = read_document(self.output).json["asset"]["extras"]["elastogen"]["frames"]
+        self.assertFalse(all(frame["converged"] for frame in frames))
+
+
+class Outputs(Command):
+    """What the files say."""
+
+    def test_log_and_report_have_the_documented_fields(self) -> None:
+        log, report = self.folder / "l.json", self.folder / "r.json"
+        self.animated(*small(substeps=2), "--log-json", log, "--report", report)
+        lines = [json.loads(line) for line in log.read_text().splitlines()]
+        self.assertEqual([(l["frame"], l["step"]) for l in lines],
+                         [(1, 1), (1, 2), (2, 3), (2, 4), (3, 5), (3, 6)])
+        for line in lines:
+            self.assertLessEqual({"frame", "step", "time", "converged", "residual", "outer",
+                                  "inner", "min_j", "energies", "active_share", "ms"}, set(line))
+            self.assertEqual(set(line["energies"]),
+                             {"kinetic", "elastic", "hourglass", "gravity", "contact"})
+            self.assertAlmostEqual(line["time"], line["step"] / 60, 12)
+            self.assertEqual(line["converged"], line["residual"] <= 1e-3)
+        r = json.loads(report.read_text())
+        self.assertLessEqual({"asset", "voxels", "nodes", "h", "materials", "steps", "frames",
+                              "converged_share", "worst_residual", "min_j", "stage_seconds",
+                              "ms_per_step", "peak_memory_bytes", "warnings", "command", "commit"},
+                             set(r))
+        self.assertLessEqual({"vertices", "faces", "closed", "findings"}, set(r["asset"]))
+        self.assertEqual((r["asset"]["vertices"], r["asset"]["faces"]), (8, 12))
+        self.assertEqual((r["steps"], r["frames"], r["converged_share"]), (6, 3, 1))
+        self.assertEqual(set(r["stage_seconds"]), {"read", "voxelize", "setup", "steps", "write"})
+        self.assertEqual(set(r["ms_per_step"]), {"median", "p95"})
+        self.assertEqual(r["worst_residual"], max(line["residual"] for line in lines))
+        self.assertEqual(r["min_j"], min(line["min_j"] for line in lines))
+
+    def test_threads_do_not_change_a_bit(self) -> None:
+        states, documents = [], []
+        for threads in (1, 2):
+            place = self.folder / str(threads)
+            place.mkdir()
+            words = [BINARY, "animate", self.source, *small(voxels=20), "--threads",
+                     threads, "--state", "s.h5", "-o", "out.glb", "--quiet"]
+            done = subprocess.run([str(w) for w in words], cwd=place, timeout=120, check=False)
+            self.assertEqual(done.returncode, 0)
+            with h5py.File(place / "s.h5") as file:
+                states.append([file[f"steps/{name}"][()].tobytes() for name in "xv"])
+            document = parse_glb((place / "out.glb").read_bytes())
+            del document.json["asset"]["extras"]["elastogen"]["command"]
+            documents.append(document)
+        self.assertEqual(states[0], states[1])
+        self.assertEqual(documents[0], documents[1])
+
+    def test_without_load_nothing_moves_by_a_bit(self) -> None:
+        for solver in ("quasi", "newton"):
+            state = self.folder / "s.h5"
+            document = self.animated(*SMALL, "--gravity", "0,0,0", "--solver", solver, "--state",
+                                     state)
+            with h5py.File(state) as file:
+                x = file["steps/x"][()]
+                self.assertTrue((x == x[0]).all())
+                self.assertTrue((x[0] == file["grid/rest"][()]).all())
+                self.assertFalse(file["steps/v"][()].any())
+            for key, last in local_positions(document, 3).items():
+                self.assertTrue((last == local_positions(document, 0)[key]).all())
+
+    def test_no_skip_gives_the_same_motion(self) -> None:
+        tight = (*SMALL, "--tolerance", "1e-6", "--state")
+        positions = []
+        for options in ([], ["--no-skip"]):
+            self.animated(*tight, self.folder / "s.h5", *options)
+            with h5py.File(self.folder / "s.h5") as file:
+                positions.append(file["steps/x"][()])
+        motion = np.abs(positions[0] - positions[0][0]).max()
+        self.assertGreater(motion, 1e-3)
+        self.assertLess(np.abs(positions[0] - positions[1]).max(), 1e-4 * motion)
+
+    def test_a_floor_is_in_the_state_file(self) -> None:
+        state = self.folder / "s.h5"
+        self.animated("--voxels", 8, "--frames", 3, "--floor", "--friction", 0.3, "--state", state)
+        with h5py.File(state) as file:
+            contact = file["contact"]
+            self.assertEqual(set(contact.attrs), {"floor_normal", "floor_offset", "friction",
+                                                  "layer", "slip_range"})
+            self.assertEqual(contact.attrs["friction"], 0.3)
+            self.assertEqual(contact.attrs["floor_normal"].tolist(), [0, 1, 0])
+            self.assertAlmostEqual(contact.attrs["floor_offset"], BOX[0][:, 1].min(), 12)
+            self.assertEqual(set(contact), {"voxel", "weights", "area"})
+            x, corners = file["steps/x"][-1], file["grid/corners"][()]
+            place = x[corners[contact["voxel"][()]]]
+            points = np.einsum("pc,pcd->pd", contact["weights"][()], place)
+            self.assertGreater(points[:, 1].min(), contact.attrs["floor_offset"]
+                               - contact.attrs["layer"])
+
+
+class Poses(Command):
+    """--size and --up turn and scale a root node; the file's numbers stay."""
+
+    def sizes(self, document: Document, frame: int) -> tuple[np.ndarray, np.ndarray]:
+        """Place of the first vertices, (8, 3): in the mesh, and as shown."""
+        local, world = local_positions(document, frame), world_positions(document, frame)
+        return next(iter(local.values()))[:8], next(iter(world.values()))[:8]
+
+    def test_size_is_in_the_root_node(self) -> None:
+        plain, sized = self.animated(*SMALL), self.animated(*SMALL, "--size", "60cm")
+        np.testing.assert_array_equal(self.sizes(plain, 0)[0], self.sizes(sized, 0)[0])
+        self.assertAlmostEqual(np.ptp(self.sizes(sized, 0)[1], axis=0).max(), 0.6, 6)
+        self.assertEqual(len(plain.items("nodes")) + 1, len(sized.items("nodes")))
+
+    def test_up_z_falls_along_z_and_is_shown_along_y(self) -> None:
+        free = ("--voxels", 8, "--frames", 3, "--fps", 10, "--up", "z", "--size", "1m")
+        document = self.animated(*free)
+        local = self.sizes(document, 3)[0] - self.sizes(document, 0)[0]
+        shown = self.sizes(document, 3)[1] - self.sizes(document, 0)[1]
+        scale = 1 / np.ptp(BOX[0], axis=0).max()
+        np.testing.assert_allclose(local[:, :2], 0, atol=2e-3)
+        self.assertTrue((local[:, 2] < -0.1).all())
+        np.testing.assert_allclose(shown, scale * local[:, [0, 2, 1]] * [1, 1, -1], atol=1e-6)
+
+    def test_free_fall_is_that_of_the_time_scheme(self) -> None:
+        document = self.animated("--voxels", 8, "--frames", 4, "--substeps", 1, "--fps", 50,
+                                 "--glb-profile", "keyframe")
+        for frame in range(5):
+            fall = 9.81 * 0.02**2 * frame * (frame + 1) / 2  # implicit Euler: sum of n g dt^2
+            moved = self.sizes(document, frame)[1] - self.sizes(document, 0)[1]
+            np.testing.assert_allclose(moved, np.tile([0, -fall, 0], (8, 1)), atol=2e-5)
+
+    def test_profiles_agree_within_the_stated_error(self) -> None:
+        swing = (*small(frames=12), "--velocity", "0,1,0.5", "--size", "50cm")
+        modal = self.animated(*swing)
+        keyframe = self.animated(*swing, "--glb-profile", "keyframe", name="keyframe.glb")
+        record = modal.json["asset"]["extras"]["elastogen"]
+        self.assertEqual(record["tolerance_m"], 0.0005)
+        self.assertLessEqual(record["max_error_m"], record["tolerance_m"])
+        self.assertLess(record["modes"], 12)
+        worst = max(np.linalg.norm(self.sizes(modal, t)[1] - self.sizes(keyframe, t)[1], axis=1
+                                   ).max() for t in range(13))
+        self.assertLessEqual(worst, record["max_error_m"] + 1e-6)
+        self.assertGreater(np.abs(self.sizes(modal, 12)[1] - self.sizes(modal, 0)[1]).max(), 0.05)
+
+    def test_every_format_keeps_vertices_and_their_order(self) -> None:
+        box, folder = BOX, self.folder
+        sources = [self.source, *(write_ply(folder / f"{e}.ply", *box, e) for e in (
+            "ascii", "binary_little_endian", "binary_big_endian"))]
+        sources += [write_stl(folder / f"{t}.stl", *box, t) for t in (True, False)]
+        glb = folder / "box.glb"
+        glb.write_bytes(glb_bytes(*glb_parts(*box)))
+        for source in (*sources, glb):
+            with self.subTest(source.name):
+                done = animate(source, self.output, *SMALL)
+                self.assertEqual(done.code, 0, done.err)
+                document = read_document(self.output)
+                glb_check.check_animation(document)
+                kept.check_kept(source, document)
+
+
+if __name__ == "__main__":
+    unittest.main()

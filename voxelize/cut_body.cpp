@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "voxelize/cut_body.hpp"
+
+#include "core/error.hpp"
+#include "voxelize/budget.hpp"
+#include "voxelize/slivers.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace elastogen {
+namespace {
+
+constexpr double kNoVolume[2] = {1e-6, 0.1};  // mean fill of a surface around nothing: closed, open
+
+void check(const Surface& surface) {
+  ELASTOGEN_CHECK(surface.vertices.cols() == 3, "vertices must be (vertices, 3)");
+  ELASTOGEN_CHECK(surface.triangles.cols() == 3, "triangles must be (triangles, 3)");
+  for (int64_t i = 0; i < surface.triangles.size(); ++i)
+    ELASTOGEN_CHECK(
+        surface.triangles.data()[i] >= 0 && surface.triangles.data()[i] < surface.vertices.rows(),
+        "triangle ", i / 3, " has no vertex ", surface.triangles.data()[i]);
+  for (int64_t i = 0; i < surface.vertices.size(); ++i)
+    ELASTOGEN_CHECK_ASSET(std::isfinite(surface.vertices.data()[i]), "vertex ", i / 3,
+                          " is not finite");
+}
+
+double sum8(const double* row) {
+  double sum = 0;
+  for (int k = 0; k < 8; ++k) sum += row[k];
+  return sum;
+}
+
+/// Cells that the surface only grazes belong to the voxel on the other side of the face in which
+/// it lies; where there is none either, they are kept.
+void keep_grazed(CutBody& body) {
+  const SurfaceCells& cells = body.cells;
+  std::vector<int64_t> grazed;
+  for (int64_t c = 0; c < cells.count(); ++c)
+    if (!body.kept[c] && cells.side[c]) grazed.push_back(c);
+  if (grazed.empty()) return;
+  const BrickIndex index(body.voxels());
+  for (const int64_t c : grazed) {
+    bool held = false;
+    for (int side = 0; side < 6; ++side) {
+      Coord other = cells.coord[c];
+      other[side >> 1] += side & 1 ? 1 : -1;
+      held |= (cells.side[c] >> side & 1) && index.find(other) >= 0;
+    }
+    if (held) continue;
+    body.kept[c] = 1;
+    body.layer[c] |= body.mesh.sheet[cells.triangle[cells.first[c]]];
+  }
+}
+
+void choose_voxels(CutBody& body) {
+  const SurfaceCells& cells = body.cells;
+  body.kept = cells.touched;
+  body.layer.assign(cells.count(), body.all_sheets);
+  for (int64_t c = 0; c < cells.count(); ++c) {
+    body.kept[c] |= sum8(body.fill.moment.row(c)) > 0.5;
+    body.layer[c] |= cells.sheet[c];
+  }
+  keep_grazed(body);
+}
+
+/// Fills the inside; says how it was found, and whether the surface bounds nothing.
+void find_fill(CutBody& body, int64_t max_voxels) {
+  const SurfaceCells& cells = body.cells;
+  std::optional<Fill> fill = exact_fill(cells, 1);
+  if (!fill) fill = exact_fill(cells, -1);
+  const bool exact = fill.has_value();
+  body.fill = exact ? std::move(*fill) : winding_fill(body.mesh, cells, max_voxels);
+  body.all_sheets = body.fill.full.empty() &&
+                    body.fill.volume < kNoVolume[!body.closed] * static_cast<double>(cells.count());
+  body.winding_number = !exact && !body.all_sheets;
+}
+
+}  // namespace
+
+double CutBody::share(int64_t cell) const {
+  return layer[cell] ? 1 : sum8(fill.moment.row(cell));
+}
+
+Array<int32_t> CutBody::voxels() const {
+  Array<int32_t> coords(std::count(kept.begin(), kept.end(), 1) + fill.full_voxels(), 3);
+  int64_t v = 0;
+  const auto add = [&](const Coord& c, int32_t shift) {
+    coords(v, 0) = c[0] + shift;
+    coords(v, 1) = c[1];
+    coords(v, 2) = c[2];
+    ++v;
+  };
+  for (int64_t c = 0; c < cells.count(); ++c)
+    if (kept[c]) add(cells.coord[c], 0);
+  for (const Run& run : fill.full)
+    for (int32_t i = 0; i < run.length; ++i) add(run.first, i);
+  return coords;
+}
+
+CutBody cut_body(const Surface& surface, const VoxelizeOptions& options) {
+  check(surface);
+  const WeldedMesh welded = weld(surface);
+  ELASTOGEN_CHECK_ASSET(welded.triangles.rows() > 0,
+                        "no triangle has an area: nothing to simulate");
+  Box box;
+  for (int64_t v = 0; v < welded.vertices.rows(); ++v)
+    box.add({welded.vertices(v, 0), welded.vertices(v, 1), welded.vertices(v, 2)});
+  CutBody body;
+  body.lattice = choose_lattice(box, options);
+  check_budget(welded, body.lattice.h, options);
+  body.closed = welded.closed();
+  body.mesh = make_lattice_mesh(welded, body.lattice);
+  body.cells = cut_surface(body.mesh);
+  find_fill(body, options.max_voxels);
+  choose_voxels(body);
+  return body;
+}
+
+int64_t drop_slivers(CutBody& body) {
+  const Array<int32_t> coords = body.voxels();
+  Array<double> fill(coords.rows());
+  fill.fill(1);
+  std::vector<int64_t> cell;  // of each border voxel
+  for (int64_t c = 0; c < body.cells.count(); ++c) {
+    if (!body.kept[c]) continue;
+    fill(static_cast<int64_t>(cell.size())) = body.share(c);
+    cell.push_back(c);
+  }
+  const std::vector<uint8_t> slivers = find_slivers(coords, fill);
+  for (size_t v = 0; v < cell.size(); ++v)
+    if (slivers[v]) body.kept[cell[v]] = 0;
+  return std::count(slivers.begin(), slivers.end(), 1);
+}
+
+}  // namespace elastogen
