@@ -40,6 +40,14 @@ template <>
 struct ScalarOf<PackOf<double>::type> {
   using type = double;
 };
+template <>
+struct ScalarOf<PackOf<float>::mask> {
+  using type = int32_t;
+};
+template <>
+struct ScalarOf<PackOf<double>::mask> {
+  using type = int64_t;
+};
 }  // namespace detail
 
 template <class T>
@@ -104,9 +112,10 @@ ELASTOGEN_HD inline bool any(const Mask& mask) {
   if constexpr (std::is_same_v<Mask, bool>) {
     return mask;
   } else {
-    bool result = false;
-    for (int k = 0; k < kLanes; ++k) result |= mask[k] != 0;
-    return result;
+    uint64_t words[sizeof(Mask) / 8], all = 0;
+    std::memcpy(words, &mask, sizeof mask);
+    for (const uint64_t word : words) all |= word;
+    return all != 0;
   }
 }
 
@@ -120,31 +129,19 @@ ELASTOGEN_HD inline T log_1p(const T& x) {
     return std::log1p(x);
   } else {
     using S = Scalar<T>;
-    T exponent, rest;
-    for (int k = 0; k < kLanes; ++k) {
-      // bits of sqrt(1/2) subtracted, so that the exponent rounds to nearest in the logarithm
-      if constexpr (sizeof(S) == 4) {
-        int32_t bits;
-        const float y = 1 + x[k];
-        std::memcpy(&bits, &y, 4);
-        const int32_t e = (bits - 0x3f3504f3) >> 23;
-        bits -= e * (1 << 23);
-        float m;
-        std::memcpy(&m, &bits, 4);
-        exponent[k] = float(e);
-        rest[k] = e == 0 ? x[k] : m - 1;
-      } else {
-        int64_t bits;
-        const double y = 1 + x[k];
-        std::memcpy(&bits, &y, 8);
-        const int64_t e = (bits - 0x3fe6a09e667f3bcd) >> 52;
-        bits -= e * (int64_t(1) << 52);
-        double m;
-        std::memcpy(&m, &bits, 8);
-        exponent[k] = double(e);
-        rest[k] = e == 0 ? x[k] : m - 1;
-      }
-    }
+    using Bits = PackMask<S>;
+    // bits of sqrt(1/2) subtracted, so that the exponent rounds to nearest in the logarithm
+    constexpr int kFraction = sizeof(S) == 4 ? 23 : 52;
+    constexpr auto kRoot = Scalar<Bits>(sizeof(S) == 4 ? 0x3f3504f3 : 0x3fe6a09e667f3bcd);
+    const T y = 1 + x;
+    Bits bits;
+    std::memcpy(&bits, &y, sizeof y);
+    const Bits e = (bits - kRoot) >> kFraction;
+    bits -= e << kFraction;
+    T m;
+    std::memcpy(&m, &bits, sizeof m);
+    const T exponent = __builtin_convertvector(e, T);
+    const T rest = e == 0 ? x : m - 1;
     const T z = rest / (2 + rest), z2 = z * z;
     constexpr int kTerms = sizeof(S) == 4 ? 5 : 11;
     T sum = constant<T>(S(1) / (2 * kTerms + 1));

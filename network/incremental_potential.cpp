@@ -14,20 +14,31 @@ Pack<T> convert(const double* from) {
   return __builtin_convertvector(load(from), Pack<T>);
 }
 
-/// Sum over the lanes that hold a voxel; weights of the others are 0.
-template <class P>
-double lane_sum(const P& values) {
+/// Sum over the lanes; weights of lanes without a voxel are 0.
+double lane_sum(const Pack<double>& values) {
   double sum = 0;
-  for (int l = 0; l < kLanes; ++l) sum += double(values[l]);
+  for (int l = 0; l < kLanes; ++l) sum += values[l];
   return sum;
 }
 
-template <class P>
-double lane_min(const P& values, uint32_t mask) {
-  double least = 1e300;
-  for (int l = 0; l < kLanes; ++l)
-    if (mask >> l & 1) least = std::min(least, double(values[l]));
+double lane_min(const Pack<double>& values) {
+  double least = values[0];
+  for (int l = 1; l < kLanes; ++l) least = std::min(least, values[l]);
   return least;
+}
+
+template <class P>
+Pack<double> in_double(const P& values) {
+  return __builtin_convertvector(values, Pack<double>);
+}
+
+/// The values of the lanes in a mask, a large number in the others.
+template <class P>
+Pack<double> in_mask(const P& values, uint32_t mask) {
+  Pack<double> result = in_double(values);
+  for (int l = 0; l < kLanes; ++l)
+    if (!(mask >> l & 1)) result[l] = 1e300;
+  return result;
 }
 
 /// Smallest det F over the corners of each voxel: there the gradient is the difference along edges.
@@ -188,13 +199,13 @@ PotentialValue IncrementalPotential::evaluate_all(const double* u, T* gradient) 
     const VoxelEnergy<Pack<T>> e = rows_.rows[size_t(r)].border >= 0
                                        ? voxel_energy<true>(data, corner, f)
                                        : voxel_energy<false>(data, corner, f);
-    sums.elastic += lane_sum(e.elastic);
-    sums.hourglass += lane_sum(e.hourglass);
-    const uint32_t mask = rows_.rows[size_t(r)].mask;
-    sums.min_j = std::min(sums.min_j, lane_min(e.J, mask));
+    sums.elastic += in_double(e.elastic);
+    sums.hourglass += in_double(e.hourglass);
+    sums.min_j = smaller(sums.min_j,
+                         in_double(data.phi) > 0 ? in_double(e.J) : constant<Pack<double>>(1e300));
     if constexpr (kQuality)  // corners of border voxels may lie outside the body
       sums.min_corner_j =
-          std::min(sums.min_corner_j, lane_min(corner_jacobian<T>(corner, data.h), full_lanes(r)));
+          smaller(sums.min_corner_j, in_mask(corner_jacobian<T>(corner, data.h), full_lanes(r)));
   };
   const auto finish = [&](int64_t n, const T force[3]) {
     for (int i = 0; i < 3; ++i) {
@@ -207,10 +218,10 @@ PotentialValue IncrementalPotential::evaluate_all(const double* u, T* gradient) 
 
   PotentialValue value;
   for (const Sums& s : sums_) {
-    value.elastic += s.elastic;
-    value.hourglass += s.hourglass;
-    value.min_j = std::min(value.min_j, s.min_j);
-    value.min_corner_j = std::min(value.min_corner_j, s.min_corner_j);
+    value.elastic += lane_sum(s.elastic);
+    value.hourglass += lane_sum(s.hourglass);
+    value.min_j = std::min(value.min_j, lane_min(s.min_j));
+    value.min_corner_j = std::min(value.min_corner_j, lane_min(s.min_corner_j));
   }
   value.inertia = ordered_sum(scene_.grid.node_count(), [&](int64_t begin, int64_t end) {
     double sum = 0;

@@ -68,7 +68,8 @@ class IncrementalPotential {
 
  private:
   struct Sums {
-    double elastic = 0, hourglass = 0, min_j = 1e300, min_corner_j = 1e300;
+    Pack<double> elastic = {}, hourglass = {};
+    Pack<double> min_j = constant<Pack<double>>(1e300), min_corner_j = min_j;
   };
   template <class T>
   void read_voxel_data(int64_t row, VoxelData<Pack<T>>& data) const;

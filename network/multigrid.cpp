@@ -17,7 +17,8 @@ namespace {
 /// Product of a row of voxels with one component's element matrix, divided by h.
 /// k[0..5] = phi times mu, lambda, c_xy, c_yz, c_zx, c_xyz.
 template <bool kBorder, class P>
-void scalar_element(const P k[6], const P M[7], int component, const P p[8], P f[8]) {
+[[gnu::always_inline]] inline void scalar_element(const P k[6], const P M[7], int component,
+                                                  const P p[8], P f[8]) {
   using S = Scalar<P>;
   P g[8], d[3], q[4], s[4];
   for (int c = 0; c < 8; ++c) g[c] = p[c], f[c] = P{};
