@@ -129,6 +129,30 @@ void Encoder<T>::fill_modes(const Scene& scene, Piece& piece) {
   });
 }
 
+/// sums = B^T p of one piece in float64.
+template <class T>
+void Encoder<T>::project(const Piece& piece, const double* p, double sums[]) {
+  constexpr int64_t kChunk = 1024, kSize = 3 * kModes;
+  const int64_t n = int64_t(piece.nodes.size());
+  std::vector<double> partial(size_t((n + kChunk - 1) / kChunk * kSize));
+  for_blocks(
+      n,
+      [&](int64_t begin, int64_t end) {
+        double* sum = partial.data() + begin / kChunk * kSize;
+        for (int64_t k = begin; k < end; ++k) {
+          const T* mode = piece.modes.data() + k * kModes;
+          const double* value = p + 3 * int64_t(piece.nodes[size_t(k)]);
+          for (int i = 0; i < 3; ++i)
+            for (int m = 0; m < kModes; ++m) sum[i * kModes + m] += double(mode[m]) * value[i];
+        }
+      },
+      kChunk);
+  std::fill(sums, sums + kSize, 0);
+  for (size_t c = 0; c < partial.size(); c += kSize)
+    for (int i = 0; i < 3; ++i)
+      for (int m = 0; m < kModes; ++m) sums[3 * m + i] += partial[c + size_t(i * kModes + m)];
+}
+
 /// A_r of all pieces at once: they do not touch, so one product serves a mode of each.
 template <class T>
 void Encoder<T>::build_operators(IncrementalPotential& potential) {
@@ -137,7 +161,6 @@ void Encoder<T>::build_operators(IncrementalPotential& potential) {
   const size_t nodes = size_t(potential.scene().grid.node_count());
   std::vector<Matrix, Eigen::aligned_allocator<Matrix>> A(pieces_.size());
   std::vector<double> p(3 * nodes), Ap(3 * nodes);
-  std::vector<T> product(3 * nodes);
   reduced_.resize(pieces_.size() * kSize);
   solution_.resize(reduced_.size());
   for (int column = 0; column < kSize; ++column) {
@@ -149,15 +172,9 @@ void Encoder<T>::build_operators(IncrementalPotential& potential) {
             double(piece.modes[k * kModes + size_t(mode)]);
     potential.rest_hessian_product(p.data(), Ap.data());
     for (size_t s = 0; s < pieces_.size(); ++s) {
-      const Piece& piece = pieces_[s];
-      for (int row = 0; row < kModes; ++row) {
-        double sum[3] = {};
-        for (size_t k = 0; k < piece.nodes.size(); ++k)
-          for (size_t i = 0; i < 3; ++i)
-            sum[i] +=
-                double(piece.modes[k * kModes + size_t(row)]) * Ap[3 * size_t(piece.nodes[k]) + i];
-        for (int i = 0; i < 3; ++i) A[s](3 * row + i, column) = sum[i];
-      }
+      double sums[kSize];
+      project(pieces_[s], Ap.data(), sums);
+      for (int row = 0; row < kSize; ++row) A[s](row, column) = sums[row];
     }
   }
   place_.assign(nodes, {-1, -1});

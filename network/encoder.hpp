@@ -51,6 +51,7 @@ class Encoder {
   void find_pieces(const Scene& scene);
   void fill_modes(const Scene& scene, Piece& piece);
   void build_operators(IncrementalPotential& potential);
+  static void project(const Piece& piece, const double* p, double sums[]);
   static void invert(Piece& piece, const std::vector<double>& A);
 
   std::vector<Piece> pieces_;

@@ -100,12 +100,15 @@ struct Multigrid<T>::Level {
       double k[6], M[7] = {};
       for (size_t j = 0; j < 6; ++j) k[j] = grid.moduli[6 * v + j] * grid.h / grid.unit;
       if (!grid.shape_mean.empty()) hex8::fill_moments(grid.shape_mean.data() + 8 * v, M);
+      const bool full = std::all_of(M + 1, M + 7, [](double m) { return m == 0; });
+      const double full_corner = (4 * k[0] + k[1]) / 16 + (k[2] + k[3] + k[4]) / 24 + k[5] / 48;
       for (int c = 0; c < 8; ++c)
         for (int i = 0; i < 3; ++i) {
           double unit[8] = {}, f[8];
           unit[c] = 1;
-          scalar_element<true>(k, M, i, unit, f);
-          diagonal[3 * size_t(grid.corners[8 * v + size_t(c)]) + size_t(i)] += f[c];
+          if (!full) scalar_element<true>(k, M, i, unit, f);
+          diagonal[3 * size_t(grid.corners[8 * v + size_t(c)]) + size_t(i)] +=
+              full ? full_corner : f[c];
         }
     }
     elastic_diagonal.assign(diagonal.begin(), diagonal.end());
@@ -179,6 +182,7 @@ Multigrid<T>::Multigrid(const Scene& scene, double a0) {
     levels_.push_back(std::make_unique<Level>(std::move(coarse)));
   }
 
+  for (const auto& level : levels_) release_setup(level->grid);
   Level& last = *levels_.back();
   if (last.grid.nodes > kDense) return;
   last.assemble();

@@ -150,6 +150,15 @@ LevelGrid coarser_level(LevelGrid& fine) {
   return coarse;
 }
 
+void release_setup(LevelGrid& level) {
+  level.corners = {};
+  level.moduli = {};
+  level.shape_mean = {};
+  level.voxel_coord = {};
+  level.rows.slot = {};
+  level.rows.voxel = {};
+}
+
 template <class T>
 void restrict_residual(const LevelGrid& coarse_level, const T* fine, T* coarse) {
   constexpr T kWeight[4] = {1, T(0.5), T(0.25), T(0.125)};

@@ -35,6 +35,10 @@ LevelGrid finest_level(const Scene& scene, double a0);
 /// The next level; fills `parents` of the fine one.
 LevelGrid coarser_level(LevelGrid& fine);
 
+/// Frees what only the construction of the hierarchy needs: corners, moduli, means, voxel
+/// coordinates.
+void release_setup(LevelGrid& level);
+
 /// coarse = P^T fine, gathered, 0 on pinned coarse nodes; (nodes, 3).
 template <class T>
 void restrict_residual(const LevelGrid& coarse_level, const T* fine, T* coarse);

@@ -6,14 +6,13 @@
 # usage, as root: tests/bare_debian.sh FOLDER [COMMAND...]
 #   FOLDER   the root; made when it is not there, else used as it is
 #   COMMAND  run in the clone instead of the two commands
-# DEBIAN_MIRROR names another mirror than deb.debian.org.
+# DEBIAN_MIRROR names another mirror than the one debootstrap knows.
 set -euo pipefail
 
 [ $# -ge 1 ] || { sed -n 's/^# //; /^usage/,/^DEBIAN/p' "$0" >&2; exit 2; }
 root=$1
 shift
 repository=$(cd "$(dirname "$0")/.." && pwd)
-mirror=${DEBIAN_MIRROR:-http://deb.debian.org/debian}
 
 say() { echo "bare_debian: $*"; }
 
@@ -29,8 +28,8 @@ inside() {
 }
 
 if [ ! -e "$root/etc/debian_version" ]; then
-  say "debootstrap from $mirror"
-  debootstrap --variant=minbase bookworm "$root" "$mirror"
+  say "debootstrap"
+  debootstrap --variant=minbase bookworm "$root" ${DEBIAN_MIRROR:+"$DEBIAN_MIRROR"}
 fi
 cp /etc/resolv.conf "$root/etc/resolv.conf" 2>/dev/null || true
 say_size "bare root"
