@@ -15,6 +15,7 @@
 #include <chrono>
 #include <cstdlib>
 #include <functional>
+#include <memory>
 
 namespace elastogen::bench {
 namespace {
@@ -47,56 +48,81 @@ double copy_bandwidth() {
   return 2 * kSize * sizeof(float) / t;
 }
 
-void run(double wanted) {
-  const Scene scene = porous_ball({.voxels = wanted, .poisson = 0.4});
-  const double V = double(scene.grid.voxel_count()), N = double(scene.grid.node_count());
-  IncrementalPotential potential(scene);
-  State state = initial_state(scene);
-  potential.begin_step(state, step_scheme(scene, state));
-  Preconditioner<float> preconditioner(potential, true);
-  Multigrid<float> multigrid(scene, 1);
-  Encoder<float> encoder(potential);
-  Lbfgs<double> history(int64_t(3 * N));
-  std::vector<double> u(size_t(3 * N)), g(u.size()), q(u.size()), d(u.size());
-  std::vector<float> p(u.size()), z(u.size());
-  for (size_t k = 0; k < u.size(); ++k) u[k] = 1e-4 * double(k % 7), p[k] = float(k % 5);
-  for (int k = 0; k < Lbfgs<double>::kPairs; ++k) {
-    std::copy(u.begin(), u.end(), history.next_s());
-    std::copy(u.begin(), u.end(), history.next_y());
-    history.keep();
+/// What the kernels work on.
+struct Bench {
+  explicit Bench(double wanted)
+      : scene(porous_ball({.voxels = wanted, .poisson = 0.4})),
+        V(double(scene.grid.voxel_count())),
+        N(double(scene.grid.node_count())),
+        potential(begun(scene)),
+        multigrid(scene, 1),
+        encoder(*potential),
+        history(int64_t(3 * N)),
+        u(size_t(3 * N)),
+        g(u.size()),
+        q(u.size()),
+        d(u.size()),
+        p(u.size()),
+        z(u.size()) {
+    for (size_t k = 0; k < u.size(); ++k) u[k] = 1e-4 * double(k % 7), p[k] = float(k % 5);
+    for (int k = 0; k < Lbfgs<double>::kPairs; ++k) {
+      std::copy(u.begin(), u.end(), history.next_s());
+      std::copy(u.begin(), u.end(), history.next_y());
+      history.keep();
+    }
+    potential->linearise(u.data());
   }
-  potential.linearise(u.data());
 
-  const double copy = copy_bandwidth();
-  const double slots = double(potential.rows().row_count()) * kLanes;
-  fmt::print("{} voxels, {} nodes, lanes in use {:.0f} %, copy {:.1f} GB/s\n\n", V, N,
-             100 * V / slots, copy / 1e9);
-  fmt::print(
-      "| kernel | ms | ns a voxel | B a voxel | GB/s | share of copy "
-      "|\n|---|---|---|---|---|---|\n");
-  const auto line = [&](const char* name, double bytes, const std::function<void()>& body) {
+  static std::unique_ptr<IncrementalPotential> begun(const Scene& scene) {
+    auto result = std::make_unique<IncrementalPotential>(scene);
+    const State state = initial_state(scene);
+    result->begin_step(state, step_scheme(scene, state));
+    return result;
+  }
+
+  void line(const char* name, double bytes, const std::function<void()>& body) const {
     const double t = seconds(body);
     fmt::print("| {} | {:.2f} | {:.1f} | {:.0f} | {:.1f} | {:.0f} % |\n", name, 1e3 * t,
                1e9 * t / V, bytes / V, bytes / t / 1e9, 100 * bytes / t / copy);
-  };
+  }
+
+  Scene scene;
+  double V, N, copy = copy_bandwidth();
+  std::unique_ptr<IncrementalPotential> potential;
+  Multigrid<float> multigrid;
+  Encoder<float> encoder;
+  Lbfgs<double> history;
+  std::vector<double> u, g, q, d;
+  std::vector<float> p, z;
+};
+
+void run(double wanted) {
+  Bench b(wanted);
+  const double V = b.V, N = b.N, slots = double(b.potential->rows().row_count()) * kLanes;
+  fmt::print("{} voxels, {} nodes, lanes in use {:.0f} %, copy {:.1f} GB/s\n\n", V, N,
+             100 * V / slots, b.copy / 1e9);
+  fmt::print(
+      "| kernel | ms | ns a voxel | B a voxel | GB/s | share of copy |\n"
+      "|---|---|---|---|---|---|\n");
   // weights and rotation of a slot are float64: 5 + 9 numbers; nodes: u, predictor, inertia, result
   const double voxel_data = slots * 14 * 8;
-  line("energy and gradient, float", voxel_data + N * (24 + 24 + 8 + 12),
-       [&] { potential.evaluate<float>(u.data(), p.data()); });
-  line("energy and gradient, float64", voxel_data + N * (24 + 24 + 8 + 24),
-       [&] { potential.evaluate<double>(u.data(), g.data()); });
-  line("projected Hessian", voxel_data + slots * 45 * 4 + N * 24,
-       [&] { potential.linearise(u.data()); });
-  line("Hessian product", voxel_data + slots * 45 * 4 + N * (12 + 8 + 12),
-       [&] { potential.hessian_product(p.data(), z.data()); });
-  line("scalar operators, finest level", slots * 24 + N * 36,
-       [&] { multigrid.operator_product(p.data(), z.data()); });
+  b.line("energy and gradient, float", voxel_data + N * (24 + 24 + 8 + 12),
+         [&] { b.potential->evaluate<float>(b.u.data(), b.p.data()); });
+  b.line("energy and gradient, float64", voxel_data + N * (24 + 24 + 8 + 24),
+         [&] { b.potential->evaluate<double>(b.u.data(), b.g.data()); });
+  b.line("projected Hessian", voxel_data + slots * 45 * 4 + N * 24,
+         [&] { b.potential->linearise(b.u.data()); });
+  b.line("Hessian product", voxel_data + slots * 45 * 4 + N * (12 + 8 + 12),
+         [&] { b.potential->hessian_product(b.p.data(), b.z.data()); });
+  b.line("scalar operators, finest level", slots * 24 + N * 36,
+         [&] { b.multigrid.operator_product(b.p.data(), b.z.data()); });
   // four products on the finest level and an eighth of that on each coarser one
-  line("V-cycle", 8.0 / 7 * (4 * (slots * 24 + N * 48) + N * 36),
-       [&] { multigrid.apply(p.data(), z.data()); });
-  line("encoder", 2 * N * (21 * 4 + 12), [&] { encoder.add(p.data(), z.data()); });
-  line("L-BFGS recursion, float64", N * 24 * (5 * 8 + 3),
-       [&] { history.direction(g.data(), q.data(), d.data(), [](const double*, double*) {}); });
+  b.line("V-cycle", 8.0 / 7 * (4 * (slots * 24 + N * 48) + N * 36),
+         [&] { b.multigrid.apply(b.p.data(), b.z.data()); });
+  b.line("encoder", 2 * N * (21 * 4 + 12), [&] { b.encoder.add(b.p.data(), b.z.data()); });
+  b.line("L-BFGS recursion, float64", N * 24 * (5 * 8 + 3), [&] {
+    b.history.direction(b.g.data(), b.q.data(), b.d.data(), [](const double*, double*) {});
+  });
 }
 
 }  // namespace

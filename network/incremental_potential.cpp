@@ -223,7 +223,13 @@ PotentialValue IncrementalPotential::evaluate_all(const double* u, T* gradient) 
     value.min_j = std::min(value.min_j, lane_min(s.min_j));
     value.min_corner_j = std::min(value.min_corner_j, lane_min(s.min_corner_j));
   }
-  value.inertia = ordered_sum(scene_.grid.node_count(), [&](int64_t begin, int64_t end) {
+  value.inertia = inertial_energy(u);
+  return value;
+}
+
+/// a0/(2 dt^2) sum m |u - uhat|^2 over the free nodes.
+double IncrementalPotential::inertial_energy(const double* u) const {
+  return ordered_sum(scene_.grid.node_count(), [&](int64_t begin, int64_t end) {
     double sum = 0;
     for (int64_t n = begin; n < end; ++n) {
       if (scene_.pinned(n)) continue;
@@ -234,7 +240,6 @@ PotentialValue IncrementalPotential::evaluate_all(const double* u, T* gradient) 
     }
     return sum;
   });
-  return value;
 }
 
 template <>

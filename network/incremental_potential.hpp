@@ -76,6 +76,7 @@ class IncrementalPotential {
   uint32_t full_lanes(int64_t row) const;
   template <class T, bool kQuality>
   PotentialValue evaluate_all(const double* u, T* gradient);
+  double inertial_energy(const double* u) const;
   void deformation_gradients(const double* u, std::vector<double>& F);
 
   const Scene& scene_;

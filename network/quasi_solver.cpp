@@ -69,7 +69,7 @@ IterationResult QuasiSolver<T>::solve(double* u, double target, int max_outer,
   history_.clear();
   PotentialValue value = potential_.evaluate<T>(u, gradient_.data());
   result.inner = 1;
-  int struggles = 0, halved_at = 0;
+  int halved_at = 0;
   double half = 1e300;
   while (true) {
     const double residual = norm(gradient_.data(), size_);
@@ -90,9 +90,6 @@ IterationResult QuasiSolver<T>::solve(double* u, double target, int max_outer,
       history_.clear();
       continue;
     }
-    struggles = trial.halvings > 1 ? struggles + 1 : 0;
-    result.struggled |= struggles >= 2;
-
     T* s = history_.next_s();
     T* y = history_.next_y();
     for_each(size_, [&](int64_t k) {

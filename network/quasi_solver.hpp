@@ -15,7 +15,6 @@ namespace elastogen {
 struct IterationResult {
   bool converged = false;  ///< |gradient| <= target in the precision of the iteration
   int outer = 0, inner = 0;
-  bool struggled = false;  ///< the line search halved more than once in two iterations in a row
 };
 
 template <class T>

@@ -26,7 +26,7 @@ bool all_finite(const std::vector<double>& values) {
 }
 
 IterationResult sum(const IterationResult& a, const IterationResult& b) {
-  return {b.converged, a.outer + b.outer, a.inner + b.inner, a.struggled || b.struggled};
+  return {b.converged, a.outer + b.outer, a.inner + b.inner};
 }
 
 }  // namespace
