@@ -3,7 +3,8 @@
 // the same state, against newton at 1e-10. The error is the mass-weighted rms distance to the
 // reference over the rms motion of the step.
 //
-//   error_time [beam|ball] [VOXELS] [REPEATS]     prints a Markdown table
+//   error_time [beam|ball] [VOXELS] [REPEATS] [C NU]     prints a Markdown table; without C and NU
+//                                                        of all nine combinations
 
 #include "bench/scenes.hpp"
 #include "io/report_file.hpp"
@@ -15,6 +16,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <string>
+#include <vector>
 
 namespace elastogen::bench {
 namespace {
@@ -54,12 +56,13 @@ Timing time_step(const Scene& scene, const State& start, const SolverOptions& op
   return timing;
 }
 
-void run(const std::string& name, double voxels, int repeats) {
+void run(const std::string& name, double voxels, int repeats, const std::vector<double>& courants,
+         const std::vector<double>& poissons) {
   fmt::print(
       "| scene | voxels | C | nu | mode | tolerance | outer | inner | float64 | residual | "
       "error | ms | setup s |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
-  for (const double courant : {3.0, 10.0, 30.0})
-    for (const double poisson : {0.3, 0.45, 0.49}) {
+  for (const double courant : courants)
+    for (const double poisson : poissons) {
       const SceneOptions o{.voxels = voxels, .courant = courant, .poisson = poisson};
       const Scene scene = name == "beam" ? cantilever(o) : porous_ball(o);
       Solver exact(scene, {.mode = SolverMode::kNewton, .tolerance = 1e-10});
@@ -90,6 +93,8 @@ void run(const std::string& name, double voxels, int repeats) {
 
 int main(int argc, char** argv) {
   const std::string name = argc > 1 ? argv[1] : "beam";
+  std::vector<double> courants = {3, 10, 30}, poissons = {0.3, 0.45, 0.49};
+  if (argc > 5) courants = {std::atof(argv[4])}, poissons = {std::atof(argv[5])};
   elastogen::bench::run(name, argc > 2 ? std::atof(argv[2]) : 1e4,
-                        argc > 3 ? std::atoi(argv[3]) : 3);
+                        argc > 3 ? std::atoi(argv[3]) : 3, courants, poissons);
 }
