@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace elastogen {
 namespace {
@@ -121,6 +122,32 @@ TEST(Svd3, PolarRotationOfARotatedPositiveMatrixIsTheRotation) {
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) QS(i, j) *= s[j];
     EXPECT_LT(test::distance(polar_rotation(R * times_transposed(QS, Q)), R), 1e-11);
+  }
+}
+
+/// dR = U W V^T with W_ij = (G_ij - G_ji) / (s_i + s_j), G = U^T dF V.
+TEST(Svd3, PolarRotationHasTheDerivativeOfItsClosedForm) {
+  for (int k = 0; k < 300; ++k) {
+    Mat3<double> F, dF, plus, minus, W{};
+    for (int e = 0; e < 9; ++e) {
+      F.m[e] = (e % 4 == 0) + 0.5 * std::sin(1.7 * k + 2.3 * e + 0.1 * k * e);
+      dF.m[e] = std::cos(0.9 * k + 1.3 * e * e);
+    }
+    const Svd3<double> svd = svd3(F);
+    if (svd.sigma[1] + svd.sigma[2] < 0.05) continue;
+    const double step = 1e-5;
+    for (int e = 0; e < 9; ++e) {
+      plus.m[e] = F.m[e] + step * dF.m[e];
+      minus.m[e] = F.m[e] - step * dF.m[e];
+    }
+    const Mat3<double> G = transposed_times(svd.U, dF) * svd.V;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j)
+        if (i != j) W(i, j) = (G(i, j) - G(j, i)) / (svd.sigma[i] + svd.sigma[j]);
+    const Mat3<double> exact = times_transposed(svd.U * W, svd.V);
+    const Mat3<double> above = polar_rotation(plus), below = polar_rotation(minus);
+    for (int e = 0; e < 9; ++e)
+      ASSERT_NEAR((above.m[e] - below.m[e]) / (2 * step), exact.m[e], 1e-4) << k;
   }
 }
 
