@@ -20,7 +20,7 @@ constexpr double kFloor = -0.35;  // below the character's feet [m]
 AnimateOptions demo_scene(const DemoOptions& options) {
   AnimateOptions o;
   o.input = "demo";
-  o.output = options.folder + "/demo.glb";
+  o.outputs = {options.folder + "/demo.glb"};
   o.pins = {"x>97%"};  // a hand
   o.floor = FloorOption{1, kFloor};
   o.voxels = 36;

@@ -84,7 +84,11 @@ void add_run_options(CLI::App& app, AnimateOptions& o, Typed& t) {
 }
 
 void add_output_options(CLI::App& app, AnimateOptions& o, Typed& t) {
-  app.add_option("-o,--output", o.output, "animation to write (.glb)")->group("Output")->required();
+  app.add_option("-o,--output", o.outputs, "animation to write (.glb); repeatable")
+      ->group("Output")
+      ->required()
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_option("--glb-profile", t.profile, "modal or keyframe")
       ->group("Output")
       ->capture_default_str();
@@ -183,14 +187,16 @@ void check_ranges(const Typed& t, const AnimateOptions& o) {
 /// No output may take the place of another; only the animation may take that of the input.
 void check_outputs(const AnimateOptions& o) {
   std::vector<std::filesystem::path> taken = {std::filesystem::path(o.input).lexically_normal()};
-  for (const std::string* name : {&o.log, &o.state, &o.report, &o.output}) {
-    if (name->empty()) continue;
-    const auto path = std::filesystem::path(*name).lexically_normal();
-    const auto first = name == &o.output ? taken.begin() + 1 : taken.begin();
-    ELASTOGEN_CHECK(std::find(first, taken.end(), path) == taken.end(), *name,
+  const auto take = [&](const std::string& name, bool may_be_input) {
+    if (name.empty()) return;
+    const auto path = std::filesystem::path(name).lexically_normal();
+    const auto first = taken.begin() + (may_be_input ? 1 : 0);
+    ELASTOGEN_CHECK(std::find(first, taken.end(), path) == taken.end(), name,
                     ": two files of one name: the input and each output need their own");
     taken.push_back(path);
-  }
+  };
+  for (const std::string* name : {&o.log, &o.state, &o.report}) take(*name, false);
+  for (const std::string& name : o.outputs) take(name, true);
 }
 
 std::string joined(int argc, const char* const* argv) {

@@ -20,10 +20,11 @@ struct FloorOption {
 };
 
 struct AnimateOptions {
-  std::string input, output;
-  Material material;              ///< one for the whole asset
-  std::vector<std::string> pins;  ///< selections
-  std::optional<Vec3> gravity;    ///< [m/s^2]; unset: 9.81 down
+  std::string input;
+  std::vector<std::string> outputs;  ///< animations, each by its ending
+  Material material;                 ///< one for the whole asset
+  std::vector<std::string> pins;     ///< selections
+  std::optional<Vec3> gravity;       ///< [m/s^2]; unset: 9.81 down
   StartMotion motion;
   std::optional<FloorOption> floor;
   double friction = 0.5;

@@ -30,7 +30,7 @@ double seconds_since(Clock::time_point start) {
 
 /// Everything that a run writes.
 struct Outputs {
-  std::unique_ptr<AnimationWriter> animation;
+  std::vector<std::unique_ptr<AnimationWriter>> animations;
   std::unique_ptr<StepLog> log;
   std::unique_ptr<StateWriter> state;
 };
@@ -43,16 +43,17 @@ Matrix4 root_matrix(double scale, int up) {
   return m;
 }
 
-std::unique_ptr<AnimationWriter> open_animation(const Asset& asset, const Surface& surface,
-                                                const AnimateOptions& o) {
+std::unique_ptr<AnimationWriter> open_animation(const std::string& path, const Asset& asset,
+                                                const Setup& setup, const AnimateOptions& o) {
   AnimationOptions options;
   options.fps = o.fps;
   options.keyframe = o.keyframe;
   options.generator = version_text();
   options.command = o.command;
   options.commit = build_commit();
-  options.root = root_matrix(surface.scale, o.up);
-  return AnimationWriter::create(o.output, asset, surface, options);
+  options.root = root_matrix(setup.body.surface.scale, o.up);
+  options.scene = &setup.scene;
+  return AnimationWriter::create(path, asset, setup.body.surface, options);
 }
 
 std::unique_ptr<StateWriter> open_state(const Scene& scene, const AnimateOptions& o,
@@ -74,8 +75,9 @@ class Clip {
   Clip(const Asset& asset, const AnimateOptions& options, const RunHooks& hooks, Setup& setup,
        RunResult& result)
       : o_(options), hooks_(hooks), setup_(setup), result_(result), report_(result.report) {
-    outputs_.animation = open_animation(asset, setup.surface, options);
-    embedding_ = embed(setup.scene.grid, setup.surface.vertices);
+    for (const std::string& path : options.outputs)
+      outputs_.animations.push_back(open_animation(path, asset, setup, options));
+    embedding_ = embed(setup.scene.grid, setup.body.carried);
     const Clock::time_point begin = Clock::now();
     SolverOptions solver = options.solver;
     solver.interrupted = [this] { return stopped(); };
@@ -84,7 +86,7 @@ class Clip {
     report_.stage_seconds.setup += seconds_since(begin);
     if (!o_.log.empty()) outputs_.log = std::make_unique<StepLog>(o_.log);
     outputs_.state = open_state(setup.scene, options, *solver_, state_);
-    displacement_ = Array<double>(setup.surface.vertices.rows(), 3);
+    displacement_ = Array<double>(setup.body.carried.rows(), 3);
   }
 
   void run() {
@@ -103,7 +105,7 @@ class Clip {
 
   void finish() {
     const Clock::time_point begin = Clock::now();
-    outputs_.animation->finish();
+    for (const auto& animation : outputs_.animations) animation->finish();
     if (outputs_.state) outputs_.state->finish();
     report_.stage_seconds.write += seconds_since(begin);
     report_.converged_share = report_.steps > 0 ? double(converged_) / double(report_.steps) : 1;
@@ -179,9 +181,11 @@ class Clip {
     deform_asset(setup_.scene.grid, embedding_, state_.x, displacement_);
     for (int64_t k = 0; k < displacement_.size(); ++k)
       largest_motion_ = std::max(largest_motion_, std::abs(displacement_.data()[k]));
-    outputs_.animation->frame(displacement_, certificate);
+    for (const auto& animation : outputs_.animations)
+      animation->frame(
+          {.displacement = displacement_, .state = &state_, .certificate = certificate});
     if (hooks_.on_frame) {
-      Array<double> positions = setup_.surface.vertices;
+      Array<double> positions = setup_.body.carried;
       for (int64_t k = 0; k < positions.size(); ++k) positions.data()[k] += displacement_.data()[k];
       hooks_.on_frame(positions);
     }

@@ -20,14 +20,15 @@ double now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-void summarise(const Asset& asset, const Surface& surface, const VoxelizeReport& voxels,
+void summarise(const Asset& asset, const Body& body, const VoxelizeReport& voxels,
                AssetSummary& summary) {
   summary.path = asset.path;
   summary.format = asset.format;
-  summary.vertices = surface.vertices.rows();
-  summary.faces = surface.triangles.rows();
+  summary.vertices = body.carried.rows();
+  summary.faces = body.is_asset ? body.surface.triangles.rows() : 0;
   summary.closed = voxels.closed;
   summary.findings = asset.findings;
+  summary.findings.insert(summary.findings.end(), body.findings.begin(), body.findings.end());
   summary.findings.insert(summary.findings.end(), voxels.findings.begin(), voxels.findings.end());
 }
 
@@ -106,14 +107,15 @@ Setup set_up(const Asset& asset, const AnimateOptions& o, const std::vector<Mate
   Setup setup;
   Scene& scene = setup.scene;
   double start = now();
-  setup.surface = pose_surface(asset, o.size);
-  const Box& box = setup.surface.box;
+  setup.body = make_body(asset, o.size);
+  const Surface& surface = setup.body.surface;
+  const Box& box = surface.box;
   setup.longest_edge = std::max({box.extent(0), box.extent(1), box.extent(2)});
   if (o.floor) scene.floor = make_floor(*o.floor, o, box);
-  Voxelized voxelized = voxelize(setup.surface, voxelize_options(o, scene.floor, box));
+  Voxelized voxelized = voxelize(surface, voxelize_options(o, scene.floor, box));
   scene.grid = std::move(voxelized.grid);
   report.stage_seconds.voxelize = now() - start;
-  summarise(asset, setup.surface, voxelized.report, report.asset);
+  summarise(asset, setup.body, voxelized.report, report.asset);
 
   start = now();
   scene.materials = materials.empty() ? std::vector<Material>{o.material} : materials;
@@ -123,7 +125,7 @@ Setup set_up(const Asset& asset, const AnimateOptions& o, const std::vector<Mate
   down[size_t(o.up)] = -9.81;
   scene.gravity = o.gravity.value_or(down);
   if (scene.floor) {
-    scene.surface = surface_points(scene.grid, setup.surface);
+    scene.surface = surface_points(scene.grid, surface);
     check_above_floor(scene);
   }
   setup.substeps = o.substeps;

@@ -6,13 +6,14 @@
 #include "cli/options.hpp"
 #include "io/asset.hpp"
 #include "io/report_file.hpp"
+#include "voxelize/body.hpp"
 
 #include <functional>
 
 namespace elastogen {
 
 struct Setup {
-  Surface surface;
+  Body body;
   Scene scene;
   int substeps = 1;
   double longest_edge = 0;  ///< of the asset [m]

@@ -3,6 +3,8 @@
 
 #pragma once
 
+#include "core/scene.hpp"
+#include "core/state.hpp"
 #include "io/asset.hpp"
 
 #include <memory>
@@ -17,6 +19,17 @@ struct FrameCertificate {
   double min_j = 1;     ///< smallest det F [-]
 };
 
+/// One frame as the writers see it. The carried points are the vertices of the surface, or the
+/// points or splats of the asset.
+struct AnimationFrame {
+  Span<const double> displacement;   ///< of the carried points [m], (points, 3), finite
+  Span<const double> gradient = {};  ///< F at the carried points, row-major, (points, 9); filled
+                                     ///< where a writer needs it
+  const State* state = nullptr;      ///< of the scene
+  Span<const double> residual = {};  ///< gradient of the incremental potential [N], (nodes, 3)
+  FrameCertificate certificate = {};
+};
+
 struct AnimationOptions {
   double fps = 30;             ///< [1/s]
   bool keyframe = false;       ///< one morph target a frame; else displacement modes
@@ -25,6 +38,7 @@ struct AnimationOptions {
   std::string command = "";    ///< the command line
   std::string commit = "";     ///< of the program
   Matrix4 root = kIdentity4;   ///< scale of --size and turn of --up, applied above all scene roots
+  const Scene* scene = nullptr;  ///< for the writers of voxel data; outlives the writer
 };
 
 /// Writes an animation frame by frame; the first frame is the start. Frames wait in an unnamed
@@ -42,9 +56,11 @@ class AnimationWriter {
                                                  const Surface& surface,
                                                  const AnimationOptions& options = {});
 
+  /// Whether frames must come with the deformation gradient.
+  virtual bool needs_gradient() const { return false; }
+
   /// Adds a frame.
-  /// @param displacement  of the surface's vertices [m], (vertices, 3), finite.
-  virtual void frame(In<double> displacement, const FrameCertificate& certificate) = 0;
+  virtual void frame(const AnimationFrame& frame) = 0;
 
   /// Writes the file under a temporary name and renames it.
   /// @throws Error (usage) without a frame; (resources) where disk or format is too small.

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// An asset as its file has it: meshes in the file's own numbers and vertex order, the node tree,
-// materials; and the one surface in metres that the solver is given.
+// An asset as its file has it: meshes, points or splats in the file's own numbers and order, the
+// node tree, materials; and the one surface in metres that the solver is given.
 
 #pragma once
 
 #include "core/array.hpp"
 #include "core/base.hpp"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -51,6 +52,24 @@ struct AssetMaterial {
   bool double_sided = false;
 };
 
+/// A point cloud: a scan of a surface, at most with normals and colours.
+struct PointCloud {
+  std::vector<Vec3> position;                ///< in the file's numbers and order
+  std::vector<std::array<float, 3>> normal;  ///< per point, or empty
+  std::vector<std::array<float, 4>> colour;  ///< per point, linear RGBA, or empty
+};
+
+/// 3-D Gaussian splats (Kerbl et al. 2023): covariance R(rotation) diag(scale^2) R^T, colour by
+/// spherical harmonics in the direction of view.
+struct SplatCloud {
+  std::vector<Vec3> position;                  ///< in the file's numbers and order
+  std::vector<std::array<float, 3>> scale;     ///< standard deviations, > 0, in the file's numbers
+  std::vector<std::array<float, 4>> rotation;  ///< unit quaternion w x y z
+  std::vector<float> opacity;                  ///< 0 ... 1
+  int degree = 0;                              ///< of the harmonics, 0 ... 3
+  std::vector<float> harmonics;  ///< (splats, (degree + 1)^2, 3): coefficient, then colour channel
+};
+
 /// Something a reader or the check noticed, and what was done about it.
 struct Finding {
   std::string what;  ///< short id, e.g. "zero-area"
@@ -60,13 +79,15 @@ struct Finding {
 
 struct Asset {
   std::string path;
-  std::string format;  ///< "obj", "ply", "stl", "gltf", "glb"
+  std::string format;  ///< "obj", "ply", "stl", "gltf", "glb", ...
   std::vector<Mesh> meshes;
   std::vector<AssetNode> nodes;  ///< in file order; every mesh is shown by one node at least
   std::vector<AssetMaterial> materials;
+  std::optional<PointCloud> points;  ///< in place of meshes
+  std::optional<SplatCloud> splats;  ///< in place of meshes
   std::vector<Finding> findings;
-  bool y_up = false;  ///< the format says so (glTF)
-  double unit = 0;    ///< metres per file unit where the format says so (glTF: 1), else 0
+  int up = 0;       ///< axis that points up where the format says so: +-1 x, +-2 y, +-3 z; else 0
+  double unit = 0;  ///< metres per file unit where the format says so (glTF: 1), else 0
 };
 
 /// Where the vertices of one shown mesh stand in a Surface.

@@ -252,7 +252,8 @@ class GlbWriter : public AnimationWriter {
                     "the root matrix must have an inverse");
   }
 
-  void frame(In<double> displacement, const FrameCertificate& certificate) override {
+  void frame(const AnimationFrame& frame) override {
+    const Span<const double>& displacement = frame.displacement;
     ELASTOGEN_CHECK(displacement.is(surface_.vertices.rows(), 3), "displacement must be (",
                     surface_.vertices.rows(), ", 3), got ", displacement);
     const bool finite = std::all_of(displacement.data, displacement.data + displacement.size(),
@@ -260,7 +261,7 @@ class GlbWriter : public AnimationWriter {
     ELASTOGEN_CHECK(finite, "frame ", certificates_.size(),
                     " has a displacement that is not finite in single precision");
     frames_.append(displacement);
-    certificates_.push_back(certificate);
+    certificates_.push_back(frame.certificate);
   }
 
   void finish() override {

@@ -33,7 +33,7 @@ class GltfReader {
   Asset read() {
     const bool binary = source_.json.size() > 0 && asset_.path.ends_with(".glb");
     asset_.format = binary ? "glb" : "gltf";
-    asset_.y_up = true;
+    asset_.up = 2;
     asset_.unit = 1;
     read_nodes();
     show_scene();

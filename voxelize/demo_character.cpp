@@ -179,7 +179,7 @@ Asset demo_character() {
   Asset asset;
   asset.path = "demo";
   asset.format = "demo";
-  asset.y_up = true;
+  asset.up = 2;
   asset.unit = 1;
   AssetMaterial body, head;
   body.name = "body";

@@ -23,12 +23,14 @@ TEST_F(AnimationWriterTest, LeavesNothingBehindWithoutFinish) {
   std::filesystem::create_directory(folder.path("empty"));
   {
     const auto writer = AnimationWriter::create(folder.path("empty/a.glb"), asset, surface);
-    writer->frame(Array<double>(3, 3), {});
-    expect_says(error_of([&] { writer->frame(Array<double>(2, 3), {}); }, ErrorKind::kUsage),
-                "(3, 3)");
+    writer->frame({.displacement = Array<double>(3, 3)});
+    expect_says(
+        error_of([&] { writer->frame({.displacement = Array<double>(2, 3)}); }, ErrorKind::kUsage),
+        "(3, 3)");
     Array<double> bad(3, 3);
     bad(1, 1) = NAN;
-    expect_says(error_of([&] { writer->frame(bad, {}); }, ErrorKind::kUsage), "finite");
+    expect_says(error_of([&] { writer->frame({.displacement = bad}); }, ErrorKind::kUsage),
+                "finite");
     EXPECT_TRUE(std::filesystem::is_empty(folder.path("empty")));
   }
   EXPECT_TRUE(std::filesystem::is_empty(folder.path("empty")));

@@ -33,7 +33,8 @@ class GlbWriter : public ::testing::Test {
   GlbFile animate(const Asset& asset, const Surface& surface, const AnimationOptions& options) {
     const auto writer = AnimationWriter::create(out, asset, surface, options);
     for (int t = 0; t < kFrames; ++t)
-      writer->frame(wave(surface, t), {t != 3, 1e-4 * t, 1 - 0.01 * t});
+      writer->frame(
+          {.displacement = wave(surface, t), .certificate = {t != 3, 1e-4 * t, 1 - 0.01 * t}});
     writer->finish();
     return GlbFile(out);
   }
@@ -252,8 +253,8 @@ TEST_F(GlbWriter, TurnsNormalsWithTheBody) {
   }
   for (const bool keyframe : {true, false}) {
     const auto writer = AnimationWriter::create(out, asset, surface, {.keyframe = keyframe});
-    writer->frame(Array<double>(3, 3), {});
-    writer->frame(d, {});
+    writer->frame({.displacement = Array<double>(3, 3)});
+    writer->frame({.displacement = d});
     writer->finish();
     const GlbFile file(out);
     const Rows delta = file.moved(file.mesh_of(0)["primitives"][0], "NORMAL", file.weights(0)[1]);

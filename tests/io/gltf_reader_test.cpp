@@ -29,7 +29,7 @@ TEST_F(GltfReader, ReadsWhatTheFileHolds) {
   builder.document["meshes"][0]["primitives"][0]["material"] = 0;
   const Asset asset = read(builder);
   EXPECT_EQ(asset.format, "glb");
-  EXPECT_TRUE(asset.y_up);
+  EXPECT_EQ(asset.up, 2);
   EXPECT_EQ(asset.unit, 1);
   ASSERT_EQ(asset.meshes.size(), 1u);
   const Mesh& mesh = asset.meshes[0];

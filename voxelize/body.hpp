@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the solver is given of an asset, whatever it is made of: a surface that bounds its solid,
+// and the points that the solid carries.
+
+#pragma once
+
+#include "io/asset.hpp"
+
+namespace elastogen {
+
+struct Body {
+  Surface surface;        ///< [m]; for points and splats made from them
+  Array<double> carried;  ///< vertices, points or splats of the asset [m], (points, 3)
+  bool is_asset = true;   ///< the surface is the asset's own: carried are its vertices
+  std::vector<Finding> findings;
+};
+
+/// The body of an asset, scaled so that its longest edge is `size` metres (0: as the file has it).
+/// @throws Error (asset) if nothing can be made of it.
+Body make_body(const Asset& asset, double size = 0);
+
+}  // namespace elastogen
