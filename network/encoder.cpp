@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "network/encoder.hpp"
 
+#include "network/smooth_modes.hpp"
+
 #include <Eigen/Cholesky>
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace elastogen {
 namespace {
@@ -13,65 +14,6 @@ namespace {
 constexpr int kSmallestPiece = 64;  // nodes; multigrid alone serves smaller ones
 constexpr size_t kMostPieces = 64;
 constexpr int kCosines = 18;
-
-/// Wave numbers of the lowest cosines in a box of the given extents.
-std::vector<std::array<int, 3>> lowest_waves(const Box& box) {
-  constexpr int kLargest = kCosines;
-  std::vector<std::pair<double, std::array<int, 3>>> waves;
-  const auto frequency = [&](int k, int d) {
-    const double length = box.extent(d);
-    if (k == 0) return 0.0;
-    return length > 0 ? k * k / (length * length) : 1e300;
-  };
-  for (int x = 0; x < kLargest; ++x)
-    for (int y = 0; y < kLargest; ++y)
-      for (int z = 0; z < kLargest; ++z)
-        if ((x + 1) * (y + 1) * (z + 1) <= kCosines)  // no other can be among the lowest
-          waves.push_back({frequency(x, 0) + frequency(y, 1) + frequency(z, 2), {x, y, z}});
-  std::sort(waves.begin(), waves.end());
-  std::vector<std::array<int, 3>> result;
-  for (int k = 0; k < kCosines; ++k) result.push_back(waves[size_t(k)].second);
-  return result;
-}
-
-/// Distance of each listed node to the nearest pinned one of the list: the nearest pinned node is
-/// handed from neighbour to neighbour until nothing changes.
-std::vector<double> pin_distance(const Scene& scene, const std::vector<int32_t>& nodes) {
-  const VoxelGrid& grid = scene.grid;
-  std::vector<int32_t> place(size_t(grid.node_count()), -1), seed(nodes.size(), -1);
-  std::vector<double> distance(nodes.size(), 1e300);
-  std::vector<int32_t> queue, next;
-  for (size_t k = 0; k < nodes.size(); ++k) {
-    place[size_t(nodes[k])] = int32_t(k);
-    if (!scene.pinned(nodes[k])) continue;
-    seed[k] = nodes[k];
-    distance[k] = 0;
-    queue.push_back(int32_t(k));
-  }
-  const auto between = [&](int32_t a, int32_t b) {
-    const double* p = grid.rest.row(a);
-    const double* q = grid.rest.row(b);
-    return std::hypot(p[0] - q[0], p[1] - q[1], p[2] - q[2]);
-  };
-  while (!queue.empty()) {
-    next.clear();
-    for (const int32_t from : queue)
-      for (int c = 0; c < 8; ++c) {
-        const int32_t v = grid.voxels(nodes[size_t(from)], c);
-        if (v < 0) continue;
-        for (int e = 0; e < 8; ++e) {
-          const int32_t to = place[size_t(grid.corners(v, e))];
-          const double d = between(seed[size_t(from)], grid.corners(v, e));
-          if (d >= distance[size_t(to)] * (1 - 1e-12)) continue;
-          distance[size_t(to)] = d;
-          seed[size_t(to)] = seed[size_t(from)];
-          next.push_back(to);
-        }
-      }
-    queue.swap(next);
-  }
-  return distance;
-}
 
 }  // namespace
 
@@ -106,7 +48,7 @@ void Encoder<T>::fill_modes(const Scene& scene, Piece& piece) {
     pinned |= scene.pinned(n) != 0;
   }
   const double size = std::max({box.extent(0), box.extent(1), box.extent(2)});
-  const std::vector<std::array<int, 3>> waves = lowest_waves(box);
+  const std::vector<Wave> waves = lowest_waves(box, kCosines);
   std::vector<double> distance;
   if (pinned) distance = pin_distance(scene, piece.nodes);
   piece.modes.resize(piece.nodes.size() * kModes);
@@ -115,14 +57,7 @@ void Encoder<T>::fill_modes(const Scene& scene, Piece& piece) {
     const double d = pinned ? distance[size_t(k)] : 0;
     const double factor = pinned ? d / (d + size / 8) : 1;
     T* mode = piece.modes.data() + k * kModes;
-    for (int w = 0; w < kCosines; ++w) {
-      double value = factor;
-      for (int i = 0; i < 3; ++i)
-        if (waves[size_t(w)][size_t(i)] > 0)
-          value *= std::cos(std::numbers::pi * waves[size_t(w)][size_t(i)] *
-                            (X[i] - box.lower[size_t(i)]) / box.extent(i));
-      mode[w] = T(value);
-    }
+    for (int w = 0; w < kCosines; ++w) mode[w] = T(factor * cosine(waves[size_t(w)], box, X));
     for (int i = 0; i < 3; ++i)
       mode[kCosines + i] =
           T(factor * (2 * X[i] - box.lower[size_t(i)] - box.upper[size_t(i)]) / size);

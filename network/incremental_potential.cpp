@@ -103,6 +103,10 @@ void IncrementalPotential::read_voxel_data(int64_t row, VoxelData<Pack<T>>& data
       data.R[k] = convert<T>(rotation_.data() + (size_t(row) * 9 + size_t(k)) * kLanes);
 }
 
+template void IncrementalPotential::read_voxel_data<float>(int64_t, VoxelData<Pack<float>>&) const;
+template void IncrementalPotential::read_voxel_data<double>(int64_t,
+                                                            VoxelData<Pack<double>>&) const;
+
 void IncrementalPotential::begin_step(const State& state, const StepScheme& scheme) {
   scheme_ = scheme;
   const Array<double>& X = scene_.grid.rest;

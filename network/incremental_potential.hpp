@@ -65,14 +65,15 @@ class IncrementalPotential {
   const std::vector<float>& nodal_rotation() const { return nodal_rotation_; }
   /// Inertial diagonal a0 m / dt^2 [N/m] of a node.
   double inertia(int64_t node) const { return inertia_[size_t(node)]; }
+  /// What the voxels of a row are besides their displacement; T float or double.
+  template <class T>
+  void read_voxel_data(int64_t row, VoxelData<Pack<T>>& data) const;
 
  private:
   struct Sums {
     Pack<double> elastic = {}, hourglass = {};
     Pack<double> min_j = constant<Pack<double>>(1e300), min_corner_j = min_j;
   };
-  template <class T>
-  void read_voxel_data(int64_t row, VoxelData<Pack<T>>& data) const;
   uint32_t full_lanes(int64_t row) const;
   template <class T, bool kQuality>
   PotentialValue evaluate_all(const double* u, T* gradient);

@@ -3,6 +3,7 @@
 
 #include "core/error.hpp"
 #include "network/newton_solver.hpp"
+#include "network/paper_solver.hpp"
 #include "network/predictor.hpp"
 #include "network/quasi_solver.hpp"
 
@@ -32,14 +33,15 @@ IterationResult sum(const IterationResult& a, const IterationResult& b) {
 }  // namespace
 
 std::string_view solver_name(SolverMode mode) {
-  constexpr std::string_view kNames[] = {"auto", "quasi", "newton"};
+  constexpr std::string_view kNames[] = {"auto", "quasi", "newton", "paper"};
   return kNames[int(mode)];
 }
 
 SolverMode solver_from_name(std::string_view name) {
-  for (const SolverMode mode : {SolverMode::kAuto, SolverMode::kQuasi, SolverMode::kNewton})
+  for (const SolverMode mode :
+       {SolverMode::kAuto, SolverMode::kQuasi, SolverMode::kNewton, SolverMode::kPaper})
     if (solver_name(mode) == name) return mode;
-  throw Error(concat("unknown solver '", name, "'; known are auto, quasi, newton"));
+  throw Error(concat("unknown solver '", name, "'; known are auto, quasi, newton, paper"));
 }
 
 double reference_force(const Scene& scene) {
@@ -78,6 +80,10 @@ struct Solver::Impl {
                          [](uint8_t p) { return p != 0; });
     mode = o.mode;
     if (mode == SolverMode::kAuto) mode = stiff() ? SolverMode::kNewton : SolverMode::kQuasi;
+    if (mode == SolverMode::kPaper) {
+      paper.emplace(potential, o.paper);
+      return;
+    }
     // the preconditioner is built for the scheme of the run, at rest
     State rest = initial_state(scene);
     StepScheme scheme{scene.scheme, scene.dt, scene.scheme == TimeScheme::kBdf2 ? 2.25 : 1};
@@ -119,13 +125,14 @@ struct Solver::Impl {
   double force, courant;
   bool pinned = false;
   SolverMode mode;
-  double last_cost[3] = {};  // of each mode
-  int64_t last_step[3] = {-kRetry, -kRetry, -kRetry};
+  double last_cost[4] = {};  // of each mode
+  int64_t last_step[4] = {-kRetry, -kRetry, -kRetry, -kRetry};
   std::optional<Preconditioner<float>> single;
   std::optional<Preconditioner<double>> precise;
   std::unique_ptr<QuasiSolver<float>> quasi_float;
   std::unique_ptr<QuasiSolver<double>> quasi_double;
   std::unique_ptr<NewtonSolver> newton_solver;
+  std::optional<PaperSolver> paper;
   std::vector<double> u, gradient;
   Array<double> x;  // of the new state
 };
@@ -166,6 +173,7 @@ IterationResult Solver::Impl::newton(double target) {
 /// The mode that was asked for.
 IterationResult Solver::Impl::iterate(double target, StepReport& report) {
   report.float64 = true;
+  if (paper) return paper->solve(u.data(), options.interrupted);
   if (mode == SolverMode::kNewton) return newton(target);
   if (precise) return quasi(quasi_double, target, *precise);
   IterationResult result;
@@ -264,8 +272,10 @@ StepReport Solver::step(State& state) {
   report.step = state.steps + 1;
   report.time = double(report.step) * s.scene.dt;
   s.potential.begin_step(state, scheme);
-  s.start(state);
-  s.potential.set_nodal_rotations(s.u.data());
+  if (!s.paper) {
+    s.start(state);
+    s.potential.set_nodal_rotations(s.u.data());
+  }
 
   // a margin, because the state that is written is rounded once more
   const double target = 0.95 * s.options.tolerance * s.force;

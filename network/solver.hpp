@@ -16,18 +16,26 @@ namespace elastogen {
 /// quasi: L-BFGS whose first matrix is one V-cycle with encoder. newton: projected Hessian, PCG
 /// with the same preconditioner. auto: newton above Courant number 100 or Poisson ratio 0.47; else
 /// quasi, and where a step takes it more than 40 evaluations (contact, buckling) the cheaper of the
-/// two by their own counts.
-enum class SolverMode { kAuto, kQuasi, kNewton };
+/// two by their own counts. paper: the published algorithm with fixed loops, for study.
+enum class SolverMode { kAuto, kQuasi, kNewton, kPaper };
 
 std::string_view solver_name(SolverMode mode);
 /// @throws Error naming the known modes.
 SolverMode solver_from_name(std::string_view name);
+
+/// Loops as the paper counts them.
+struct PaperLoops {
+  int outer = 10;  ///< R1, times that N and R are taken anew
+  int inner = 20;  ///< Jacobi sweeps of each
+  int modes = 54;  ///< latent size, three times the cosines; 0: no encoder
+};
 
 struct SolverOptions {
   SolverMode mode = SolverMode::kAuto;
   double tolerance = 1e-3;  ///< of |grad Phi| / |M g_ref|
   int max_outer = 400;      ///< L-BFGS iterations; a quarter of it for Newton steps
   int max_inner = 400;      ///< PCG iterations of one Newton step
+  PaperLoops paper = {};    ///< loops and modes of the paper mode
   bool skip = true;         ///< false: float64 and encoder always, whatever the scene needs
   /// Polled once an iteration; where it says true the step is given up and the state stays.
   std::function<bool()> interrupted = [] { return false; };

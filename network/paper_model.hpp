@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+// The local step of the published algorithm (ElastoGen, Eq. 4-7 and 10): stretches n_i of the
+// target, fitted to the energy, and the lagged quadratic
+//
+//     E = omega/2 |F N - R|^2,   N = V diag(n) V^T,   R = U V^T,   omega = E,
+//
+// in which N and R are frozen while RNN-2 relaxes. Its stress omega (F N - R) N drops the
+// derivative of N, so its stiffness is the geometric mean of omega and the true one: too small by
+// sqrt(1 - 2 nu) in volume, too large by sqrt(1 + nu) in shear (docs/papers.md).
+
+#pragma once
+
+#include "core/elastic_law.hpp"
+#include "core/svd3.hpp"
+
+namespace elastogen {
+
+/// What a voxel's lagged quadratic freezes.
+template <class T>
+struct LaggedTarget {
+  T NN[6];          ///< N N^T: 00, 11, 22, 01, 12, 20
+  T RN[9];          ///< R N^T, row-major
+  T largest_slope;  ///< max n_i^2
+};
+
+/// n_i of an analytic law without a net: the strain q_i = sigma_i n_i - 1 has the direction that is
+/// exact at rest and the length that gives the energy,
+///
+///     q0_i = (a + b) e_i + b (e_j + e_k),  e = ln sigma,   q = q0 sqrt(2 psi/omega)/|q0|,
+///     a = sqrt(2 mu/omega),   b = (sqrt(3K/omega) - a)/3.
+///
+/// Stretches below 0.1 count as 0.1: n ~ 1/sigma would change its sign through collapse.
+template <class T>
+ELASTOGEN_HD inline void energy_fitted_stretches(const LawParameters<Scalar<T>>& law,
+                                                 const T sigma[3], T n[3]) {
+  using S = Scalar<T>;
+  const S omega = law.mu * (3 * law.lambda + 2 * law.mu) / (law.lambda + law.mu);
+  const S a = std::sqrt(2 * law.mu / omega);
+  const S b = (std::sqrt((3 * law.lambda + 2 * law.mu) / omega) - a) / 3;
+  T s[3], e[3], q[3], length2{};
+  for (int i = 0; i < 3; ++i) {
+    s[i] = larger(sigma[i], constant<T>(S(0.1)));
+    e[i] = log_1p(T(s[i] - 1));
+  }
+  for (int i = 0; i < 3; ++i) {
+    q[i] = a * e[i] + b * (e[0] + e[1] + e[2]);
+    length2 += q[i] * q[i];
+  }
+  const T psi = larger(elastic_response<false>(law, s).psi, T{});
+  const T rest = constant<T>(S(1e-300));
+  const T scale = length2 > rest ? square_root(T(2 * psi / (omega * larger(length2, rest)))) : T{};
+  for (int i = 0; i < 3; ++i) n[i] = (1 + q[i] * scale) / s[i];
+}
+
+/// The frozen quadratic of a voxel at F.
+template <class T>
+ELASTOGEN_HD inline LaggedTarget<T> lagged_target(const LawParameters<Scalar<T>>& law,
+                                                  const Mat3<T>& F) {
+  const Svd3<T> s = svd3(F);
+  T n[3];
+  energy_fitted_stretches(law, s.sigma, n);
+  LaggedTarget<T> target;
+  target.largest_slope = T{};
+  Mat3<T> Un, Vn;
+  for (int j = 0; j < 3; ++j) {
+    target.largest_slope = larger(target.largest_slope, T(n[j] * n[j]));
+    for (int i = 0; i < 3; ++i) Un(i, j) = s.U(i, j) * n[j], Vn(i, j) = s.V(i, j) * n[j] * n[j];
+  }
+  const Mat3<T> RN = times_transposed(Un, s.V), NN = times_transposed(Vn, s.V);
+  for (int k = 0; k < 9; ++k) target.RN[k] = RN.m[k];
+  for (int k = 0; k < 3; ++k) {
+    target.NN[k] = NN(k, k);
+    target.NN[3 + k] = NN(k, (k + 1) % 3);
+  }
+  return target;
+}
+
+/// d N N^T for a row d of the gradient.
+template <class T>
+ELASTOGEN_HD inline void times_slope(const T NN[6], const T d[3], T result[3]) {
+  result[0] = d[0] * NN[0] + d[1] * NN[3] + d[2] * NN[5];
+  result[1] = d[0] * NN[3] + d[1] * NN[1] + d[2] * NN[4];
+  result[2] = d[0] * NN[5] + d[1] * NN[4] + d[2] * NN[2];
+}
+
+}  // namespace elastogen

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// The low-frequency modes of the encoders: cosines over the box of a body, which vanish smoothly at
+// its pins.
+
+#pragma once
+
+#include "core/scene.hpp"
+
+#include <array>
+#include <vector>
+
+namespace elastogen {
+
+/// Wave numbers k_x, k_y, k_z of a cosine mode.
+using Wave = std::array<int, 3>;
+
+/// The `count` waves of smallest sum (k_d/L_d)^2 in a box of extents L; ties by wave number.
+std::vector<Wave> lowest_waves(const Box& box, int count);
+
+/// prod_d cos(pi k_d (X_d - lower_d)/L_d).
+double cosine(const Wave& wave, const Box& box, const double X[3]);
+
+/// Distance of each listed node to the nearest pinned one that the list connects it with [m]: the
+/// nearest pinned node is handed from neighbour to neighbour until nothing changes; 1e300 where
+/// there is none.
+std::vector<double> pin_distance(const Scene& scene, const std::vector<int32_t>& nodes);
+
+}  // namespace elastogen
