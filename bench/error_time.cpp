@@ -6,14 +6,11 @@
 //   error_time [beam|ball] [VOXELS] [REPEATS] [C NU]     prints a Markdown table; without C and NU
 //                                                        of all nine combinations
 
+#include "bench/measure.hpp"
 #include "bench/scenes.hpp"
-#include "io/report_file.hpp"
-#include "network/solver.hpp"
 
 #include <fmt/format.h>
 
-#include <chrono>
-#include <cmath>
 #include <cstdlib>
 #include <string>
 #include <vector>
@@ -22,39 +19,6 @@ namespace elastogen::bench {
 namespace {
 
 constexpr int kStepsBefore = 2;
-
-double rms(const Scene& scene, const Array<double>& a, const Array<double>& b) {
-  double sum = 0, mass = 0;
-  for (int64_t n = 0; n < a.rows(); ++n) {
-    mass += scene.mass(n);
-    for (int d = 0; d < 3; ++d) sum += scene.mass(n) * std::pow(a(n, d) - b(n, d), 2);
-  }
-  return std::sqrt(sum / mass);
-}
-
-struct Timing {
-  StepReport report;
-  double ms = 0, error = 0, setup_seconds = 0;
-};
-
-/// The median of several steps from the same state; a first one warms up.
-Timing time_step(const Scene& scene, const State& start, const SolverOptions& options, int repeats,
-                 const Array<double>& reference) {
-  const auto begin = std::chrono::steady_clock::now();
-  Solver solver(scene, options);
-  Timing timing;
-  timing.setup_seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  std::vector<double> ms;
-  for (int k = 0; k <= repeats; ++k) {
-    State state = start;
-    timing.report = solver.step(state);
-    if (k > 0) ms.push_back(timing.report.ms);
-    timing.error = rms(scene, state.x, reference) / rms(scene, start.x, reference);
-  }
-  timing.ms = quantile(ms, 0.5);
-  return timing;
-}
 
 void run(const std::string& name, double voxels, int repeats, const std::vector<double>& courants,
          const std::vector<double>& poissons) {
@@ -65,17 +29,11 @@ void run(const std::string& name, double voxels, int repeats, const std::vector<
     for (const double poisson : poissons) {
       const SceneOptions o{.voxels = voxels, .courant = courant, .poisson = poisson};
       const Scene scene = name == "beam" ? cantilever(o) : porous_ball(o);
-      Solver exact(scene, {.mode = SolverMode::kNewton, .tolerance = 1e-10});
-      State start = initial_state(scene);
-      for (int k = 0; k < kStepsBefore; ++k) exact.step(start);
-      State reference = start;
-      const StepReport certificate = exact.step(reference);
-      if (certificate.residual > 1e-9)
-        fmt::print("reference at {:.1e} only\n", certificate.residual);
+      const Reference reference = make_reference(scene, {}, kStepsBefore);
       for (const SolverMode mode : {SolverMode::kQuasi, SolverMode::kNewton})
         for (const double tolerance : {1e-1, 1e-2, 1e-3, 1e-4}) {
-          const Timing t =
-              time_step(scene, start, {.mode = mode, .tolerance = tolerance}, repeats, reference.x);
+          const Timing t = time_step(scene, reference.start, {.mode = mode, .tolerance = tolerance},
+                                     repeats, reference.next.x);
           const StepReport& r = t.report;
           fmt::print(
               "| {} | {} | {} | {} | {} | {:.0e} | {} | {} | {} | {:.1e} | {:.1e} | {:.1f} | "

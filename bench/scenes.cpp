@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/scenes.hpp"
 
+#include "core/error.hpp"
 #include "voxelize/bricks.hpp"
+#include "voxelize/demo_character.hpp"
+#include "voxelize/voxelize.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -21,6 +24,7 @@ Scene finish(VoxelGrid&& grid, const SceneOptions& o, int pinned_axis, double pi
     scene.pinned(n) = scene.grid.rest(n, pinned_axis) <= pinned_below;
   scene.gravity = {0, -9.81, 0};
   scene.dt = kStep;
+  scene.hourglass = o.hourglass;
   const double speed = o.courant * scene.grid.h / kStep;
   scene.materials = {{"bench", o.law, kDensity * speed * speed, o.poisson, kDensity}};
   finish_scene(scene);
@@ -79,6 +83,32 @@ Scene porous_ball(const SceneOptions& o) {
     if (fill < 1) std::copy(mean, mean + 8, grid.shape_mean.row(v));
   }
   return finish(std::move(grid), o, 1, -0.5 + 0.12);
+}
+
+BenchScene spinning_bar(const SceneOptions& o) {
+  const int n = std::max(1, int(std::lround(std::cbrt(o.voxels / 4))));
+  BenchScene bar;
+  bar.scene = finish(make_box(4 * n, n, n, 1.0 / (4 * n)), o, 0, -1);
+  bar.scene.gravity = {};
+  bar.motion.spin[2] = 0.4 / kStep;
+  return bar;
+}
+
+Scene character(const SceneOptions& o) {
+  const Surface surface = pose_surface(demo_character());
+  // the body fills about a tenth of the cube over its longest edge
+  const int along = std::max(8, int(std::lround(std::cbrt(10 * o.voxels))));
+  Voxelized voxelized = voxelize(surface, {.voxels = along});
+  return finish(std::move(voxelized.grid), o, 0,
+                surface.box.lower[0] + 0.03 * surface.box.extent(0));
+}
+
+BenchScene bench_scene(const std::string& name, const SceneOptions& options) {
+  if (name == "beam") return {cantilever(options), {}};
+  if (name == "ball") return {porous_ball(options), {}};
+  if (name == "bar") return spinning_bar(options);
+  if (name == "character") return {character(options), {}};
+  throw Error(concat("unknown scene '", name, "'; known are beam, ball, bar, character"));
 }
 
 }  // namespace elastogen::bench

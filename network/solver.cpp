@@ -257,6 +257,10 @@ Solver::Solver(const Scene& scene, const SolverOptions& options)
 
 Solver::~Solver() = default;
 
+Span<const double> Solver::residual() const {
+  return {impl_->gradient.data(), int64_t(impl_->gradient.size() / 3), 3};
+}
+
 SolverMode Solver::mode() const {
   return impl_->mode;
 }

@@ -66,6 +66,10 @@ class Solver {
   /// says so. Same bits on every run and any number of threads.
   StepReport step(State& state);
 
+  /// Gradient of the incremental potential at the last state [N], (nodes, 3), 0 on pinned nodes;
+  /// its norm is the residual of the report. Zero before the first step.
+  Span<const double> residual() const;
+
   /// The mode that `auto` has come to.
   SolverMode mode() const;
 
