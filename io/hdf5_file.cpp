@@ -3,6 +3,9 @@
 
 #include "core/error.hpp"
 
+#include <cerrno>
+#include <cstring>
+
 namespace elastogen::hdf5 {
 
 namespace {
@@ -21,8 +24,12 @@ void write_attribute(hid_t object, const char* name, hid_t file_type, hid_t memo
 }  // namespace
 
 void check(herr_t status, const std::string& what) {
-  if (status < 0)
-    throw Error(concat("writing HDF5 failed at ", what, ", disk full?"), ErrorKind::kResources);
+  if (status >= 0) return;
+  const int reason = errno;  // of the system call, if one failed
+  const bool system = reason == ENOSPC || reason == EFBIG || reason == EDQUOT || reason == EIO;
+  throw Error(
+      concat("writing HDF5 failed at ", what, system ? concat(": ", std::strerror(reason)) : ""),
+      ErrorKind::kResources);
 }
 
 Handle::Handle(hid_t id, herr_t (*close)(hid_t), const std::string& what)
@@ -52,14 +59,6 @@ NumberType number_type<int32_t>() {
 template <>
 NumberType number_type<uint8_t>() {
   return {H5T_NATIVE_UINT8, H5T_STD_U8LE};
-}
-
-Handle create_file(const std::string& path) {
-  // at exit the library would write again what a full disk has refused, and crash
-  H5dont_atexit();
-  // errors are reported by exceptions, not on stderr
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-  return {H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose, path};
 }
 
 Handle create_group(hid_t parent, const char* name) {

@@ -41,7 +41,8 @@ NumberType number_type();
 /// @throws Error (resources) saying what failed, if status < 0.
 void check(herr_t status, const std::string& what);
 
-Handle create_file(const std::string& path);
+/// A file on an open, empty descriptor, which stays open; `path` is for messages.
+Handle create_file(int descriptor, const std::string& path);
 Handle create_group(hid_t parent, const char* name);
 /// A dataset of these extents, without values.
 Handle create_dataset(hid_t parent, const char* name, hid_t file_type,

@@ -27,21 +27,44 @@ struct Descriptor {
   }
 };
 
+std::string folder_of(const std::string& path) {
+  const std::string folder = fs::path(path).parent_path().string();
+  return folder.empty() ? "." : folder;
+}
+
+/// Calls action(name) with one temporary name after the other until it is no longer taken.
+/// @return the name, or "" with errno set.
+template <class Action>
+std::string first_free_name(const std::string& path, const Action& action) {
+  for (int k = 0;; ++k) {
+    std::string name = path + ".tmp" + std::to_string(::getpid()) + '-' + std::to_string(k);
+    if (action(name.c_str())) return name;
+    if (errno != EEXIST) return "";
+  }
+}
+
 }  // namespace
 
 SafeFile::SafeFile(const std::string& path) : path_(path) {
-  const std::string stem = path + ".tmp" + std::to_string(::getpid()) + '-';
-  for (int k = 0; file_ < 0; ++k) {
-    temporary_ = stem + std::to_string(k);
-    file_ = ::open(temporary_.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_APPEND | O_CLOEXEC, 0666);
-    if (file_ < 0 && errno != EEXIST) fail("write");
+  // without a name the file goes with the process, however that ends
+  file_ = ::open(folder_of(path).c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
+  if (file_ >= 0) {
+    temporary_ = "/proc/self/fd/" + std::to_string(file_);
+    return;
   }
+  if (errno != EOPNOTSUPP && errno != EISDIR) fail("write");
+  named_ = true;
+  temporary_ = first_free_name(path, [this](const char* name) {
+    file_ = ::open(name, O_CREAT | O_EXCL | O_RDWR | O_CLOEXEC, 0666);
+    return file_ >= 0;
+  });
+  if (file_ < 0) fail("write");
 }
 
 SafeFile::~SafeFile() {
   if (file_ < 0) return;
   ::close(file_);
-  ::unlink(temporary_.c_str());
+  if (named_) ::unlink(temporary_.c_str());
 }
 
 void SafeFile::fail(const char* action) const {
@@ -62,13 +85,20 @@ void SafeFile::write(const void* data, size_t bytes) {
 
 void SafeFile::commit() {
   if (::fsync(file_) != 0) fail("write");
+  if (!named_) {
+    const std::string name = first_free_name(path_, [this](const char* free) {
+      return ::linkat(AT_FDCWD, temporary_.c_str(), AT_FDCWD, free, AT_SYMLINK_FOLLOW) == 0;
+    });
+    if (name.empty()) fail("write");
+    temporary_ = name;
+    named_ = true;
+  }
   if (::rename(temporary_.c_str(), path_.c_str()) != 0) fail("write");
   const int file = std::exchange(file_, -1);
   if (::close(file) != 0) fail("write");
 
   // the new name is safe once the folder is; some file systems cannot sync folders
-  const fs::path folder = fs::path(path_).parent_path();
-  const Descriptor d{::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY)};
+  const Descriptor d{::open(folder_of(path_).c_str(), O_RDONLY | O_DIRECTORY)};
   if (d.value >= 0 && ::fsync(d.value) != 0 && errno != EINVAL && errno != EROFS) fail("write");
 }
 

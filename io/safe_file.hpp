@@ -12,8 +12,10 @@ namespace elastogen {
 /// Largest asset file that is read [bytes].
 inline constexpr int64_t kMaxFileBytes = int64_t{1} << 32;
 
-/// A file under a temporary name beside its target: commit() renames it, destruction without
-/// commit() removes it. Whoever reads the target sees the old file or the whole new one.
+/// A file without a name in the folder of its target, which commit() gives it; without commit()
+/// nothing remains, also where the process is killed. (On file systems that have no files without
+/// a name: a temporary name, which destruction removes.) Whoever reads the target sees the old
+/// file or the whole new one.
 /// @throws Error (resources) with path and reason, from every member.
 class SafeFile {
  public:
@@ -22,9 +24,11 @@ class SafeFile {
   SafeFile(const SafeFile&) = delete;
   SafeFile& operator=(const SafeFile&) = delete;
 
-  /// The temporary name, for libraries that open files themselves; they must have closed it
-  /// before commit().
+  /// A path to the file for libraries that open files themselves; they must have closed it before
+  /// commit().
   const std::string& temporary() const { return temporary_; }
+  /// The open file, for reading and writing.
+  int descriptor() const { return file_; }
   /// Appends.
   void write(const void* data, size_t bytes);
   void write(std::string_view text) { write(text.data(), text.size()); }
@@ -36,6 +40,7 @@ class SafeFile {
 
   std::string path_, temporary_;
   int file_ = -1;
+  bool named_ = false;  // temporary_ is a name in the folder
 };
 
 /// Writes a whole file through SafeFile.

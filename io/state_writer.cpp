@@ -196,7 +196,7 @@ void StateWriter::step(const State& state, const StepReport& report) {
 void StateWriter::finish() {
   const auto entries = int64_t(time_.size());
   SafeFile safe(path_);
-  hdf5::Handle file = hdf5::create_file(safe.temporary());
+  hdf5::Handle file = hdf5::create_file(safe.descriptor(), path_);
   write_root(file, scene_, header_);
   write_grid(file, scene_);
   write_materials(file, scene_.materials);
