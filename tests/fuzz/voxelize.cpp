@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bytes as triangles: 12 to 64 corners from a small lattice or anywhere. Every surface gives voxels
+// whose fills lie in (0, 1] and whose means sum to 1, or an Error.
+
+#include "core/error.hpp"
+#include "voxelize/embedding.hpp"
+#include "voxelize/voxelize.hpp"
+
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+
+namespace elastogen {
+namespace {
+
+/// Coordinates of two bytes each; the first byte decides how coarse they are.
+Asset asset_of(const uint8_t* data, size_t size) {
+  const double step = std::pow(2.0, data[0] % 8);
+  Asset asset;
+  Mesh& mesh = asset.meshes.emplace_back();
+  asset.nodes.push_back({.name = "", .parent = -1, .mesh = 0});
+  TriangleGroup& group = mesh.groups.emplace_back();
+  size_t at = 2;
+  for (int v = 0; v < 4 + data[1] % 16 && at + 6 <= size; ++v) {
+    Vec3 x;
+    for (size_t d = 0; d < 3; ++d, at += 2)
+      x[d] = std::floor((data[at] * 256 + data[at + 1]) / 65536.0 * 64 / step) * step;
+    mesh.position_of.push_back(int32_t(mesh.position.size()));
+    mesh.position.push_back(x);
+  }
+  const size_t count = mesh.position.size();
+  for (; count > 0 && at + 3 <= size; at += 3)
+    for (size_t c = 0; c < 3; ++c) group.corner.push_back(int32_t(data[at + c] % count));
+  return asset;
+}
+
+void require(bool condition) {
+  if (!condition) std::abort();
+}
+
+void check_voxels(const Surface& surface) {
+  const Voxelized v = voxelize(surface, {.voxels = 12, .max_voxels = 20000});
+  for (int64_t i = 0; i < v.grid.voxel_count(); ++i) {
+    require(v.grid.fill(i) > 0 && v.grid.fill(i) <= 1);
+    double sum = 0;
+    for (int c = 0; c < 8; ++c) {
+      require(v.grid.shape_mean(i, c) >= 0);
+      sum += v.grid.shape_mean(i, c);
+    }
+    require(std::abs(sum - 1) < 1e-9);
+  }
+  const Embedding embedding = embed(v.grid, surface.vertices);
+  for (int64_t p = 0; p < embedding.voxel.rows(); ++p)
+    require(embedding.voxel(p) >= 0 && embedding.voxel(p) < v.grid.voxel_count());
+}
+
+}  // namespace
+}  // namespace elastogen
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  using namespace elastogen;
+  if (size < 2) return 0;
+  try {
+    check_voxels(pose_surface(asset_of(data, size)));
+  } catch (const Error&) {
+  }
+  return 0;
+}

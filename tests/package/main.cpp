@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// Reads an asset, voxelises it and lets it fall for ten steps: x = x_0 + g t (t + dt)/2.
+
+#include "core/error.hpp"
+#include "io/read_asset.hpp"
+#include "network/solver.hpp"
+#include "voxelize/voxelize.hpp"
+
+#include <cmath>
+#include <cstdio>
+
+int main(int argc, char** argv) {
+  using namespace elastogen;
+  if (argc != 2) return 2;
+  try {
+    const Surface surface = pose_surface(read_asset(argv[1]));
+    Scene scene;
+    scene.grid = voxelize(surface, {.voxels = 8}).grid;
+    scene.material = Array<int32_t>(scene.grid.voxel_count());
+    scene.pinned = Array<uint8_t>(scene.grid.node_count());
+    scene.gravity = {0, -9.81, 0};
+    finish_scene(scene);
+    State state = initial_state(scene);
+    Solver solver(scene, {});
+    for (int k = 0; k < 10; ++k)
+      if (!solver.step(state).converged) return 4;
+    const double expected = -9.81 * state.time * (state.time + scene.dt) / 2;
+    const double fallen = state.x(0, 1) - scene.grid.rest(0, 1);
+    std::printf("%lld voxels fell by %.6f m\n", static_cast<long long>(scene.grid.voxel_count()),
+                -fallen);
+    return std::abs(fallen - expected) < 1e-6 ? 0 : 1;
+  } catch (const Error& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 3;
+  }
+}
