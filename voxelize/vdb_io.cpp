@@ -7,6 +7,7 @@
 
 #include <openvdb/io/File.h>
 #include <openvdb/openvdb.h>
+#include <openvdb/tools/ChangeBackground.h>
 #include <openvdb/tools/VolumeToMesh.h>
 
 #include <algorithm>
@@ -14,6 +15,9 @@
 
 namespace elastogen {
 namespace {
+
+constexpr float kOutside = 1e-3f;     ///< least depth of a continued value, share of the largest
+constexpr double kSharpShare = 0.55;  ///< Border::second_share above which the border is sharp
 
 /// Largest and smallest value of the active voxels and tiles.
 struct Range {
@@ -30,18 +34,60 @@ Range range_of(const openvdb::FloatGrid& grid) {
   return range;
 }
 
+/// Mean share of the largest value that the second voxel behind the border of a density has.
+/// Where it is low the density is a ramp that begins with 0 at the surface, as OpenVDB makes fog
+/// volumes of level sets; where it is high, the values are filled shares.
+struct Border {
+  openvdb::FloatGrid::Ptr outside;  ///< voxels next to the border: the values continued linearly
+  double second_share = 1;
+};
+
+Border border_of(const openvdb::FloatGrid& grid, float high) {
+  Border border = {openvdb::FloatGrid::create(-high), 1};
+  auto values = grid.getConstAccessor();
+  auto outside = border.outside->getAccessor();
+  double sum = 0;
+  int64_t count = 0;
+  for (auto at = grid.cbeginValueOn(); at; ++at) {
+    if (!at.isVoxelValue()) continue;
+    for (int d = 0; d < 6; ++d) {
+      openvdb::Coord step(0);
+      step[d / 2] = d % 2 == 0 ? 1 : -1;
+      const openvdb::Coord next = at.getCoord() + step;
+      if (values.isValueOn(next)) continue;
+      const float second = values.getValue(at.getCoord() - step);
+      const float continued = std::min(2 * *at - second, -kOutside * high);
+      outside.setValue(next, std::max(continued, outside.getValue(next)));
+      sum += double(second) / high;
+      ++count;
+    }
+  }
+  if (count > 0) border.second_share = sum / double(count);
+  return border;
+}
+
+/// Where the surface of a density lies; a ramp gets values beyond its border, so that it is 0
+/// there.
+double density_surface(openvdb::FloatGrid& grid, const std::string& place) {
+  grid.setGridClass(openvdb::GRID_FOG_VOLUME);
+  const float high = range_of(grid).high;
+  ELASTOGEN_CHECK_ASSET(high > 0 && std::isfinite(high), place, "its largest value is ", high,
+                        ", no density");
+  const Border border = border_of(grid, high);
+  if (border.second_share > kSharpShare) return high / 2.0;
+  openvdb::tools::changeBackground(grid.tree(), -high);
+  auto values = grid.getAccessor();
+  for (auto at = border.outside->cbeginValueOn(); at; ++at) values.setValue(at.getCoord(), *at);
+  return 0;
+}
+
 /// Where the surface of a grid lies; sets the class, which decides the side that is inside.
 double surface_value(openvdb::FloatGrid& grid, const std::string& place) {
-  const Range range = range_of(grid);
-  const bool signed_values = grid.getGridClass() == openvdb::GRID_UNKNOWN && range.low < 0;
-  if (grid.getGridClass() == openvdb::GRID_LEVEL_SET || signed_values) {
-    grid.setGridClass(openvdb::GRID_LEVEL_SET);
-    return 0;
-  }
-  grid.setGridClass(openvdb::GRID_FOG_VOLUME);
-  ELASTOGEN_CHECK_ASSET(range.high > 0 && std::isfinite(range.high), place, "its largest value is ",
-                        range.high, ", no density");
-  return range.high / 2.0;
+  const bool signed_values = grid.getGridClass() == openvdb::GRID_UNKNOWN && range_of(grid).low < 0;
+  if (grid.getGridClass() != openvdb::GRID_LEVEL_SET && !signed_values)
+    return density_surface(grid, place);
+  grid.setGridClass(openvdb::GRID_LEVEL_SET);
+  return 0;
 }
 
 /// The mesh of a grid, every cell of the surface one quadrilateral.
@@ -74,7 +120,8 @@ Mesh mesh_of(openvdb::FloatGrid& grid, const std::string& place) {
   return mesh;
 }
 
-/// Name of the first float grid. @throws Error (asset) naming the grids if there is none.
+/// Name of the first float grid, in the order of names. @throws Error (asset) naming the grids if
+/// there is none.
 std::string float_grid_name(openvdb::io::File& file, Asset& asset) {
   std::string name, others;
   int64_t left_out = 0;

@@ -12,9 +12,10 @@ namespace elastogen {
 
 inline constexpr int64_t kMaxVdbVoxels = 1 << 25;  ///< active voxels of a grid that is read
 
-/// The first float grid that is a level set (surface at 0) or another scalar (surface at half of
-/// its largest value), as a mesh in the grid's world units; further grids are a finding. For the
-/// reader process only: OpenVDB does not survive every damaged file.
+/// The first float grid (by name) as a closed mesh in its world units; further grids are a finding.
+/// A level set has its surface at 0. A density has it at half of its largest value where it is
+/// sharp, and where it falls to 0 if it is a ramp of several voxels, as sdfToFogVolume makes them.
+/// For the reader process only: OpenVDB does not survive every damaged file.
 /// @throws Error (asset) naming the grid: no float grid, an empty one, more than kMaxVdbVoxels, a
 ///         largest value that is not a positive number, no surface.
 Asset read_vdb(const std::string& path);
