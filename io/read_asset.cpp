@@ -3,6 +3,7 @@
 
 #include "io/asset_check.hpp"
 #include "io/byte_reader.hpp"
+#include "io/child_reader.hpp"
 #include "io/gltf_reader.hpp"
 #include "io/obj_reader.hpp"
 #include "io/ply_reader.hpp"
@@ -77,10 +78,13 @@ Asset read_asset(const std::string& path) {
     asset = read_stl(path);
   } else if (format == "gltf" || format == "glb") {
     asset = read_gltf(path);
+  } else if (is_child_format(format)) {
+    asset = read_in_child(path, format);
   } else {
-    throw Error(concat(path, ": ", format.empty() ? "this format" : format,
-                       " is not read; read are .obj .ply .stl .glb .gltf"),
-                ErrorKind::kAsset);
+    throw Error(
+        concat(path, ": ", format.empty() ? "this format" : format,
+               " is not read; read are .obj .ply .stl .glb .gltf .fbx .dae .3ds .x .ac .vdb"),
+        ErrorKind::kAsset);
   }
   check_asset(asset);
   return asset;

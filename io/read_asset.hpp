@@ -7,7 +7,8 @@
 
 namespace elastogen {
 
-/// Reads an asset (.obj .ply .stl .glb .gltf) and checks it (io/asset_check.hpp).
+/// Reads an asset (.obj .ply .stl .glb .gltf; others through io/child_reader.hpp) and checks it
+/// (io/asset_check.hpp).
 /// @throws Error (asset) for a missing or empty file, a format that is not read, and all that the
 ///         readers and the check refuse.
 Asset read_asset(const std::string& path);

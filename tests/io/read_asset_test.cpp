@@ -54,11 +54,10 @@ TEST(ReadAsset, SaysWhyAFileIsNotRead) {
   says(folder.path(""), "is a folder");
   says("/dev/null", "is not a regular file");
   says(folder.write("empty.obj", ""), "the file is empty");
-  says(folder.write("a.fbx", "Kaydara FBX Binary  "),
-       "fbx is not read; read are .obj .ply .stl .glb .gltf");
-  says(folder.write("fake.obj", "Kaydara FBX Binary  "), "fbx is not read");
-  says(folder.write("a.DAE", "<COLLADA>"), "dae is not read");
-  says(folder.write("a.vdb", std::string(" BDV\0\0\0\0", 8)), "vdb is not read");
+  says(folder.write("a.usda", "#usda 1.0"), "usda is not read; read are .obj .ply .stl .glb .gltf");
+  says(folder.write("fake.obj", "Kaydara FBX Binary  "), "FBX");
+  says(folder.write("a.DAE", "<COLLADA>"), "malformed XML");
+  says(folder.write("a.vdb", std::string(" BDV\0\0\0\0", 8)), "no float grid");
   says(folder.write("noname", "???"), "this format is not read");
   says(folder.write("a.glb", "???"), "a.glb");
 }
@@ -80,12 +79,12 @@ TEST(ReadAsset, ReadsOrRefusesEveryRealFile) {
     } catch (const Error& error) {
       EXPECT_EQ(error.kind(), ErrorKind::kAsset) << path;
       EXPECT_TRUE(ending != ".obj" && ending != ".stl" && ending != ".STL") << error.what();
-      expect_says(error.what(), "read");
+      expect_says(error.what(), path + ": ");
       ++refused;
     }
   }
   EXPECT_GE(read, 30);
-  EXPECT_GE(refused, 10);
+  EXPECT_GE(refused, 7);
 }
 
 }  // namespace

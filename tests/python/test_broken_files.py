@@ -171,7 +171,7 @@ class BrokenFiles(unittest.TestCase):
     def test_empty_files_and_formats_that_are_not_read(self) -> None:
         for ending in ("obj", "ply", "stl", "glb", "gltf", ""):
             self.refused(f"empty.{ending}", b"", "empty")
-        for name in ("a.fbx", "a.off", "a.xyz", "a"):
+        for name in ("a.usdz", "a.off", "a.xyz", "a"):
             self.refused(name, b"some text\n", ".obj .ply .stl .glb .gltf")
 
     def test_the_cases_are_well_but_for_one_thing(self) -> None:

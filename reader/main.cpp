@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// elastogen-reader FORMAT PATH: reads one file in a limited process and writes the asset, or why
+// there is none, to standard output (io/asset_stream.hpp). io/child_reader.hpp starts it.
+
+#include "core/error.hpp"
+#include "core/parallel.hpp"
+#include "io/asset_stream.hpp"
+#include "io/child_reader.hpp"
+#include "reader/assimp_reader.hpp"
+#include "reader/limits.hpp"
+#include "voxelize/vdb_io.hpp"
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <exception>
+#include <new>
+
+namespace elastogen {
+namespace {
+
+std::string answer(const std::string& format, const std::string& path) {
+  try {
+    limit_process();
+    const ThreadLimit single(1);  // the CPU time is that of all threads
+    return encode_asset(format == "vdb" ? read_vdb(path) : read_assimp(path, format));
+  } catch (const std::bad_alloc&) {
+    return encode_failure(ReaderFailure::kMemory, "");
+  } catch (const std::exception& error) {
+    std::string_view text = error.what();
+    if (text.starts_with(path + ": ")) text.remove_prefix(path.size() + 2);
+    return encode_failure(ReaderFailure::kRefused, text);
+  }
+}
+
+bool write_all(std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t n = ::write(STDOUT_FILENO, bytes.data(), bytes.size());
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) return false;
+    bytes.remove_prefix(size_t(n));
+  }
+  return true;
+}
+
+}  // namespace
+}  // namespace elastogen
+
+int main(int argc, char** argv) {
+  if (argc != 3 || !elastogen::is_child_format(argv[1])) {
+    std::fprintf(stderr, "usage: elastogen-reader FORMAT PATH\n");
+    return 2;
+  }
+  // nothing is taken down: the libraries' clean-up would only be one more thing to go wrong
+  ::_exit(elastogen::write_all(elastogen::answer(argv[1], argv[2])) ? 0 : 1);
+}

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "voxelize/vdb_io.hpp"
+
+#include "core/error.hpp"
+#include "io/asset_check.hpp"
+#include "io/safe_file.hpp"
+
+#include <openvdb/io/File.h>
+#include <openvdb/openvdb.h>
+#include <openvdb/tools/ChangeBackground.h>
+#include <openvdb/tools/VolumeToMesh.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace elastogen {
+namespace {
+
+constexpr float kOutside = 1e-3f;     ///< least depth of a continued value, share of the largest
+constexpr double kSharpShare = 0.55;  ///< Border::second_share above which the border is sharp
+
+/// Largest and smallest value of the active voxels and tiles.
+struct Range {
+  float low = 0, high = 0;
+};
+
+Range range_of(const openvdb::FloatGrid& grid) {
+  auto value = grid.cbeginValueOn();
+  Range range = {*value, *value};
+  for (; value; ++value) {
+    range.low = std::min(range.low, *value);
+    range.high = std::max(range.high, *value);
+  }
+  return range;
+}
+
+/// Mean share of the largest value that the second voxel behind the border of a density has.
+/// Where it is low the density is a ramp that begins with 0 at the surface, as OpenVDB makes fog
+/// volumes of level sets; where it is high, the values are filled shares.
+struct Border {
+  openvdb::FloatGrid::Ptr outside;  ///< voxels next to the border: the values continued linearly
+  double second_share = 1;
+};
+
+Border border_of(const openvdb::FloatGrid& grid, float high) {
+  Border border = {openvdb::FloatGrid::create(-high), 1};
+  auto values = grid.getConstAccessor();
+  auto outside = border.outside->getAccessor();
+  double sum = 0;
+  int64_t count = 0;
+  for (auto at = grid.cbeginValueOn(); at; ++at) {
+    if (!at.isVoxelValue()) continue;
+    for (int d = 0; d < 6; ++d) {
+      openvdb::Coord step(0);
+      step[d / 2] = d % 2 == 0 ? 1 : -1;
+      const openvdb::Coord next = at.getCoord() + step;
+      if (values.isValueOn(next)) continue;
+      const float second = values.getValue(at.getCoord() - step);
+      const float continued = std::min(2 * *at - second, -kOutside * high);
+      outside.setValue(next, std::max(continued, outside.getValue(next)));
+      sum += double(second) / high;
+      ++count;
+    }
+  }
+  if (count > 0) border.second_share = sum / double(count);
+  return border;
+}
+
+/// Where the surface of a density lies; a ramp gets values beyond its border, so that it is 0
+/// there.
+double density_surface(openvdb::FloatGrid& grid, const std::string& place) {
+  grid.setGridClass(openvdb::GRID_FOG_VOLUME);
+  const float high = range_of(grid).high;
+  ELASTOGEN_CHECK_ASSET(high > 0 && std::isfinite(high), place, "its largest value is ", high,
+                        ", no density");
+  const Border border = border_of(grid, high);
+  if (border.second_share > kSharpShare) return high / 2.0;
+  openvdb::tools::changeBackground(grid.tree(), -high);
+  auto values = grid.getAccessor();
+  for (auto at = border.outside->cbeginValueOn(); at; ++at) values.setValue(at.getCoord(), *at);
+  return 0;
+}
+
+/// Where the surface of a grid lies; sets the class, which decides the side that is inside.
+double surface_value(openvdb::FloatGrid& grid, const std::string& place) {
+  const bool signed_values = grid.getGridClass() == openvdb::GRID_UNKNOWN && range_of(grid).low < 0;
+  if (grid.getGridClass() != openvdb::GRID_LEVEL_SET && !signed_values)
+    return density_surface(grid, place);
+  grid.setGridClass(openvdb::GRID_LEVEL_SET);
+  return 0;
+}
+
+/// The mesh of a grid, every cell of the surface one quadrilateral.
+Mesh mesh_of(openvdb::FloatGrid& grid, const std::string& place) {
+  const auto active = int64_t(grid.activeVoxelCount());
+  ELASTOGEN_CHECK_ASSET(active > 0, place, "it has no active voxel");
+  ELASTOGEN_CHECK_ASSET(active <= kMaxVdbVoxels, place, "it has ", active,
+                        " active voxels, at most ", kMaxVdbVoxels, " are read; resample it");
+  std::vector<openvdb::Vec3s> points;
+  std::vector<openvdb::Vec3I> triangles;
+  std::vector<openvdb::Vec4I> quads;
+  openvdb::tools::volumeToMesh(grid, points, triangles, quads, surface_value(grid, place));
+
+  Mesh mesh;
+  mesh.name = grid.getName();
+  for (const openvdb::Vec3s& p : points) {
+    mesh.position_of.push_back(int32_t(mesh.position.size()));
+    mesh.position.push_back({p[0], p[1], p[2]});
+  }
+  std::vector<int32_t>& corner = mesh.groups.emplace_back().corner;
+  const auto add = [&](uint32_t a, uint32_t b, uint32_t c) {
+    corner.insert(corner.end(), {int32_t(a), int32_t(b), int32_t(c)});
+  };
+  for (const openvdb::Vec3I& t : triangles) add(t[0], t[2], t[1]);
+  for (const openvdb::Vec4I& q : quads) {
+    add(q[0], q[2], q[1]);
+    add(q[0], q[3], q[2]);
+  }
+  ELASTOGEN_CHECK_ASSET(!corner.empty(), place, "no surface lies in it");
+  return mesh;
+}
+
+/// Name of the first float grid, in the order of names. @throws Error (asset) naming the grids if
+/// there is none.
+std::string float_grid_name(openvdb::io::File& file, Asset& asset) {
+  std::string name, others;
+  int64_t left_out = 0;
+  bool found = false;
+  for (auto at = file.beginName(); at != file.endName(); ++at) {
+    const openvdb::GridBase::Ptr grid = file.readGridMetadata(at.gridName());
+    if (!found && grid->type() == openvdb::FloatGrid::gridType()) {
+      name = at.gridName();
+      found = true;
+    } else {
+      others += concat(others.empty() ? "" : ", ", '"', at.gridName(), "\" (", grid->type(), ')');
+      ++left_out;
+    }
+  }
+  ELASTOGEN_CHECK_ASSET(found, "there is no float grid in it",
+                        others.empty() ? "" : ", only " + others);
+  add_finding(asset, "vdb-grids", left_out,
+              concat("grids were left out: ", others, "; read was \"", name, '"'));
+  return name;
+}
+
+Asset read_grid(const std::string& path) {
+  openvdb::initialize();
+  Asset asset;
+  asset.path = path;
+  asset.format = "vdb";
+  openvdb::io::File file(path);
+  file.open(false);
+  const std::string name = float_grid_name(file, asset);
+  const auto grid = openvdb::gridPtrCast<openvdb::FloatGrid>(file.readGrid(name));
+  asset.meshes.push_back(mesh_of(*grid, concat("grid \"", name, "\": ")));
+  asset.nodes.push_back({name, -1, kIdentity4, 0});
+  return asset;
+}
+
+/// A grid of the voxels' values, at their centres.
+template <class Grid, class Value>
+typename Grid::Ptr make_grid(const VoxelGrid& voxels, const char* name, const Value& value) {
+  const auto grid = Grid::create();
+  grid->setName(name);
+  const auto transform = openvdb::math::Transform::createLinearTransform(voxels.h);
+  const Vec3& o = voxels.origin;
+  const double half = voxels.h / 2;
+  transform->postTranslate(openvdb::Vec3d(o[0] + half, o[1] + half, o[2] + half));
+  grid->setTransform(transform);
+  auto accessor = grid->getAccessor();
+  for (int64_t v = 0; v < voxels.voxel_count(); ++v) {
+    const int32_t* c = voxels.voxel_coord.row(v);
+    accessor.setValue({c[0], c[1], c[2]}, value(v));
+  }
+  return grid;
+}
+
+}  // namespace
+
+Asset read_vdb(const std::string& path) {
+  try {
+    return read_grid(path);
+  } catch (const openvdb::Exception& error) {
+    throw Error(concat(path, ": OpenVDB cannot read it: ", error.what()), ErrorKind::kAsset);
+  } catch (const Error& error) {
+    throw Error(path + ": " + error.what(), error.kind());
+  }
+}
+
+void write_vdb(const std::string& path, const VoxelGrid& grid) {
+  openvdb::initialize();
+  const auto fill =
+      make_grid<openvdb::FloatGrid>(grid, "fill", [&](int64_t v) { return float(grid.fill(v)); });
+  fill->setGridClass(openvdb::GRID_FOG_VOLUME);
+  const auto piece = make_grid<openvdb::Int32Grid>(
+      grid, "piece", [&](int64_t v) { return grid.piece(grid.corners(v, 0)); });
+  SafeFile safe(path);
+  try {
+    openvdb::io::File file(safe.temporary());
+    file.write(openvdb::GridCPtrVec{fill, piece});
+    file.close();
+  } catch (const openvdb::Exception& error) {
+    throw Error(concat("cannot write ", path, ": ", error.what()), ErrorKind::kResources);
+  }
+  safe.commit();
+}
+
+}  // namespace elastogen
