@@ -92,19 +92,21 @@ class XyzParser {
     std::vector<std::string> names(words_.begin(), words_.end());
     for (std::string& name : names)
       for (char& c : name) c = c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c;
-    const auto find = [&](std::array<const char*, 3> wanted, std::array<size_t, 3>& columns) {
+    const auto find = [&](std::array<const char*, 3> wanted) {
+      std::array<size_t, 3> columns;
       for (size_t k = 0; k < 3; ++k)
         columns[k] = size_t(std::ranges::find(names, wanted[k]) - names.begin());
-      return std::ranges::max(columns) < names.size();
+      const bool has_all = std::ranges::max(columns) < names.size();
+      return has_all ? std::optional(columns) : std::nullopt;
     };
-    if (!find({"x", "y", "z"}, position_)) return false;
+    const auto position = find({"x", "y", "z"});
+    if (!position) return false;
     is_named_ = true;
-    Triple triple;
-    triple.meaning = Triple::kColour;
-    if (find({"r", "g", "b"}, triple.column) || find({"red", "green", "blue"}, triple.column))
-      triples_.push_back(triple);
-    triple.meaning = Triple::kNormal;
-    if (find({"nx", "ny", "nz"}, triple.column)) triples_.push_back(triple);
+    position_ = *position;
+    const auto rgb = find({"r", "g", "b"}), colour = rgb ? rgb : find({"red", "green", "blue"});
+    const auto normal = find({"nx", "ny", "nz"});
+    if (colour) triples_.push_back({Triple::kColour, *colour, {}});
+    if (normal) triples_.push_back({Triple::kNormal, *normal, {}});
     return true;
   }
 
