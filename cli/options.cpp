@@ -4,6 +4,7 @@
 #include "cli/exit_code.hpp"
 #include "cli/version.hpp"
 #include "core/error.hpp"
+#include "io/read_asset.hpp"
 #include "io/units.hpp"
 #include "voxelize/regions.hpp"
 
@@ -218,9 +219,7 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
   AnimateOptions animate;
   Typed typed;
   CLI::App& a = *app.add_subcommand("animate", "asset, material and pins to an animation");
-  a.add_option("INPUT", animate.input,
-               "asset: .obj .ply .stl .glb .gltf .fbx .dae .3ds .x .ac .vdb")
-      ->required();
+  a.add_option("INPUT", animate.input, std::string("asset: ") + kReadFormats)->required();
   add_output_options(a, animate, typed);
   add_material_options(a, typed);
   add_scene_options(a, animate, typed);

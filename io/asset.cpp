@@ -11,7 +11,6 @@
 namespace elastogen {
 namespace {
 
-constexpr double kMaxLength = 1e100;  ///< so that volumes neither overflow nor vanish
 constexpr int64_t kMaxCount = std::numeric_limits<int32_t>::max();
 
 Matrix4 product(const Matrix4& a, const Matrix4& b) {

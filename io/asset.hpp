@@ -17,6 +17,9 @@ namespace elastogen {
 using Matrix4 = std::array<double, 16>;
 inline constexpr Matrix4 kIdentity4 = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
 
+/// Longest edge of an asset, 1 / it the shortest: volumes neither overflow nor vanish.
+inline constexpr double kMaxLength = 1e100;
+
 /// Triangles of one material.
 struct TriangleGroup {
   int material = -1;            ///< index into Asset::materials, -1 for none

@@ -2,6 +2,7 @@
 #include "io/asset_check.hpp"
 
 #include "core/error.hpp"
+#include "io/cloud_check.hpp"
 
 #include <cmath>
 
@@ -67,7 +68,8 @@ void add_topology(Asset& asset, const Surface& surface, const WeldedMesh& w) {
   add_finding(asset, "double-sided", w.opposite_pairs,
               "triangles are there twice, once from each side");
   add_finding(asset, "unreferenced", w.unreferenced, "vertices belong to no triangle");
-  if (asset.format == "obj" || asset.format == "ply")  // the others split vertices by design
+  if (asset.format == "obj" || asset.format == "ply" ||
+      asset.format == "off")  // the others split vertices by design
     add_finding(asset, "duplicate-vertices", w.merged,
                 "vertices lie on another one; they are joined for the physics only");
   add_finding(asset, "non-manifold", w.nonmanifold_edges, "edges have three faces or more");
@@ -93,6 +95,7 @@ void add_finding(Asset& asset, const std::string& what, int64_t count, const std
 }
 
 void check_asset(Asset& asset) {
+  if (asset.points || asset.splats) return check_cloud(asset);
   for (Mesh& mesh : asset.meshes) {
     check_positions(asset, mesh);
     check_indices(asset, mesh);

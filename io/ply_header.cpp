@@ -138,6 +138,13 @@ int PlyElement::find(std::initializer_list<std::string_view> names) const {
   return -1;
 }
 
+size_t PlyElement::number(const std::string& property, const std::string& path) const {
+  const int column = find({property});
+  ELASTOGEN_CHECK_ASSET(column >= 0 && !properties[size_t(column)].is_list, path, ": its element ",
+                        name, " has no number ", property);
+  return size_t(column);
+}
+
 PlyHeader read_ply_header(std::string_view bytes, const std::string& path) {
   return HeaderParser(bytes, path).parse();
 }

@@ -29,6 +29,9 @@ struct PlyElement {
 
   /// Index of the first property with one of the names, -1 if there is none.
   int find(std::initializer_list<std::string_view> names) const;
+
+  /// Index of a property that is no list. @throws Error (asset) if there is none of that name.
+  size_t number(const std::string& property, const std::string& path) const;
 };
 
 struct PlyHeader {

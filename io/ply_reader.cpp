@@ -2,8 +2,8 @@
 #include "io/ply_reader.hpp"
 
 #include "io/asset_check.hpp"
-#include "io/byte_reader.hpp"
-#include "io/ply_header.hpp"
+#include "io/ply_splats.hpp"
+#include "io/ply_values.hpp"
 #include "io/polygon.hpp"
 #include "io/safe_file.hpp"
 
@@ -12,87 +12,6 @@
 
 namespace elastogen {
 namespace {
-
-/// Hands out the values of either encoding, one after the other, as doubles (all types fit).
-class PlyValues {
- public:
-  PlyValues(std::string_view bytes, const PlyHeader& header, const std::string& path)
-      : path_(path),
-        is_text_(header.encoding == PlyHeader::kText),
-        text_(bytes),
-        binary_(bytes, path,
-                header.encoding == PlyHeader::kBigEndian ? std::endian::big : std::endian::little) {
-  }
-
-  double next(PlyType type) {
-    if (is_text_) return next_number();
-    switch (type) {
-      case PlyType::kInt8:
-        return binary_.read<int8_t>();
-      case PlyType::kUint8:
-        return binary_.read<uint8_t>();
-      case PlyType::kInt16:
-        return binary_.read<int16_t>();
-      case PlyType::kUint16:
-        return binary_.read<uint16_t>();
-      case PlyType::kInt32:
-        return binary_.read<int32_t>();
-      case PlyType::kUint32:
-        return binary_.read<uint32_t>();
-      case PlyType::kFloat32:
-        return binary_.read<float>();
-      case PlyType::kFloat64:
-        break;
-    }
-    return binary_.read<double>();
-  }
-
-  /// Length of a list whose values can all be there.
-  int64_t next_length(const PlyProperty& list) {
-    const double length = next(list.count_type);
-    ELASTOGEN_CHECK_ASSET(length >= 0 && length == std::floor(length) && length < 0x1p31, path_,
-                          ": a list of ", list.name, " has the length ", length);
-    const int64_t n = int64_t(length);
-    if (is_text_) {
-      ELASTOGEN_CHECK_ASSET(n <= int64_t(text_.size() + 1) / 2, path_, ": ", n, " values of ",
-                            list.name, " are claimed but only ", text_.size(), " bytes are left");
-    } else {
-      binary_.claim(n, size_of(list.type), "values of a list");
-    }
-    return n;
-  }
-
-  void skip(const PlyProperty& property) {
-    const int64_t n = property.is_list ? next_length(property) : 1;
-    if (!is_text_) return binary_.skip(n * size_of(property.type), "bytes of values");
-    for (int64_t k = 0; k < n; ++k) next_number();
-  }
-
- private:
-  double next_number() {
-    const size_t begin = std::min(text_.find_first_not_of(kBlanks), text_.size());
-    text_.remove_prefix(begin);
-    const std::string_view word = text_.substr(0, text_.find_first_of(kBlanks));
-    text_.remove_prefix(word.size());
-    ELASTOGEN_CHECK_ASSET(!word.empty(), path_, ": the file ends before its values do");
-    const std::optional<double> value = to_double(word);
-    ELASTOGEN_CHECK_ASSET(value.has_value(), path_, ": a number is expected, not \"",
-                          word.substr(0, 40), '"');
-    return *value;
-  }
-
-  static constexpr std::string_view kBlanks = " \t\r\n\v\f";
-  const std::string& path_;
-  bool is_text_;
-  std::string_view text_;
-  ByteReader binary_;
-};
-
-/// Largest value of an integer type, by which colours are scaled; 0 for floats.
-double colour_range(PlyType type) {
-  static constexpr double kRange[] = {127, 255, 32767, 65535, 2147483647., 4294967295., 0, 0};
-  return kRange[int(type)];
-}
 
 class PlyParser {
  public:
@@ -103,7 +22,11 @@ class PlyParser {
   }
 
   Asset parse() {
-    check_faces();
+    const bool has_faces = check_faces();
+    if (!has_faces && is_splats(header_)) {
+      asset_.splats = read_splats(header_, values_, asset_);
+      return std::move(asset_);
+    }
     Mesh& mesh = asset_.meshes.emplace_back();
     for (const PlyElement& element : header_.elements) {
       if (element.name == "vertex" && mesh.position.empty()) {
@@ -111,31 +34,36 @@ class PlyParser {
       } else if (element.name == "face") {
         read_faces(element);
       } else {
-        skip(element);
+        values_.skip(element);
       }
     }
+    return has_faces ? as_mesh(mesh) : as_points(mesh);
+  }
+
+ private:
+  Asset as_mesh(Mesh& mesh) {
     build_triangles(mesh);
     mesh.name = std::filesystem::path(asset_.path).stem().string();
     asset_.nodes.push_back({mesh.name, -1, kIdentity4, 0});
     return std::move(asset_);
   }
 
- private:
-  void check_faces() const {
+  Asset as_points(Mesh& mesh) {
+    asset_.points.emplace();
+    asset_.points->position.swap(mesh.position);
+    asset_.points->normal.swap(mesh.normal);
+    asset_.points->colour.swap(mesh.colour);
+    asset_.meshes.clear();
+    return std::move(asset_);
+  }
+
+  bool check_faces() const {
     for (const PlyElement& element : header_.elements) {
-      if (element.name == "face" && element.count > 0) return;
+      if (element.name == "face" && element.count > 0) return true;
       ELASTOGEN_CHECK_ASSET(element.name != "tristrips", asset_.path,
                             ": triangle strips are not read; save it with faces");
     }
-    throw Error(
-        concat(asset_.path, ": has no faces: a point cloud or splat file, which is not read yet"),
-        ErrorKind::kAsset);
-  }
-
-  void skip(const PlyElement& element) {
-    if (element.properties.empty()) return;
-    for (int64_t k = 0; k < element.count; ++k)
-      for (const PlyProperty& property : element.properties) values_.skip(property);
+    return false;
   }
 
   /// Where the known properties of a vertex stand in its row, -1 for none.
@@ -163,12 +91,9 @@ class PlyParser {
     const auto all = [](const int* column, int n) {
       return std::all_of(column, column + n, [](int k) { return k >= 0; });
     };
-    std::vector<double> row(vertex.properties.size());
+    std::vector<double> row;
     for (int64_t i = 0; i < vertex.count; ++i) {
-      for (size_t k = 0; k < row.size(); ++k) {
-        const PlyProperty& p = vertex.properties[k];
-        p.is_list ? values_.skip(p) : void(row[k] = values_.next(p.type));
-      }
+      values_.next_row(vertex, row);
       const auto at = [&](int k) { return row[size_t(k)]; };
       mesh.position.push_back({at(c.position[0]), at(c.position[1]), at(c.position[2])});
       mesh.position_of.push_back(int32_t(i));

@@ -5,10 +5,16 @@
 #include "io/byte_reader.hpp"
 #include "io/child_reader.hpp"
 #include "io/gltf_reader.hpp"
+#include "io/las_reader.hpp"
 #include "io/obj_reader.hpp"
+#include "io/off_reader.hpp"
+#include "io/pcd_reader.hpp"
 #include "io/ply_reader.hpp"
 #include "io/safe_file.hpp"
+#include "io/splat_reader.hpp"
+#include "io/spz_reader.hpp"
 #include "io/stl_reader.hpp"
+#include "io/xyz_reader.hpp"
 
 #include <algorithm>
 #include <filesystem>
@@ -53,6 +59,7 @@ std::string format_of(std::string_view head) {
       {"glTF", "glb"},        {"ply\n", "ply"},     {"ply\r", "ply"},     {"Kaydara FBX", "fbx"},
       {"; FBX", "fbx"},       {" BDV"sv, "vdb"},    {"PXR-USDC", "usdc"}, {"#usda", "usda"},
       {"PK\x03\x04", "zip"},  {"\x1f\x8b", "gzip"}, {"LASF", "las"},      {"OFF", "off"},
+      {"COFF", "off"},        {"NOFF", "off"},      {"STOFF", "off"},     {"NGSP", "spz"},
       {"$MeshFormat", "msh"}, {"xof ", "x"},        {"# .PCD", "pcd"},    {"# vtk DataFile", "vtk"},
       {"\x89HDF", "hdf5"},    {"\x89PNG", "png"},
   };
@@ -62,6 +69,46 @@ std::string format_of(std::string_view head) {
   return "";
 }
 
+struct Reader {
+  std::string_view format;
+  Asset (*read)(const std::string& path);
+};
+
+constexpr Reader kReaders[] = {
+    {"obj", read_obj},   {"ply", read_ply},  {"stl", read_stl}, {"glb", read_gltf},
+    {"gltf", read_gltf}, {"off", read_off},  {"xyz", read_xyz}, {"asc", read_xyz},
+    {"pts", read_xyz},   {"pcd", read_pcd},  {"las", read_las}, {"splat", read_splat},
+    {"spz", read_spz},   {"gzip", read_spz},
+};
+
+/// What to do with formats that are not read, by their ending.
+struct Advice {
+  std::string_view format, text;
+};
+
+constexpr std::string_view kSplatAdvice =
+    "SuperSplat and splat-transform turn it into a .ply of splats; ";
+constexpr std::string_view kSceneAdvice = "Blender exports it as .glb; ";
+constexpr std::string_view kSolidAdvice = "its program exports it as .stl or .obj; ";
+constexpr Advice kAdvice[] = {
+    {"ksplat", kSplatAdvice},
+    {"sog", kSplatAdvice},
+    {"sogs", kSplatAdvice},
+    {"rad", kSplatAdvice},
+    {"laz", "laszip and las2las turn it into .las; "},
+    {"e57", "CloudCompare and PDAL turn it into .las or .ply; "},
+    {"usda", kSceneAdvice},
+    {"usdc", kSceneAdvice},
+    {"usdz", kSceneAdvice},
+    {"blend", kSceneAdvice},
+    {"abc", kSceneAdvice},
+    {"msh", "Gmsh and meshio turn its surface into .stl; "},
+    {"step", kSolidAdvice},
+    {"stp", kSolidAdvice},
+    {"iges", kSolidAdvice},
+    {"3mf", kSolidAdvice},
+};
+
 }  // namespace
 
 Asset read_asset(const std::string& path) {
@@ -69,23 +116,22 @@ Asset read_asset(const std::string& path) {
   const std::string proven = format_of(head), ending = ending_of(path);
   const std::string format = proven.empty() ? ending : proven;
 
-  Asset asset;
-  if (format == "obj") {
-    asset = read_obj(path);
-  } else if (format == "ply") {
-    asset = read_ply(path);
-  } else if (format == "stl" || (format != "gltf" && head.starts_with("solid"))) {
-    asset = read_stl(path);
-  } else if (format == "gltf" || format == "glb") {
-    asset = read_gltf(path);
-  } else if (is_child_format(format)) {
-    asset = read_in_child(path, format);
-  } else {
-    throw Error(
-        concat(path, ": ", format.empty() ? "this format" : format,
-               " is not read; read are .obj .ply .stl .glb .gltf .fbx .dae .3ds .x .ac .vdb"),
-        ErrorKind::kAsset);
+  const auto named = [](const std::string& name) {
+    return [&](const auto& entry) { return entry.format == name; };
+  };
+  auto reader = std::ranges::find_if(kReaders, named(format));
+  if (format != "gltf" && head.starts_with("solid"))
+    reader = std::ranges::find_if(kReaders, named("stl"));
+  const bool child = reader == std::end(kReaders) && is_child_format(format);
+  if (reader == std::end(kReaders) && !child) {
+    const auto advice = std::ranges::find_if(kAdvice, named(ending));
+    const bool has_advice = advice != std::end(kAdvice);
+    const std::string name = has_advice ? ending : format.empty() ? "this format" : format;
+    throw Error(concat(path, ": ", name, " is not read; ", has_advice ? advice->text : "",
+                       "read are ", kReadFormats),
+                ErrorKind::kAsset);
   }
+  Asset asset = child ? read_in_child(path, format) : reader->read(path);
   check_asset(asset);
   return asset;
 }

@@ -7,10 +7,14 @@
 
 namespace elastogen {
 
-/// Reads an asset (.obj .ply .stl .glb .gltf; others through io/child_reader.hpp) and checks it
-/// (io/asset_check.hpp).
-/// @throws Error (asset) for a missing or empty file, a format that is not read, and all that the
-///         readers and the check refuse.
+/// Endings of the formats that are read, as messages and the help of the command list them.
+inline constexpr const char* kReadFormats =
+    ".obj .ply .stl .glb .gltf .off .fbx .dae .3ds .x .ac .vdb .xyz .asc .pts .pcd .las .splat "
+    ".spz";
+
+/// Reads an asset, some formats through io/child_reader.hpp, and checks it (io/asset_check.hpp).
+/// @throws Error (asset) for a missing or empty file, a format that is not read (saying what to do
+///         where there is a way), and all that the readers and the check refuse.
 Asset read_asset(const std::string& path);
 
 }  // namespace elastogen

@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/ply_reader.hpp"
 
-#include "io/asset_check.hpp"
-#include "tests/io/test_files.hpp"
-
-#include <bit>
-#include <cstring>
+#include "tests/io/cloud_files.hpp"
 
 namespace elastogen {
 namespace {
@@ -102,11 +98,33 @@ TEST(PlyReader, NamesTheTextureOfItsComment) {
   EXPECT_EQ(asset.meshes[0].groups[0].material, 0);
 }
 
-TEST(PlyReader, SaysWhatACloudIs) {
-  const std::string cloud =
-      "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
-      "property float z\nend_header\n0 0 0\n";
-  expect_says(error_of([&] { parse(cloud); }), "point cloud or splat file, which is not read yet");
+TEST(PlyReader, WithoutFacesItIsACloud) {
+  const std::string head =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+      "property float z\nproperty float nx\nproperty float ny\nproperty float nz\n"
+      "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+  const std::string rows = "0 0 0 0 0 1 255 0 0\n1 nan 0 1 0 0 0 255 0\n2 0 5 0 1 0 0 0 255\n";
+  const std::string faces = "element face 0\nproperty list uchar int vertex_indices\n";
+  for (const std::string& between : {std::string(), faces}) {
+    const Asset asset = test::checked(parse_ply, head + between + "end_header\n" + rows);
+    EXPECT_TRUE(asset.meshes.empty() && asset.nodes.empty() && !asset.splats);
+    EXPECT_EQ(asset.points->position, (std::vector<Vec3>{{0, 0, 0}, {2, 0, 5}}));
+    EXPECT_EQ(asset.points->normal.at(1), (std::array<float, 3>{0, 1, 0}));
+    EXPECT_EQ(asset.points->colour.at(1), (std::array<float, 4>{0, 0, 1, 1}));
+    EXPECT_EQ(test::finding_of(asset, "bad-points"), 1);
+  }
+  test::expect_no_cut_is_read(parse_ply, head + "end_header\n" + rows, 3);
+  test::expect_any_byte_is_read_or_refused(parse_ply, head + "end_header\n" + rows);
+  const std::string none =
+      "ply\nformat ascii 1.0\nelement vertex 0\nproperty int x\n"
+      "property int y\nproperty int z\nend_header\n";
+  expect_says(error_of([&] { test::checked(parse_ply, none); }), "has no points: nothing");
+  expect_says(error_of([] {
+                parse(
+                    "ply\nformat ascii 1.0\nelement tristrips 1\n"
+                    "property list int int vertex_indices\nend_header\n3 0 1 2\n");
+              }),
+              "triangle strips are not read");
 }
 
 TEST(PlyReader, RefusesHeadersThatCannotBe) {
@@ -208,9 +226,10 @@ TEST(PlyReader, ReadsRealFilesWithTheirCounts) {
   EXPECT_EQ(corgi.meshes[0].colour.size(), 1585u);
   EXPECT_TRUE(weld(pose_surface(corgi)).closed());
   EXPECT_EQ(weld(pose_surface(read_ply(folder + "broken/lego.ply"))).border_edges, 224);
-  for (const char* cloud : {"splats/spot_3dgs.ply", "splats/guitar.compressed.ply",
-                            "splats/train_1000.ply", "points/spot_points_normals.ply"})
-    expect_says(error_of([&] { read_ply(folder + cloud); }), "point cloud or splat file");
+  const PointCloud cloud = *read_ply(folder + "points/spot_points_normals.ply").points;
+  EXPECT_EQ(cloud.position.size(), 20000u);
+  EXPECT_EQ(cloud.normal.size(), 20000u);
+  EXPECT_EQ(cloud.colour.size(), 20000u);
 }
 
 }  // namespace

@@ -19,7 +19,12 @@ constexpr const char* kStl =
     "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\n"
     "endfacet\nendsolid\n";
 
+constexpr const char* kOff = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+constexpr const char* kPcd =
+    "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 2\nDATA ascii\n0 0 0\n1 1 1\n";
+
 TEST(ReadAsset, TakesTheFormatFromTheContentThenFromTheName) {
+  using namespace std::string_literals;
   const TempFolder folder;
   EXPECT_EQ(read_asset(folder.write("a.obj", kObj)).format, "obj");
   EXPECT_EQ(read_asset(folder.write("A.OBJ", kObj)).format, "obj");
@@ -28,6 +33,17 @@ TEST(ReadAsset, TakesTheFormatFromTheContentThenFromTheName) {
   EXPECT_EQ(read_asset(folder.write("noname", kPly)).format, "ply");
   EXPECT_EQ(read_asset(folder.write("a.STL", kStl)).format, "stl");
   EXPECT_EQ(read_asset(folder.write("a.xyz", kStl)).format, "stl");
+  EXPECT_EQ(read_asset(folder.write("b.xyz", kPly)).format, "ply");
+  for (const char* name : {"a.off", "noname2"})
+    EXPECT_EQ(read_asset(folder.write(name, kOff)).format, "off");
+  EXPECT_EQ(read_asset(folder.write("b.off", "# made by a test\n" + std::string(kOff))).format,
+            "off");
+  for (const char* name : {"c.xyz", "c.asc", "c.PTS"})
+    EXPECT_EQ(read_asset(folder.write(name, "0 0 0\n1 1 1\n")).format, "xyz");
+  EXPECT_EQ(read_asset(folder.write("a.pcd", kPcd)).format, "pcd");
+  EXPECT_EQ(read_asset(folder.write("noname3", "# .PCD v.7\n" + std::string(kPcd))).format, "pcd");
+  const std::string one = "\0\0\x80?"s, splat = one + one + one + one + one + one + "abcdefgh";
+  EXPECT_EQ(read_asset(folder.write("a.splat", splat)).format, "splat");
 }
 
 TEST(ReadAsset, ChecksWhatItRead) {
@@ -54,10 +70,18 @@ TEST(ReadAsset, SaysWhyAFileIsNotRead) {
   says(folder.path(""), "is a folder");
   says("/dev/null", "is not a regular file");
   says(folder.write("empty.obj", ""), "the file is empty");
-  says(folder.write("a.usda", "#usda 1.0"), "usda is not read; read are .obj .ply .stl .glb .gltf");
+  says(folder.write("a.usda", "#usda 1.0"),
+       "usda is not read; Blender exports it as .glb; read are .obj");
   says(folder.write("fake.obj", "Kaydara FBX Binary  "), "FBX");
   says(folder.write("a.DAE", "<COLLADA>"), "malformed XML");
   says(folder.write("a.vdb", std::string(" BDV\0\0\0\0", 8)), "no float grid");
+  says(folder.write("a.ksplat", "???"), "ksplat is not read; SuperSplat and splat-transform");
+  says(folder.write("a.sog", "PK\x03\x04"), "sog is not read; SuperSplat and splat-transform");
+  says(folder.write("a.rad", "???"), "rad is not read; SuperSplat and splat-transform");
+  says(folder.write("a.e57", "ASTM-E57"), "e57 is not read; CloudCompare and PDAL");
+  says(folder.write("a.laz", "???"), "laz is not read; laszip and las2las");
+  says(folder.write("a.ply.gz", "\x1f\x8b"), "gzip stream is damaged");
+  says(folder.write("a.spz", "NGSP"), "version 4");
   says(folder.write("noname", "???"), "this format is not read");
   says(folder.write("a.glb", "???"), "a.glb");
 }
@@ -68,13 +92,17 @@ TEST(ReadAsset, ReadsOrRefusesEveryRealFile) {
   int read = 0, refused = 0;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
     const std::string path = entry.path().string(), ending = entry.path().extension().string();
-    const bool is_read = ending == ".obj" || ending == ".stl" || ending == ".STL" ||
-                         entry.path().parent_path().filename() == "formats" ||
-                         entry.path().parent_path().filename() == "splats";
+    const std::string kind = entry.path().parent_path().filename();
+    const bool is_mesh =
+        ending == ".obj" || ending == ".stl" || ending == ".STL" || ending == ".off";
+    const bool is_cloud = kind == "splats" || kind == "points";
+    const bool is_read = is_mesh || is_cloud || kind == "formats";
     if (!entry.is_regular_file() || !is_read) continue;
     try {
       const Asset asset = read_asset(path);
-      EXPECT_FALSE(asset.meshes.empty()) << path;
+      EXPECT_EQ(asset.meshes.empty(), asset.points || asset.splats) << path;
+      EXPECT_EQ(asset.meshes.empty(), is_cloud) << path;
+      EXPECT_FALSE(is_cloud && !asset.findings.empty()) << path;
       ++read;
     } catch (const Error& error) {
       EXPECT_EQ(error.kind(), ErrorKind::kAsset) << path;
@@ -85,6 +113,13 @@ TEST(ReadAsset, ReadsOrRefusesEveryRealFile) {
   }
   EXPECT_GE(read, 30);
   EXPECT_GE(refused, 7);
+  EXPECT_FALSE(is_mesh || is_cloud) << error.what();
+  expect_says(error.what(), "read");
+  ++refused;
+}
+}
+EXPECT_GE(read, 50);
+EXPECT_GE(read + refused, 57);
 }
 
 }  // namespace

@@ -170,4 +170,14 @@ def read_stl(path: Path) -> SourceMesh:
     return SourceMesh(position, np.arange(len(position)).reshape(-1, 3).tolist())
 
 
-READERS = {".obj": read_obj, ".ply": read_ply, ".stl": read_stl}
+def read_off(path: Path) -> SourceMesh:
+    """Positions and faces in the file's order."""
+    lines = [line.split("#")[0].split() for line in path.read_text().splitlines()]
+    rows = [words for words in lines if words][1:]
+    vertices, faces = int(rows[0][0]), int(rows[0][1])
+    position = np.array([[float(x) for x in row[:3]] for row in rows[1:vertices + 1]])
+    return SourceMesh(position, [[int(k) for k in row[1:int(row[0]) + 1]]
+                                 for row in rows[vertices + 1:vertices + faces + 1]])
+
+
+READERS = {".obj": read_obj, ".ply": read_ply, ".stl": read_stl, ".off": read_off}

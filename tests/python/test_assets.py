@@ -20,7 +20,8 @@ import kept
 from command import Run, animate
 from glb_file import GlbError, frame_count, read_document
 
-READ = {".obj", ".ply", ".stl", ".glb", ".gltf", ".fbx", ".dae", ".3ds", ".vdb"}
+READ = {".obj", ".ply", ".stl", ".glb", ".gltf", ".off", ".xyz", ".pcd", ".las", ".splat", ".spz",
+        ".fbx", ".dae", ".3ds", ".vdb"}
 OPTIONS = ("--voxels", 24, "--frames", 10, "--material", "jelly", "--pin", "y<5%", "--threads", 1,
            "--max-time", "60s")
 SECONDS = 120  # for one file, after which it hangs

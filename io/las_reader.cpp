@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/las_reader.hpp"
+
+#include "io/byte_reader.hpp"
+#include "io/safe_file.hpp"
+
+#include <algorithm>
+
+namespace elastogen {
+namespace {
+
+/// Bytes of a record of each point format, and where its RGB stands (0: it has none).
+constexpr int kRecordBytes[] = {20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};
+constexpr int kRgbOffset[] = {0, 0, 20, 28, 0, 28, 0, 30, 30, 0, 30};
+constexpr size_t kHeaderBytes = 227, kHeaderBytes14 = 375;
+
+struct Header {
+  int64_t points = 0;      ///< records
+  size_t data_offset = 0;  ///< of the first record [bytes]
+  int format = 0;          ///< of the points
+  int64_t record_bytes = 0;
+  Vec3 scale, offset;
+};
+
+/// The value at an offset of a file that is long enough.
+template <class T>
+T at(std::string_view bytes, size_t offset) {
+  return ByteReader(bytes.substr(offset), "").read<T>();
+}
+
+Header read_header(std::string_view bytes, const std::string& path) {
+  ELASTOGEN_CHECK_ASSET(bytes.starts_with("LASF") && bytes.size() >= kHeaderBytes, path,
+                        ": has no LAS header of ", kHeaderBytes, " bytes that begin with LASF");
+  const int major = at<uint8_t>(bytes, 24), minor = at<uint8_t>(bytes, 25);
+  ELASTOGEN_CHECK_ASSET(major == 1 && minor <= 4, path, ": LAS ", major, '.', minor,
+                        " is not read; versions 1.0 to 1.4 are");
+  const int format = at<uint8_t>(bytes, 104);
+  ELASTOGEN_CHECK_ASSET(format < 128, path,
+                        ": compressed points (LAZ) are not read; laszip or las2las turns the file "
+                        "into LAS");
+  ELASTOGEN_CHECK_ASSET(format <= 10, path, ": the point format ", format,
+                        " is not read; 0 to 10 are");
+  Header header;
+  header.format = format;
+  header.data_offset = at<uint32_t>(bytes, 96);
+  header.record_bytes = at<uint16_t>(bytes, 105);
+  header.points = at<uint32_t>(bytes, 107);
+  if (minor == 4 && bytes.size() >= kHeaderBytes14 && header.points == 0) {
+    const uint64_t points = at<uint64_t>(bytes, 247);
+    ELASTOGEN_CHECK_ASSET(points <= bytes.size(), path, ": claims ", points, " points in ",
+                          bytes.size(), " bytes");
+    header.points = int64_t(points);
+  }
+  for (size_t k = 0; k < 3; ++k) {
+    header.scale[k] = at<double>(bytes, 131 + 8 * k);
+    header.offset[k] = at<double>(bytes, 155 + 8 * k);
+  }
+  ELASTOGEN_CHECK_ASSET(header.record_bytes >= kRecordBytes[format], path,
+                        ": points of the format ", format, " take ", kRecordBytes[format],
+                        " bytes, not ", header.record_bytes);
+  ELASTOGEN_CHECK_ASSET(header.data_offset >= kHeaderBytes && header.data_offset <= bytes.size(),
+                        path, ": its points begin at byte ", header.data_offset, " of ",
+                        bytes.size());
+  return header;
+}
+
+}  // namespace
+
+Asset parse_las(std::string_view bytes, const std::string& path) {
+  const Header header = read_header(bytes, path);
+  const std::string_view records = bytes.substr(header.data_offset);
+  ByteReader(records, path).claim(header.points, header.record_bytes, "points");
+  Asset asset;
+  asset.path = path;
+  asset.format = "las";
+  asset.up = 3;
+  PointCloud& cloud = asset.points.emplace();
+  const size_t rgb = size_t(kRgbOffset[header.format]);
+  std::vector<std::array<uint16_t, 3>> colours;
+  uint16_t brightest = 0;
+  for (int64_t i = 0; i < header.points; ++i) {
+    const std::string_view record = records.substr(size_t(i * header.record_bytes));
+    Vec3& p = cloud.position.emplace_back();
+    for (size_t k = 0; k < 3; ++k)
+      p[k] = header.scale[k] * at<int32_t>(record, 4 * k) + header.offset[k];
+    if (rgb == 0) continue;
+    auto& c = colours.emplace_back();
+    for (size_t k = 0; k < 3; ++k) c[k] = at<uint16_t>(record, rgb + 2 * k);
+    brightest = std::max({brightest, c[0], c[1], c[2]});
+  }
+
+  // many writers store 8 bits where the standard asks for 16
+  const double range = brightest > 255 ? 65535 : 255;
+  for (const auto& c : colours)
+    cloud.colour.push_back({linear_from_srgb(c[0] / range), linear_from_srgb(c[1] / range),
+                            linear_from_srgb(c[2] / range), 1});
+  return asset;
+}
+
+Asset read_las(const std::string& path) {
+  return parse_las(read_file(path), path);
+}
+
+}  // namespace elastogen

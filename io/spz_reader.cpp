@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/spz_reader.hpp"
+
+#include "io/byte_reader.hpp"
+#include "io/gzip_reader.hpp"
+#include "io/safe_file.hpp"
+#include "io/splat_ply.hpp"
+
+#include <algorithm>
+
+namespace elastogen {
+namespace {
+
+constexpr uint32_t kMagic = 0x5053474e;  ///< "NGSP"
+constexpr int64_t kHeaderBytes = 16;
+constexpr int64_t kMaxRatio = 100;  ///< of unpacked to packed bytes; splats reach 10
+
+/// 24-bit integer with a sign.
+int32_t read_int24(ByteReader& reader) {
+  const uint32_t low = reader.read<uint16_t>(), high = reader.read<uint8_t>();
+  return int32_t((high << 16 | low) << 8) >> 8;
+}
+
+/// Version 2: x y z as bytes; w >= 0 is what a unit quaternion has left.
+std::array<float, 4> read_rotation2(ByteReader& reader) {
+  std::array<float, 4> q = {};
+  float rest = 1;
+  for (size_t k = 1; k < 4; ++k) {
+    q[k] = float(reader.read<uint8_t>()) / 127.5f - 1;
+    rest -= q[k] * q[k];
+  }
+  q[0] = std::sqrt(std::max(rest, 0.f));
+  return q;
+}
+
+/// Version 3: the index of the largest of x y z w in the highest bits, then sign and 9 bits of each
+/// of the others, in parts of 1/sqrt(2).
+std::array<float, 4> read_rotation3(ByteReader& reader) {
+  const uint32_t word = reader.read<uint32_t>();
+  const uint32_t largest = word >> 30;
+  std::array<float, 4> q = {};
+  double rest = 1;
+  uint32_t shift = 20;
+  for (uint32_t k = 0; k < 4; ++k) {
+    if (k == largest) continue;
+    const uint32_t bits = word >> shift;
+    const double value = (bits & 511) / 511. * std::sqrt(0.5) * (bits & 512 ? -1 : 1);
+    q[(k + 1) % 4] = float(value);
+    rest -= value * value;
+    shift -= 10;
+  }
+  q[(largest + 1) % 4] = float(std::sqrt(std::max(rest, 0.)));
+  return q;
+}
+
+struct Header {
+  int64_t splats = 0;
+  int version = 0, degree = 0, fraction_bits = 0;
+  bool has_extensions = false;
+
+  int64_t splat_bytes() const {
+    return 9 + 1 + 3 + 3 + (version == 2 ? 3 : 4) + 3 * (harmonic_count(degree) - 1);
+  }
+};
+
+Header read_header(const std::string& bytes, const std::string& path) {
+  ELASTOGEN_CHECK_ASSET(int64_t(bytes.size()) == kHeaderBytes, path, ": has no SPZ header of ",
+                        kHeaderBytes, " bytes");
+  ByteReader reader(bytes, path);
+  ELASTOGEN_CHECK_ASSET(reader.read<uint32_t>() == kMagic, path,
+                        ": what it packs is no SPZ; unpack it with gunzip first");
+  const uint32_t version = reader.read<uint32_t>();
+  ELASTOGEN_CHECK_ASSET(version == 2 || version == 3, path, ": SPZ version ", version,
+                        " is not read; save it as version 3 or as .ply");
+  Header header;
+  header.version = int(version);
+  header.splats = reader.read<uint32_t>();
+  header.degree = reader.read<uint8_t>();
+  header.fraction_bits = reader.read<uint8_t>();
+  header.has_extensions = reader.read<uint8_t>() & 2;
+  ELASTOGEN_CHECK_ASSET(header.degree <= 3, path, ": harmonics of degree ", header.degree,
+                        " are not read; save it with degree 3");
+  ELASTOGEN_CHECK_ASSET(header.fraction_bits < 24, path, ": positions of 24 bits cannot have ",
+                        header.fraction_bits, " behind the point");
+  return header;
+}
+
+SplatCloud read_body(const std::string& bytes, const Header& header, const std::string& path) {
+  ByteReader reader(bytes, path);
+  const size_t n = size_t(header.splats);
+  const size_t width = 3 * size_t(harmonic_count(header.degree));
+  SplatCloud splats;
+  splats.degree = header.degree;
+  splats.position.resize(n);
+  splats.opacity.resize(n);
+  splats.scale.resize(n);
+  splats.rotation.resize(n);
+  splats.harmonics.resize(n * width);
+  const double unit = std::ldexp(1., -header.fraction_bits);
+  for (Vec3& p : splats.position)
+    for (double& x : p) x = unit * read_int24(reader);
+  for (float& opacity : splats.opacity) opacity = float(reader.read<uint8_t>()) / 255;
+  for (size_t i = 0; i < n; ++i)
+    for (size_t k = 0; k < 3; ++k)
+      splats.harmonics[i * width + k] = (float(reader.read<uint8_t>()) / 255 - 0.5f) / 0.15f;
+  for (auto& scale : splats.scale)
+    for (float& s : scale) s = scale_of_log(float(reader.read<uint8_t>()) / 16 - 10);
+  for (auto& q : splats.rotation)
+    q = header.version == 2 ? read_rotation2(reader) : read_rotation3(reader);
+  for (size_t i = 0; i < n; ++i)
+    for (size_t k = 3; k < width; ++k)
+      splats.harmonics[i * width + k] = (float(reader.read<uint8_t>()) - 128) / 128;
+  return splats;
+}
+
+}  // namespace
+
+Asset parse_spz(std::string_view bytes, const std::string& path) {
+  ELASTOGEN_CHECK_ASSET(!bytes.starts_with("NGSP"), path,
+                        ": SPZ without gzip (version 4) is not read; save it as version 3 or .ply");
+  GzipReader unpacker(bytes, path);
+  const Header header = read_header(unpacker.next(kHeaderBytes), path);
+  const int64_t body = header.splats * header.splat_bytes();
+  ELASTOGEN_CHECK_ASSET(body <= std::min(kMaxRatio * int64_t(bytes.size()), kMaxFileBytes), path,
+                        ": claims ", header.splats, " splats of ", header.splat_bytes(),
+                        " bytes, too many for a file of ", bytes.size(), " bytes");
+  const std::string values = unpacker.next(body);
+  ELASTOGEN_CHECK_ASSET(int64_t(values.size()) == body, path, ": its ", header.splats,
+                        " splats need ", body, " bytes, it unpacks to ", values.size());
+
+  // the end of the stream proves its sum; extensions are not asked for theirs
+  ELASTOGEN_CHECK_ASSET(header.has_extensions || unpacker.next(1).empty(), path,
+                        ": unpacks to more bytes than its ", header.splats, " splats");
+  Asset asset;
+  asset.path = path;
+  asset.format = "spz";
+  asset.splats = read_body(values, header, path);
+  return asset;
+}
+
+Asset read_spz(const std::string& path) {
+  return parse_spz(read_file(path), path);
+}
+
+}  // namespace elastogen

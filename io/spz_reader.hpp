@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// Gaussian splats in the SPZ layout (Niantic, versions 2 and 3) to an Asset.
+
+#pragma once
+
+#include "io/asset.hpp"
+
+#include <string_view>
+
+namespace elastogen {
+
+/// gzip of a header and of the attributes, one after the other: positions of 24 bits with a binary
+/// point, opacities, colours, log scales, rotations, harmonics. Extensions behind them are skipped.
+/// @throws Error (asset) with the file: no gzip, a damaged one, another version or degree, fewer
+///         bytes than the header's count needs, a count that the file could not unpack to.
+Asset read_spz(const std::string& path);
+
+/// The same from memory; `path` is for messages.
+Asset parse_spz(std::string_view bytes, const std::string& path);
+
+}  // namespace elastogen
