@@ -86,7 +86,9 @@ TEST(Collider, AFreeShareKeepsATenthOfTheDistanceAllAlong) {
       const double least = least_distance(c, a, b, share);
       EXPECT_GT(least, 0.1 * distance - 1e-12);
       // and no less is taken than must be: a cut ends near the tenth, by sqrt 3 at a box's corner
-      if (share < 1) EXPECT_LT(least, 0.1 * distance * std::sqrt(3) + 1e-9);
+      if (share < 1) {
+        EXPECT_LT(least, 0.1 * distance * std::sqrt(3) + 1e-9);
+      }
     }
   }
   EXPECT_GT(cut, 300);
