@@ -74,7 +74,7 @@ TEST(Colliders, GradientIsTheDerivativeOfTheEnergyForEveryShape) {
   const double h = 0.05, layer = h / 4;
   std::vector<Collider> colliders = {
       ball({0.1, -0.3 + 0.4 * layer, 0.1}, 0.3), block({-0.1 + 0.5 * layer, 0.1, 0.1}, {0.1, 1, 1}),
-      block({0.3, 0.3, 0.3}, {0.1325, 0.1325, 0.1325}), half_space({0, -0.6, -0.8}, -0.2, 0.7)};
+      block({0.3, 0.3, 0.3}, {0.1325, 0.1325, 0.1325}), half_space({0, -0.6, -0.8}, -0.25875, 0.7)};
   colliders[0].path = {{0, {}}, {1, {0.06, 0, 0.03}}};
   for (size_t k = 0; k < colliders.size(); ++k) {
     const Scene scene = box_scene(4, 4, 4, h, {0, 0, 0}, solid(1e5, 0.3), {colliders[k]});
