@@ -2,6 +2,7 @@
 #include "cli/options.hpp"
 
 #include "cli/exit_code.hpp"
+#include "cli/region_option.hpp"
 #include "cli/version.hpp"
 #include "core/error.hpp"
 #include "io/read_asset.hpp"
@@ -28,7 +29,7 @@ struct Typed {
   CLI::Option* floor_option = nullptr;
 };
 
-void add_material_options(CLI::App& app, Typed& t) {
+void add_material_options(CLI::App& app, AnimateOptions& o, Typed& t) {
   app.add_option("--material", t.material, "preset: rubber, soft-rubber, jelly, foam, ...")
       ->group("Material");
   app.add_option("--law", t.law, "fixed-corotated, neo-hookean, stable-neo-hookean, stvk or hencky")
@@ -36,6 +37,11 @@ void add_material_options(CLI::App& app, Typed& t) {
   app.add_option("--young", t.young, "Young's modulus, e.g. 1e6 or '1 MPa'")->group("Material");
   app.add_option("--poisson", t.poisson, "Poisson's ratio, 0 <= nu < 0.5")->group("Material");
   app.add_option("--density", t.density, "density, e.g. 1100 or '1.1 g/cm3'")->group("Material");
+  app.add_option("--region", o.regions,
+                 "another material for a part, 'SELECTION: MATERIAL'; repeatable")
+      ->group("Material")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
 }
 
 void add_scene_options(CLI::App& app, AnimateOptions& o, Typed& t) {
@@ -52,7 +58,13 @@ void add_scene_options(CLI::App& app, AnimateOptions& o, Typed& t) {
       app.add_option("--floor", t.floor, "floor plane AXIS=PLACE; alone: the asset's lowest point")
           ->group("Scene")
           ->expected(0, 1);
-  app.add_option("--friction", o.friction, "Coulomb's coefficient with the floor")
+  app.add_option("--collider", o.colliders,
+                 "plane(x,y,z, nx,ny,nz), sphere(x,y,z, r) or box(x0,y0,z0, x1,y1,z1), then "
+                 "friction F, name NAME, path T:x,y,z; T:x,y,z; repeatable")
+      ->group("Scene")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  app.add_option("--friction", o.friction, "Coulomb's coefficient with floor and colliders")
       ->group("Scene")
       ->capture_default_str();
   app.add_option("--voxels", o.voxels, "voxels along the longest edge")
@@ -148,6 +160,7 @@ void copy(const Vec3& from, double to[3]) {
 void resolve(const Typed& t, AnimateOptions& o) {
   o.material = resolve_material(t);
   for (const std::string& pin : o.pins) parse_selection(pin);
+  for (const std::string& region : o.regions) parse_region(region);
   if (!t.gravity.empty()) o.gravity = parse_vec3(t.gravity, Quantity::kAcceleration);
   if (!t.velocity.empty()) copy(parse_vec3(t.velocity, Quantity::kSpeed), o.motion.velocity);
   if (!t.spin.empty()) copy(parse_vec3(t.spin, Quantity::kSpin), o.motion.spin);
@@ -221,7 +234,7 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
   CLI::App& a = *app.add_subcommand("animate", "asset, material and pins to an animation");
   a.add_option("INPUT", animate.input, std::string("asset: ") + kReadFormats)->required();
   add_output_options(a, animate, typed);
-  add_material_options(a, typed);
+  add_material_options(a, animate, typed);
   add_scene_options(a, animate, typed);
   add_run_options(a, animate, typed);
 

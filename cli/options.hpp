@@ -22,16 +22,18 @@ struct FloorOption {
 struct AnimateOptions {
   std::string input;
   std::vector<std::string> outputs;  ///< animations, each by its ending
-  Material material;                 ///< one for the whole asset
+  Material material;                 ///< of what no region takes
+  std::vector<std::string> regions;  ///< as typed (cli/region_option.hpp)
   std::vector<std::string> pins;     ///< selections
   std::optional<Vec3> gravity;       ///< [m/s^2]; unset: 9.81 down
   StartMotion motion;
   std::optional<FloorOption> floor;
-  double friction = 0.5;
-  int voxels = 48;  ///< along the longest edge
-  double h = 0;     ///< [m], 0: from voxels
-  double size = 0;  ///< longest edge of the asset [m], 0: as the file has it
-  int up = 1;       ///< axis that points up: 1 y, 2 z
+  std::vector<std::string> colliders;  ///< as typed (cli/collider_option.hpp)
+  double friction = 0.5;               ///< of the floor, and of colliders that name none
+  int voxels = 48;                     ///< along the longest edge
+  double h = 0;                        ///< [m], 0: from voxels
+  double size = 0;                     ///< longest edge of the asset [m], 0: as the file has it
+  int up = 1;                          ///< axis that points up: 1 y, 2 z
   int64_t frames = 120;
   double fps = 30;
   int substeps = 0;  ///< 0: auto

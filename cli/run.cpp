@@ -64,7 +64,7 @@ std::unique_ptr<StateWriter> open_state(const Scene& scene, const AnimateOptions
   header.solver = solver_name(solver.mode());
   header.tolerance = o.solver.tolerance;
   header.commit = build_commit();
-  if (scene.floor)
+  if (!scene.colliders.empty())
     header.contact = {{"layer", contact_layer(scene)}, {"slip_range", slip_range(scene)}};
   return std::make_unique<StateWriter>(o.state, scene, header, state);
 }
@@ -153,8 +153,9 @@ class Clip {
       }
       if (!r.finite) {
         result_.code = kExitDiverged;
-        report_.warnings.push_back(fmt::format(
-            "frame {}: step {} has no finite result; the clip ends before it", frame, r.step));
+        report_.warnings.push_back(
+            fmt::format("frame {}: step {}: {}; the clip ends before it", frame, r.step,
+                        r.refusal.empty() ? "it has no finite result" : r.refusal));
         return false;
       }
       take(frame, r, certificate);

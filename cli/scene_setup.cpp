@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/scene_setup.hpp"
 
+#include "cli/collider_option.hpp"
+#include "cli/region_option.hpp"
 #include "core/error.hpp"
 #include "core/time_scheme.hpp"
+#include "network/contact.hpp"
 #include "voxelize/regions.hpp"
 #include "voxelize/voxelize.hpp"
 
@@ -32,18 +35,25 @@ void summarise(const Asset& asset, const Body& body, const VoxelizeReport& voxel
   summary.findings.insert(summary.findings.end(), voxels.findings.begin(), voxels.findings.end());
 }
 
-Floor make_floor(const FloorOption& option, const AnimateOptions& o, const Box& box) {
-  Floor floor;
-  const int axis = option.axis < 0 ? o.up : option.axis;
-  floor.normal = {0, 0, 0};
-  floor.normal[size_t(axis)] = 1;
-  floor.offset = option.place.value_or(box.lower[size_t(axis)]);
-  floor.friction = o.friction;
-  return floor;
+Collider make_floor(const FloorOption& option, const AnimateOptions& o, const Box& box) {
+  const auto axis = size_t(option.axis < 0 ? o.up : option.axis);
+  Vec3 normal = {};
+  normal[axis] = 1;
+  return half_space(normal, option.place.value_or(box.lower[axis]), o.friction);
 }
 
-/// Planes of pins and floor, so that a layer of nodes lies in them.
-VoxelizeOptions voxelize_options(const AnimateOptions& o, const std::optional<Floor>& floor,
+/// The floor, then the colliders as they were named.
+std::vector<Collider> make_colliders(const AnimateOptions& o, const Box& box) {
+  std::vector<Collider> colliders;
+  if (o.floor) colliders.push_back(make_floor(*o.floor, o, box));
+  for (size_t k = 0; k < o.colliders.size(); ++k)
+    colliders.push_back(
+        parse_collider(o.colliders[k], box, fmt::format("collider {}", k + 1), o.friction));
+  return colliders;
+}
+
+/// Planes of pins and colliders, so that a layer of nodes lies in them.
+VoxelizeOptions voxelize_options(const AnimateOptions& o, const std::vector<Collider>& colliders,
                                  const Box& box) {
   VoxelizeOptions v;
   v.voxels = o.voxels;
@@ -54,9 +64,10 @@ VoxelizeOptions voxelize_options(const AnimateOptions& o, const std::optional<Fl
     const auto at = plane(parse_selection(pin), box);
     if (at && !v.align[at->first]) v.align[at->first] = at->second;
   }
-  if (floor)
-    for (int d = 0; d < 3; ++d)
-      if (floor->normal[size_t(d)] != 0 && !v.align[d]) v.align[d] = floor->offset;
+  for (const Collider& c : colliders)
+    for (size_t d = 0; d < 3; ++d)
+      if (c.shape == Collider::Shape::kPlane && std::abs(c.normal[d]) == 1 && !v.align[d])
+        v.align[d] = c.centre[d] + offset_at(c, 0)[d];
   return v;
 }
 
@@ -79,18 +90,25 @@ void pin(const AnimateOptions& o, const Box& box, Scene& scene,
   }
 }
 
-/// A body that begins below the floor can never be stepped.
-void check_above_floor(const Scene& scene) {
-  const Floor& floor = *scene.floor;
-  double lowest = 1e300;
+/// A body that begins in a collider can never be stepped.
+void check_clear(const Scene& scene, const Collider& collider) {
+  const double layer = contact_layer(scene), h = scene.grid.h;
+  const Collider core = core_of(collider, layer);
+  Proximity deepest{.distance = 1e300};
   for (int64_t p = 0; p < scene.surface.position.rows(); ++p) {
-    double height = -floor.offset;
-    for (int d = 0; d < 3; ++d) height += floor.normal[size_t(d)] * scene.surface.position(p, d);
-    lowest = std::min(lowest, height);
+    const double* x = scene.surface.position.row(p);
+    const Proximity near = proximity(core, offset_at(collider, 0), {x[0], x[1], x[2]});
+    if (near.distance < deepest.distance) deepest = near;
   }
-  ELASTOGEN_CHECK(lowest > -0.2 * scene.grid.h, "the asset begins ", -lowest,
-                  " m below the floor; move the floor to ", floor.offset + lowest,
-                  " m or lower (--floor alone takes the lowest point)");
+  const double depth = layer - deepest.distance;
+  const Vec3& n = deepest.normal;
+  if (depth < 0.2 * h) return;
+  const bool plane = collider.shape == Collider::Shape::kPlane;
+  throw Error(fmt::format(
+      "the asset begins {:.4g} m {} collider '{}'; move the collider by that along ({:.3g}, "
+      "{:.3g}, {:.3g}), or further{}",
+      depth, plane ? "below" : "inside of", collider.name, -n[0], -n[1], -n[2],
+      collider.name == "floor" ? " (--floor alone takes the lowest point)" : ""));
 }
 
 /// Steps a frame for which dt <= 1/60 s and the elastic Courant number stays at or below 50.
@@ -111,8 +129,8 @@ Setup set_up(const Asset& asset, const AnimateOptions& o, const std::vector<Mate
   const Surface& surface = setup.body.surface;
   const Box& box = surface.box;
   setup.longest_edge = std::max({box.extent(0), box.extent(1), box.extent(2)});
-  if (o.floor) scene.floor = make_floor(*o.floor, o, box);
-  Voxelized voxelized = voxelize(surface, voxelize_options(o, scene.floor, box));
+  scene.colliders = make_colliders(o, box);
+  Voxelized voxelized = voxelize(surface, voxelize_options(o, scene.colliders, box));
   scene.grid = std::move(voxelized.grid);
   report.stage_seconds.voxelize = now() - start;
   summarise(asset, setup.body, voxelized.report, report.asset);
@@ -120,14 +138,13 @@ Setup set_up(const Asset& asset, const AnimateOptions& o, const std::vector<Mate
   start = now();
   scene.materials = materials.empty() ? std::vector<Material>{o.material} : materials;
   scene.material = regions ? regions(scene.grid) : Array<int32_t>(scene.grid.voxel_count());
+  apply_regions(o.regions, asset, setup.body, scene, report.warnings);
   pin(o, box, scene, report.warnings);
   Vec3 down = {};
   down[size_t(o.up)] = -9.81;
   scene.gravity = o.gravity.value_or(down);
-  if (scene.floor) {
-    scene.surface = surface_points(scene.grid, surface);
-    check_above_floor(scene);
-  }
+  if (!scene.colliders.empty()) scene.surface = surface_points(scene.grid, surface);
+  for (const Collider& collider : scene.colliders) check_clear(scene, collider);
   setup.substeps = o.substeps;
   if (o.substeps == 0) {
     Scene probe;
@@ -141,8 +158,9 @@ Setup set_up(const Asset& asset, const AnimateOptions& o, const std::vector<Mate
   finish_scene(scene);
   const bool held = std::any_of(scene.pinned.data(), scene.pinned.data() + scene.pinned.rows(),
                                 [](uint8_t p) { return p != 0; });
-  if (!held && !scene.floor && scene.gravity != Vec3{})
-    report.warnings.push_back("nothing holds the asset (no --pin, no --floor): it falls freely");
+  if (!held && scene.colliders.empty() && scene.gravity != Vec3{})
+    report.warnings.push_back(
+        "nothing holds the asset (no --pin, no --floor, no --collider): it falls freely");
   report.stage_seconds.setup = now() - start;
   report.voxels = scene.grid.voxel_count();
   report.nodes = scene.grid.node_count();

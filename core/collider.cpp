@@ -38,7 +38,67 @@ Proximity box_proximity(const Vec3& half, const Vec3& p) {
   return result;
 }
 
+double dot(const Vec3& a, const Vec3& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+Vec3 difference(const Vec3& a, const Vec3& b) {
+  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+
+/// Share of the way from q along m at which |q + t m| falls to `reach` < |q|.
+double share_to_sphere(const Vec3& q, const Vec3& m, double reach) {
+  const double away = dot(q, m), size = length(q);
+  const double c = (size - reach) * (size + reach), root = away * away - dot(m, m) * c;
+  return away >= 0 || root < 0 ? 1 : std::min(1.0, c / (std::sqrt(root) - away));
+}
+
+/// The same for a box of these half edges that q is outside of.
+double share_to_box(const Vec3& q, const Vec3& m, const Vec3& half) {
+  double in = -1, out = 1e300;
+  for (size_t d = 0; d < 3; ++d) {
+    if (m[d] == 0 && std::abs(q[d]) >= half[d]) return 1;
+    if (m[d] == 0) continue;
+    const double middle = -q[d] / m[d], width = half[d] / std::abs(m[d]);
+    in = std::max(in, middle - width);
+    out = std::min(out, middle + width);
+  }
+  return in < 0 || in > out ? 1 : std::min(1.0, in);
+}
+
 }  // namespace
+
+Collider half_space(const Vec3& normal, double offset, double friction) {
+  Collider c;
+  c.normal = normal;
+  for (size_t d = 0; d < 3; ++d) c.centre[d] = offset * normal[d];
+  c.friction = friction;
+  return c;
+}
+
+Collider core_of(const Collider& collider, double layer) {
+  Collider core = collider;
+  if (core.shape == Collider::Shape::kPlane)
+    for (size_t d = 0; d < 3; ++d) core.centre[d] -= layer * core.normal[d];
+  core.radius = std::max(core.radius - layer, 0.0);
+  for (double& half : core.half) half = std::max(half - layer, 0.0);
+  return core;
+}
+
+double free_share(const Collider& c, const Vec3& offset, const Vec3& a, const Vec3& b) {
+  constexpr double kLeft = 0.1;
+  const double distance = proximity(c, offset, a).distance;
+  if (c.shape == Collider::Shape::kPlane) {
+    const double approach = distance - proximity(c, offset, b).distance;
+    return (1 - kLeft) * distance < approach ? (1 - kLeft) * distance / approach : 1;
+  }
+  const Vec3 q = difference(difference(a, c.centre), offset), m = difference(b, a);
+  if (c.shape == Collider::Shape::kSphere)
+    return share_to_sphere(q, m, c.radius + kLeft * distance);
+  Vec3 half;
+  for (size_t d = 0; d < 3; ++d) half[d] = c.half[d] + kLeft * distance;
+  return share_to_box(q, m, half);
+}
 
 Vec3 offset_at(const Collider& c, double time) {
   if (c.path.empty()) return {};
@@ -55,10 +115,8 @@ Vec3 offset_at(const Collider& c, double time) {
 }
 
 Proximity proximity(const Collider& c, const Vec3& offset, const Vec3& point) {
-  Vec3 p;
-  for (size_t d = 0; d < 3; ++d) p[d] = point[d] - c.centre[d] - offset[d];
-  if (c.shape == Collider::Shape::kPlane)
-    return {p[0] * c.normal[0] + p[1] * c.normal[1] + p[2] * c.normal[2], c.normal};
+  const Vec3 p = difference(difference(point, c.centre), offset);
+  if (c.shape == Collider::Shape::kPlane) return {dot(p, c.normal), c.normal};
   if (c.shape == Collider::Shape::kBox) return box_proximity(c.half, p);
   const double r = length(p);
   // the centre of a sphere is as far from everywhere: up, by choice

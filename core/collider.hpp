@@ -36,11 +36,22 @@ struct Collider {
   std::vector<PathKey> path;  ///< empty: at rest
 };
 
+/// A plane at rest: the half space normal . x >= offset is free.
+Collider half_space(const Vec3& normal, double offset, double friction);
+
 /// Offset of a collider at a time [m].
 Vec3 offset_at(const Collider& collider, double time);
 
 /// Distance and normal of a point, for a collider moved by `offset`.
 Proximity proximity(const Collider& collider, const Vec3& offset, const Vec3& point);
+
+/// What is left of a collider below a layer of this depth [m]; a sphere or box of less than two
+/// layers keeps its middle. The layer about it rounds the edges of a box.
+Collider core_of(const Collider& collider, double layer);
+
+/// Largest share, at most 1, of the straight way from a to b that leaves a point outside a collider
+/// a tenth of its distance all along; a little less where the way ends at the edge of a box.
+double free_share(const Collider& collider, const Vec3& offset, const Vec3& a, const Vec3& b);
 
 /// @throws Error (usage) naming the collider: a normal that is no unit vector, a size or friction
 ///         that is negative or not finite, times that do not ascend.

@@ -5,6 +5,8 @@
 
 #include "core/scene.hpp"
 
+#include <string>
+
 namespace elastogen {
 
 /// Energies at the end of a step [J].
@@ -22,12 +24,13 @@ struct StepReport {
   int inner = 0;             ///< quasi: evaluations of the potential; newton: PCG iterations
   bool float64 = false;      ///< the iteration ran in float64 (docs/physics.md, precision)
   bool finite = true;        ///< false: the step was refused and the state is the one before
+  std::string refusal;       ///< why, where there is more to say than that
   bool interrupted = false;  ///< the step was given up on request; the state is the one before
   double min_j = 1;          ///< smallest det F of a voxel
   double min_corner_j = 1;   ///< smallest det F at a corner of a full voxel
   EnergyParts energy;
   double active_share = 1;     ///< share of the voxels that was stepped
-  double deepest_overlap = 0;  ///< of a surface point with the floor [voxel edges]
+  double deepest_overlap = 0;  ///< of a surface point with a collider [voxel edges]
   double ms = 0;               ///< wall time
 };
 

@@ -36,13 +36,7 @@ void check_scene(const Scene& scene) {
                     scene.materials.size());
   ELASTOGEN_CHECK(scene.dt > 0 && std::isfinite(scene.dt), "dt must be positive, got ", scene.dt);
   ELASTOGEN_CHECK(finite(scene.gravity), "gravity must be finite");
-  if (!scene.floor) return;
-  const Vec3& n = scene.floor->normal;
-  ELASTOGEN_CHECK(std::abs(std::hypot(n[0], n[1], n[2]) - 1) < 1e-9, "the floor's normal must be ",
-                  "a unit vector");
-  ELASTOGEN_CHECK(std::isfinite(scene.floor->offset), "the floor's offset must be finite");
-  ELASTOGEN_CHECK(scene.floor->friction >= 0 && std::isfinite(scene.floor->friction),
-                  "friction must not be negative, got ", scene.floor->friction);
+  for (const Collider& collider : scene.colliders) check_collider(collider);
 }
 
 /// Factor on rho of every material: the asset's volume over that of the fill, one for the scene.

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a solver is given: grid, materials, constraints, forces, floor, time step.
+// What a solver is given: grid, materials, constraints, forces, colliders, time step.
 
 #pragma once
 
+#include "core/collider.hpp"
 #include "core/material.hpp"
 #include "core/voxel_grid.hpp"
 
-#include <optional>
 #include <vector>
 
 namespace elastogen {
@@ -16,13 +16,6 @@ enum class TimeScheme : uint8_t { kEuler = 0, kBdf2 = 1 };
 /// Which part of the strain-variance (hourglass) term acts: with the corotated torsion correction,
 /// plain, or none (the operator that the ElastoGen paper prints).
 enum class Hourglass { kFull, kVariance, kOff };
-
-/// The half space normal . x >= offset is free; friction is Coulomb's coefficient.
-struct Floor {
-  Vec3 normal = {0, 1, 0};  ///< unit vector
-  double offset = 0;        ///< [m]
-  double friction = 0.5;    ///< [-]
-};
 
 /// Points of the asset's surface, each carried by the trilinear weights of a voxel.
 /// Filled by voxelize/surface_points; needed only where there is a collider.
@@ -39,7 +32,7 @@ struct Scene {
   Array<int32_t> material;  ///< index into materials of each voxel, (voxels, 1)
   Array<uint8_t> pinned;    ///< 1 where a node keeps its position, (nodes, 1)
   Vec3 gravity = {};        ///< [m/s^2]
-  std::optional<Floor> floor;
+  std::vector<Collider> colliders;
   SurfacePoints surface;
   double dt = 1.0 / 60;  ///< [s]
   TimeScheme scheme = TimeScheme::kEuler;

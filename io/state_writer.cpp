@@ -38,7 +38,7 @@ const char* hourglass_name(Hourglass hourglass) {
 void write_root(hid_t file, const Scene& scene, const StateHeader& header) {
   const double gravity[3] = {scene.gravity[0], scene.gravity[1], scene.gravity[2]};
   hdf5::write_attribute(file, "format", std::string("elastogen-state"));
-  hdf5::write_attribute(file, "version", 1);
+  hdf5::write_attribute(file, "version", 2);
   hdf5::write_attribute(file, "h", scene.grid.h);
   hdf5::write_attribute(file, "dt", scene.dt);
   hdf5::write_attribute(file, "time_scheme", std::string(scheme_name(scene.scheme)));
@@ -107,19 +107,67 @@ void write_materials(hid_t file, const std::vector<Material>& materials) {
   hdf5::check(H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, rows.data()), "materials");
 }
 
-void write_contact(hid_t file, const Scene& scene, const StateHeader& header) {
-  if (!scene.floor) return;
-  const Vec3& n = scene.floor->normal;
-  const double normal[3] = {n[0], n[1], n[2]};
+/// Dataset (colliders) of text.
+void write_names(hid_t group, const std::vector<Collider>& colliders) {
+  size_t longest = 0;
+  for (const Collider& c : colliders) longest = std::max(longest, c.name.size());
+  std::vector<char> rows((longest + 1) * colliders.size());
+  for (size_t c = 0; c < colliders.size(); ++c)
+    std::copy(colliders[c].name.begin(), colliders[c].name.end(), rows.data() + (longest + 1) * c);
+  const hdf5::Handle type = text_type(longest);
+  const hdf5::Handle dataset = hdf5::create_dataset(group, "name", type, {colliders.size()});
+  hdf5::check(H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, rows.data()), "name");
+}
+
+/// What does not change of the colliders.
+void write_colliders(hid_t group, const std::vector<Collider>& colliders) {
+  const auto count = int64_t(colliders.size());
+  Array<uint8_t> shape(count);
+  Array<double> centre(count, 3), normal(count, 3), half(count, 3), radius(count), friction(count);
+  for (int64_t c = 0; c < count; ++c) {
+    const Collider& collider = colliders[size_t(c)];
+    shape(c) = uint8_t(collider.shape);
+    std::copy(collider.centre.begin(), collider.centre.end(), centre.row(c));
+    std::copy(collider.normal.begin(), collider.normal.end(), normal.row(c));
+    std::copy(collider.half.begin(), collider.half.end(), half.row(c));
+    radius(c) = collider.radius;
+    friction(c) = collider.friction;
+  }
+  hdf5::write_dataset<uint8_t>(group, "shape", shape);
+  hdf5::write_dataset<double>(group, "centre", centre);
+  hdf5::write_dataset<double>(group, "normal", normal);
+  hdf5::write_dataset<double>(group, "half", half);
+  hdf5::write_dataset<double>(group, "radius", radius);
+  hdf5::write_dataset<double>(group, "friction", friction);
+  write_names(group, colliders);
+}
+
+/// Offsets of the colliders at every entry, (entries, colliders, 3).
+void write_offsets(hid_t group, const std::vector<Collider>& colliders,
+                   const std::vector<double>& times) {
+  const hdf5::Handle dataset =
+      hdf5::create_dataset(group, "offset", H5T_IEEE_F64LE, {times.size(), colliders.size(), 3});
+  Array<double> offsets(int64_t(colliders.size()), 3);
+  for (size_t entry = 0; entry < times.size(); ++entry) {
+    for (size_t c = 0; c < colliders.size(); ++c) {
+      const Vec3 offset = offset_at(colliders[c], times[entry]);
+      std::copy(offset.begin(), offset.end(), offsets.row(int64_t(c)));
+    }
+    hdf5::write_entry(dataset, entry, offsets);
+  }
+}
+
+void write_contact(hid_t file, const Scene& scene, const StateHeader& header,
+                   const std::vector<double>& times) {
+  if (scene.colliders.empty()) return;
   const hdf5::Handle group = hdf5::create_group(file, "contact");
-  hdf5::write_attribute(group, "floor_normal", normal);
-  hdf5::write_attribute(group, "floor_offset", scene.floor->offset);
-  hdf5::write_attribute(group, "friction", scene.floor->friction);
   for (const auto& [name, value] : header.contact)
     hdf5::write_attribute(group, name.c_str(), value);
   hdf5::write_dataset<int32_t>(group, "voxel", scene.surface.voxel);
   hdf5::write_dataset<double>(group, "weights", scene.surface.weights);
   hdf5::write_dataset<double>(group, "area", scene.surface.area);
+  write_colliders(group, scene.colliders);
+  write_offsets(group, scene.colliders, times);
 }
 
 /// Dataset (steps) of one value of each report.
@@ -200,7 +248,7 @@ void StateWriter::finish() {
   write_root(file, scene_, header_);
   write_grid(file, scene_);
   write_materials(file, scene_.materials);
-  write_contact(file, scene_, header_);
+  write_contact(file, scene_, header_, time_);
   {
     const hdf5::Handle steps = hdf5::create_group(file, "steps");
     hdf5::write_dataset<double>(steps, "time", {time_.data(), entries, 1});

@@ -7,6 +7,13 @@
 #include <limits>
 
 namespace elastogen {
+namespace {
+
+double dot(const Vec3& a, const Vec3& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+}  // namespace
 
 double contact_layer(const Scene& scene) {
   return scene.grid.h / 4;
@@ -21,106 +28,136 @@ double slip_range(const Scene& scene) {
 }
 
 Contact::Contact(const Scene& scene) : scene_(scene) {
-  if (!scene.floor) return;
-  floor_ = *scene.floor;
+  if (scene.colliders.empty()) return;
   const SurfacePoints& s = scene.surface;
   points_ = s.voxel.rows();
-  ELASTOGEN_CHECK(points_ > 0, "a scene with a floor needs surface points");
+  ELASTOGEN_CHECK(points_ > 0, "a scene with a collider needs surface points");
   ELASTOGEN_CHECK(
       s.weights.rows() == points_ && s.area.rows() == points_ && s.position.rows() == points_,
       "the surface points' arrays differ in length");
   layer_ = contact_layer(scene);
   slip_range_ = slip_range(scene);
-  distance_.resize(size_t(points_));
-  normal_force_.resize(size_t(points_));
-  start_.resize(3 * size_t(points_));
-  stiffness_.resize(size_t(points_));
+  for (const Collider& c : scene.colliders)
+    walls_.push_back({core_of(c, layer_), offset_at(c, 0), offset_at(c, 0)});
+  const auto points = size_t(points_);
+  lags_.resize(walls_.size() * points);
+  for (std::vector<Vec3>* places : {&start_, &place_, &end_}) places->resize(points);
+  near_.resize(points);
+  boxes_.resize(size_t((points_ + kBlock - 1) / kBlock));
+  stiffness_.resize(points);
   for (int64_t p = 0; p < points_; ++p) {
     const Material& m = scene.materials[size_t(scene.material(s.voxel(p)))];
     stiffness_[size_t(p)] = s.area(p) * m.young * layer_ * layer_ / scene.grid.h;
   }
   stiff_place_.assign(size_t(scene.grid.node_count()), -1);
+  carried_.resize(size_t(scene.grid.node_count()));
 }
 
-/// Height of a point at rest above the wall.
-double Contact::height(int64_t p) const {
-  const Array<double>& X = scene_.surface.position;
-  const Vec3& n = floor_.normal;
-  return n[0] * X(p, 0) + n[1] * X(p, 1) + n[2] * X(p, 2) - floor_.offset + layer_;
-}
-
-void Contact::move_of(int64_t p, const double* u, double result[3]) const {
+/// Position of a point [m].
+Vec3 Contact::place_of(int64_t p, const double* u) const {
   const int32_t* corners = scene_.grid.corners.row(scene_.surface.voxel(p));
   const double* w = scene_.surface.weights.row(p);
-  result[0] = result[1] = result[2] = 0;
+  Vec3 place = {};
   for (int c = 0; c < 8; ++c)
-    for (int i = 0; i < 3; ++i) result[i] += w[c] * u[3 * int64_t(corners[c]) + i];
+    for (size_t i = 0; i < 3; ++i) place[i] += w[c] * u[3 * size_t(corners[c]) + i];
+  for (size_t i = 0; i < 3; ++i) place[i] += scene_.surface.position(p, int(i));
+  return place;
 }
 
-double Contact::normal_motion(int64_t p, const double* u) const {
-  double d[3];
-  move_of(p, u, d);
-  return floor_.normal[0] * d[0] + floor_.normal[1] * d[1] + floor_.normal[2] * d[2];
-}
-
-void Contact::begin_step(const double* u) {
-  for_each(points_, [&](int64_t p) {
-    move_of(p, u, start_.data() + 3 * p);
-    const double d = height(p) + normal_motion(p, u);
-    normal_force_[size_t(p)] =
-        d < layer_ ? -stiffness_[size_t(p)] * barrier(d / layer_).first / layer_ : 0;
+/// Positions of all points, and a ball about them.
+Contact::Ball Contact::find_places(const double* u, std::vector<Vec3>& places) {
+  for_blocks(points_, [&](int64_t begin, int64_t end) {
+    Box& box = boxes_[size_t(begin / kBlock)] = {};
+    for (int64_t p = begin; p < end; ++p) box.add(places[size_t(p)] = place_of(p, u));
   });
-}
-
-/// Tangential motion of a point since the start of the step; returns its length.
-double Contact::slip_of(int64_t p, const double* u, double slip[3]) const {
-  move_of(p, u, slip);
-  double along = 0;
-  for (int i = 0; i < 3; ++i) {
-    slip[i] -= start_[size_t(3 * p + i)];
-    along += slip[i] * floor_.normal[size_t(i)];
+  Box all;
+  for (const Box& box : boxes_) {
+    all.add(box.lower);
+    all.add(box.upper);
   }
-  for (int i = 0; i < 3; ++i) slip[i] -= along * floor_.normal[size_t(i)];
-  return std::hypot(slip[0], slip[1], slip[2]);
+  Ball ball;
+  for (size_t d = 0; d < 3; ++d) ball.centre[d] = (all.lower[d] + all.upper[d]) / 2;
+  ball.radius = std::hypot(all.extent(0), all.extent(1), all.extent(2)) / 2;
+  return ball;
 }
 
-bool Contact::acts(int64_t p) const {
-  return distance_[size_t(p)] < layer_ || rubs(p);
+/// Whether a point of the body may be nearer to a core than `within`; distances are 1-Lipschitz.
+bool Contact::reaches(const Wall& wall, const Ball& body, double within) const {
+  return !(proximity(wall.core, wall.to, body.centre).distance - body.radius > within);
 }
 
-bool Contact::rubs(int64_t p) const {
-  return normal_force_[size_t(p)] > 0 && floor_.friction > 0;
+void Contact::find_distances(const Wall& wall, const Vec3& offset) {
+  for_each(points_,
+           [&](int64_t p) { near_[size_t(p)] = proximity(wall.core, offset, place_[size_t(p)]); });
+}
+
+void Contact::begin_step(const double* u, double time) {
+  if (!exists()) return;
+  find_places(u, place_);
+  start_ = place_;
+  for (size_t w = 0; w < walls_.size(); ++w) {
+    Wall& wall = walls_[w];
+    wall.from = offset_at(wall.core, time);
+    wall.to = offset_at(wall.core, time + scene_.dt);
+    find_distances(wall, wall.from);
+    Lag* lags = lags_.data() + w * size_t(points_);
+    for_each(points_, [&](int64_t p) {
+      const Proximity& near = near_[size_t(p)];
+      const double force =
+          near.distance < layer_
+              ? -stiffness_[size_t(p)] * barrier(near.distance / layer_).first / layer_
+              : 0;
+      lags[p] = {wall.core.friction * force, near.normal};
+    });
+    wall.rubs = std::any_of(lags, lags + points_, [](const Lag& l) { return l.limit > 0; });
+  }
+}
+
+/// Tangential motion of a point relative to a wall since the start of the step.
+Vec3 Contact::slip_of(const Wall& wall, const Lag& lag, int64_t p) const {
+  Vec3 slip;
+  for (size_t i = 0; i < 3; ++i)
+    slip[i] = place_[size_t(p)][i] - start_[size_t(p)][i] - (wall.to[i] - wall.from[i]);
+  const double along = dot(slip, lag.normal);
+  for (size_t i = 0; i < 3; ++i) slip[i] -= along * lag.normal[i];
+  return slip;
 }
 
 /// Energy of one point and its derivative in the point's motion.
-double Contact::point_energy(int64_t p, const double* u, double force[3]) const {
-  const Curve b = barrier(distance_[size_t(p)] / layer_);
+double Contact::point_energy(const Wall& wall, const Lag& lag, int64_t p, Vec3& force) const {
+  const Proximity& near = near_[size_t(p)];
+  const Curve b = barrier(near.distance / layer_);
   double energy = stiffness_[size_t(p)] * b.value;
-  for (int i = 0; i < 3; ++i)
-    force[i] = stiffness_[size_t(p)] * b.first / layer_ * floor_.normal[size_t(i)];
-  if (!rubs(p)) return energy;
-  double slip[3];
-  const SmoothedSlip f = smoothed_slip(slip_of(p, u, slip), slip_range_);
-  const double limit = floor_.friction * normal_force_[size_t(p)];
-  for (int i = 0; i < 3; ++i) force[i] += limit * f.first_over_y * slip[i];
-  return energy + limit * f.value;
+  for (size_t i = 0; i < 3; ++i)
+    force[i] = stiffness_[size_t(p)] * b.first / layer_ * near.normal[i];
+  if (!(lag.limit > 0)) return energy;
+  const Vec3 slip = slip_of(wall, lag, p);
+  const SmoothedSlip f = smoothed_slip(std::hypot(slip[0], slip[1], slip[2]), slip_range_);
+  for (size_t i = 0; i < 3; ++i) force[i] += lag.limit * f.first_over_y * slip[i];
+  return energy + lag.limit * f.value;
 }
 
 template <class T>
 double Contact::evaluate(const double* u, T* g) {
-  for_each(points_, [&](int64_t p) { distance_[size_t(p)] = height(p) + normal_motion(p, u); });
+  const Ball body = find_places(u, place_);
   double energy = 0;
-  for (int64_t p = 0; p < points_; ++p) {
-    if (distance_[size_t(p)] <= 0) return std::numeric_limits<double>::infinity();
-    if (!acts(p)) continue;
-    double force[3];
-    energy += point_energy(p, u, force);
-    if (!g) continue;
-    const int32_t* corners = scene_.grid.corners.row(scene_.surface.voxel(p));
-    const double* w = scene_.surface.weights.row(p);
-    for (int c = 0; c < 8; ++c) {
-      if (scene_.pinned(corners[c])) continue;
-      for (int i = 0; i < 3; ++i) g[3 * int64_t(corners[c]) + i] += T(w[c] * force[i]);
+  for (size_t w = 0; w < walls_.size(); ++w) {
+    const Wall& wall = walls_[w];
+    if (!wall.rubs && !reaches(wall, body, layer_)) continue;
+    find_distances(wall, wall.to);
+    for (int64_t p = 0; p < points_; ++p) {
+      const double distance = near_[size_t(p)].distance;
+      if (distance <= 0) return std::numeric_limits<double>::infinity();
+      if (!(distance < layer_ || lag(w, p).limit > 0)) continue;
+      Vec3 force;
+      energy += point_energy(wall, lag(w, p), p, force);
+      if (!g) continue;
+      const int32_t* corners = scene_.grid.corners.row(scene_.surface.voxel(p));
+      const double* weights = scene_.surface.weights.row(p);
+      for (int c = 0; c < 8; ++c) {
+        if (scene_.pinned(corners[c])) continue;
+        for (size_t i = 0; i < 3; ++i) g[3 * size_t(corners[c]) + i] += T(weights[c] * force[i]);
+      }
     }
   }
   return energy;
@@ -129,29 +166,39 @@ double Contact::evaluate(const double* u, T* g) {
 template double Contact::evaluate(const double*, float*);
 template double Contact::evaluate(const double*, double*);
 
+/// Frozen stiffness of one point at a wall.
+Contact::PointStiffness Contact::point_stiffness(const Wall& wall, const Lag& lag,
+                                                 int64_t p) const {
+  const Proximity& near = near_[size_t(p)];
+  PointStiffness k{.point = p, .n = near.normal, .lagged = lag.normal};
+  k.normal = stiffness_[size_t(p)] * barrier(near.distance / layer_).second / (layer_ * layer_);
+  if (!(lag.limit > 0)) return k;
+  k.direction = slip_of(wall, lag, p);
+  const double length = std::hypot(k.direction[0], k.direction[1], k.direction[2]);
+  const SmoothedSlip f = smoothed_slip(length, slip_range_);
+  k.across = lag.limit * f.first_over_y;
+  // a tenth of the secant: with none a sliding point would have no stiffness at all, and
+  // Newton's step would carry it through the whole range where it sticks
+  k.along = lag.limit * (0.9 * f.second + 0.1 * f.first_over_y);
+  for (double& d : k.direction) d = length > 0 ? d / length : 0;
+  return k;
+}
+
 void Contact::linearise(const double* u) {
   for (const int32_t node : stiff_nodes_) stiff_place_[size_t(node)] = -1;
   stiff_nodes_.clear();
   stiff_blocks_.clear();
   active_.clear();
-  for_each(points_, [&](int64_t p) { distance_[size_t(p)] = height(p) + normal_motion(p, u); });
-  for (int64_t p = 0; p < points_; ++p) {
-    if (!acts(p)) continue;
-    PointStiffness k{.point = p};
-    k.normal =
-        stiffness_[size_t(p)] * barrier(distance_[size_t(p)] / layer_).second / (layer_ * layer_);
-    if (rubs(p)) {
-      const double length = slip_of(p, u, k.direction);
-      const SmoothedSlip f = smoothed_slip(length, slip_range_);
-      const double limit = floor_.friction * normal_force_[size_t(p)];
-      k.across = limit * f.first_over_y;
-      // a tenth of the secant: with none a sliding point would have no stiffness at all, and
-      // Newton's step would carry it through the whole range where it sticks
-      k.along = limit * (0.9 * f.second + 0.1 * f.first_over_y);
-      for (double& d : k.direction) d = length > 0 ? d / length : 0;
+  const Ball body = find_places(u, place_);
+  for (size_t w = 0; w < walls_.size(); ++w) {
+    const Wall& wall = walls_[w];
+    if (!wall.rubs && !reaches(wall, body, layer_)) continue;
+    find_distances(wall, wall.to);
+    for (int64_t p = 0; p < points_; ++p) {
+      if (!(near_[size_t(p)].distance < layer_ || lag(w, p).limit > 0)) continue;
+      active_.push_back(point_stiffness(wall, lag(w, p), p));
+      add_nodal(active_.back());
     }
-    active_.push_back(k);
-    add_nodal(k);
   }
 }
 
@@ -170,50 +217,54 @@ void Contact::add_nodal(const PointStiffness& k) {
     double* block = stiff_blocks_.data() + 9 * size_t(place);
     for (size_t i = 0; i < 3; ++i)
       for (size_t j = 0; j < 3; ++j)
-        block[3 * i + j] += w * ((i == j ? k.across : 0) +
-                                 (k.normal - k.across) * floor_.normal[i] * floor_.normal[j] +
+        block[3 * i + j] += w * (k.normal * k.n[i] * k.n[j] +
+                                 k.across * ((i == j ? 1 : 0) - k.lagged[i] * k.lagged[j]) +
                                  (k.along - k.across) * k.direction[i] * k.direction[j]);
   }
 }
 
 void Contact::add_hessian_product(const float* p, float* f) const {
-  const Vec3& n = floor_.normal;
   for (const PointStiffness& k : active_) {
     const int32_t* corners = scene_.grid.corners.row(scene_.surface.voxel(k.point));
     const double* w = scene_.surface.weights.row(k.point);
-    double d[3] = {}, normal = 0, along = 0;
+    Vec3 d = {};
     for (int c = 0; c < 8; ++c)
-      for (int i = 0; i < 3; ++i) d[i] += w[c] * double(p[3 * int64_t(corners[c]) + i]);
-    for (int i = 0; i < 3; ++i) {
-      normal += d[i] * n[size_t(i)];
-      along += d[i] * k.direction[i];
-    }
-    // normal n n^T + across (I - n n^T - t t^T) + along t t^T
-    for (int i = 0; i < 3; ++i)
-      d[i] = k.across * d[i] + (k.normal - k.across) * normal * n[size_t(i)] +
-             (k.along - k.across) * along * k.direction[i];
+      for (size_t i = 0; i < 3; ++i) d[i] += w[c] * double(p[3 * size_t(corners[c]) + i]);
+    // normal n n^T + across (I - m m^T - t t^T) + along t t^T, m the normal that friction has
+    const double normal = k.normal * dot(d, k.n), lagged = k.across * dot(d, k.lagged);
+    const double along = (k.along - k.across) * dot(d, k.direction);
+    for (size_t i = 0; i < 3; ++i)
+      d[i] = k.across * d[i] + normal * k.n[i] - lagged * k.lagged[i] + along * k.direction[i];
     for (int c = 0; c < 8; ++c) {
       if (scene_.pinned(corners[c])) continue;
-      for (int i = 0; i < 3; ++i) f[3 * int64_t(corners[c]) + i] += float(w[c] * d[i]);
+      for (size_t i = 0; i < 3; ++i) f[3 * size_t(corners[c]) + i] += float(w[c] * d[i]);
     }
   }
 }
 
-double Contact::longest_step(const double* u, const double* end) const {
+double Contact::longest_step(const double* u, const double* end) {
+  const Ball from = find_places(u, place_), to = find_places(end, end_);
   double longest = 1;
-  for (int64_t k = 0; k < points_; ++k) {
-    const double approach = normal_motion(k, u) - normal_motion(k, end);
-    if (approach <= 0) continue;
-    const double distance = height(k) + normal_motion(k, u);
-    if (0.9 * distance < longest * approach) longest = 0.9 * distance / approach;
+  for (const Wall& wall : walls_) {
+    // no point leaves the hull of both balls
+    const double way = std::hypot(to.centre[0] - from.centre[0], to.centre[1] - from.centre[1],
+                                  to.centre[2] - from.centre[2]);
+    const Ball swept = {from.centre, std::max(from.radius, way + to.radius)};
+    if (!reaches(wall, swept, 0)) continue;
+    for (size_t p = 0; p < size_t(points_); ++p)
+      longest = std::min(longest, free_share(wall.core, wall.to, place_[p], end_[p]));
   }
   return longest;
 }
 
-double Contact::deepest_overlap(const double* u) const {
+double Contact::deepest_overlap(const double* u) {
+  const Ball body = find_places(u, place_);
   double deepest = 0;
-  for (int64_t p = 0; p < points_; ++p)
-    deepest = std::max(deepest, layer_ - height(p) - normal_motion(p, u));
+  for (const Wall& wall : walls_) {
+    if (!reaches(wall, body, layer_)) continue;
+    find_distances(wall, wall.to);
+    for (const Proximity& near : near_) deepest = std::max(deepest, layer_ - near.distance);
+  }
   return deepest;
 }
 

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Points of the asset's surface against the floor: a barrier in a layer of h/4 below the floor's
-// plane, and smoothed friction.
+// Points of the asset's surface against colliders: a barrier in a layer of h/4 below each
+// collider's surface, and smoothed friction.
 //
-//     E = sum_p A_p kappa b(d_p / dhat) + sum_p mu N_p f0(|slip_p|),   d_p = n.x_p - offset + dhat
+//     E = sum_pc A_p kappa b(d_pc / dhat) + sum_pc mu_c N_pc f0(|slip_pc|)
 //
-// kappa = E dhat^2 / h, so that a voxel in contact is held with a stiffness of about E h. A body
-// that stands exactly on the plane feels no force; it sinks by a few per cent of h under its own
-// weight and never by more than dhat = h/4. N_p is the normal force at the start of the step.
+// d_pc is the distance of point p from the core of collider c, what is left of it below the layer
+// dhat, where its path says at the end of the step. kappa = E dhat^2 / h, so that a voxel in
+// contact is held with a stiffness of about E h. A body that only touches feels no force; it sinks
+// by a few per cent of h under its own weight and never by more than dhat. N_pc and the normal that
+// slip is measured across are those of the start of the step; slip is relative to the collider.
 
 #pragma once
 
@@ -17,7 +19,7 @@
 
 namespace elastogen {
 
-/// Depth dhat of the contact layer below the plane, h/4 [m].
+/// Depth dhat of the contact layer below a collider's surface, h/4 [m].
 double contact_layer(const Scene& scene);
 
 /// Slip within a step [m] up to which friction counts as sticking: a thousandth of the body's
@@ -30,15 +32,25 @@ class Contact {
 
   bool exists() const { return points_ > 0; }
 
-  /// Takes slip and normal forces from the displacement u at the start of the step, (nodes, 3).
-  void begin_step(const double* u);
+  /// Puts the colliders where they are at the end of a step that starts at `time`, and takes slip,
+  /// normals and normal forces from the displacement u at its start, (nodes, 3).
+  void begin_step(const double* u, double time = 0);
 
-  /// Energy [J] at u; adds its gradient [N] to g where g is not null. Infinite if a point is on or
-  /// behind the wall.
+  /// Where a collider comes closer to the body than half the distance of its start, moves the nodes
+  /// that it can reach along with it, so that they keep their distance. Towards another collider
+  /// they move by the share w = d_other / (d_other + d), which squeezes the gap evenly.
+  void carry(double* u);
+
+  /// The collider whose core a point lies in at u, null if none.
+  const Collider* obstacle(const double* u);
+
+  /// Energy [J] at u; adds its gradient [N] to g where g is not null. Infinite if a point is in the
+  /// core of a collider.
   template <class T>
   double evaluate(const double* u, T* g);
 
-  /// Freezes the positive stiffness at u: per point along the normal and across it [N/m].
+  /// Freezes the positive stiffness at u: per point and collider along the normal and across it
+  /// [N/m], without the turning of the normal, which lowers it.
   void linearise(const double* u);
   /// Adds the frozen Hessian times p to f.
   void add_hessian_product(const float* p, float* f) const;
@@ -47,38 +59,58 @@ class Contact {
   const std::vector<int32_t>& stiff_nodes() const { return stiff_nodes_; }
   const std::vector<double>& stiff_blocks() const { return stiff_blocks_; }
 
-  /// Largest share, at most 1, of the way from u to `end` that leaves each point 10 % of its
-  /// distance.
-  double longest_step(const double* u, const double* end) const;
+  /// Largest share, at most 1, of the way from u to `end` on which each point keeps 10 % of its
+  /// distance all along.
+  double longest_step(const double* u, const double* end);
 
-  /// Deepest place of a point below the plane [m], 0 if none.
-  double deepest_overlap(const double* u) const;
-
-  const Vec3& normal() const { return floor_.normal; }
+  /// Deepest place of a point below a collider's surface [m], 0 if none.
+  double deepest_overlap(const double* u);
 
  private:
-  /// Frozen stiffness of a point [N/m]: along the normal, along the slip, across both.
+  struct Wall {
+    Collider core;
+    Vec3 from = {}, to = {};  // offset at the start and at the end of the step
+    bool rubs = false;        // friction acts on some point
+  };
+  /// What friction takes from the start of the step.
+  struct Lag {
+    double limit = 0;  // largest force [N], 0: none
+    Vec3 normal = {};
+  };
+  /// Frozen stiffness of a point at a wall [N/m]: along the normal; along the slip and across it.
   struct PointStiffness {
     int64_t point = 0;
     double normal = 0, along = 0, across = 0;
-    double direction[3] = {};  // unit vector of the slip, 0 where there is none
+    Vec3 n = {}, lagged = {};  // normals now and at the start of the step
+    Vec3 direction = {};       // unit vector of the slip, 0 where there is none
   };
-  double height(int64_t p) const;
-  void move_of(int64_t p, const double* u, double result[3]) const;
-  double normal_motion(int64_t p, const double* u) const;
-  double slip_of(int64_t p, const double* u, double slip[3]) const;
-  bool acts(int64_t p) const;
-  bool rubs(int64_t p) const;
-  double point_energy(int64_t p, const double* u, double force[3]) const;
+  struct Ball {
+    Vec3 centre = {};
+    double radius = 0;
+  };
+  Vec3 place_of(int64_t p, const double* u) const;
+  Ball find_places(const double* u, std::vector<Vec3>& places);
+  bool reaches(const Wall& wall, const Ball& body, double within) const;
+  void find_distances(const Wall& wall, const Vec3& offset);
+  const Lag& lag(size_t wall, int64_t p) const { return lags_[wall * size_t(points_) + size_t(p)]; }
+  Vec3 slip_of(const Wall& wall, const Lag& lag, int64_t p) const;
+  double point_energy(const Wall& wall, const Lag& lag, int64_t p, Vec3& force) const;
+  PointStiffness point_stiffness(const Wall& wall, const Lag& lag, int64_t p) const;
+  bool crowds(const Wall& wall, double motion);
+  double carried_share(size_t wall, const Vec3& place, const Vec3& direction) const;
   void add_nodal(const PointStiffness& k);
 
   const Scene& scene_;
-  Floor floor_;
+  std::vector<Wall> walls_;
   int64_t points_ = 0;
-  double layer_ = 0;       // dhat [m]
-  double slip_range_ = 0;  // e of smoothed_slip [m]
-  std::vector<double> distance_, normal_force_, stiffness_;
-  std::vector<double> start_;  // displacement of each point at the start of the step
+  double layer_ = 0;                       // dhat [m]
+  double slip_range_ = 0;                  // e of smoothed_slip [m]
+  std::vector<double> stiffness_;          // of each point [J]
+  std::vector<Lag> lags_;                  // wall by wall
+  std::vector<Vec3> start_, place_, end_;  // of each point [m]
+  std::vector<Box> boxes_;                 // of blocks of points
+  std::vector<Proximity> near_;            // of each point to the core in question
+  std::vector<uint8_t> carried_;           // nodes
   std::vector<PointStiffness> active_;
   std::vector<int32_t> stiff_nodes_, stiff_place_;  // stiff_place_: of each node, -1 if none
   std::vector<double> stiff_blocks_;

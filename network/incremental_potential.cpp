@@ -133,7 +133,7 @@ void IncrementalPotential::begin_step(const State& state, const StepScheme& sche
     const Mat3<Pack<double>> R = polar_rotation(F);
     for (int k = 0; k < 9; ++k) store(rotation_.data() + (r * 9 + k) * kLanes, R.m[k]);
   });
-  contact_.begin_step(u.data());
+  contact_.begin_step(u.data(), state.time);
 }
 
 /// F_v of every row.

@@ -23,7 +23,7 @@ struct PotentialValue {
   double inertia = 0, elastic = 0, hourglass = 0, contact = 0;
   double min_j = 1e300;         ///< smallest det F of a voxel
   double min_corner_j = 1e300;  ///< smallest det F at a corner; only from residual()
-  double deepest_overlap = 0;   ///< of a surface point with the floor [m]
+  double deepest_overlap = 0;   ///< of a surface point with a collider [m]
   double total() const { return inertia + elastic + hourglass + contact; }
 };
 
@@ -58,6 +58,7 @@ class IncrementalPotential {
   const Scene& scene() const { return scene_; }
   const BrickRows& rows() const { return rows_; }
   const Contact& contact() const { return contact_; }
+  Contact& contact() { return contact_; }
   const StepScheme& scheme() const { return scheme_; }
   /// Predictor uhat = xhat - X [m], (nodes, 3).
   const std::vector<double>& predictor() const { return predictor_; }

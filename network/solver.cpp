@@ -114,7 +114,7 @@ struct Solver::Impl {
     return solver->solve(u.data(), target, options.max_outer, first, options.interrupted);
   }
   IterationResult newton(double target);
-  void start(const State& state);
+  const Collider* start(const State& state);
   void certify(const State& state, StepReport& report);
   void finish(State& state, StepReport& report);
 
@@ -139,25 +139,27 @@ struct Solver::Impl {
 
 /// The predictor, cut where it would carry a surface point through the floor, or the state before
 /// where a predictor that leaves it by more than a voxel has the higher potential (a small pinned
-/// body falls many times its size in a step).
-void Solver::Impl::start(const State& state) {
+/// body falls many times its size in a step). What a collider would run over moves along with it;
+/// gives the collider that a point lies in all the same, else null.
+const Collider* Solver::Impl::start(const State& state) {
   predictor.start(state, potential.predictor(), u.data());
   const Array<double>& X = scene.grid.rest;
   std::vector<double> now(u.size());
+  for (size_t k = 0; k < u.size(); ++k) now[k] = state.x.data()[k] - X.data()[k];
   double farthest = 0;
-  for (size_t k = 0; k < u.size(); ++k) {
-    now[k] = state.x.data()[k] - X.data()[k];
-    farthest = std::max(farthest, std::abs(u[k] - now[k]));
-  }
+  for (size_t k = 0; k < u.size(); ++k) farthest = std::max(farthest, std::abs(u[k] - now[k]));
   if (potential.contact().exists()) {
+    potential.contact().carry(now.data());
+    if (const Collider* inside = potential.contact().obstacle(now.data())) return inside;
     const double share = potential.contact().longest_step(now.data(), u.data());
     if (share < 1)
       for (size_t k = 0; k < u.size(); ++k) u[k] = now[k] + share * (u[k] - now[k]);
   }
-  if (!pinned || farthest < scene.grid.h) return;
+  if (!pinned || farthest < scene.grid.h) return nullptr;
   const double ahead = potential.evaluate<double>(u.data(), gradient.data()).total();
   const double here = potential.evaluate<double>(now.data(), gradient.data()).total();
   if (!(ahead < here)) u = now;
+  return nullptr;
 }
 
 IterationResult Solver::Impl::newton(double target) {
@@ -277,7 +279,13 @@ StepReport Solver::step(State& state) {
   report.time = double(report.step) * s.scene.dt;
   s.potential.begin_step(state, scheme);
   if (!s.paper) {
-    s.start(state);
+    if (const Collider* inside = s.start(state)) {
+      report.finite = false;
+      report.refusal =
+          concat("collider '", inside->name, "' runs into a part that cannot give way (",
+                 "pinned, or held by another collider)");
+      return report;
+    }
     s.potential.set_nodal_rotations(s.u.data());
   }
 

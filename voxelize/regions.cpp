@@ -23,11 +23,6 @@ constexpr double kBorder = 1e-9;  // width of a border, of the box's longest edg
                      "or a share of the asset's box (5%)"));
 }
 
-Place parse_place(std::string_view text) {
-  if (text.ends_with('%')) return {parse_number(text.substr(0, text.size() - 1)) / 100, true};
-  return {parse_length(text), false};
-}
-
 std::vector<std::string_view> split(std::string_view text, char at) {
   std::vector<std::string_view> parts;
   for (size_t end; (end = text.find(at)) != text.npos; text.remove_prefix(end + 1))
@@ -82,11 +77,16 @@ Selection parse(std::string_view bare) {
   return box ? parse_box(numbers) : parse_sphere(numbers);
 }
 
-double resolve(const Place& place, int axis, const Box& box) {
-  return place.percent ? box.lower[axis] + place.value * box.extent(axis) : place.value;
+}  // namespace
+
+Place parse_place(std::string_view text) {
+  if (text.ends_with('%')) return {parse_number(text.substr(0, text.size() - 1)) / 100, true};
+  return {parse_length(text), false};
 }
 
-}  // namespace
+double coordinate(const Place& place, int axis, const Box& box) {
+  return place.percent ? box.lower[axis] + place.value * box.extent(axis) : place.value;
+}
 
 Selection parse_selection(std::string_view text) {
   std::string bare;
@@ -107,18 +107,18 @@ bool contains(const Selection& selection, const Vec3& point, const Box& box) {
       return true;
     case Selection::Kind::kHalfSpace: {
       const double from =
-          point[selection.axis] - resolve(selection.lower[selection.axis], selection.axis, box);
+          point[selection.axis] - coordinate(selection.lower[selection.axis], selection.axis, box);
       return selection.below ? from <= border : from >= -border;
     }
     case Selection::Kind::kBox:
       for (int d = 0; d < 3; ++d)
-        if (point[d] < resolve(selection.lower[d], d, box) - border ||
-            point[d] > resolve(selection.upper[d], d, box) + border)
+        if (point[d] < coordinate(selection.lower[d], d, box) - border ||
+            point[d] > coordinate(selection.upper[d], d, box) + border)
           return false;
       return true;
     case Selection::Kind::kSphere:
       for (int d = 0; d < 3; ++d)
-        distance2 += std::pow(point[d] - resolve(selection.lower[d], d, box), 2);
+        distance2 += std::pow(point[d] - coordinate(selection.lower[d], d, box), 2);
       return std::sqrt(distance2) <= selection.radius + border;
   }
   return false;
@@ -135,7 +135,7 @@ Array<uint8_t> select_nodes(const VoxelGrid& grid, const Selection& selection, c
 std::optional<std::pair<int, double>> plane(const Selection& selection, const Box& box) {
   if (selection.kind != Selection::Kind::kHalfSpace) return std::nullopt;
   const int axis = selection.axis;
-  return std::pair{axis, resolve(selection.lower[axis], axis, box)};
+  return std::pair{axis, coordinate(selection.lower[axis], axis, box)};
 }
 
 }  // namespace elastogen

@@ -37,6 +37,12 @@ struct Selection {
 /// @throws Error naming what is wrong, and the grammar.
 Selection parse_selection(std::string_view text);
 
+/// A length or a share, "3cm" or "50%". @throws Error naming the text.
+Place parse_place(std::string_view text);
+
+/// Where a place lies along an axis [m]. @param box  of the asset [m].
+double coordinate(const Place& place, int axis, const Box& box);
+
 /// @param box  of the asset [m].
 bool contains(const Selection& selection, const Vec3& point, const Box& box);
 

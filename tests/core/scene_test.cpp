@@ -144,9 +144,9 @@ TEST(Scene, InconsistentScenesAreRejected) {
   expect_rejected("time step", [](Scene& s) { s.dt = 0; });
   expect_rejected("time step", [](Scene& s) { s.dt = kNan; });
   expect_rejected("gravity", [](Scene& s) { s.gravity[1] = kNan; });
-  expect_rejected("normal", [](Scene& s) { s.floor = Floor{{0, 2, 0}, 0, 0.5}; });
-  expect_rejected("offset", [](Scene& s) { s.floor = Floor{{0, 1, 0}, kNan, 0.5}; });
-  expect_rejected("friction", [](Scene& s) { s.floor = Floor{{0, 1, 0}, 0, -0.1}; });
+  expect_rejected("normal", [](Scene& s) { s.colliders = {half_space({0, 2, 0}, 0, 0.5)}; });
+  expect_rejected("offset", [](Scene& s) { s.colliders = {half_space({0, 1, 0}, kNan, 0.5)}; });
+  expect_rejected("friction", [](Scene& s) { s.colliders = {half_space({0, 1, 0}, 0, -0.1)}; });
 }
 
 TEST(State, StartsAtRestWithARigidMotionAboutTheCentreOfMass) {

@@ -150,7 +150,7 @@ TEST_F(StateWriterTest, RootSaysWhatTheRunWas) {
   EXPECT_EQ(text("solver"), "quasi");
   EXPECT_EQ(text("energy"), "analytic");
   EXPECT_EQ(text("commit"), "abc123");
-  EXPECT_EQ(attribute("/", "version")[0], 1);
+  EXPECT_EQ(attribute("/", "version")[0], 2);
   EXPECT_EQ(attribute("/", "h")[0], 0.25);
   EXPECT_EQ(attribute("/", "dt")[0], 1.0 / 120);
   EXPECT_EQ(attribute("/", "g_ref")[0], 9.81);
@@ -278,21 +278,52 @@ TEST_F(StateWriterTest, NamesTheMaterials) {
   }
 }
 
-TEST_F(StateWriterTest, HasContactOnlyWhereThereIsAFloor) {
+TEST_F(StateWriterTest, DescribesCollidersAndWhereTheyAreAtEveryEntry) {
   Scene scene = two_voxels();
   write(scene);
   open();
   EXPECT_EQ(H5Lexists(file, "contact", H5P_DEFAULT), 0);
   H5Fclose(file);
-  scene.floor = Floor{{0, 0, 1}, -0.5, 0.3};
+  Collider ball, box = half_space({1, 0, 0}, 0, 0);
+  ball.name = "ball";
+  ball.shape = Collider::Shape::kSphere;
+  ball.centre = {1, 2, 3};
+  ball.radius = 0.75;
+  ball.path = {{0, {0, 0, 0}}, {2.0 / 120, {0.5, 0, -1}}};
+  box.name = "a box";
+  box.shape = Collider::Shape::kBox;
+  box.half = {0.1, 0.2, 0.3};
+  scene.colliders = {half_space({0, 0, 1}, -0.5, 0.3), ball, box};
   scene.surface.voxel = counted<int32_t>(5, 1, 0, 0.3);
   scene.surface.weights = counted<double>(5, 8, 0, 0.01);
   scene.surface.area = counted<double>(5, 1, 1, 1);
   write(scene);
   open();
-  EXPECT_EQ(attribute("/contact", "floor_normal", 3), (std::vector<double>{0, 0, 1}));
-  EXPECT_EQ(attribute("/contact", "floor_offset")[0], -0.5);
-  EXPECT_EQ(attribute("/contact", "friction")[0], 0.3);
+  using Numbers = std::vector<double>;
+  EXPECT_EQ(read<uint8_t>("/contact/shape", H5T_NATIVE_UINT8), (std::vector<uint8_t>{0, 1, 2}));
+  EXPECT_EQ(numbers("/contact/centre"), (Numbers{0, 0, -0.5, 1, 2, 3, 0, 0, 0}));
+  EXPECT_EQ(numbers("/contact/normal"), (Numbers{0, 0, 1, 0, 1, 0, 1, 0, 0}));
+  EXPECT_EQ(numbers("/contact/radius"), (Numbers{0, 0.75, 0}));
+  EXPECT_EQ(numbers("/contact/half"), (Numbers{0, 0, 0, 0, 0, 0, 0.1, 0.2, 0.3}));
+  EXPECT_EQ(numbers("/contact/friction"), (Numbers{0.3, 0.5, 0}));
+  // the path is half over after one step, and over after two
+  EXPECT_EQ(shape("/contact/offset"), (std::vector<hsize_t>{kSteps + 1, 3, 3}));
+  const Numbers offset = numbers("/contact/offset");
+  const Numbers ball_x = {offset[3], offset[12], offset[21], offset[30]};
+  EXPECT_EQ(ball_x, (Numbers{0, 0.25, 0.5, 0.5}));
+  EXPECT_EQ(offset[9 * 3 + 5], -1);
+  EXPECT_EQ(offset[9 * 3 + 0], 0);
+  const hid_t type = H5Tcopy(H5T_C_S1);
+  H5Tset_size(type, 8);
+  char names[3][8];
+  const hid_t dataset = H5Dopen2(file, "/contact/name", H5P_DEFAULT);
+  H5Tset_cset(type, H5T_CSET_UTF8);
+  EXPECT_GE(H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, names), 0);
+  H5Dclose(dataset);
+  H5Tclose(type);
+  EXPECT_STREQ(names[0], "floor");
+  EXPECT_STREQ(names[1], "ball");
+  EXPECT_STREQ(names[2], "a box");
   EXPECT_EQ(attribute("/contact", "distance")[0], 0.0625);
   EXPECT_EQ(numbers("/contact/weights"), values_of(scene.surface.weights));
   EXPECT_EQ(numbers("/contact/area"), values_of(scene.surface.area));

@@ -15,7 +15,7 @@ Scene box_on_floor(int nx, int ny, int nz, double h, double gap, double friction
                    const Material& material, const Vec3& gravity = {0, -9.81, 0}) {
   Scene scene = scene_on(make_box(nx, ny, nz, h, {0, gap, 0}), material);
   scene.surface = face_points(scene.grid);
-  scene.floor = Floor{{0, 1, 0}, 0, friction};
+  scene.colliders = {half_space({0, 1, 0}, 0, friction)};
   scene.gravity = gravity;
   finish_scene(scene);
   return scene;
@@ -71,7 +71,7 @@ TEST(Contact, EnergyIsInfiniteBehindTheWallAndStepsStopBeforeIt) {
 
 TEST(Contact, AFloorNeedsSurfacePoints) {
   Scene scene = scene_on(make_box(2, 2, 2, 0.1), solid(1e5, 0.3));
-  scene.floor = Floor{};
+  scene.colliders = {half_space({0, 1, 0}, 0, 0.5)};
   finish_scene(scene);
   EXPECT_THROW(Contact{scene}, Error);
 }

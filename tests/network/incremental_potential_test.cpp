@@ -50,17 +50,17 @@ State moved_state(const Scene& scene, double noise) {
 /// the state.
 void put_floor(Scene& scene, const State& state, double friction) {
   scene.surface = face_points(scene.grid);
-  scene.floor = Floor{{-0.8, 0.6, 0}, 0, friction};
+  const Vec3 normal = {-0.8, 0.6, 0};
   double lowest = 1e300;
   for (int64_t p = 0; p < scene.surface.voxel.rows(); ++p) {
     double height = 0;
     for (int c = 0; c < 8; ++c)
       for (int i = 0; i < 3; ++i)
-        height += scene.surface.weights(p, c) * scene.floor->normal[size_t(i)] *
+        height += scene.surface.weights(p, c) * normal[size_t(i)] *
                   state.x(scene.grid.corners(scene.surface.voxel(p), c), i);
     lowest = std::min(lowest, height);
   }
-  scene.floor->offset = lowest + 2.0 / 3 * kH / 4;
+  scene.colliders = {half_space(normal, lowest + 2.0 / 3 * kH / 4, friction)};
 }
 
 StepScheme scheme_of(const Scene& scene, const State& state) {

@@ -95,7 +95,7 @@ TEST(Preconditioner, IsSymmetricAndPositiveInATurnedStateWithContact) {
   Scene scene = scene_on(ragged_grid(9, 7, 6, 0.1, 62), solid(1e5, 0.4));
   pin_below(scene, 0, -0.2);
   scene.surface = face_points(scene.grid);
-  scene.floor = Floor{{0, 1, 0}, -0.26, 0.5};
+  scene.colliders = {half_space({0, 1, 0}, -0.26, 0.5)};
   finish_scene(scene);
   State state = initial_state(scene);
   const std::vector<double> noise = random_field(scene, 0.002, 63);

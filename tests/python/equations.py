@@ -11,7 +11,7 @@ Corner c of a voxel lies on the + side of axis d when bit d of c is set; s_c are
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -194,11 +194,16 @@ class Potential:
     elastic: float
     hourglass: float
     gradient: Floats
+    contact: float = 0.0
 
     @property
     def value(self) -> float:
         """Phi [J]."""
-        return self.inertia + self.elastic + self.hourglass
+        return self.inertia + self.elastic + self.hourglass + self.contact
+
+    def with_contact(self, energy: float, gradient: Floats) -> Potential:
+        """The same with the energy of contact [J] and its gradient [N], (nodes, 3), added."""
+        return replace(self, contact=energy, gradient=self.gradient + gradient)
 
 
 def make_body(state: State) -> Body:

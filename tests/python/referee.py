@@ -9,6 +9,7 @@ the recorded energies of these names; others are listed as not checked:
 
     kinetic    1/2 sum m |v|^2               elastic    sum W psi
     hourglass  variance and torsion terms    gravity    -sum m g.x, up to a constant
+    contact    barrier and friction
 
 Exit status 0 if everything agrees, else 1 with a table of the worst disagreements.
 """
@@ -25,6 +26,7 @@ from typing import Any
 import h5py
 import numpy as np
 
+import collision
 import equations
 from equations import Body, Motion, Potential
 from state_file import Floats, LayoutError, State, read_state, require
@@ -106,6 +108,7 @@ def energies(state: State, body: Body, found: Potential, x: Floats, v: Floats) -
         "elastic": found.elastic,
         "hourglass": found.hourglass,
         "gravity": float(-body.mass @ (x @ state.gravity)),
+        "contact": found.contact,
     }
 
 
@@ -158,6 +161,8 @@ def judge(state: State, with_energies: bool) -> Verdict:
         x_next, v_next = read_record(state, step + 1)
         found = equations.potential(body, motion, state.gravity, state.dt, x_next,
                                     equations.rotations(body, x))
+        if state.contact is not None:
+            found = found.with_contact(*collision.contact(state, step, x, x_next))
         checks += check_residual(state, step, equations.residual(body, found.gradient, state.g_ref))
         checks.append(check_velocity(step, equations.velocity(motion, x_next, state.dt), v_next,
                                      velocity_slack(state, x_next)))

@@ -6,6 +6,7 @@ the positions and velocities of every step. Shapes are written with the letters
 
     nodes, voxels    sizes of the grid           steps      T time steps
     records          T + 1, entry 0 is the start
+    points           of the surface              colliders  of a run with contact
 """
 
 from __future__ import annotations
@@ -47,6 +48,19 @@ STEPS: dict[str, tuple[str, Shape]] = {
     "min_j": ("f", ("steps",)),
 }
 ENERGY: tuple[str, Shape] = ("f", ("steps",))
+CONTACT: dict[str, tuple[str, Shape]] = {
+    "voxel": ("i4", ("points",)),
+    "weights": ("f8", ("points", 8)),
+    "area": ("f8", ("points",)),
+    "shape": ("u1", ("colliders",)),
+    "centre": ("f8", ("colliders", 3)),
+    "normal": ("f8", ("colliders", 3)),
+    "half": ("f8", ("colliders", 3)),
+    "radius": ("f8", ("colliders",)),
+    "friction": ("f8", ("colliders",)),
+    "name": ("S", ("colliders",)),
+    "offset": ("f8", ("records", "colliders", 3)),
+}
 
 # attribute -> allowed words; None allows any text
 WORDS: dict[str, tuple[str, ...] | None] = {
@@ -58,7 +72,8 @@ WORDS: dict[str, tuple[str, ...] | None] = {
     "commit": None,
 }
 POSITIVE = ("h", "dt", "g_ref", "fps", "tolerance")
-CONTACT = ("collider", "contact", "floor", "friction")
+LENGTHS = ("layer", "slip_range")  # attributes of /contact
+PLANE, SPHERE, BOX = 0, 1, 2
 FIELDS = ("name", "law", "young", "poisson", "density")
 
 
@@ -77,7 +92,7 @@ class Material:
     density: float
 
 
-@dataclass(frozen=True)
+@dataclass
 class State:
     """What a state file says. `x` and `v` stay on disk and are read one record at a time."""
 
@@ -92,6 +107,7 @@ class State:
     steps: dict[str, NDArray[Any]]  # the datasets of STEPS without x and v, and the energies [J]
     x: h5py.Dataset  # (records, nodes, 3) [m]
     v: h5py.Dataset  # (records, nodes, 3) [m/s]
+    contact: dict[str, NDArray[Any]] | None = None  # the datasets of CONTACT and LENGTHS [m]
 
 
 def require(condition: bool | np.bool_, *message: object) -> None:
@@ -136,7 +152,7 @@ def _read_numbers(file: h5py.File) -> dict[str, float]:
         require(np.isfinite(numbers[name]) and numbers[name] > 0,
                 f"root attribute '{name}' must be positive, got {numbers[name]}")
     version = number(_attribute(file, "version"), "root attribute 'version'")
-    require(version == 1, "version 1 expected, got ", version)
+    require(version == 2, "version 2 expected, got ", version)
     return numbers
 
 
@@ -152,16 +168,15 @@ def _check_dataset(node: Any, place: str, kind: str, shape: Shape, sizes: dict[s
 
 
 def _check_names(names: set[str], wanted: set[str], place: str) -> None:
-    contact = sorted(n for n in names - wanted if n.startswith(CONTACT))
-    require(not contact, f"{place} has {contact}: runs with a collider are outside this referee")
     require(names >= wanted, f"{place} lacks {sorted(wanted - names)}")
     require(names <= wanted, f"{place} has unexpected members {sorted(names - wanted)}")
 
 
 def _check_layout(file: h5py.File) -> None:
-    """Names, types and shapes of the groups `grid` and `steps`."""
-    _check_names(set(file), {"grid", "materials", "steps"}, "/")
-    for place in ("grid", "steps"):
+    """Names, types and shapes of the groups `grid`, `steps` and, if it is there, `contact`."""
+    contact = {"contact"} & set(file)
+    _check_names(set(file), {"grid", "materials", "steps"} | contact, "/")
+    for place in ("grid", "steps", *contact):
         require(isinstance(file[place], h5py.Group), f"/{place} must be a group")
     energies = {name for name in file["steps"] if name.startswith("energy_")}
     _check_names(set(file["grid"]), set(GRID), "/grid")
@@ -171,6 +186,10 @@ def _check_layout(file: h5py.File) -> None:
         _check_dataset(file["grid"][name], f"/grid/{name}", kind, shape, sizes)
     for name, (kind, shape) in (STEPS | {name: ENERGY for name in energies}).items():
         _check_dataset(file["steps"][name], f"/steps/{name}", kind, shape, sizes)
+    if contact:
+        _check_names(set(file["contact"]), set(CONTACT), "/contact")
+        for name, (kind, shape) in CONTACT.items():
+            _check_dataset(file["contact"][name], f"/contact/{name}", kind, shape, sizes)
     require(sizes["steps"] >= 1, "the file has no time step")
     require(sizes["records"] == sizes["steps"] + 1,
             f"{sizes['steps']} steps need {sizes['steps'] + 1} records, got {sizes['records']}")
@@ -234,8 +253,28 @@ def _check_steps(steps: dict[str, NDArray[Any]], time_scheme: str, dt: float) ->
     require(steps["scheme"][0] == 0, "/steps/scheme: the first step must be Euler (0)")
     require(time_scheme == "bdf2" or not steps["scheme"].any(),
             "/steps/scheme has BDF2 steps in a run whose time_scheme is euler")
-    require(not np.any(steps.get("energy_contact", 0)),
-            "/steps/energy_contact is not zero: runs with a collider are outside this referee")
+
+
+def _read_contact(file: h5py.File, voxels: int) -> dict[str, NDArray[Any]] | None:
+    """/contact with its values checked; None where there is none."""
+    if "contact" not in file:
+        return None
+    group = file["contact"]
+    contact = {name: group[name][()] for name in CONTACT}
+    for name in LENGTHS:
+        require(name in group.attrs, f"/contact lacks the attribute '{name}'")
+        contact[name] = np.array(number(group.attrs[name], f"/contact attribute '{name}'"))
+        require(contact[name] > 0, f"/contact attribute '{name}' must be positive")
+    for name in ("weights", "area", "centre", "normal", "half", "radius", "friction", "offset"):
+        require(np.isfinite(contact[name]).all(), f"/contact/{name} has values that are not finite")
+    inside = (contact["voxel"] >= 0) & (contact["voxel"] < voxels)
+    require(inside.all(), f"/contact/voxel must lie in 0..{voxels - 1}")
+    require((contact["shape"] <= BOX).all(), "/contact/shape must be 0, 1 or 2")
+    for name in ("area", "half", "radius", "friction"):
+        require((contact[name] >= 0).all(), f"/contact/{name} must be >= 0")
+    length = np.linalg.norm(contact["normal"][contact["shape"] == PLANE], axis=1)
+    require(np.allclose(length, 1, rtol=0, atol=1e-9), "/contact/normal of a plane must have length 1")
+    return contact
 
 
 def read_state(file: h5py.File) -> State:
@@ -256,4 +295,4 @@ def read_state(file: h5py.File) -> State:
     _check_steps(steps, words["time_scheme"], numbers["dt"])
     return State(words, numbers["h"], numbers["dt"], gravity.astype(float), numbers["g_ref"],
                  numbers["tolerance"], materials, grid, steps, file["steps"]["x"],
-                 file["steps"]["v"])
+                 file["steps"]["v"], _read_contact(file, len(grid["corners"])))

@@ -12,7 +12,7 @@ import numpy as np
 
 import equations
 from equations import BITS, Body, Motion
-from state_file import FIELDS, LAWS, Floats, Material, State
+from state_file import FIELDS, LAWS, LENGTHS, Floats, Material, State
 
 H, DT = 0.05, 1 / 60
 GRAVITY = np.array([0.3, -9.7, 0.2])
@@ -60,6 +60,30 @@ def make_state(seed: int = 1, laws: tuple[str, ...] = LAWS, hourglass: str = "fu
              "solver": "newton", "energy": "analytic", "commit": "none"}
     return State(words, H, DT, GRAVITY, 9.81, 1e-3, materials,
                  ragged_grid(seed, cells, materials, full), {}, None, None)
+
+
+def add_contact(state: State, x: Floats, offsets: Floats) -> None:
+    """Puts the corners of each voxel on its lower face into contact with a plane, a sphere, a box.
+
+    @param x        positions [m] that the colliders are placed by, (nodes, 3)
+    @param offsets  of the colliders at each record, (records, 3, 3)
+    """
+    layer, count = H / 4, len(state.grid["corners"])
+    weights = np.zeros((3 * count, 8))
+    weights[np.arange(3 * count), np.tile([0, 3, 7], count)] = 1
+    corner = x[state.grid["corners"][:, [0, 3, 7]]].reshape(-1, 3)
+    low, middle, high = corner.min(0), corner.mean(0), corner.max(0)
+    normal = np.array([0.6, 0.0, 0.8])
+    state.contact = {
+        "voxel": np.repeat(np.arange(count), 3).astype(np.int32), "weights": weights,
+        "area": np.full(3 * count, H * H / 3), "shape": np.array([0, 1, 2], np.uint8),
+        "centre": np.array([normal * ((corner @ normal).min() + layer / 2),
+                            [middle[0], low[1] - 1 + layer / 2, middle[2]],
+                            [high[0] + 0.1 - layer / 3, middle[1], middle[2]]]),
+        "normal": np.array([normal, [0, 1, 0], [0, 1, 0]]), "radius": np.array([0.0, 1.0, 0.0]),
+        "half": np.array([[0.0] * 3, [0.0] * 3, [0.1, 1.0, 1.0]]),
+        "friction": np.array([0.3, 0.0, 0.6]), "name": np.array([b"plane", b"ball", b"box"]),
+        "offset": offsets, "layer": np.array(layer), "slip_range": np.array(1e-4 * H)}
 
 
 def central_differences(function: Callable[[Floats], Any], x: Floats, width: float) -> Floats:
@@ -122,13 +146,18 @@ def write_state(path: Path, state: State, steps: dict[str, Any], gravity: Floats
     """A state file; the materials as a compound dataset or as attributes of a group."""
     columns = {f: [getattr(m, f) for m in state.materials] for f in FIELDS}
     with h5py.File(path, "w") as file:
-        file.attrs.update(state.words | {"version": 1, "h": state.h, "dt": state.dt, "fps": 60.0,
+        file.attrs.update(state.words | {"version": 2, "h": state.h, "dt": state.dt, "fps": 60.0,
                                          "gravity": gravity, "g_ref": state.g_ref,
                                          "tolerance": state.tolerance})
         for name, values in state.grid.items():
             file[f"grid/{name}"] = values
         for name, values in steps.items():
             file[f"steps/{name}"] = values
+        if state.contact is not None:
+            for name, values in state.contact.items():
+                file.require_group("contact")
+                target = file["contact"].attrs if name in LENGTHS else file["contact"]
+                target[name] = values
         if compound:
             kinds = [(f, h5py.string_dtype() if f in FIELDS[:2] else "f8") for f in FIELDS]
             file["materials"] = np.array(list(zip(*columns.values())), np.dtype(kinds))

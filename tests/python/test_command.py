@@ -82,7 +82,9 @@ class Usage(Command):
                 (["--poisson", "-0.1"], ["-0.1"]), (["--density", "0"], ["density"]),
                 (["--size", "3Pa"], ["Pa"]), (["--gravity", "1,2"], ["1,2"]),
                 (["--pin", "y<"], ["y<"]), (["--pin", "ball(0,0,0,1)"], ["ball"]),
-                (["--floor", "q=1"], ["q=1"]), (["--substeps", "0"], ["0"]),
+                (["--floor", "q=1"], ["q=1"]), (["--region", "all"], ["all", "colon"]),
+                (["--region", "node:top: foam"], ["top"]), (["--collider", "cone(1)"], ["cone"]),
+                (["--collider", "sphere(0,0,0,9) name ball"], ["ball", "inside"]), (["--substeps", "0"], ["0"]),
                 (["--solver", "paper"], ["paper", "quasi"]), (["--device", "abacus"], ["abacus"]),
                 (["--time-scheme", "rk4"], ["rk4"]), (["--hourglass", "on"], ["on"]),
                 (["--up", "x"], ["--up"]), (["--tolerance", "0"], ["tolerance"]),
@@ -277,17 +279,38 @@ class Outputs(Command):
         self.animated("--voxels", 8, "--frames", 3, "--floor", "--friction", 0.3, "--state", state)
         with h5py.File(state) as file:
             contact = file["contact"]
-            self.assertEqual(set(contact.attrs), {"floor_normal", "floor_offset", "friction",
-                                                  "layer", "slip_range"})
-            self.assertEqual(contact.attrs["friction"], 0.3)
-            self.assertEqual(contact.attrs["floor_normal"].tolist(), [0, 1, 0])
-            self.assertAlmostEqual(contact.attrs["floor_offset"], BOX[0][:, 1].min(), 12)
-            self.assertEqual(set(contact), {"voxel", "weights", "area"})
+            self.assertEqual(set(contact.attrs), {"layer", "slip_range"})
+            self.assertEqual(contact["name"][()].tolist(), [b"floor"])
+            self.assertEqual(contact["friction"][()].tolist(), [0.3])
+            self.assertEqual(contact["normal"][()].tolist(), [[0, 1, 0]])
+            height = contact["centre"][0, 1]
+            self.assertAlmostEqual(height, BOX[0][:, 1].min(), 12)
+            self.assertFalse(contact["offset"][()].any())
             x, corners = file["steps/x"][-1], file["grid/corners"][()]
             place = x[corners[contact["voxel"][()]]]
             points = np.einsum("pc,pcd->pd", contact["weights"][()], place)
-            self.assertGreater(points[:, 1].min(), contact.attrs["floor_offset"]
-                               - contact.attrs["layer"])
+            self.assertGreater(points[:, 1].min(), height - contact.attrs["layer"])
+
+    def test_a_collider_moves_and_a_press_on_pins_ends_the_clip_by_name(self) -> None:
+        state, low = self.folder / "s.h5", BOX[0][:, 1].min()
+        lift = f"plane(0,{low},0, 0,2,0) name lift path 0:0,0,0; 1s:0,30cm,0"
+        self.animated("--voxels", 8, "--frames", 3, "--collider", lift, "--state", state)
+        with h5py.File(state) as file:
+            np.testing.assert_allclose(file["contact/offset"][:, 0, 1],
+                                       0.3 * file["steps/time"][()], atol=1e-15)
+        done = animate(self.source, self.output, "--voxels", 8, "--frames", 9, "--pin", "y<10%",
+                       "--collider", lift.replace("1s", "0.1s"))
+        self.assertEqual(done.code, 5, done.err)
+        self.assertIn("'lift'", done.err)
+
+    def test_regions_have_materials_of_their_own(self) -> None:
+        state = self.folder / "s.h5"
+        self.animated("--voxels", 8, "--frames", 1, "--region", "x>50%: foam,density=77", "--pin",
+                      "x<10%", "--state", state)
+        with h5py.File(state) as file:
+            self.assertEqual(file["materials"]["density"].tolist(), [1100, 77])
+            right = file["grid/rest"][()][file["grid/corners"][:, 0], 0] + file.attrs["h"] / 2 > 0
+            self.assertEqual(file["grid/material"][()].tolist(), right.astype(int).tolist())
 
 
 class Poses(Command):

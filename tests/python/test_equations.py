@@ -7,10 +7,11 @@ import unittest
 
 import numpy as np
 
+import collision
 import equations
 from equations import LAW, Motion
 from state_file import LAWS, Floats
-from synthetic import DT, GRAVITY, H, central_differences, make_state, shape_means
+from synthetic import DT, GRAVITY, H, add_contact, central_differences, make_state, shape_means
 
 
 def random_rotation(random: np.random.Generator) -> Floats:
@@ -229,6 +230,39 @@ class ZeroModes(unittest.TestCase):
         hourglass = equations.internal_energy(body, body.rest + u,
                                               equations.rotations(body, body.rest))[1]
         self.assertAlmostEqual(hourglass / (H**5 / 24 * mu * pairs), 1, 12)
+
+class Contact(unittest.TestCase):
+    """Contact with plane, sphere and box."""
+
+    def test_forces_are_the_derivative_of_the_energy(self) -> None:
+        state, random = make_state(), np.random.default_rng(8)
+        x = state.grid["rest"] + random.normal(0, 0.002 * H, state.grid["rest"].shape)
+        offsets = np.zeros((2, 3, 3))
+        offsets[1] = 0.01 * H
+        add_contact(state, x, offsets)
+        for k in range(3):  # one collider at a time, each must act
+            state.contact["friction"] = np.array([0.3, 0.2, 0.6]) * (np.arange(3) == k)
+            y = x + random.normal(0, 0.005 * H, x.shape)
+            energy, gradient = collision.contact(state, 0, x, y)
+            own = central_differences(lambda z: collision.contact(state, 0, x, z)[0], y, 1e-9)
+            self.assertGreater(energy, 0)
+            np.testing.assert_allclose(own, gradient.ravel(), rtol=0,
+                                       atol=1e-5 * np.abs(gradient).max())
+
+    def test_distances_of_known_points(self) -> None:
+        state = make_state()
+        add_contact(state, state.grid["rest"], np.zeros((2, 3, 3)))
+        layer = H / 4
+        state.contact["centre"] = np.zeros((3, 3))
+        place = np.array([[1.1, 2.0, 2.0]])  # of the box: beyond its face x = 0.1 and two edges
+        for k, gap in ((0, 0.6 * 1.1 + 0.8 * 2 + layer), (1, np.sqrt(9.21) - 1 + layer),
+                       (2, np.sqrt(3) * (1 + layer))):
+            own = float(np.linalg.norm(collision.nearest(state, k, np.zeros(3), place)))
+            self.assertAlmostEqual(own, gap, 12)
+        for k, inside in enumerate(([0, 0, -1], [0.5, 0, 0], [0.05, 0.5, 0.5])):
+            gap = collision.nearest(state, k, np.zeros(3), np.array([inside]))
+            self.assertTrue(np.isnan(gap).any())
+
 
 if __name__ == "__main__":
     unittest.main()

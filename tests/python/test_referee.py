@@ -14,9 +14,10 @@ from typing import Any
 import h5py
 import numpy as np
 
+import collision
 import equations
 import referee
-from synthetic import GRAVITY, H, make_state, ragged_grid, roll_out, step_arrays, write_state
+from synthetic import GRAVITY, H, add_contact, make_state, ragged_grid, roll_out, step_arrays, write_state
 
 SEVEN = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (1, 1, 1), (2, 1, 1), (0, 1, 0), (0, 0, 1)]
 
@@ -132,7 +133,7 @@ class Tool(unittest.TestCase):
 
         for change, word in (
                 (lambda f: f.attrs.pop("g_ref"), "g_ref"),
-                (lambda f: f.attrs.modify("version", 2), "version"),
+                (lambda f: f.attrs.modify("version", 1), "version"),
                 (lambda f: f.attrs.modify("solver", "magic"), "solver"),
                 (lambda f: f.pop("grid/fill"), "fill"),
                 (lambda f: f.create_group("collider"), "collider"),
@@ -144,6 +145,48 @@ class Tool(unittest.TestCase):
                 (lambda f: f["steps/scheme"].write_direct(np.ones(4, np.uint8)), "scheme"),
                 (lambda f: f["steps/x"].write_direct(np.full(self.x.shape, np.nan)), "finite")):
             self.assertIn(word, self.broken(change))
+
+    def test_contact_is_part_of_the_residual_and_its_layout_is_checked(self) -> None:
+        """At rest the residual is that of the contact forces alone."""
+        state = make_state(cells=SEVEN)
+        rest = np.repeat(state.grid["rest"][None], 3, axis=0)
+        offsets = np.zeros((3, 3, 3))
+        offsets[2, 1] = [1e-3 * H, 0, 0]
+        add_contact(state, state.grid["rest"], offsets)
+        own = []
+        for step in (0, 1):
+            energy, gradient = collision.contact(state, step, rest[0], rest[0])
+            self.assertGreater(energy, 0)
+            own.append(equations.residual(equations.make_body(state), gradient, state.g_ref))
+        steps = step_arrays(state, rest, np.zeros_like(rest), [0, 1], 1.0)
+        steps["residual"] = np.array(own)
+        steps["converged"][:] = 0
+        write_state(self.path, state, steps, np.zeros(3))
+        status, output = self.run_tool()
+        self.assertEqual(status, 0, output)
+
+        def change(name: str, index: Any, value: float) -> Any:
+            def write(file: h5py.File) -> None:
+                values = file[f"contact/{name}"][()]
+                values[index] = value
+                file[f"contact/{name}"][...] = values
+            return write
+
+        for edit, word in (
+                (lambda f: f["contact"].attrs.pop("layer"), "layer"),
+                (lambda f: f["contact"].pop("half"), "half"),
+                (change("shape", 0, 3), "shape"), (change("voxel", 0, 7), "voxel"),
+                (change("normal", (0, 0), 0.5), "normal"), (change("area", 0, -1), "area"),
+                (change("offset", (1, 2, 0), np.nan), "offset"),
+                (change("radius", 1, 1.005), "residual"),
+                (change("offset", (2, 1, 1), 0.1 * H), "residual"),
+                (change("centre", (0, 0), 9.0), "residual")):
+            write_state(self.path, state, steps, np.zeros(3))
+            with h5py.File(self.path, "r+") as file:
+                edit(file)
+            status, output = self.run_tool()
+            self.assertEqual(status, 1, word)
+            self.assertIn(word, output)
 
     def test_truncated_file_is_refused(self) -> None:
         self.write()

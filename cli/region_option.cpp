@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/region_option.hpp"
+
+#include "core/error.hpp"
+#include "io/units.hpp"
+#include "voxelize/labels.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <functional>
+#include <optional>
+#include <set>
+
+namespace elastogen {
+namespace {
+
+std::string trimmed(std::string_view text) {
+  const size_t first = text.find_first_not_of(" \t"), last = text.find_last_not_of(" \t");
+  return first == text.npos ? "" : std::string(text.substr(first, last - first + 1));
+}
+
+void change(Material& m, const std::string& text) {
+  const size_t at = text.find('=');
+  const std::string key = trimmed(text.substr(0, at));
+  ELASTOGEN_CHECK(at != text.npos, "'", text, "' is no KEY=VALUE");
+  const std::string value = trimmed(text.substr(at + 1));
+  if (key == "young")
+    m.young = parse_pressure(value);
+  else if (key == "poisson")
+    m.poisson = parse_number(value);
+  else if (key == "density")
+    m.density = parse_density(value);
+  else if (key == "law")
+    m.law = law_from_name(value);
+  else
+    throw Error(concat("'", key, "' is none of young, poisson, density, law"));
+}
+
+Material parse_material(std::string_view text) {
+  size_t comma = text.find(',');
+  Material m = material_preset(trimmed(text.substr(0, comma))).material;
+  while (comma != text.npos) {
+    text.remove_prefix(comma + 1);
+    comma = text.find(',');
+    change(m, trimmed(text.substr(0, comma)));
+  }
+  check_material(m);
+  return m;
+}
+
+RegionOption parse(std::string_view text) {
+  // names may hold colons, materials do not
+  const size_t colon = text.rfind(':');
+  ELASTOGEN_CHECK(colon != text.npos, "the colon between selection and material is missing");
+  RegionOption region;
+  const std::string selection = trimmed(text.substr(0, colon));
+  using Kind = RegionOption::Kind;
+  for (const auto& [word, kind] : {std::pair("node:", Kind::kNode), {"material:", Kind::kMaterial}})
+    if (selection.starts_with(word)) {
+      region.kind = kind;
+      region.name = trimmed(std::string_view(selection).substr(std::string_view(word).size()));
+      ELASTOGEN_CHECK(!region.name.empty(), "nothing follows '", word, "'");
+    }
+  if (region.kind == Kind::kPlace) region.selection = parse_selection(selection);
+  region.material = parse_material(text.substr(colon + 1));
+  return region;
+}
+
+/// Whether a name fits a pattern in which * stands for any letters, none included.
+bool fits(std::string_view pattern, std::string_view name) {
+  size_t p = 0, n = 0, star = pattern.npos, tried = 0;
+  while (n < name.size())
+    if (p < pattern.size() && pattern[p] == '*') {
+      star = p++;
+      tried = n;
+    } else if (p < pattern.size() && pattern[p] == name[n]) {
+      ++p, ++n;
+    } else if (star != pattern.npos) {
+      p = star + 1;
+      n = ++tried;
+    } else {
+      return false;
+    }
+  return pattern.find_first_not_of('*', p) == pattern.npos;
+}
+
+/// 1 for each row that a pattern fits by name. @throws Error if it fits none.
+template <class Rows>
+std::vector<uint8_t> named(const Rows& rows, const RegionOption& region, const std::string& text) {
+  std::vector<uint8_t> result(rows.size());
+  std::set<std::string> known;
+  bool any = false;
+  for (size_t k = 0; k < rows.size(); ++k) {
+    if (!rows[k].name.empty()) known.insert(rows[k].name);
+    result[k] = fits(region.name, rows[k].name);
+    any |= result[k] != 0;
+  }
+  std::string list;
+  for (const std::string& name : known) list += (list.empty() ? "'" : ", '") + name + "'";
+  const bool node = region.kind == RegionOption::Kind::kNode;
+  ELASTOGEN_CHECK(any, "--region '", text, "': the asset has no ", node ? "node" : "material", " '",
+                  region.name, "'; it has ", list.empty() ? "none with a name" : list);
+  return result;
+}
+
+/// 1 for each triangle that belongs to a named region, (triangles).
+std::vector<uint8_t> named_triangles(const Asset& asset, const Surface& surface,
+                                     const RegionOption& region, const std::string& text) {
+  std::vector<uint8_t> result(size_t(surface.triangles.rows()));
+  if (region.kind == RegionOption::Kind::kMaterial) {
+    const std::vector<uint8_t> wanted = named(asset.materials, region, text);
+    for (size_t t = 0; t < result.size(); ++t) {
+      const int32_t m = surface.material(int64_t(t));
+      result[t] = m >= 0 && wanted[size_t(m)];
+    }
+    return result;
+  }
+  const std::vector<uint8_t> wanted = named(asset.nodes, region, text);
+  for (const SurfaceInstance& instance : surface.instances) {
+    bool inside = false;
+    for (int n = instance.node; n >= 0; n = asset.nodes[size_t(n)].parent)
+      inside |= wanted[size_t(n)] != 0;
+    std::fill_n(result.begin() + instance.first_triangle, instance.triangles, uint8_t(inside));
+  }
+  return result;
+}
+
+/// Keeps the materials that voxels have, in their order.
+void drop_unused(Scene& scene) {
+  std::vector<int32_t> place(scene.materials.size(), -1);
+  for (int64_t v = 0; v < scene.material.rows(); ++v) place[size_t(scene.material(v))] = 0;
+  std::vector<Material> used;
+  for (size_t m = 0; m < place.size(); ++m) {
+    if (place[m] < 0) continue;
+    place[m] = int32_t(used.size());
+    used.push_back(scene.materials[m]);
+  }
+  for (int64_t v = 0; v < scene.material.rows(); ++v)
+    scene.material(v) = place[size_t(scene.material(v))];
+  scene.materials = std::move(used);
+}
+
+}  // namespace
+
+RegionOption parse_region(std::string_view text) {
+  try {
+    return parse(text);
+  } catch (const Error& error) {
+    throw Error(concat("--region '", text, "': ", error.what(),
+                       " (it reads 'SELECTION: MATERIAL', ",
+                       "e.g. 'y<30%: foam' or 'node:Hat*: jelly,young=30kPa')"));
+  }
+}
+
+void apply_regions(const std::vector<std::string>& texts, const Asset& asset, const Body& body,
+                   Scene& scene, std::vector<std::string>& warnings) {
+  const VoxelGrid& grid = scene.grid;
+  Array<int32_t> nearest;
+  for (const std::string& text : texts) {
+    const RegionOption region = parse_region(text);
+    std::function<bool(int64_t)> holds = [&](int64_t v) {
+      const double* lower = grid.rest.row(grid.corners(v, 0));
+      const double half = grid.h / 2;
+      return contains(region.selection, {lower[0] + half, lower[1] + half, lower[2] + half},
+                      body.surface.box);
+    };
+    std::vector<uint8_t> triangles;
+    if (region.kind != RegionOption::Kind::kPlace) {
+      ELASTOGEN_CHECK(body.is_asset, "--region '", text,
+                      "': an asset of points has no nodes and materials; select by place");
+      triangles = named_triangles(asset, body.surface, region, text);
+      if (nearest.empty()) nearest = nearest_triangles(grid, body.surface);
+      holds = [&](int64_t v) { return triangles[size_t(nearest(v))] != 0; };
+    }
+    int64_t count = 0;
+    for (int64_t v = 0; v < grid.voxel_count(); ++v) {
+      if (!holds(v)) continue;
+      scene.material(v) = int32_t(scene.materials.size());
+      ++count;
+    }
+    if (count > 0)
+      scene.materials.push_back(region.material);
+    else
+      warnings.push_back(fmt::format("--region '{}' holds nothing: no voxel lies in it", text));
+  }
+  drop_unused(scene);
+}
+
+}  // namespace elastogen

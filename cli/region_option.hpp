@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// --region: a material for a part of the asset.
+
+#pragma once
+
+#include "core/scene.hpp"
+#include "voxelize/body.hpp"
+#include "voxelize/regions.hpp"
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace elastogen {
+
+struct RegionOption {
+  enum class Kind { kPlace, kNode, kMaterial };
+  Kind kind = Kind::kPlace;
+  Selection selection;  ///< of the voxels' centres
+  std::string name;     ///< of nodes or of the asset's materials; * stands for any letters
+  Material material;
+};
+
+/// Reads 'SELECTION: MATERIAL', where SELECTION is that of --pin, node:NAME or material:NAME, and
+/// MATERIAL a preset that may be followed by changes: ,young=2MPa ,poisson=0.4 ,density=900
+/// ,law=stvk.
+/// @throws Error (usage) naming the text and what is wrong.
+RegionOption parse_region(std::string_view text);
+
+/// Gives the voxels of each region its material, later ones on top of earlier ones; a material that
+/// no voxel is left with is not kept. A region of the asset's nodes or materials takes the voxels
+/// whose nearest triangle belongs to it, for a node also those of the nodes below.
+/// @param texts     as typed.
+/// @param scene     with grid, materials and material.
+/// @param warnings  gets a sentence for each region that holds no voxel.
+/// @throws Error (usage) on a name that the asset does not have, listing those it has.
+void apply_regions(const std::vector<std::string>& texts, const Asset& asset, const Body& body,
+                   Scene& scene, std::vector<std::string>& warnings);
+
+}  // namespace elastogen

@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Contact with colliders in float64, from the definitions in docs/formats.md.
+
+    E = sum_pc k_p b(d_pc/D) + mu_c N_pc f(|slip_pc|),   k_p = area_p E D^2/h,
+    b(s) = -(1-s)^2 ln s for s < 1, else 0;   f(y) = -y^3/(3e^2) + y^2/e + e/3 for y < e, else y
+
+d_pc is the distance of a point from the core of a collider: a plane D below, a sphere of radius
+max(r - D, 0), a box of half edges max(half - D, 0). Written with vectors to the nearest point of
+the core, whatever the shape.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from state_file import PLANE, SPHERE, Floats, State
+
+
+def nearest(state: State, collider: int, offset: Floats, places: Floats) -> Floats:
+    """(points, 3) from the nearest point of a collider's core to each place; nan inside of it."""
+    contact, layer = state.contact, float(state.contact["layer"])
+    away = places - contact["centre"][collider] - offset
+    shape = contact["shape"][collider]
+    if shape == PLANE:
+        height = away @ contact["normal"][collider] + layer
+        return np.outer(np.where(height > 0, height, np.nan), contact["normal"][collider])
+    if shape == SPHERE:
+        radius = max(contact["radius"][collider] - layer, 0.0)
+        length = np.linalg.norm(away, axis=1, keepdims=True)
+        return np.where(length > radius, away * (1 - radius / length), np.nan)
+    half = np.maximum(contact["half"][collider] - layer, 0)
+    gap = away - np.clip(away, -half, half)
+    return np.where(gap.any(1, keepdims=True), gap, np.nan)
+
+
+def barrier(s: Floats) -> tuple[Floats, Floats]:
+    """b(s) and b'(s)."""
+    outside = s >= 1
+    t = np.where(outside, 1.0, s)
+    value, slope = -(1 - t) ** 2 * np.log(t), 2 * (1 - t) * np.log(t) - (1 - t) ** 2 / t
+    return np.where(outside, 0.0, value), np.where(outside, 0.0, slope)
+
+
+def smooth_length(y: Floats, e: float) -> tuple[Floats, Floats]:
+    """f(y) and f'(y)/y."""
+    near, safe = y < e, np.maximum(y, e)
+    return (np.where(near, -y**3 / (3 * e * e) + y * y / e + e / 3, y),
+            np.where(near, 2 / e - y / (e * e), 1 / safe))
+
+
+def _pressed(state: State, collider: int, offset: Floats, places: Floats,
+             stiffness: Floats) -> tuple[Floats, Floats, Floats]:
+    """Barrier energy, normal force (both (points,)) and normal (points, 3)."""
+    layer = float(state.contact["layer"])
+    gap = nearest(state, collider, offset, places)
+    distance = np.linalg.norm(gap, axis=1)
+    value, slope = barrier(distance / layer)
+    return stiffness * value, -stiffness * slope / layer, gap / distance[:, None]
+
+
+def contact(state: State, step: int, x: Floats, x_next: Floats) -> tuple[float, Floats]:
+    """Energy [J] of contact at the end of a step and its gradient [N], (nodes, 3).
+
+    @param x, x_next  positions [m] at the start and the end of the step, (nodes, 3)
+    """
+    c = state.contact
+    corners = state.grid["corners"][c["voxel"]]
+    young = np.array([m.young for m in state.materials])[state.grid["material"][c["voxel"]]]
+    stiffness = c["area"] * young * float(c["layer"]) ** 2 / state.h
+    start, end = (np.einsum("pk,pki->pi", c["weights"], y[corners]) for y in (x, x_next))
+    energy, force = 0.0, np.zeros_like(end)
+    for k, friction in enumerate(c["friction"]):
+        before, after = c["offset"][step, k], c["offset"][step + 1, k]
+        _, lagged, axis = _pressed(state, k, before, start, stiffness)
+        value, push, normal = _pressed(state, k, after, end, stiffness)
+        energy += value.sum()
+        force -= push[:, None] * normal
+        slip = end - start - (after - before)
+        slip = slip - (slip * axis).sum(1)[:, None] * axis
+        f, slope = smooth_length(np.linalg.norm(slip, axis=1), float(c["slip_range"]))
+        energy += friction * float(lagged @ f)
+        force += (friction * lagged * slope)[:, None] * slip
+    gradient = np.zeros_like(x)
+    for d in range(3):
+        shares = c["weights"] * force[:, d, None]
+        gradient[:, d] = np.bincount(corners.ravel(), shares.ravel(), len(x))
+    return float(energy), gradient
