@@ -238,11 +238,13 @@ void remove_skins(Json& document) {
 }  // namespace
 
 void pose_skins(GltfEdit& edit, std::vector<Finding>& findings) {
+  if (!edit.json.contains("nodes")) return;
+  const Json& nodes = edit.json["nodes"];
+  const bool any = std::any_of(nodes.begin(), nodes.end(),
+                               [](const Json& node) { return node.contains("skin"); });
+  if (!any) return;
   tinygltf::Model model;
   read_gltf_model(edit.current(), model);
-  const bool any = std::any_of(model.nodes.begin(), model.nodes.end(),
-                               [](const tinygltf::Node& node) { return node.skin >= 0; });
-  if (!any) return;
   const int64_t count = SkinPoser(edit, model).pose_all();
   if (count == 0) return;
   remove_skins(edit.json);
