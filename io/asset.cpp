@@ -131,6 +131,13 @@ Matrix4 world_matrix(const Asset& asset, int node) {
   return WorldMatrices(asset)[node];
 }
 
+std::vector<Matrix4> world_matrices(const Asset& asset) {
+  WorldMatrices world(asset);
+  std::vector<Matrix4> matrices;
+  for (size_t n = 0; n < asset.nodes.size(); ++n) matrices.push_back(world[int(n)]);
+  return matrices;
+}
+
 Surface pose_surface(const Asset& asset, double size) {
   ELASTOGEN_CHECK(size >= 0 && std::isfinite(size), "the size must be positive, got ", size);
   Surface surface;

@@ -115,6 +115,9 @@ struct Surface {
 /// Matrix of a node to the asset's root. @throws Error (asset) on a cycle.
 Matrix4 world_matrix(const Asset& asset, int node);
 
+/// Matrices of all nodes to the asset's root. @throws Error (asset) on a cycle.
+std::vector<Matrix4> world_matrices(const Asset& asset);
+
 /// Poses an asset and scales it so that its longest edge is `size` metres (0: as the file has it).
 /// @throws Error (asset) if there is no triangle, no extent, or a number is not finite.
 Surface pose_surface(const Asset& asset, double size = 0);

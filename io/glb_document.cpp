@@ -2,6 +2,7 @@
 #include "io/glb_document.hpp"
 
 #include "core/error.hpp"
+#include "io/plain_gltf.hpp"
 #include "io/safe_file.hpp"
 
 #include <nlohmann/json.hpp>
@@ -86,7 +87,8 @@ void write_u32(SafeFile& file, uint64_t value) {
 }  // namespace
 
 GlbDocument gltf_document(const Asset& asset) {
-  const GltfSource source = read_gltf_source(asset.path);
+  std::vector<Finding> findings;
+  const GltfSource source = plain_gltf(read_gltf_source(asset.path), findings);
   GlbDocument result;
   Json document = Json::parse(source.json);
   try {

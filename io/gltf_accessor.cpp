@@ -36,7 +36,7 @@ int component_bytes(int type) {
   }
 }
 
-/// Components of a scalar or vector type, 0 for a matrix.
+/// Components of a scalar, a vector or a 4x4 matrix, 0 for other matrices.
 int components(int type) {
   switch (type) {
     case TINYGLTF_TYPE_SCALAR:
@@ -47,6 +47,8 @@ int components(int type) {
       return 3;
     case TINYGLTF_TYPE_VEC4:
       return 4;
+    case TINYGLTF_TYPE_MAT4:
+      return 16;
     default:
       return 0;
   }
@@ -93,7 +95,7 @@ class AccessorReader {
     size_ = component_bytes(accessor_->componentType);
     components_ = components(accessor_->type);
     check(size_ > 0, "componentType is not one of glTF's");
-    check(components_ > 0, "matrices are not vertex data");
+    check(components_ > 0, "matrices that are not 4x4 are not read");
   }
 
   const tinygltf::Accessor& accessor() const { return *accessor_; }
@@ -186,7 +188,18 @@ class AccessorReader {
 
 Array<double> accessor_values(const GltfSource& source, const tinygltf::Model& model,
                               int accessor) {
-  return AccessorReader(source, model, accessor).values();
+  const AccessorReader reader(source, model, accessor);
+  reader.check(reader.component_count() <= 4, "matrices are not vertex data");
+  return reader.values();
+}
+
+Array<double> accessor_matrices(const GltfSource& source, const tinygltf::Model& model,
+                                int accessor) {
+  const AccessorReader reader(source, model, accessor);
+  reader.check(reader.component_count() == 16 &&
+                   reader.accessor().componentType == TINYGLTF_COMPONENT_TYPE_FLOAT,
+               "it must hold 4x4 matrices of floats");
+  return reader.values();
 }
 
 std::vector<uint32_t> accessor_indices(const GltfSource& source, const tinygltf::Model& model,

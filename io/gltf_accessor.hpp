@@ -19,6 +19,11 @@ namespace elastogen {
 ///         or is not a scalar or vector.
 Array<double> accessor_values(const GltfSource& source, const tinygltf::Model& model, int accessor);
 
+/// Entries of an accessor of 4x4 float matrices, column-major, (count, 16).
+/// @throws Error (asset) as accessor_values, and on any other type.
+Array<double> accessor_matrices(const GltfSource& source, const tinygltf::Model& model,
+                                int accessor);
+
 /// Values of an accessor of vertex indices, each below `vertices`.
 /// @throws Error (asset) as accessor_values, and on an index out of range or a type other than
 ///         unsigned scalars.

@@ -134,15 +134,23 @@ json geometry_part(const json& document, const std::string& path) {
   return part;
 }
 
-}  // namespace
-
-void read_gltf_model(const GltfSource& source, tinygltf::Model& model) {
+json checked_geometry(const GltfSource& source) {
   const json document = json::parse(source.json);
   const json asset = document.value("asset", json::object());
   const json version = asset.is_object() ? asset.value("version", json()) : json();
   ELASTOGEN_CHECK_ASSET(version.is_string() && version.get<std::string>().starts_with("2."),
                         source.path, ": asset.version must be 2.x; other versions are not read");
-  const std::string text = geometry_part(document, source.path).dump();
+  return geometry_part(document, source.path);
+}
+
+}  // namespace
+
+void check_gltf_types(const GltfSource& source) {
+  checked_geometry(source);
+}
+
+void read_gltf_model(const GltfSource& source, tinygltf::Model& model) {
+  const std::string text = checked_geometry(source).dump();
   tinygltf::TinyGLTF reader;
   std::string error, warning;
   const bool ok =

@@ -19,4 +19,8 @@ namespace elastogen {
 /// @throws Error (asset) naming the field.
 void read_gltf_model(const GltfSource& source, tinygltf::Model& model);
 
+/// The same checks alone, for documents whose accessors are still packed.
+/// @throws Error (asset) naming the field.
+void check_gltf_types(const GltfSource& source);
+
 }  // namespace elastogen

@@ -4,13 +4,14 @@
 #include "core/error.hpp"
 #include "io/gltf_accessor.hpp"
 #include "io/gltf_model.hpp"
+#include "io/gltf_nodes.hpp"
+#include "io/plain_gltf.hpp"
 
 #include <nlohmann/json.hpp>
 #define TINYGLTF_NO_STB_IMAGE
 #define TINYGLTF_NO_STB_IMAGE_WRITE
 #include <tiny_gltf.h>
 
-#include <cmath>
 #include <map>
 
 namespace elastogen {
@@ -24,8 +25,9 @@ constexpr uint64_t kMaxReuse = 64;
 
 class GltfReader {
  public:
-  explicit GltfReader(const std::string& path) : source_(read_gltf_source(path)) {
+  explicit GltfReader(const std::string& path) {
     asset_.path = path;
+    source_ = plain_gltf(read_gltf_source(path), asset_.findings);
     read_gltf_model(source_, model_);
     for (const Bytes& buffer : source_.buffers) budget_ += kMaxReuse * buffer.size();
   }
@@ -36,7 +38,6 @@ class GltfReader {
     asset_.up = 2;
     asset_.unit = 1;
     read_nodes();
-    show_scene();
     for (size_t m = 0; m < model_.materials.size(); ++m) read_material(model_.materials[m]);
     read_meshes();
     note_what_is_left_out();
@@ -53,134 +54,13 @@ class GltfReader {
     if (count > 0) asset_.findings.push_back({what, count, text});
   }
 
-  // nodes
-
-  static Matrix4 composed(const tinygltf::Node& node) {
-    Matrix4 matrix = kIdentity4;
-    if (!node.matrix.empty()) {
-      std::copy(node.matrix.begin(), node.matrix.end(), matrix.begin());
-      return matrix;
-    }
-    if (!node.rotation.empty()) {
-      const double x = node.rotation[0], y = node.rotation[1], z = node.rotation[2],
-                   w = node.rotation[3], s = 2 / (x * x + y * y + z * z + w * w);
-      matrix = {1 - s * (y * y + z * z),
-                s * (x * y + w * z),
-                s * (x * z - w * y),
-                0,
-                s * (x * y - w * z),
-                1 - s * (x * x + z * z),
-                s * (y * z + w * x),
-                0,
-                s * (x * z + w * y),
-                s * (y * z - w * x),
-                1 - s * (x * x + y * y),
-                0,
-                0,
-                0,
-                0,
-                1};
-    }
-    for (size_t c = 0; c < 3 && !node.scale.empty(); ++c) {
-      for (size_t r = 0; r < 3; ++r) matrix[4 * c + r] *= node.scale[c];
-    }
-    for (size_t r = 0; r < 3 && !node.translation.empty(); ++r) {
-      matrix[12 + r] = node.translation[r];
-    }
-    return matrix;
-  }
-
-  void check_transform(const tinygltf::Node& node, size_t index) const {
-    const auto is = [](const std::vector<double>& v, size_t n) {
-      return v.empty() || v.size() == n;
-    };
-    check(
-        is(node.matrix, 16) && is(node.rotation, 4) && is(node.scale, 3) && is(node.translation, 3),
-        "nodes[", index, "]: its transform has the wrong number of entries");
-    const std::vector<double>& m = node.matrix;
-    check(m.empty() || (m[3] == 0 && m[7] == 0 && m[11] == 0 && m[15] == 1), "nodes[", index,
-          "]: the last row of its matrix is not 0, 0, 0, 1");
-    double norm = 0;
-    for (const double q : node.rotation) norm += q * q;
-    check(node.rotation.empty() || (norm > 1e-12 && std::isfinite(norm)), "nodes[", index,
-          "]: its rotation is not a quaternion of length one");
-  }
-
+  /// All nodes; a root of the scene stands in it without its parent, if it has one.
   void read_nodes() {
-    const size_t count = model_.nodes.size();
-    asset_.nodes.resize(count);
-    for (size_t n = 0; n < count; ++n) {
-      const tinygltf::Node& node = model_.nodes[n];
-      check_transform(node, n);
-      asset_.nodes[n].name = node.name;
-      asset_.nodes[n].matrix = composed(node);
-      check(node.mesh < int64_t(model_.meshes.size()), "nodes[", n, "]: there is no mesh ",
-            node.mesh);
-      for (const int child : node.children) {
-        check(child >= 0 && size_t(child) < count, "nodes[", n, "]: there is no node ", child);
-        int& parent = asset_.nodes[size_t(child)].parent;
-        check(parent < 0, "nodes[", child, "] has two parents");
-        parent = int(n);
-      }
-    }
-  }
-
-  /// Roots of the default scene; of the first where none is named; all roots without scenes.
-  std::vector<int> scene_roots() const {
-    std::vector<int> roots;
-    if (model_.scenes.empty()) {
-      for (size_t n = 0; n < asset_.nodes.size(); ++n) {
-        if (asset_.nodes[n].parent < 0) roots.push_back(int(n));
-      }
-      return roots;
-    }
-    const int scene = std::max(model_.defaultScene, 0);
-    check(size_t(scene) < model_.scenes.size(), "there is no scene ", scene);
-    for (const int node : model_.scenes[size_t(scene)].nodes) {
-      check(node >= 0 && size_t(node) < asset_.nodes.size(), "scenes[", scene,
-            "]: there is no node ", node);
-      roots.push_back(node);
-    }
-    return roots;
-  }
-
-  /// Walks the tree from the roots and sets the mesh of each node that is reached. A root of the
-  /// scene stands in it without its parent, if it has one.
-  void show_scene() {
-    check_acyclic();
-    std::vector<int> stack = scene_roots();
-    for (const int root : stack) asset_.nodes[size_t(root)].parent = -1;
-    std::vector<bool> seen(asset_.nodes.size(), false);
-    while (!stack.empty()) {
-      const auto n = size_t(stack.back());
-      stack.pop_back();
-      check(!seen[n], "node ", n, " is listed twice in its scene");
-      seen[n] = true;
-      const tinygltf::Node& node = model_.nodes[n];
-      asset_.nodes[n].mesh = node.mesh;
-      const std::string name = node.name.empty() ? concat("nodes[", n, ']') : node.name;
-      check(node.skin < 0 || node.mesh < 0, "node \"", name,
-            "\" is skinned, which is not read; bake the pose into the mesh and export without "
-            "the skin");
-      stack.insert(stack.end(), node.children.begin(), node.children.end());
-    }
-  }
-
-  /// Each node has one parent at most, so a cycle is what the roots do not reach.
-  void check_acyclic() const {
-    std::vector<int> stack;
-    size_t reached = 0;
-    for (size_t n = 0; n < asset_.nodes.size(); ++n) {
-      if (asset_.nodes[n].parent < 0) stack.push_back(int(n));
-    }
-    while (!stack.empty()) {
-      const auto n = size_t(stack.back());
-      stack.pop_back();
-      ++reached;
-      const auto& children = model_.nodes[n].children;
-      stack.insert(stack.end(), children.begin(), children.end());
-    }
-    check(reached == asset_.nodes.size(), "the node tree has a cycle");
+    asset_.nodes = gltf_nodes(asset_.path, model_);
+    for (const int n : gltf_scene_nodes(asset_.path, model_))
+      asset_.nodes[size_t(n)].mesh = model_.nodes[size_t(n)].mesh;
+    for (const int root : gltf_scene_roots(asset_.path, model_))
+      asset_.nodes[size_t(root)].parent = -1;
   }
 
   void read_material(const tinygltf::Material& from) {

@@ -12,10 +12,11 @@ namespace elastogen {
 /// Reads a glTF file. Asset::nodes are all nodes of the file, in its order; those outside the
 /// default scene show no mesh. A mesh's positions are its distinct POSITION accessors one after
 /// the other, in order of first use by a triangle primitive; strips and fans become triangles.
-/// Other primitives, morph targets and animations are left out, with a finding.
-/// @throws Error (asset) naming file and place: a broken file, compressed meshes (Draco, meshopt),
-///         skins, unknown required extensions, indices or byte ranges out of bounds, a cyclic node
-///         tree, files outside the asset's folder.
+/// Compressed, quantized and skinned meshes are read as plain_gltf makes them. Other primitives,
+/// morph targets and animations are left out, with a finding.
+/// @throws Error (asset) naming file and place: a broken file, as plain_gltf, unknown required
+///         extensions, indices or byte ranges out of bounds, a cyclic node tree, files outside the
+///         asset's folder.
 Asset read_gltf(const std::string& path);
 
 }  // namespace elastogen

@@ -118,15 +118,19 @@ json parse(const std::string& text, const std::string& path) {
   }
 }
 
-/// Extensions that change neither geometry nor the node tree; the document is kept as it is.
-bool is_harmless(const std::string& name) {
+/// Extensions that plain_gltf resolves, and those that change neither geometry nor the node tree;
+/// the latter are kept as they are.
+bool is_known(const std::string& name) {
   static const std::set<std::string> kNames = {
-      "EXT_texture_avif",   "EXT_texture_webp",      "KHR_lights_punctual", "KHR_mesh_quantization",
-      "KHR_texture_basisu", "KHR_texture_transform", "KHR_xmp_json_ld",     "MSFT_texture_dds"};
+      "EXT_meshopt_compression", "EXT_texture_avif",
+      "EXT_texture_webp",        "KHR_draco_mesh_compression",
+      "KHR_lights_punctual",     "KHR_mesh_quantization",
+      "KHR_texture_basisu",      "KHR_texture_transform",
+      "KHR_xmp_json_ld",         "MSFT_texture_dds"};
   return name.starts_with("KHR_materials_") || kNames.contains(name);
 }
 
-/// @throws Error on compressed meshes and on required extensions that are not known.
+/// @throws Error on required extensions that are not known.
 void check_extensions(const json& document, const std::string& path) {
   for (const char* list : {"extensionsUsed", "extensionsRequired"}) {
     const json names = document.value(list, json::array());
@@ -134,19 +138,20 @@ void check_extensions(const json& document, const std::string& path) {
     for (const json& entry : names) {
       ELASTOGEN_CHECK_ASSET(entry.is_string(), path, ": \"", list, "\" holds more than names");
       const std::string& name = entry.get_ref<const std::string&>();
-      const bool compressed = name == "KHR_draco_mesh_compression" ||
-                              name == "EXT_meshopt_compression" ||
-                              name == "KHR_meshopt_compression";
-      ELASTOGEN_CHECK_ASSET(!compressed, path, ": uses ", name,
-                            ", which is not read; re-export without compression");
-      const bool known = list == std::string("extensionsUsed") || is_harmless(name);
+      const bool known = list == std::string("extensionsUsed") || is_known(name);
       ELASTOGEN_CHECK_ASSET(known, path, ": requires the extension ", name,
                             ", which is not read; re-export without it");
     }
   }
 }
 
-/// Bytes of buffer `index`, cut to its stated length.
+/// A buffer that only stands in for what EXT_meshopt_compression holds; it may lack its bytes.
+bool is_fallback(const json& buffer) {
+  const json::json_pointer flag("/extensions/EXT_meshopt_compression/fallback");
+  return buffer.is_object() && buffer.contains(flag) && buffer[flag] == true;
+}
+
+/// Bytes of buffer `index`, cut to its stated length; none for a fallback.
 Bytes resolve_buffer(const json& buffer, size_t index, Chunks& chunks, const std::string& path) {
   const std::string what = concat("buffers[", index, "]");
   const std::string place = path + ": " + what;
@@ -154,6 +159,7 @@ Bytes resolve_buffer(const json& buffer, size_t index, Chunks& chunks, const std
                             buffer["byteLength"].is_number_unsigned(),
                         place, ": byteLength is missing or not a count");
   const uint64_t length = buffer["byteLength"].get<uint64_t>();
+  if (is_fallback(buffer)) return {};
   Bytes bytes;
   if (buffer.contains("uri")) {
     ELASTOGEN_CHECK_ASSET(buffer["uri"].is_string(), place, ": the URI is not a string");

@@ -159,8 +159,8 @@ TEST_F(GlbWriter, KeepsTheBytesOfTheSource) {
   const std::string assets = test::assets_folder();
   std::vector<std::string> paths = {folder.write("source.glb", instances().file())};
   if (!assets.empty()) {
-    for (const char* name : {"generators/trellis_sample.glb", "gltf/CesiumMilkTruck.glb",
-                             "gltf/spot_nodes.glb", "gltf/spot_quantized.glb"})
+    for (const char* name :
+         {"generators/trellis_sample.glb", "gltf/CesiumMilkTruck.glb", "gltf/spot_nodes.glb"})
       paths.push_back(assets + name);
   }
   for (const std::string& path : paths) {

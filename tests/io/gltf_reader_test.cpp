@@ -64,7 +64,7 @@ TEST_F(GltfReader, ReadsInterleavedAndNormalisedIntegers) {
                                       {"normalized", true}, {"byteOffset", 6}};
   const Mesh mesh = read(builder).meshes[0];
   EXPECT_EQ(mesh.position[0], (Vec3{-1, 0, 1}));
-  EXPECT_EQ(mesh.position[1], (Vec3{1 / 32767.0, 2 / 32767.0, 3 / 32767.0}));
+  EXPECT_EQ(mesh.position[1], (Vec3{float(1 / 32767.0), float(2 / 32767.0), float(3 / 32767.0)}));
   EXPECT_EQ(mesh.uv[0], (std::array<float, 2>{1, 0}));
   EXPECT_EQ(mesh.uv[1], (std::array<float, 2>{float(128 / 255.0), 0}));
 }
@@ -154,9 +154,9 @@ TEST_F(GltfReader, LeavesOutTheParentThatTheSceneLeavesOut) {
   EXPECT_EQ(world_matrix(read(builder), 1), kIdentity4);
 }
 
-TEST_F(GltfReader, TakesTwentyThousandNestedNodes) {
+TEST_F(GltfReader, TakesAHundredThousandNestedNodes) {
   Builder builder = triangle();
-  const int depth = 20000;
+  const int depth = 100000;
   Json nodes = Json::array();
   for (int n = 0; n < depth; ++n)
     nodes.push_back({{"children", {n + 1}}, {"translation", {1, 0, 0}}});
@@ -181,16 +181,12 @@ TEST_F(GltfReader, RefusesWhatItCannotRead) {
     builder.document[list] = {name};
     return refusal(builder);
   };
-  expect_says(extension("extensionsRequired", "KHR_draco_mesh_compression"),
-              "uses KHR_draco_mesh_compression, which is not read; re-export without compression");
-  expect_says(extension("extensionsUsed", "EXT_meshopt_compression"), "re-export");
-  expect_says(extension("extensionsRequired", "VENDOR_unknown"), "VENDOR_unknown");
+  expect_says(extension("extensionsRequired", "VENDOR_unknown"),
+              "requires the extension VENDOR_unknown, which is not read; re-export without it");
+  expect_says(extension("extensionsRequired", "KHR_meshopt_compression"), "re-export without it");
   Builder builder = triangle();
   builder.document["extensionsRequired"] = {"KHR_mesh_quantization", "KHR_materials_sheen"};
   EXPECT_NO_THROW(read(builder));
-  builder.document["skins"] = {{{"joints", {0}}}};
-  builder.document["nodes"][0]["skin"] = 0;
-  expect_says(refusal(builder), "bake the pose");
   Builder old = triangle();
   old.document["asset"]["version"] = "1.0";
   expect_says(refusal(old), "version");
@@ -354,10 +350,6 @@ TEST_F(GltfReader, ReadsRealFiles) {
   const Box truck = pose_surface(read_gltf(assets + "gltf/CesiumMilkTruck.glb")).box;
   EXPECT_NEAR(truck.extent(0), 4.87, 0.005);
   EXPECT_NEAR(truck.extent(2), 2.79, 0.005);
-  for (const char* name : {"gltf/heart_draco.glb", "gltf/spot_draco.glb"})
-    expect_says(error_of([&] { read_gltf(assets + name); }), "KHR_draco_mesh_compression");
-  expect_says(error_of([&] { read_gltf(assets + "gltf/pirate_meshopt.glb"); }), "meshopt");
-  expect_says(error_of([&] { read_gltf(assets + "gltf/Fox.glb"); }), "skinned");
 }
 
 }  // namespace
