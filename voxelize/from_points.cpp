@@ -26,7 +26,7 @@ using openvdb::FloatGrid;
 // lengths of the level sets are in voxels
 constexpr float kRadius = 3;       // of the balls
 constexpr float kCore = 1.2f;      // depth below the eroded surface that makes an inside
-constexpr float kInnerBand = 8;    // more than the deepest erosion and the core
+constexpr float kInnerBand = 6;    // more than the deepest erosion and the core
 constexpr double kSpacings = 1.5;  // ball radius / spacing
 constexpr double kFloaterShare = 0.005, kMostFloaters = 0.2, kMostLost = 0.1;
 constexpr double kMaxPoints = 1.2e6;  // 40 million voxels at 31 a point
