@@ -76,8 +76,11 @@ class PlyWriter : public AnimationWriter {
 
  private:
   std::string header() const {
-    std::string text = concat("ply\nformat binary_little_endian 1.0\ncomment elastogen frame ",
-                              frames_, "\nelement vertex ", rest_.size(), '\n');
+    std::string text =
+        concat("ply\nformat binary_little_endian 1.0\ncomment elastogen frame ", frames_, '\n');
+    if (motion_ && motion_->clamped > 0)
+      text += concat("comment stretches of ", motion_->clamped, " splats held within 1/3 ... 3\n");
+    text += concat("element vertex ", rest_.size(), '\n');
     text += properties({"x", "y", "z"});
     if (motion_) {
       text += properties({"nx", "ny", "nz"});

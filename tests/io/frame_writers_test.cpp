@@ -183,6 +183,7 @@ TEST(PlyWriter, SplatsTurnWithTheBody) {
   for (int64_t p = 0; p < 2; ++p) F(p, 1) = -1, F(p, 3) = F(p, 8) = 1;
   writer->frame({.displacement = Array<double>(2, 3), .gradient = F});
   const std::vector<float> v = values_at<float>(Ply(folder.path("out_00000.ply")).body, 0, 52);
+  EXPECT_EQ(Ply(folder.path("out_00000.ply")).header.find("stretches"), std::string::npos);
   // red of degree 1 is C1 (-y r0 + z r1 - x r2) with r = 3, 6, 9: seen from turned directions
   // (x, y) -> (y, -x) it is C1 (x r0 + z r1 - y r2)
   EXPECT_NEAR(v[9], 9, 1e-5);
@@ -190,6 +191,16 @@ TEST(PlyWriter, SplatsTurnWithTheBody) {
   EXPECT_NEAR(v[11], -3, 1e-5);
   EXPECT_NEAR(v[22], std::sqrt(0.5), 1e-6);
   EXPECT_NEAR(v[25], std::sqrt(0.5), 1e-6);
+}
+
+TEST(PlyWriter, SaysHowManySplatsWereHeldBack) {
+  const test::TempFolder folder;
+  const Asset asset = splats(0);
+  const auto writer = AnimationWriter::create(folder.path("out.ply"), asset, kUnitScale);
+  Array<double> F = still(2);
+  F(1, 4) = 5;
+  writer->frame({.displacement = Array<double>(2, 3), .gradient = F});
+  expect_says(Ply(folder.path("out_00000.ply")).header, "stretches of 1 splats");
 }
 
 /// A cube of eight voxels, stretched, and what the file says of it.
