@@ -97,7 +97,8 @@ void add_run_options(CLI::App& app, AnimateOptions& o, Typed& t) {
 }
 
 void add_output_options(CLI::App& app, AnimateOptions& o, Typed& t) {
-  app.add_option("-o,--output", o.outputs, "animation to write (.glb); repeatable")
+  app.add_option("-o,--output", o.outputs,
+                 "animation to write: .glb, .ply (a file a frame), .pc2, .pvd; repeatable")
       ->group("Output")
       ->required()
       ->expected(1)

@@ -87,6 +87,8 @@ class Clip {
     if (!o_.log.empty()) outputs_.log = std::make_unique<StepLog>(o_.log);
     outputs_.state = open_state(setup.scene, options, *solver_, state_);
     displacement_ = Array<double>(setup.body.carried.rows(), 3);
+    for (const auto& animation : outputs_.animations)
+      if (animation->needs_gradient()) gradient_ = Array<double>(setup.body.carried.rows(), 9);
   }
 
   void run() {
@@ -182,9 +184,13 @@ class Clip {
     deform_asset(setup_.scene.grid, embedding_, state_.x, displacement_);
     for (int64_t k = 0; k < displacement_.size(); ++k)
       largest_motion_ = std::max(largest_motion_, std::abs(displacement_.data()[k]));
+    if (!gradient_.empty())
+      deformation_gradient(setup_.scene.grid, embedding_, state_.x, gradient_);
     for (const auto& animation : outputs_.animations)
-      animation->frame(
-          {.displacement = displacement_, .state = &state_, .certificate = certificate});
+      animation->frame({.displacement = displacement_,
+                        .gradient = gradient_,
+                        .state = &state_,
+                        .certificate = certificate});
     if (hooks_.on_frame) {
       Array<double> positions = setup_.body.carried;
       for (int64_t k = 0; k < positions.size(); ++k) positions.data()[k] += displacement_.data()[k];
@@ -203,6 +209,7 @@ class Clip {
   std::unique_ptr<Solver> solver_;
   State state_;
   Array<double> displacement_;
+  Array<double> gradient_;  ///< of the carried points; empty where no writer needs it
   int64_t converged_ = 0;
   double largest_motion_ = 0;
   Clock::time_point start_ = Clock::now();

@@ -3,6 +3,9 @@
 
 #include "core/error.hpp"
 #include "io/glb_writer.hpp"
+#include "io/ply_writer.hpp"
+#include "io/point_cache_writer.hpp"
+#include "io/vtu_writer.hpp"
 
 #include <algorithm>
 #include <cctype>
@@ -16,10 +19,19 @@ std::unique_ptr<AnimationWriter> AnimationWriter::create(const std::string& path
   std::string ending = std::filesystem::path(path).extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(),
                  [](unsigned char c) { return char(std::tolower(c)); });
-  ELASTOGEN_CHECK(ending == ".glb", path, ": the output must end in .glb, got \"", ending, '"');
+  const bool known = ending == ".glb" || ending == ".ply" || ending == ".pc2" || ending == ".pvd";
+  ELASTOGEN_CHECK(known, path, ": the output must end in .glb, .ply, .pc2 or .pvd, got \"", ending,
+                  '"');
   ELASTOGEN_CHECK(options.fps > 0 && options.modal_error > 0,
                   "fps and modal_error must be positive, got ", options.fps, " and ",
                   options.modal_error);
+  if (ending == ".pc2") return make_point_cache_writer(path, asset, surface);
+  if (ending == ".ply") return make_ply_writer(path, asset, surface);
+  if (ending == ".pvd") return make_vtu_writer(path, options);
+  const std::string name = std::filesystem::path(path).replace_extension().string();
+  ELASTOGEN_CHECK(!asset.points && !asset.splats, path,
+                  ": a GLB shows meshes; points and splats are written as ", name,
+                  ".ply (one file a frame) or ", name, ".pc2");
   return make_glb_writer(path, asset, surface, options);
 }
 

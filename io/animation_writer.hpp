@@ -43,14 +43,17 @@ struct AnimationOptions {
 
 /// Writes an animation frame by frame; the first frame is the start. Frames wait in an unnamed
 /// file beside the output, so that memory does not grow with their number, and nothing is left
-/// behind without finish().
+/// behind without finish(), but for the files of a sequence, which are whole each by itself.
 class AnimationWriter {
  public:
   virtual ~AnimationWriter() = default;
 
-  /// A writer for the ending of `path` (.glb).
+  /// A writer for the ending of `path`: .glb (meshes), .ply (one file a frame), .pc2, .pvd
+  /// (voxels).
   /// @param asset, surface  what was read and posed; both must outlive the writer.
-  /// @throws Error (usage) for another ending, fps <= 0 or a root matrix without inverse;
+  /// @throws Error (usage) for another ending, a .glb of points or splats, fps <= 0 or a root
+  /// matrix
+  ///         without inverse;
   ///         (resources) if the folder cannot be written.
   static std::unique_ptr<AnimationWriter> create(const std::string& path, const Asset& asset,
                                                  const Surface& surface,

@@ -115,4 +115,9 @@ inline float linear_from_srgb(double s) {
   return float(s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4));
 }
 
+/// The sRGB value of a linear share of light.
+inline float srgb_from_linear(double l) {
+  return float(l <= 0.0031308 ? 12.92 * l : 1.055 * std::pow(l, 1 / 2.4) - 0.055);
+}
+
 }  // namespace elastogen

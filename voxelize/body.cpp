@@ -1,9 +1,59 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "voxelize/body.hpp"
 
+#include "core/error.hpp"
+#include "voxelize/from_points.hpp"
+#include "voxelize/from_splats.hpp"
+
+#include <algorithm>
+#include <cmath>
+
 namespace elastogen {
+namespace {
+
+/// A body with the surface of a solid, scaled to metres.
+Body scaled_body(const Asset& asset, const PointSolid& solid, const std::vector<Vec3>& carried,
+                 double size) {
+  Body body;
+  body.is_asset = false;
+  Surface& surface = body.surface;
+  const Box& box = solid.box;
+  const double longest = std::max({box.extent(0), box.extent(1), box.extent(2)});
+  surface.scale = size > 0 ? size / longest : asset.unit > 0 ? asset.unit : 1;
+  surface.vertices = solid.vertices;
+  surface.triangles = solid.triangles;
+  surface.material = Array<int32_t>(solid.triangles.rows());
+  surface.material.fill(-1);
+  for (int64_t v = 0; v < surface.vertices.rows(); ++v) {
+    double* x = surface.vertices.row(v);
+    for (int d = 0; d < 3; ++d) x[d] *= surface.scale;
+    surface.box.add({x[0], x[1], x[2]});
+  }
+  body.carried = Array<double>(int64_t(carried.size()), 3);
+  for (int64_t p = 0; p < body.carried.rows(); ++p)
+    for (int d = 0; d < 3; ++d) {
+      body.carried(p, d) = surface.scale * carried[size_t(p)][size_t(d)];
+      ELASTOGEN_CHECK_ASSET(std::isfinite(body.carried(p, d)), asset.path, ": point ", p,
+                            " is not finite once it is scaled");
+    }
+  body.findings = solid.findings;
+  return body;
+}
+
+}  // namespace
 
 Body make_body(const Asset& asset, double size) {
+  ELASTOGEN_CHECK(size >= 0 && std::isfinite(size), "the size must be positive, got ", size);
+  if (asset.points)
+    return scaled_body(asset, solid_of_points(asset.points->position, asset.path),
+                       asset.points->position, size);
+  if (asset.splats) {
+    SplatSamples samples = sample_splats(*asset.splats, asset.path);
+    Body body = scaled_body(asset, solid_of_points(samples.points, asset.path),
+                            asset.splats->position, size);
+    body.findings.insert(body.findings.begin(), samples.findings.begin(), samples.findings.end());
+    return body;
+  }
   Body body;
   body.surface = pose_surface(asset, size);
   body.carried = body.surface.vertices;

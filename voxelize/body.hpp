@@ -15,7 +15,8 @@ struct Body {
   std::vector<Finding> findings;
 };
 
-/// The body of an asset, scaled so that its longest edge is `size` metres (0: as the file has it).
+/// The body of an asset, scaled so that its longest edge (of points and splats: without floaters)
+/// is `size` metres (0: as the file has it). Solids of points: voxelize/from_points.hpp.
 /// @throws Error (asset) if nothing can be made of it.
 Body make_body(const Asset& asset, double size = 0);
 

@@ -30,4 +30,14 @@ Embedding embed(const VoxelGrid& grid, In<double> points);
 void deform_asset(const VoxelGrid& grid, const Embedding& embedding, In<double> x,
                   Out<double> displacement);
 
+/// Deformation gradient at embedded points, of the same interpolant as deform_asset,
+///
+///     F_p = I + sum_c (x_c - X_c) (x) grad w_pc,
+///
+/// exactly I where the nodes are exactly at rest.
+/// @param x         nodal positions [m], (nodes, 3).
+/// @param gradient  result [-], row-major, (points, 9).
+void deformation_gradient(const VoxelGrid& grid, const Embedding& embedding, In<double> x,
+                          Out<double> gradient);
+
 }  // namespace elastogen

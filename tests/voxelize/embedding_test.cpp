@@ -45,6 +45,55 @@ TEST(Embedding, CarriesAffineFieldsInsideAndOutsideOfTheGrid) {
       ASSERT_NEAR(points(p, d) + displacement(p, d), affine(points.row(p))[d], 1e-12);
 }
 
+TEST(Embedding, GradientOfAnAffineFieldIsItsMatrix) {
+  const VoxelGrid grid = make_box(5, 9, 12, 0.2, {-0.1, 0.2, 0.3});
+  const Array<double> points = random_points(500, -2, 4, 2);
+  Array<double> x(grid.node_count(), 3), gradient(points.rows(), 9);
+  for (int64_t n = 0; n < grid.node_count(); ++n) {
+    const Vec3 moved = affine(grid.rest.row(n));
+    std::copy(moved.begin(), moved.end(), x.row(n));
+  }
+  deformation_gradient(grid, embed(grid, points), x, gradient);
+  const double expected[9] = {1.1, -0.4, 0.2, 0.5, 0.9, 0, -0.1, 0.3, 1.2};
+  for (int64_t p = 0; p < points.rows(); ++p)
+    for (int k = 0; k < 9; ++k) ASSERT_NEAR(gradient(p, k), expected[k], 1e-11);
+
+  deformation_gradient(grid, embed(grid, points), grid.rest, gradient);
+  for (int64_t p = 0; p < points.rows(); ++p)
+    for (int k = 0; k < 9; ++k) ASSERT_EQ(gradient(p, k), k % 4 == 0 ? 1 : 0);
+}
+
+TEST(Embedding, GradientIsTheDerivativeOfThePlaces) {
+  const VoxelGrid grid = make_box(3, 4, 5, 0.25, {0, 0, 0});
+  Array<double> x = grid.rest;
+  const Array<double> noise = random_points(grid.node_count(), -0.1, 0.1, 5);
+  for (int64_t k = 0; k < x.size(); ++k) x.data()[k] += noise.data()[k];
+  const Array<double> points = random_points(200, -0.3, 1.5, 6);
+  Array<double> gradient(points.rows(), 9);
+  deformation_gradient(grid, embed(grid, points), x, gradient);
+  const double step = 1e-5;
+  for (int d = 0; d < 3; ++d) {
+    Array<double> moved[2] = {points, points}, at[2];
+    for (int s = 0; s < 2; ++s) {
+      for (int64_t p = 0; p < points.rows(); ++p) moved[s](p, d) += s ? step : -step;
+      at[s] = Array<double>(points.rows(), 3);
+      deform_asset(grid, embed(grid, moved[s]), x, at[s]);
+    }
+    for (int64_t p = 0; p < points.rows(); ++p)
+      for (int i = 0; i < 3; ++i)
+        ASSERT_NEAR(gradient(p, 3 * i + d),
+                    (at[1](p, i) - at[0](p, i)) / (2 * step) + (i == d ? 1 : 0), 1e-8);
+  }
+}
+
+TEST(Embedding, GradientRefusesWrongShapes) {
+  const VoxelGrid grid = make_box(1, 1, 1, 1, {0, 0, 0});
+  const Embedding embedding = embed(grid, random_points(3, 0, 1, 1));
+  Array<double> good(3, 9), bad(3, 3);
+  EXPECT_THROW(deformation_gradient(grid, embedding, grid.rest, bad), Error);
+  EXPECT_THROW(deformation_gradient(grid, embedding, bad, good), Error);
+}
+
 TEST(Embedding, LeavesARestingAssetWhereItIsToTheBit) {
   const Soup soup = sphere(1, {3, 1, 4}, 4);
   const Surface surface = soup.surface();

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// What writers of frames share: names of numbered files, the file's own numbers.
+
+#pragma once
+
+#include "io/animation_writer.hpp"
+
+namespace elastogen {
+
+/// NAME_00012.ending beside path, which is NAME.<any ending>.
+std::string frame_path(const std::string& path, int64_t frame, const std::string& ending);
+
+/// Rest positions of the carried points in the numbers and axes of the asset: points and splats as
+/// the file has them, vertices posed by the node tree.
+std::vector<Vec3> file_positions(const Asset& asset, const Surface& surface);
+
+/// What every frame must be. @throws Error (usage) for another shape or numbers that are not
+/// finite in single precision; where `gradient` is set also for that of F.
+void check_frame(const AnimationFrame& frame, int64_t number, int64_t points, bool gradient);
+
+/// Appends the bytes of a value; files are little-endian as the machines that the program runs on.
+template <class T>
+void append(std::string& bytes, const T& value) {
+  bytes.append(reinterpret_cast<const char*>(&value), sizeof(T));
+}
+
+}  // namespace elastogen

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/ply_writer.hpp"
+
+#include "core/error.hpp"
+#include "io/byte_reader.hpp"
+#include "io/frame_files.hpp"
+#include "io/safe_file.hpp"
+#include "io/splat_motion.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <optional>
+
+namespace elastogen {
+namespace {
+
+std::string properties(std::initializer_list<const char*> names, const char* type = "float") {
+  std::string text;
+  for (const char* name : names) text += concat("property ", type, ' ', name, '\n');
+  return text;
+}
+
+std::string numbered(const char* name, size_t count) {
+  std::string text;
+  for (size_t k = 0; k < count; ++k) text += concat("property float ", name, k, '\n');
+  return text;
+}
+
+/// F^-T n as a unit vector, by the cofactors of F, which exist for every F; n itself where F does
+/// not turn it.
+std::array<float, 3> turned_normal(const double* F, const std::array<float, 3>& n) {
+  const double identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  if (std::equal(F, F + 9, identity)) return n;
+  double m[3] = {}, square = 0;
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    for (int d = 0; d < 3; ++d) {
+      const int e = (d + 1) % 3, f = (d + 2) % 3;
+      m[i] += (F[3 * j + e] * F[3 * k + f] - F[3 * j + f] * F[3 * k + e]) * double(n[size_t(d)]);
+    }
+    square += m[i] * m[i];
+  }
+  if (square == 0) return n;
+  const double norm = 1 / std::sqrt(square);
+  return {float(m[0] * norm), float(m[1] * norm), float(m[2] * norm)};
+}
+
+class PlyWriter : public AnimationWriter {
+ public:
+  PlyWriter(const std::string& path, const Asset& asset, const Surface& surface)
+      : path_(path), asset_(asset), surface_(surface), rest_(file_positions(asset, surface)) {
+    if (asset.splats) motion_.emplace(*asset.splats);
+    SafeFile probe(frame_path(path, 0, ".ply"));  // refuses a folder at once
+  }
+
+  bool needs_gradient() const override {
+    return motion_ || (asset_.points && !asset_.points->normal.empty());
+  }
+
+  void frame(const AnimationFrame& frame) override {
+    check_frame(frame, frames_, int64_t(rest_.size()), needs_gradient());
+    const std::string path = frame_path(path_, frames_, ".ply");
+    ELASTOGEN_CHECK(std::filesystem::path(path).lexically_normal() !=
+                        std::filesystem::path(asset_.path).lexically_normal(),
+                    path, ": a frame would take the place of the input; name the output otherwise");
+    if (motion_) motion_->turn(frame.gradient);
+    std::string bytes = header();
+    for (size_t p = 0; p < rest_.size(); ++p) append_point(frame, p, bytes);
+    if (!asset_.points && !motion_) append_triangles(bytes);
+    write_file(path, bytes);
+    ++frames_;
+  }
+
+  void finish() override { ELASTOGEN_CHECK(frames_ > 0, path_, ": there is no frame to write"); }
+
+ private:
+  std::string header() const {
+    std::string text =
+        concat("ply\nformat binary_little_endian 1.0\ncomment elastogen frame ", frames_, '\n');
+    if (motion_ && motion_->clamped > 0)
+      text += concat("comment stretches of ", motion_->clamped, " splats held within 1/3 ... 3\n");
+    text += concat("element vertex ", rest_.size(), '\n');
+    text += properties({"x", "y", "z"});
+    if (motion_) {
+      text += properties({"nx", "ny", "nz"});
+      text += numbered("f_dc_", 3) + numbered("f_rest_", 3 * (harmonics() - 1));
+      text += properties({"opacity"}) + numbered("scale_", 3) + numbered("rot_", 4);
+    } else if (asset_.points) {
+      if (!asset_.points->normal.empty()) text += properties({"nx", "ny", "nz"});
+      if (!asset_.points->colour.empty())
+        text += properties({"red", "green", "blue", "alpha"}, "uchar");
+    } else {
+      text += concat("element face ", surface_.triangles.rows(),
+                     "\nproperty list uchar int vertex_indices\n");
+    }
+    return text + "end_header\n";
+  }
+
+  size_t harmonics() const {
+    return size_t((asset_.splats->degree + 1) * (asset_.splats->degree + 1));
+  }
+
+  void append_point(const AnimationFrame& frame, size_t p, std::string& bytes) const {
+    for (size_t d = 0; d < 3; ++d)
+      append(bytes, float(rest_[p][d] + frame.displacement(int64_t(p), int(d)) / surface_.scale));
+    if (motion_) return append_splat(p, bytes);
+    if (!asset_.points) return;
+    if (!asset_.points->normal.empty())
+      append(bytes, turned_normal(frame.gradient.row(int64_t(p)), asset_.points->normal[p]));
+    if (!asset_.points->colour.empty())
+      for (size_t c = 0; c < 4; ++c) {
+        const float share = std::clamp(asset_.points->colour[p][c], 0.0f, 1.0f);
+        append(bytes, uint8_t(std::lround(255 * (c < 3 ? srgb_from_linear(share) : share))));
+      }
+  }
+
+  void append_splat(size_t p, std::string& bytes) const {
+    const size_t count = harmonics();
+    append(bytes, std::array<float, 3>{});
+    const float* colour = motion_->harmonics.data() + p * count * 3;
+    for (size_t c = 0; c < 3; ++c) append(bytes, colour[c]);
+    for (size_t c = 0; c < 3; ++c)
+      for (size_t m = 1; m < count; ++m) append(bytes, colour[3 * m + c]);
+    // opacities of 0 and 1 have no finite logit
+    const double opacity = std::clamp(double(asset_.splats->opacity[p]), 1e-7, 1 - 1e-7);
+    append(bytes, float(std::log(opacity / (1 - opacity))));
+    for (const float s : motion_->scale[p]) append(bytes, float(std::log(double(s))));
+    append(bytes, motion_->rotation[p]);
+  }
+
+  void append_triangles(std::string& bytes) const {
+    for (int64_t t = 0; t < surface_.triangles.rows(); ++t) {
+      append(bytes, uint8_t(3));
+      for (int k = 0; k < 3; ++k) append(bytes, surface_.triangles(t, k));
+    }
+  }
+
+  std::string path_;
+  const Asset& asset_;
+  const Surface& surface_;
+  std::vector<Vec3> rest_;
+  std::optional<SplatMotion> motion_;
+  int64_t frames_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<AnimationWriter> make_ply_writer(const std::string& path, const Asset& asset,
+                                                 const Surface& surface) {
+  return std::make_unique<PlyWriter>(path, asset, surface);
+}
+
+}  // namespace elastogen

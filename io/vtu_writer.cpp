@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/vtu_writer.hpp"
+
+#include "core/elastic_law.hpp"
+#include "core/error.hpp"
+#include "core/hex8.hpp"
+#include "core/parallel.hpp"
+#include "core/principal.hpp"
+#include "io/frame_files.hpp"
+#include "io/safe_file.hpp"
+
+#include <cmath>
+#include <filesystem>
+#include <iomanip>
+#include <limits>
+
+namespace elastogen {
+namespace {
+
+/// Deformation gradient of a voxel (docs/formats.md, "Elastic force").
+Mat3<double> mean_gradient(const VoxelGrid& grid, int64_t voxel, const Array<double>& x) {
+  double M[7];
+  hex8::fill_moments(grid.shape_mean.row(voxel), M);
+  Mat3<double> F = identity<double>();
+  for (int i = 0; i < 3; ++i) {
+    double u[8], slope[3];
+    for (int c = 0; c < 8; ++c) {
+      const int32_t node = grid.corners(voxel, c);
+      u[c] = x(node, i) - grid.rest(node, i);
+    }
+    hex8::to_patterns(u);
+    hex8::gradient<true>(u, M, slope);
+    for (int d = 0; d < 3; ++d) F(i, d) += slope[d] / (4 * grid.h);
+  }
+  return F;
+}
+
+/// sigma = P F^T / J = U diag(t_k s_k / J) U^T, as xx yy zz xy yz xz.
+void cauchy_stress(const Material& material, const Mat3<double>& F, float* result) {
+  const Svd3<double> svd = svd3(F);
+  const double* s = svd.sigma;
+  const double J = s[0] * s[1] * s[2];
+  const Response<double> r =
+      elastic_response<false>({material.law, material.mu(), material.lambda()}, s);
+  constexpr int kRow[6] = {0, 1, 2, 0, 1, 0}, kColumn[6] = {0, 1, 2, 1, 2, 2};
+  for (int c = 0; c < 6; ++c) {
+    double sum = 0;
+    for (int k = 0; k < 3; ++k)
+      sum += svd.U(kRow[c], k) * svd.U(kColumn[c], k) * (r.t[k] * s[k] / J);
+    result[c] = J > 0 ? float(sum) : std::numeric_limits<float>::quiet_NaN();
+  }
+}
+
+/// An unstructured grid as XML with its arrays appended.
+class VtuFile {
+ public:
+  void section(const std::string& text) { xml_ += text; }
+
+  template <class T>
+  void array(const std::string& name, const char* type, const std::vector<T>& values,
+             int components = 1) {
+    xml_ += concat("<DataArray type=\"", type, "\" Name=\"", name, "\" NumberOfComponents=\"",
+                   components, "\" format=\"appended\" offset=\"", data_.size(), "\"/>\n");
+    append(data_, uint64_t(values.size() * sizeof(T)));
+    data_.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
+  }
+
+  void write(const std::string& path) const {
+    SafeFile file(path);
+    file.write(xml_ + "<AppendedData encoding=\"raw\">\n_");
+    file.write(data_);
+    file.write("\n</AppendedData>\n</VTKFile>\n");
+    file.commit();
+  }
+
+ private:
+  std::string xml_ =
+      "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" "
+      "byte_order=\"LittleEndian\" header_type=\"UInt64\">\n";
+  std::string data_;
+};
+
+std::vector<float> to_floats(const double* values, int64_t count) {
+  return {values, values + count};
+}
+
+class VtuWriter : public AnimationWriter {
+ public:
+  VtuWriter(const std::string& path, const AnimationOptions& options)
+      : path_(path), scene_(options.scene) {
+    ELASTOGEN_CHECK(scene_, path, ": voxel data need a scene");
+    SafeFile probe(path);  // refuses a folder at once
+  }
+
+  void frame(const AnimationFrame& frame) override {
+    const VoxelGrid& grid = scene_->grid;
+    ELASTOGEN_CHECK(frame.state && Span<const double>(frame.state->x).is(grid.node_count(), 3),
+                    path_, ": a frame must come with the state of the scene");
+    VtuFile file;
+    file.section(concat("<UnstructuredGrid>\n<Piece NumberOfPoints=\"", grid.node_count(),
+                        "\" NumberOfCells=\"", grid.voxel_count(), "\">\n"));
+    add_points(frame, file);
+    add_cells(file);
+    add_strain(frame.state->x, file);
+    file.section("</Piece>\n</UnstructuredGrid>\n");
+    const std::string name = frame_path(path_, frames_++, ".vtu");
+    file.write(name);
+    entries_ += concat("<DataSet timestep=\"", std::setprecision(17), frame.state->time,
+                       "\" part=\"0\" file=\"", escaped(name), "\"/>\n");
+  }
+
+  void finish() override {
+    ELASTOGEN_CHECK(frames_ > 0, path_, ": there is no frame to write");
+    write_file(path_,
+               "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" "
+               "byte_order=\"LittleEndian\">\n<Collection>\n" +
+                   entries_ + "</Collection>\n</VTKFile>\n");
+  }
+
+ private:
+  /// The name without its folder, as an XML attribute.
+  static std::string escaped(const std::string& path) {
+    std::string text;
+    for (const char c : std::filesystem::path(path).filename().string()) {
+      if (c == '&')
+        text += "&amp;";
+      else if (c == '<')
+        text += "&lt;";
+      else if (c == '"')
+        text += "&quot;";
+      else
+        text += c;
+    }
+    return text;
+  }
+
+  void add_points(const AnimationFrame& frame, VtuFile& file) const {
+    const State& state = *frame.state;
+    const int64_t size = state.x.size();
+    std::vector<float> displacement(static_cast<size_t>(size));
+    for (int64_t k = 0; k < size; ++k)
+      displacement[size_t(k)] = float(state.x.data()[k] - scene_->grid.rest.data()[k]);
+    file.section("<Points>\n");
+    file.array("Points", "Float32", to_floats(state.x.data(), size), 3);
+    file.section("</Points>\n<PointData>\n");
+    file.array("displacement", "Float32", displacement, 3);
+    if (state.v.size() == size)
+      file.array("velocity", "Float32", to_floats(state.v.data(), size), 3);
+    if (frame.residual.size() == size)
+      file.array("residual", "Float32", to_floats(frame.residual.data, size), 3);
+    file.section("</PointData>\n");
+  }
+
+  void add_cells(VtuFile& file) const {
+    constexpr int kOrder[8] = {0, 1, 3, 2, 4, 5, 7, 6};  // VTK goes around the faces below, above
+    constexpr uint8_t kHexahedron = 12;
+    const VoxelGrid& grid = scene_->grid;
+    std::vector<int32_t> corners;
+    std::vector<int64_t> ends;
+    for (int64_t v = 0; v < grid.voxel_count(); ++v) {
+      for (const int c : kOrder) corners.push_back(grid.corners(v, c));
+      ends.push_back(8 * (v + 1));
+    }
+    file.section("<Cells>\n");
+    file.array("connectivity", "Int32", corners);
+    file.array("offsets", "Int64", ends);
+    file.array("types", "UInt8", std::vector<uint8_t>(ends.size(), kHexahedron));
+    file.section("</Cells>\n");
+  }
+
+  void add_strain(const Array<double>& x, VtuFile& file) const {
+    const VoxelGrid& grid = scene_->grid;
+    const auto voxels = size_t(grid.voxel_count());
+    std::vector<float> gradient(9 * voxels), stress(6 * voxels), J(voxels);
+    for_each(grid.voxel_count(), [&](int64_t v) {
+      const Mat3<double> F = mean_gradient(grid, v, x);
+      std::copy(F.m, F.m + 9, gradient.begin() + 9 * v);
+      J[size_t(v)] = float(determinant(F));
+      cauchy_stress(scene_->materials[size_t(scene_->material(v))], F, stress.data() + 6 * v);
+    });
+    const int32_t* material = scene_->material.data();
+    file.section("<CellData>\n");
+    file.array("F", "Float32", gradient, 9);
+    file.array("J", "Float32", J);
+    file.array("cauchy_stress", "Float32", stress, 6);
+    file.array("fill", "Float32", to_floats(grid.fill.data(), grid.voxel_count()));
+    file.array("material", "Int32",
+               std::vector<int32_t>(material, material + scene_->material.size()));
+    file.section("</CellData>\n");
+  }
+
+  std::string path_, entries_;
+  const Scene* scene_;
+  int64_t frames_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<AnimationWriter> make_vtu_writer(const std::string& path,
+                                                 const AnimationOptions& options) {
+  return std::make_unique<VtuWriter>(path, options);
+}
+
+}  // namespace elastogen

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// Points that sample the surface which Gaussian splats show.
+
+#pragma once
+
+#include "io/asset.hpp"
+
+namespace elastogen {
+
+struct SplatSamples {
+  std::vector<Vec3> points;  ///< in the numbers of the splats
+  std::vector<Finding> findings;
+};
+
+/// Samples the splats that show a surface: opacity above 0.1, all numbers finite, and no axis
+/// longer than ten times the median of the longest axes (else it is background or fog; the finding
+/// "splats" counts those left out). A splat larger than the spacing of the centres gives points on
+/// its two longest axes within one standard deviation, at most 17 x 17.
+/// @param place  what messages call the splats.
+/// @throws Error (asset) if no splat shows a surface.
+SplatSamples sample_splats(const SplatCloud& splats, const std::string& place);
+
+}  // namespace elastogen
