@@ -106,7 +106,7 @@ double beam_frequency(double beta, double dt, double size) {
     state.x(n, 1) += size * shape[size_t(n)];
     state.x(n, 0) -= size * slope * y;
   }
-  Solver solver(scene, {.mode = SolverMode::kNewton, .tolerance = 1e-6});
+  Solver solver(scene, {.mode = SolverMode::kNewton, .tolerance = 1e-4});
   Frequency frequency;
   while (frequency.crossings() < 5) {
     const StepReport report = solver.step(state);
@@ -123,8 +123,8 @@ TEST(Waves, AClampedBeamVibratesAtTheFrequenciesOfTimoshenko) {
   // E1: Euler-Bernoulli has 5.1083 and 32.013 Hz; Timoshenko's equations (shear factor 10/12,
   // rotary inertia), solved by a transfer matrix, 5.0751 and 30.6436 Hz
   const struct {
-    double beta, reference, size;
-  } modes[] = {{1.87510407, 5.07511, 1e-3}, {4.69409113, 30.64358, 1e-4}};
+    double beta, reference, size;  // accelerations of a few g, small slopes
+  } modes[] = {{1.87510407, 5.07511, 1e-2}, {4.69409113, 30.64358, 1e-3}};
   for (const auto& mode : modes) {
     const double f = beam_frequency(mode.beta, 1 / (100 * mode.reference), mode.size);
     printf("beam: %.4f Hz, Timoshenko %.4f, %+.2f %%\n", f, mode.reference,
