@@ -179,8 +179,12 @@ TEST(BeamStatics, ClampedBeamBendsAsTheTableSays) {
                   {4, Weight::kRule, kVariance, {-0.04, -0.85, -2.74, -3.47, -3.65}},
                   {4, Weight::kRule, kFull, {-0.04, -0.82, -2.66, -3.38, -3.56}},
                   {4, Weight::kMu, kVariance, {-0.04, -0.06, -1.54, -2.15, -2.30}},
-                  {4, Weight::kHalfYoung, kVariance, {-0.04, -1.63, -3.89, -4.74, -4.95}},
-                  {8, Weight::kRule, kVariance, {-0.01, -0.91, -2.37, -2.92, -3.05}}});
+                  {4, Weight::kHalfYoung, kVariance, {-0.04, -1.63, -3.89, -4.74, -4.95}}});
+}
+
+TEST(BeamStatics, ResolvedClampedBeamBendsAsTheTableSays) {
+  expect_bending(Root::kClamped,
+                 {{8, Weight::kRule, Hourglass::kVariance, {-0.01, -0.91, -2.37, -2.92, -3.05}}});
 }
 
 TEST(BeamStatics, BeamWhoseRootMayContractBendsAsTimoshenkoSays) {
