@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 namespace elastogen::test {
 namespace {
 
@@ -52,6 +54,33 @@ TEST(Dynamics, FreeFlightKeepsTheMomentum) {
     EXPECT_LT(relative, 1e-9 * steps / 100);
     EXPECT_LE(std::sqrt(lost), steps * scene.dt * tolerance * reference_force(scene) *
                                    std::sqrt(double(scene.grid.node_count())));
+  }
+}
+
+double length(const Vec3& v) {
+  return std::hypot(v[0], v[1], v[2]);
+}
+
+TEST(Dynamics, MomentumOverTenThousandStepsIsKeptToTheRoundingOfPositions) {
+  // E5: 1e-12 where the body stays in its place. In flight a velocity is the difference of two
+  // positions, whose rounding eps |x| / dt adds up like a random walk: eps steps^(3/2) of it
+  const Scene scene = free_block(2, 2, 2, 0.1, solid(2e4, 0.3));
+  constexpr int kSteps = 10000;
+  for (const bool flies : {false, true}) {
+    Solver solver(scene, {.mode = SolverMode::kQuasi, .tolerance = 1e-7});
+    StartMotion motion{.spin = {3, 4, 5}};
+    if (flies) motion.velocity[0] = 0.1, motion.velocity[1] = -0.2, motion.velocity[2] = 0.3;
+    State state = initial_state(scene, motion);
+    const Vec3 start = momentum(scene, state);
+    double size = 0;
+    for (int64_t n = 0; n < scene.grid.node_count(); ++n)
+      size += scene.mass(n) * std::hypot(state.v(n, 0), state.v(n, 1), state.v(n, 2));
+    for (int k = 0; k < kSteps; ++k) ASSERT_TRUE(solver.step(state).converged) << k;
+    const Vec3 end = momentum(scene, state);
+    const double lost = length({end[0] - start[0], end[1] - start[1], end[2] - start[2]}) / size;
+    printf("momentum, %s: change after %d steps %.1e of sum m |v|\n",
+           flies ? "flying" : "spinning in its place", kSteps, lost);
+    EXPECT_LT(lost, flies ? std::numeric_limits<double>::epsilon() * std::pow(kSteps, 1.5) : 1e-12);
   }
 }
 
@@ -138,6 +167,70 @@ TEST(Dynamics, EnergyNeverRisesInImplicitEuler) {
       EXPECT_LT(rise, 1e-6 * scale) << "hourglass " << int(hourglass);
     }
   }
+}
+
+TEST(Dynamics, EnergyNeverRisesInImplicitEulerForAnyLaw) {
+  // E7: the beam of above under each law, fallen far beyond small strains
+  for (const Law law :
+       {Law::kFixedCorotated, Law::kNeoHookean, Law::kStableNeoHookean, Law::kStvk, Law::kHencky}) {
+    const Scene beam = clamped_beam(12, 3, 3, 0.05, solid(3e4, 0.4, law));
+    const std::vector<double> energy = energies(beam, initial_state(beam), 60, 1e-5);
+    const double scale = std::abs(energy.front() - energy.back());
+    double rise = 0;
+    for (size_t k = 1; k < energy.size(); ++k) rise = std::max(rise, energy[k] - energy[k - 1]);
+    EXPECT_GT(scale, 0);
+    EXPECT_LT(rise, 1e-6 * scale) << law_name(law);
+  }
+}
+
+/// Kinetic and elastic energy of small displacements u and velocities v.
+double linear_energy(const Scene& scene, IncrementalPotential& potential,
+                     const std::vector<double>& u, const std::vector<double>& v) {
+  std::vector<double> Au(u.size());
+  potential.rest_hessian_product(u.data(), Au.data());
+  double sum = dot(u, Au) / 2;
+  for (size_t k = 0; k < u.size(); ++k)
+    if (const int64_t n = int64_t(k / 3); !scene.pinned(n))
+      sum += scene.mass(n) / 2 * v[k] * v[k] - potential.inertia(n) / 2 * u[k] * u[k];
+  return sum;
+}
+
+TEST(Dynamics, Bdf2NeverRaisesTheGNormEnergyOfTheLinearProblem) {
+  // E7: (E(y_n) + E(2 y_n - y_{n-1}))/4 of y = (u, v), small random motion over all frequencies
+  Scene scene = scene_on(make_box(6, 3, 3, 0.1), solid(1e5, 0.3));
+  pin_below(scene, 0, 0.05);
+  scene.scheme = TimeScheme::kBdf2;
+  scene.dt = 0.3 * 0.1 / std::sqrt(1e5 / 1000);
+  finish_scene(scene);
+  State state = initial_state(scene);
+  const std::vector<double> start = random_field(scene, 1e-8, 51);
+  for (size_t k = 0; k < start.size(); ++k) state.x.data()[k] += start[k];
+  IncrementalPotential potential(scene);
+  potential.begin_step(initial_state(scene), {TimeScheme::kEuler, scene.dt, 1});
+  Solver solver(scene, {.mode = SolverMode::kNewton, .tolerance = 1e-9});
+  double before = 0, first = 0, rise = -1e300;
+  for (int k = 0; k < 300; ++k) {
+    const std::vector<double> u0 = displacement(scene, state);
+    const Array<double> v0 = state.v;
+    ASSERT_TRUE(solver.step(state).converged);
+    const std::vector<double> u = displacement(scene, state);
+    std::vector<double> v(u.size()), u2(u.size()), v2(u.size());
+    for (size_t i = 0; i < u.size(); ++i) {
+      v[i] = state.v.data()[i];
+      u2[i] = 2 * u[i] - u0[i], v2[i] = 2 * v[i] - v0.data()[i];
+    }
+    const double energy =
+        (linear_energy(scene, potential, u, v) + linear_energy(scene, potential, u2, v2)) / 4;
+    if (k == 0)
+      first = energy;
+    else
+      rise = std::max(rise, energy - before);
+    before = energy;
+  }
+  printf("BDF2: G-norm energy kept %.3f, largest change of a step %.1e of it\n", before / first,
+         rise / first);
+  EXPECT_LT(rise, 1e-9 * first);
+  EXPECT_LT(before, first);
 }
 
 /// Displacement at a fixed time with a given number of steps.
