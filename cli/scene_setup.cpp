@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/scene_setup.hpp"
 
+#include "cli/asset_stages.hpp"
 #include "core/error.hpp"
 #include "core/time_scheme.hpp"
 #include "voxelize/regions.hpp"
@@ -20,43 +21,31 @@ double now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-void summarise(const Asset& asset, const Body& body, const VoxelizeReport& voxels,
-               AssetSummary& summary) {
-  summary.path = asset.path;
-  summary.format = asset.format;
-  summary.vertices = body.carried.rows();
-  summary.faces = body.is_asset ? body.surface.triangles.rows() : 0;
-  summary.closed = voxels.closed;
-  summary.findings = asset.findings;
-  summary.findings.insert(summary.findings.end(), body.findings.begin(), body.findings.end());
-  summary.findings.insert(summary.findings.end(), voxels.findings.begin(), voxels.findings.end());
-}
-
-Floor make_floor(const FloorOption& option, const AnimateOptions& o, const Box& box) {
+/// The free side of a floor across the up axis is up, of another one the positive side; without a
+/// place it lies where the asset begins.
+Floor make_floor(const FloorOption& option, double friction, const UpAxis& up, const Box& box) {
+  const auto axis = size_t(option.axis < 0 ? up.axis : option.axis);
+  const double sign = int(axis) == up.axis ? up.sign : 1;
   Floor floor;
-  const int axis = option.axis < 0 ? o.up : option.axis;
   floor.normal = {0, 0, 0};
-  floor.normal[size_t(axis)] = 1;
-  floor.offset = option.place.value_or(box.lower[size_t(axis)]);
-  floor.friction = o.friction;
+  floor.normal[axis] = sign;
+  floor.offset = sign * option.place.value_or(sign > 0 ? box.lower[axis] : box.upper[axis]);
+  floor.friction = friction;
   return floor;
 }
 
 /// Planes of pins and floor, so that a layer of nodes lies in them.
 VoxelizeOptions voxelize_options(const AnimateOptions& o, const std::optional<Floor>& floor,
                                  const Box& box) {
-  VoxelizeOptions v;
-  v.voxels = o.voxels;
-  v.h = o.h;
-  v.max_voxels = o.max_voxels;
-  v.max_memory = o.max_memory;
+  VoxelizeOptions v = resolution(o);
   for (const std::string& pin : o.pins) {
     const auto at = plane(parse_selection(pin), box);
     if (at && !v.align[at->first]) v.align[at->first] = at->second;
   }
   if (floor)
     for (int d = 0; d < 3; ++d)
-      if (floor->normal[size_t(d)] != 0 && !v.align[d]) v.align[d] = floor->offset;
+      if (floor->normal[size_t(d)] != 0 && !v.align[d])
+        v.align[d] = floor->normal[size_t(d)] * floor->offset;
   return v;
 }
 
@@ -89,8 +78,8 @@ void check_above_floor(const Scene& scene) {
     lowest = std::min(lowest, height);
   }
   ELASTOGEN_CHECK(lowest > -0.2 * scene.grid.h, "the asset begins ", -lowest,
-                  " m below the floor; move the floor to ", floor.offset + lowest,
-                  " m or lower (--floor alone takes the lowest point)");
+                  " m below the floor; move it down by so much (--floor alone takes the lowest ",
+                  "point)");
 }
 
 /// Steps a frame for which dt <= 1/60 s and the elastic Courant number stays at or below 50.
@@ -111,18 +100,21 @@ Setup set_up(const Asset& asset, const AnimateOptions& o, const std::vector<Mate
   const Surface& surface = setup.body.surface;
   const Box& box = surface.box;
   setup.longest_edge = std::max({box.extent(0), box.extent(1), box.extent(2)});
-  if (o.floor) scene.floor = make_floor(*o.floor, o, box);
+  report.asset = summary_of(asset, setup.body, o);
+  if (!report.asset.size.warning.empty()) report.warnings.push_back(report.asset.size.warning);
+  setup.up = report.asset.up.up;
+  if (o.floor) scene.floor = make_floor(*o.floor, o.friction, setup.up, box);
   Voxelized voxelized = voxelize(surface, voxelize_options(o, scene.floor, box));
   scene.grid = std::move(voxelized.grid);
   report.stage_seconds.voxelize = now() - start;
-  summarise(asset, setup.body, voxelized.report, report.asset);
+  add_findings(voxelized.report, report);
 
   start = now();
   scene.materials = materials.empty() ? std::vector<Material>{o.material} : materials;
   scene.material = regions ? regions(scene.grid) : Array<int32_t>(scene.grid.voxel_count());
   pin(o, box, scene, report.warnings);
   Vec3 down = {};
-  down[size_t(o.up)] = -9.81;
+  down[size_t(setup.up.axis)] = -9.81 * setup.up.sign;
   scene.gravity = o.gravity.value_or(down);
   if (scene.floor) {
     scene.surface = surface_points(scene.grid, surface);
@@ -151,8 +143,10 @@ Setup set_up(const Asset& asset, const AnimateOptions& o, const std::vector<Mate
   return setup;
 }
 
-void print_setup(const Setup& setup, const AnimateOptions& o) {
+void print_setup(const Setup& setup, const AssetSummary& asset, const AnimateOptions& o) {
   const Scene& scene = setup.scene;
+  fmt::print("longest edge {:.4g} m ({}), {} up ({})\n", asset.size.longest_edge,
+             asset.size.from.reason, up_name(asset.up.up), asset.up.from.reason);
   fmt::print("{} voxels of {:.4g} m, {} nodes, {} piece{}\n", scene.grid.voxel_count(),
              scene.grid.h, scene.grid.node_count(), scene.grid.pieces,
              scene.grid.pieces == 1 ? "" : "s");

@@ -28,6 +28,9 @@ struct SolverOptions {
   double tolerance = 1e-3;  ///< of |grad Phi| / |M g_ref|
   int max_outer = 400;      ///< L-BFGS iterations; a quarter of it for Newton steps
   int max_inner = 400;      ///< PCG iterations of one Newton step
+  int paper_outer = 10;     ///< mode paper: outer loops a step
+  int paper_inner = 20;     ///< mode paper: relaxations an outer loop
+  int paper_modes = 54;     ///< mode paper: vectors of the subspace
   bool skip = true;         ///< false: float64 and encoder always, whatever the scene needs
   /// Polled once an iteration; where it says true the step is given up and the state stays.
   std::function<bool()> interrupted = [] { return false; };
