@@ -24,6 +24,10 @@ const char* kind_text(Kind kind) {
   return kTexts[int(kind)];
 }
 
+bool is_control(char c) {
+  return static_cast<unsigned char>(c) < ' ' || c == 127;
+}
+
 /// Checks values and turns them into SI, in place.
 class Check {
  public:
@@ -145,7 +149,6 @@ class Check {
 
   void check_text(const SceneMember& member, const SceneValue& v, const SceneKey& key) const {
     expect(member, v, Kind::kText, key.path());
-    const auto is_control = [](char c) { return static_cast<unsigned char>(c) < ' ' || c == 127; };
     if (std::any_of(v.text.begin(), v.text.end(), is_control))
       fail(member.value.line, concat('\'', key.path(), "': has a control character"));
     if (!key.words.empty() && !is_word(v, key))
@@ -235,13 +238,24 @@ void resolve_asset(SceneValue& scene, const std::string& name) {
             (std::filesystem::path(name).parent_path() / member.value.text).string();
 }
 
+/// A message that quotes a file: at most 1000 bytes, control characters as '?'.
+std::string printable(std::string text) {
+  if (text.size() > 1000) text = text.substr(0, 1000) + "...";
+  std::replace_if(text.begin(), text.end(), is_control, '?');
+  return text;
+}
+
 }  // namespace
 
 SceneValue check_scene(std::string_view text, const std::string& name) {
-  SceneValue scene = parse_scene(text, name);
-  Check(name).root(scene);
-  resolve_asset(scene, name);
-  return scene;
+  try {
+    SceneValue scene = parse_scene(text, name);
+    Check(name).root(scene);
+    resolve_asset(scene, name);
+    return scene;
+  } catch (const Error& error) {
+    throw Error(printable(error.what()));
+  }
 }
 
 SceneValue read_scene(const std::string& path) {

@@ -80,7 +80,7 @@ Keys material_keys(const std::string& table) {
        T::kText,
        main ? "rubber" : "",
        main ? "--material" : "",
-       main ? "a material by name" : "a material by name; without it, that of the whole asset",
+       main ? "a material by name" : "a material by name; without it, the preset of [material]",
        Q::kNumber,
        {},
        preset_names()},
@@ -241,12 +241,6 @@ Keys solver_keys() {
        Q::kNumber,
        {},
        {"full", "variance", "off"}},
-      {"solver", "outer", T::kWhole, "10", "--outer", "mode paper: outer loops", Q::kNumber,
-       whole(1, 1e4)},
-      {"solver", "inner", T::kWhole, "20", "--inner", "mode paper: relaxations an outer loop",
-       Q::kNumber, whole(1, 1e4)},
-      {"solver", "modes", T::kWhole, "54", "--modes", "mode paper: subspace vectors", Q::kNumber,
-       whole(1, 1e4)},
       {"solver", "skip", T::kFlag, "true", "--no-skip", "false: take no shortcut"},
       {"solver", "threads", T::kWhole, "0", "--threads", "0: all cores", Q::kNumber,
        whole(0, 1 << 20)},
@@ -259,6 +253,17 @@ Keys solver_keys() {
        Q::kNumber,
        {},
        {"cpu"}},
+  };
+}
+
+Keys paper_keys() {
+  return {
+      {"solver", "outer", T::kWhole, "10", "--outer", "mode paper: outer loops", Q::kNumber,
+       whole(1, 1e4)},
+      {"solver", "inner", T::kWhole, "20", "--inner", "mode paper: relaxations an outer loop",
+       Q::kNumber, whole(1, 1e4)},
+      {"solver", "modes", T::kWhole, "54", "--modes", "mode paper: subspace vectors", Q::kNumber,
+       whole(1, 1e4)},
   };
 }
 
@@ -324,8 +329,9 @@ std::span<const SceneTable> scene_tables() {
 std::span<const SceneKey> scene_keys() {
   static const Keys keys = [] {
     Keys all;
-    for (const Keys& part : {asset_keys(), material_keys("material"), region_keys(), load_keys(),
-                             collider_keys(), time_keys(), solver_keys(), file_keys()})
+    for (const Keys& part :
+         {asset_keys(), material_keys("material"), region_keys(), load_keys(), collider_keys(),
+          time_keys(), solver_keys(), paper_keys(), file_keys()})
       all.insert(all.end(), part.begin(), part.end());
     const auto order = [](const SceneKey& key) {
       return key.table.empty() ? 0 : 1 + (find_scene_table(key.table) - scene_tables().data());

@@ -101,7 +101,12 @@ class Tree {
     } else if (toml.is_string()) {
       result = scene_text(toml.as_string().str);
     } else if (toml.is_integer()) {
-      result = scene_number(double(toml.as_integer()));
+      // the parser makes the largest integer of a number beyond it
+      constexpr int64_t kLargest = std::numeric_limits<int64_t>::max();
+      const int64_t number = toml.as_integer();
+      ELASTOGEN_CHECK(-kLargest < number && number < kLargest, name_, ":", toml.location().line(),
+                      ": '", key, "': the number is too large");
+      result = scene_number(double(number));
     } else {
       ELASTOGEN_CHECK(toml.is_floating(), name_, ":", toml.location().line(), ": '", key,
                       "': dates and times have no meaning in a scene");

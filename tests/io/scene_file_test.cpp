@@ -190,6 +190,28 @@ TEST(SceneFile, RefusesNumbersThatAreNotFinite) {
                 "s.json:1");
 }
 
+TEST(SceneFile, RefusesIntegersThatTheParserCannotHold) {
+  for (const char* number : {"99999999999999999999", "-99999999999999999999"})
+    expect_says(refusal(std::string("[floor]\nplace = ") + number + '\n'), "s.toml:2");
+  EXPECT_NO_THROW(check_scene("[floor]\nplace = 9007199254740993\n", "s.toml"));
+}
+
+TEST(SceneFile, MessagesQuoteTheFilePrintably) {
+  const std::string key = refusal("{\"a\\u001b[2J\\n\": 1}", "s.json");
+  expect_says(key, "'a?[2J?'");
+  const std::string text = refusal("[material]\nyoung = \"" + std::string(100'000, '9') + "q\"\n");
+  EXPECT_LT(text.size(), 1100u);
+}
+
+TEST(SceneFile, TheExampleOfThePageIsAScene) {
+  const std::string page = read_file(ELASTOGEN_DOCS "/scene.md");
+  const size_t begin = page.find("```toml\n") + 8;
+  const auto scene =
+      json_of(check_scene(page.substr(begin, page.find("```", begin) - begin), "s.toml"));
+  EXPECT_EQ(scene["material"]["young"], 2e6);
+  EXPECT_EQ(scene["collider"][0]["path"][1][2], -0.1);
+}
+
 TEST(SceneFile, SaysWhatTypeIsExpected) {
   expect_says(refusal("[time]\nframes = true\n"), "'time.frames': a number is expected, not true");
   expect_says(refusal("[time]\nframes = 1.5\n"), "a whole number is expected, not 1.5");
