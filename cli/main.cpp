@@ -14,6 +14,10 @@ int main(int argc, char** argv) {
     const CommandLine line = parse_command_line(argc, argv);
     if (line.animate) return animate(*line.animate);
     if (line.demo) return demo(*line.demo);
+    if (line.voxelize) return voxelize(*line.voxelize);
+    if (line.inspect) return inspect(*line.inspect);
+    if (line.doctor) return doctor(*line.doctor);
+    if (line.materials) return materials(*line.materials);
     return line.code;
   } catch (const Error& error) {
     std::fprintf(stderr, "elastogen: %s\n", error.what());

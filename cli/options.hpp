@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The command line as option structs; units are converted here. The only includer of CLI11.
+// The command line as option structs; units are converted here.
 
 #pragma once
 
 #include "core/scene.hpp"
 #include "core/state.hpp"
+#include "io/asset_pose.hpp"
 #include "network/solver.hpp"
 
 #include <optional>
@@ -21,19 +22,19 @@ struct FloorOption {
 
 struct AnimateOptions {
   std::string input;
-  std::vector<std::string> outputs;  ///< animations, each by its ending
-  Material material;                 ///< of what no region takes
-  std::vector<std::string> regions;  ///< as typed (cli/region_option.hpp)
-  std::vector<std::string> pins;     ///< selections
-  std::optional<Vec3> gravity;       ///< [m/s^2]; unset: 9.81 down
+  std::vector<std::string> outputs;    ///< animations, each by its ending
+  Material material;                   ///< of what no region takes
+  std::vector<std::string> pins;       ///< selections
+  std::vector<std::string> regions;    ///< as typed (cli/region_option.hpp)
+  std::vector<std::string> colliders;  ///< as typed (cli/collider_option.hpp)
+  std::optional<Vec3> gravity;         ///< [m/s^2]; unset: 9.81 down
   StartMotion motion;
   std::optional<FloorOption> floor;
-  std::vector<std::string> colliders;  ///< as typed (cli/collider_option.hpp)
-  double friction = 0.5;               ///< of the floor, and of colliders that name none
-  int voxels = 48;                     ///< along the longest edge
-  double h = 0;                        ///< [m], 0: from voxels
-  double size = 0;                     ///< longest edge of the asset [m], 0: as the file has it
-  int up = 1;                          ///< axis that points up: 1 y, 2 z
+  double friction = 0.5;     ///< of the floor, and of colliders that name none
+  int voxels = 48;           ///< along the longest edge
+  double h = 0;              ///< [m], 0: from voxels
+  double size = 0;           ///< longest edge of the asset [m], 0: as the file has it
+  std::optional<UpAxis> up;  ///< unset: as the file has it, else a guess
   int64_t frames = 120;
   double fps = 30;
   int substeps = 0;  ///< 0: auto
@@ -47,7 +48,30 @@ struct AnimateOptions {
   int64_t max_voxels = 64'000'000;
   double max_time = 0;  ///< wall time of the steps [s], 0: no limit
   bool strict = false, quiet = false;
-  std::string command;  ///< as typed
+  bool print_resolved = false;  ///< the scene that results, instead of the run
+  std::string command;          ///< as typed
+};
+
+struct VoxelizeTask {
+  AnimateOptions scene;  ///< input, resolution, limits, report
+  std::string output;    ///< .vdb
+};
+
+struct InspectTask {
+  AnimateOptions scene;
+  bool is_scene = false;  ///< the file was a scene, not an asset
+  bool json = false;
+  bool schema = false;  ///< print the schema of scene files instead
+};
+
+struct DoctorTask {
+  AnimateOptions scene;
+  bool json = false;
+};
+
+struct MaterialsTask {
+  std::string name;  ///< empty: all of them
+  bool json = false;
 };
 
 struct DemoOptions {
@@ -62,10 +86,16 @@ struct DemoOptions {
 struct CommandLine {
   std::optional<AnimateOptions> animate;
   std::optional<DemoOptions> demo;
+  std::optional<VoxelizeTask> voxelize;
+  std::optional<InspectTask> inspect;
+  std::optional<DoctorTask> doctor;
+  std::optional<MaterialsTask> materials;
   int code = 0;
 };
 
-/// @throws Error (usage) on values that are no numbers, units, materials or selections.
+/// A scene file fills in what is not on the command line.
+/// @throws Error (usage) on values that are no numbers, units, materials or selections, and on
+///         scene files as read_scene.
 CommandLine parse_command_line(int argc, const char* const* argv);
 
 }  // namespace elastogen

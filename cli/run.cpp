@@ -35,14 +35,6 @@ struct Outputs {
   std::unique_ptr<StateWriter> state;
 };
 
-Matrix4 root_matrix(double scale, int up) {
-  Matrix4 m = kIdentity4;
-  m[0] = m[5] = m[10] = scale;
-  // z up to y up: a quarter turn about x
-  if (up == 2) m[5] = m[10] = 0, m[6] = -scale, m[9] = scale;
-  return m;
-}
-
 std::unique_ptr<AnimationWriter> open_animation(const std::string& path, const Asset& asset,
                                                 const Setup& setup, const AnimateOptions& o) {
   AnimationOptions options;
@@ -51,7 +43,7 @@ std::unique_ptr<AnimationWriter> open_animation(const std::string& path, const A
   options.generator = version_text();
   options.command = o.command;
   options.commit = build_commit();
-  options.root = root_matrix(setup.body.surface.scale, o.up);
+  options.root = root_matrix(setup.body.surface.scale, setup.up);
   options.scene = &setup.scene;
   return AnimationWriter::create(path, asset, setup.body.surface, options);
 }
@@ -190,6 +182,7 @@ class Clip {
       animation->frame({.displacement = displacement_,
                         .gradient = gradient_,
                         .state = &state_,
+                        .residual = solver_->residual(),
                         .certificate = certificate});
     if (hooks_.on_frame) {
       Array<double> positions = setup_.body.carried;
@@ -241,7 +234,7 @@ RunResult run_animation(const Asset& asset, const AnimateOptions& options, doubl
   report.stage_seconds.read = read_seconds;
 
   Setup setup = set_up(asset, options, hooks.materials, hooks.regions, report);
-  if (!options.quiet) print_setup(setup, options);
+  if (!options.quiet) print_setup(setup, report.asset, options);
   warn(report.warnings);
   ELASTOGEN_CHECK(!options.strict || report.warnings.empty(), "--strict: ", report.warnings[0]);
   const size_t warned = report.warnings.size();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/scene_setup.hpp"
 
+#include "cli/asset_stages.hpp"
 #include "cli/collider_option.hpp"
 #include "cli/region_option.hpp"
 #include "core/error.hpp"
@@ -23,29 +24,21 @@ double now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-void summarise(const Asset& asset, const Body& body, const VoxelizeReport& voxels,
-               AssetSummary& summary) {
-  summary.path = asset.path;
-  summary.format = asset.format;
-  summary.vertices = body.carried.rows();
-  summary.faces = body.is_asset ? body.surface.triangles.rows() : 0;
-  summary.closed = voxels.closed;
-  summary.findings = asset.findings;
-  summary.findings.insert(summary.findings.end(), body.findings.begin(), body.findings.end());
-  summary.findings.insert(summary.findings.end(), voxels.findings.begin(), voxels.findings.end());
-}
-
-Collider make_floor(const FloorOption& option, const AnimateOptions& o, const Box& box) {
-  const auto axis = size_t(option.axis < 0 ? o.up : option.axis);
+/// The free side of a floor across the up axis is up, of another one the positive side; without a
+/// place it lies where the asset begins.
+Collider make_floor(const FloorOption& option, double friction, const UpAxis& up, const Box& box) {
+  const auto axis = size_t(option.axis < 0 ? up.axis : option.axis);
+  const double sign = int(axis) == up.axis ? up.sign : 1;
   Vec3 normal = {};
-  normal[axis] = 1;
-  return half_space(normal, option.place.value_or(box.lower[axis]), o.friction);
+  normal[axis] = sign;
+  const double begin = sign > 0 ? box.lower[axis] : box.upper[axis];
+  return half_space(normal, sign * option.place.value_or(begin), friction);
 }
 
 /// The floor, then the colliders as they were named.
-std::vector<Collider> make_colliders(const AnimateOptions& o, const Box& box) {
+std::vector<Collider> make_colliders(const AnimateOptions& o, const UpAxis& up, const Box& box) {
   std::vector<Collider> colliders;
-  if (o.floor) colliders.push_back(make_floor(*o.floor, o, box));
+  if (o.floor) colliders.push_back(make_floor(*o.floor, o.friction, up, box));
   for (size_t k = 0; k < o.colliders.size(); ++k)
     colliders.push_back(
         parse_collider(o.colliders[k], box, fmt::format("collider {}", k + 1), o.friction));
@@ -55,11 +48,7 @@ std::vector<Collider> make_colliders(const AnimateOptions& o, const Box& box) {
 /// Planes of pins and colliders, so that a layer of nodes lies in them.
 VoxelizeOptions voxelize_options(const AnimateOptions& o, const std::vector<Collider>& colliders,
                                  const Box& box) {
-  VoxelizeOptions v;
-  v.voxels = o.voxels;
-  v.h = o.h;
-  v.max_voxels = o.max_voxels;
-  v.max_memory = o.max_memory;
+  VoxelizeOptions v = resolution(o);
   for (const std::string& pin : o.pins) {
     const auto at = plane(parse_selection(pin), box);
     if (at && !v.align[at->first]) v.align[at->first] = at->second;
@@ -129,11 +118,14 @@ Setup set_up(const Asset& asset, const AnimateOptions& o, const std::vector<Mate
   const Surface& surface = setup.body.surface;
   const Box& box = surface.box;
   setup.longest_edge = std::max({box.extent(0), box.extent(1), box.extent(2)});
-  scene.colliders = make_colliders(o, box);
+  report.asset = summary_of(asset, setup.body, o);
+  if (!report.asset.size.warning.empty()) report.warnings.push_back(report.asset.size.warning);
+  setup.up = report.asset.up.up;
+  scene.colliders = make_colliders(o, setup.up, box);
   Voxelized voxelized = voxelize(surface, voxelize_options(o, scene.colliders, box));
   scene.grid = std::move(voxelized.grid);
   report.stage_seconds.voxelize = now() - start;
-  summarise(asset, setup.body, voxelized.report, report.asset);
+  add_findings(voxelized.report, report);
 
   start = now();
   scene.materials = materials.empty() ? std::vector<Material>{o.material} : materials;
@@ -141,7 +133,7 @@ Setup set_up(const Asset& asset, const AnimateOptions& o, const std::vector<Mate
   apply_regions(o.regions, asset, setup.body, scene, report.warnings);
   pin(o, box, scene, report.warnings);
   Vec3 down = {};
-  down[size_t(o.up)] = -9.81;
+  down[size_t(setup.up.axis)] = -9.81 * setup.up.sign;
   scene.gravity = o.gravity.value_or(down);
   if (!scene.colliders.empty()) scene.surface = surface_points(scene.grid, surface);
   for (const Collider& collider : scene.colliders) check_clear(scene, collider);
@@ -169,8 +161,10 @@ Setup set_up(const Asset& asset, const AnimateOptions& o, const std::vector<Mate
   return setup;
 }
 
-void print_setup(const Setup& setup, const AnimateOptions& o) {
+void print_setup(const Setup& setup, const AssetSummary& asset, const AnimateOptions& o) {
   const Scene& scene = setup.scene;
+  fmt::print("longest edge {:.4g} m ({}), {} up ({})\n", asset.size.longest_edge,
+             asset.size.from.reason, up_name(asset.up.up), asset.up.from.reason);
   fmt::print("{} voxels of {:.4g} m, {} nodes, {} piece{}\n", scene.grid.voxel_count(),
              scene.grid.h, scene.grid.node_count(), scene.grid.pieces,
              scene.grid.pieces == 1 ? "" : "s");

@@ -17,6 +17,7 @@ struct Setup {
   Scene scene;
   int substeps = 1;
   double longest_edge = 0;  ///< of the asset [m]
+  UpAxis up;
 };
 
 /// Poses, voxelises and pins the asset; fills asset, voxels, materials, warnings and times of the
@@ -26,8 +27,8 @@ Setup set_up(const Asset& asset, const AnimateOptions& options,
              const std::vector<Material>& materials,
              const std::function<Array<int32_t>(const VoxelGrid&)>& regions, RunReport& report);
 
-/// What will be computed, in a few lines: grid, material, time step, numerical damping.
-void print_setup(const Setup& setup, const AnimateOptions& options);
+/// What will be computed, in a few lines: size, up, grid, material, time step, numerical damping.
+void print_setup(const Setup& setup, const AssetSummary& asset, const AnimateOptions& options);
 
 /// Why an animation without motion has none.
 std::string nothing_moved(const Scene& scene);

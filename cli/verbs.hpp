@@ -14,4 +14,17 @@ int animate(const AnimateOptions& options);
 /// of certificates. @return the exit code.
 int demo(const DemoOptions& options);
 
+/// An asset as a voxel file. @return the exit code.
+int voxelize(const VoxelizeTask& task);
+
+/// Prints what an asset or a scene holds, and what it costs to voxelise. @return the exit code.
+int inspect(const InspectTask& task);
+
+/// Prints all that is odd about an asset, and what is done about it. @return 0, or 3 if the asset
+/// cannot be used.
+int doctor(const DoctorTask& task);
+
+/// Prints the presets. @return the exit code.
+int materials(const MaterialsTask& task);
+
 }  // namespace elastogen

@@ -20,8 +20,18 @@ Json to_json(const AssetSummary& asset) {
   Json findings = Json::array();
   for (const Finding& finding : asset.findings)
     findings.push_back({{"what", finding.what}, {"count", finding.count}, {"text", finding.text}});
-  return {{"path", asset.path},   {"format", asset.format}, {"vertices", asset.vertices},
-          {"faces", asset.faces}, {"closed", asset.closed}, {"findings", findings}};
+  const Provenance &size = asset.size.from, &up = asset.up.from;
+  return {{"path", asset.path},
+          {"format", asset.format},
+          {"vertices", asset.vertices},
+          {"faces", asset.faces},
+          {"closed", asset.closed},
+          {"size",
+           {{"longest_edge", asset.size.longest_edge},
+            {"guessed", size.guessed},
+            {"reason", size.reason}}},
+          {"up", {{"axis", up_name(asset.up.up)}, {"guessed", up.guessed}, {"reason", up.reason}}},
+          {"findings", findings}};
 }
 
 Json to_json(const std::vector<Material>& materials) {

@@ -5,7 +5,7 @@
 #pragma once
 
 #include "core/material.hpp"
-#include "io/asset.hpp"
+#include "io/asset_pose.hpp"
 
 #include <string>
 #include <vector>
@@ -18,6 +18,8 @@ struct AssetSummary {
   int64_t vertices = 0;
   int64_t faces = 0;  ///< triangles
   bool closed = false;
+  SizeChoice size;
+  UpChoice up;
   std::vector<Finding> findings;
 };
 

@@ -181,6 +181,8 @@ Asset demo_character() {
   asset.format = "demo";
   asset.up = 2;
   asset.unit = 1;
+  asset.up = 2;
+  asset.unit = 1;
   AssetMaterial body, head;
   body.name = "body";
   head.name = "head";

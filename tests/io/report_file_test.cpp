@@ -30,7 +30,14 @@ Json written(const RunReport& report) {
 
 TEST(ReportFile, HasEveryFieldOfTheDocumentation) {
   RunReport report;
-  report.asset = {"cat.obj", "obj", 100, 196, true, {{"zero-area", 2, "2 triangles dropped"}}};
+  report.asset = {"cat.obj",
+                  "obj",
+                  100,
+                  196,
+                  true,
+                  {0.5, {true, "no unit"}, ""},
+                  {{2, -1}, {false, "asked for"}},
+                  {{"zero-area", 2, "2 triangles dropped"}}};
   report.voxels = 10;
   report.nodes = 30;
   report.h = 0.125;
@@ -47,7 +54,9 @@ TEST(ReportFile, HasEveryFieldOfTheDocumentation) {
   report.command = "elastogen animate cat.obj";
   report.commit = "abc123";
   const Json expected = Json::parse(R"({"asset": {"path": "cat.obj", "format": "obj",
-      "vertices": 100, "faces": 196, "closed": true, "findings": [
+      "vertices": 100, "faces": 196, "closed": true,
+      "size": {"longest_edge": 0.5, "guessed": true, "reason": "no unit"},
+      "up": {"axis": "-z", "guessed": false, "reason": "asked for"}, "findings": [
         {"what": "zero-area", "count": 2, "text": "2 triangles dropped"}]},
       "voxels": 10, "nodes": 30, "h": 0.125, "materials": [{"name": "foam", "law": "hencky",
         "young": 2e4, "poisson": 0.25, "density": 30.0}], "steps": 4, "frames": 2,

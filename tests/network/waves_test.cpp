@@ -140,7 +140,7 @@ TEST(Waves, ABarThatHitsAWallReturnsAfterTwoLengths) {
   constexpr double kSpeed = 0.1, kStep = 0.2, kArea = 4;
   Scene scene = scene_on(make_box(2, kCells, 2, 1), solid(1, 0, Law::kFixedCorotated, 1));
   scene.surface = face_points(scene.grid);
-  scene.floor = Floor{{0, 1, 0}, 0, 0};
+  scene.colliders = {half_space({0, 1, 0}, 0, 0)};
   scene.scheme = TimeScheme::kBdf2;
   scene.dt = kStep;
   finish_scene(scene);

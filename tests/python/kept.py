@@ -133,6 +133,8 @@ def check_kept(source: Path, document: Document) -> None:
     reader = READERS.get(source.suffix.lower())
     if reader is None:
         check_plain(document)
+        if source.suffix.lower() not in (".glb", ".gltf"):
+            return  # there is no second reader of these formats here
         if (packed := packed_glb(source)) is not None:
             check_kept_lists(packed, document)
             return

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import tempfile
 import time
 import unittest
@@ -14,6 +15,9 @@ from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 import glb_check
 import kept
@@ -37,18 +41,20 @@ class Row:
     voxels: int
     seconds: float
     converged: float
+    findings: str
     note: str
     fault: str
 
     def cells(self) -> list[str]:
         """As printed; a refused file has no numbers."""
-        numbers = ["", "", ""]
+        numbers = ["", f"{self.seconds:.1f}", "", ""]
         if self.code in (0, 4):
-            numbers = [str(self.voxels), f"{self.seconds:.1f}", f"{100 * self.converged:.0f} %"]
+            numbers = [str(self.voxels), f"{self.seconds:.1f}", f"{100 * self.converged:.0f} %",
+                       self.findings]
         return [self.name, *numbers, str(self.code), self.fault or self.note]
 
 
-HEAD = ("name", "voxels", "seconds", "converged", "exit code", "note")
+HEAD = ("name", "voxels", "seconds", "converged", "found and repaired", "exit code", "note")
 
 
 def table(rows: Iterable[Row]) -> str:
@@ -86,26 +92,55 @@ def check_animated(source: Path, output: Path, frames: int) -> str:
     return "" if found == frames + 1 else f"{found} frames are in the output, not {frames + 1}"
 
 
+def check_sequence(folder: Path, said: dict[str, Any]) -> str:
+    """What is wrong with the PLY files of a cloud, or "": finite numbers, one file a frame."""
+    files = sorted(folder.glob("out_*.ply"))
+    if len(files) != said["frames"] + 1:
+        return f"{len(files)} PLY files, not {said['frames'] + 1}"
+    for file in files:
+        head, body = file.read_bytes().split(b"end_header\n", 1)
+        names = re.findall(rb"property (\w+) (\w+)\n", head)
+        kinds = {b"float": "<f4", b"double": "<f8", b"uchar": "u1"}
+        rows = np.frombuffer(body, np.dtype([(n.decode(), kinds[k]) for k, n in names]))
+        if len(rows) != said["asset"]["vertices"] or f"element vertex {len(rows)}\n".encode() not in head:
+            return f"{file.name} has {len(rows)} points of {said['asset']['vertices']}"
+        if not all(np.isfinite(rows[n]).all() for n in rows.dtype.names or ()):
+            return f"{file.name} has a number that is not finite"
+    return ""
+
+
+def run(source: Path, folder: Path) -> Run:
+    """To GLB; a cloud is refused that and told to be written as PLY."""
+    report = folder / "report.json"
+    done = animate(source, folder / "out.glb", *OPTIONS, "--report", report, timeout=SECONDS)
+    if done.code == 2 and ".ply" in done.err:
+        done = animate(source, folder / "out.ply", *OPTIONS, "--report", report, timeout=SECONDS)
+    return done
+
+
 def judge(source: Path, name: str) -> Row:
     """Runs one file."""
     with tempfile.TemporaryDirectory() as text:
         folder, start = Path(text), time.monotonic()
-        output, report = folder / "out.glb", folder / "report.json"
-        done = animate(source, output, *OPTIONS, "--report", report, timeout=SECONDS)
+        done = run(source, folder)
         seconds, note = time.monotonic() - start, last_line(done, source.name)
         if done.code == 3:
-            return Row(name, 3, 0, seconds, 0, note, check_refused(source, folder, done))
+            return Row(name, 3, 0, seconds, 0, "", note, check_refused(source, folder, done))
         if done.code not in (0, 4) or source.suffix.lower() not in READ:
             fault = f"the exit code is {done.code}: {note}"
-            return Row(name, done.code, 0, seconds, 0, note, fault)
-        said = json.loads(report.read_text())
-        fault = check_animated(source, output, said["frames"])
+            return Row(name, done.code, 0, seconds, 0, "", note, fault)
+        said = json.loads((folder / "report.json").read_text())
+        output = folder / "out.glb"
+        fault = (check_animated(source, output, said["frames"]) if output.exists()
+                 else check_sequence(folder, said))
+        findings = ", ".join(f"{f['what']} {f['count']}" for f in said["asset"]["findings"])
         clean = said["converged_share"] == 1 and said["min_j"] > 0
         if (done.code == 0) != clean:
             fault = fault or f"exit code {done.code}, but the report says otherwise"
         if said["converged_share"] < 1:
             note = f"worst residual {said['worst_residual']:.1e}"
-        return Row(name, done.code, said["voxels"], seconds, said["converged_share"], note, fault)
+        return Row(name, done.code, said["voxels"], seconds, said["converged_share"], findings, note,
+                   fault)
 
 
 class Assets(unittest.TestCase):

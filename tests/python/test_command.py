@@ -68,7 +68,8 @@ class Usage(Command):
     """Exit code 2, and help."""
 
     def test_help_and_version_end_with_zero(self) -> None:
-        for words in (["--help"], ["animate", "--help"], ["demo", "--help"], ["--version"]):
+        verbs = ("animate", "demo", "voxelize", "inspect", "doctor", "materials")
+        for words in (["--help"], ["--version"], *([verb, "--help"] for verb in verbs)):
             done = run(*words)
             self.assertEqual(done.code, 0, words)
             self.assertIn("elastogen" if "--version" in words else "Usage", done.out)
@@ -85,9 +86,9 @@ class Usage(Command):
                 (["--floor", "q=1"], ["q=1"]), (["--region", "all"], ["all", "colon"]),
                 (["--region", "node:top: foam"], ["top"]), (["--collider", "cone(1)"], ["cone"]),
                 (["--collider", "sphere(0,0,0,9) name ball"], ["ball", "inside"]), (["--substeps", "0"], ["0"]),
-                (["--solver", "paper"], ["paper", "quasi"]), (["--device", "abacus"], ["abacus"]),
+                (["--solver", "papers"], ["papers", "quasi"]), (["--device", "abacus"], ["abacus"]),
                 (["--time-scheme", "rk4"], ["rk4"]), (["--hourglass", "on"], ["on"]),
-                (["--up", "x"], ["--up"]), (["--tolerance", "0"], ["tolerance"]),
+                (["--up", "w"], ["--up"]), (["--tolerance", "0"], ["tolerance"]),
                 (["--voxels", "0"], ["--voxels"]), (["--frames", "-1"], ["--frames"]),
                 (["--frames", "many"], ["many"]), (["--glb-profile", "best"], ["best"]),
                 (["--threads", "-2"], ["--threads"]), (["--max-time", "2m"], ["m"]),

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/asset_stages.hpp"
+
+#include "io/read_asset.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+namespace elastogen {
+namespace {
+
+double now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+}  // namespace
+
+VoxelizeOptions resolution(const AnimateOptions& options) {
+  VoxelizeOptions v;
+  v.voxels = options.voxels;
+  v.h = options.h;
+  v.max_voxels = options.max_voxels;
+  v.max_memory = options.max_memory;
+  return v;
+}
+
+AssetSummary summary_of(const Asset& asset, const Body& body, const AnimateOptions& options) {
+  AssetSummary summary;
+  summary.path = asset.path;
+  summary.format = asset.format;
+  summary.vertices = body.carried.rows();
+  summary.faces = body.is_asset ? body.surface.triangles.rows() : 0;
+  const Box& box = body.surface.box;
+  const double longest = std::max({box.extent(0), box.extent(1), box.extent(2)});
+  summary.size = choose_size(asset, longest, options.size > 0);
+  summary.up = choose_up(asset, options.up);
+  summary.findings = asset.findings;
+  summary.findings.insert(summary.findings.end(), body.findings.begin(), body.findings.end());
+  return summary;
+}
+
+void add_findings(const VoxelizeReport& voxels, RunReport& report) {
+  report.asset.closed = voxels.closed;
+  report.asset.findings.insert(report.asset.findings.end(), voxels.findings.begin(),
+                               voxels.findings.end());
+}
+
+VoxelizedAsset voxelize_asset(const AnimateOptions& options, RunReport& report) {
+  VoxelizedAsset result;
+  const double start = now();
+  result.asset = read_asset(options.input);
+  report.stage_seconds.read = now() - start;
+  result.body = make_body(result.asset, options.size);
+  report.asset = summary_of(result.asset, result.body, options);
+  if (!report.asset.size.warning.empty()) report.warnings.push_back(report.asset.size.warning);
+  result.voxels = voxelize(result.body.surface, resolution(options));
+  report.stage_seconds.voxelize = now() - start - report.stage_seconds.read;
+  add_findings(result.voxels.report, report);
+  report.voxels = result.voxels.grid.voxel_count();
+  report.nodes = result.voxels.grid.node_count();
+  report.h = result.voxels.grid.h;
+  return result;
+}
+
+}  // namespace elastogen

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/option_groups.hpp"
+
+#include <CLI/CLI.hpp>
+
+namespace elastogen {
+namespace {
+
+void add_material_options(CLI::App& app, AnimateOptions& o, Typed& t) {
+  app.add_option("--material", t.material, "preset: rubber, soft-rubber, jelly, foam, ...")
+      ->group("Material");
+  app.add_option("--law", t.law, "fixed-corotated, neo-hookean, stable-neo-hookean, stvk or hencky")
+      ->group("Material");
+  app.add_option("--young", t.young, "Young's modulus, e.g. 1e6 or '1 MPa'")->group("Material");
+  app.add_option("--poisson", t.poisson, "Poisson's ratio, 0 <= nu < 0.5")->group("Material");
+  app.add_option("--density", t.density, "density, e.g. 1100 or '1.1 g/cm3'")->group("Material");
+  app.add_option("--region", o.regions,
+                 "part of another material: 'y>80%: foam,young=1e5'; repeatable")
+      ->group("Material")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+}
+
+void add_scene_options(CLI::App& app, AnimateOptions& o, Typed& t) {
+  app.add_option("--pin", o.pins,
+                 "hold a part: y<5%, z>0.2m, box(x,y,z,x,y,z), sphere(x,y,z,r), all; repeatable")
+      ->group("Scene")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  app.add_option("--gravity", t.gravity, "x,y,z [m/s^2]; default 9.81 down")->group("Scene");
+  app.add_option("--velocity", t.velocity, "start velocity x,y,z [m/s]")->group("Scene");
+  app.add_option("--spin", t.spin, "start spin x,y,z [rad/s] about the centre of mass")
+      ->group("Scene");
+  app.add_option("--floor", t.floor,
+                 "floor plane AXIS=PLACE; alone: the asset's lowest point; off: none")
+      ->group("Scene")
+      ->expected(0, 1);
+  app.add_option("--collider", o.colliders,
+                 "plane(x,y,z, nx,ny,nz), sphere(x,y,z, r) or box(x0,y0,z0, x1,y1,z1), then "
+                 "friction F, name NAME, path T:x,y,z; T:x,y,z; repeatable")
+      ->group("Scene")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  app.add_option("--friction", o.friction, "Coulomb's coefficient with floor and colliders")
+      ->group("Scene")
+      ->capture_default_str();
+  app.add_option("--voxels", o.voxels, "voxels along the longest edge")
+      ->group("Scene")
+      ->capture_default_str();
+  app.add_option("--h", t.h, "voxel edge, e.g. '5 mm', instead of --voxels")->group("Scene");
+  app.add_option("--size", t.size, "longest edge of the asset, e.g. '30 cm'")->group("Scene");
+  app.add_option("--up", t.up, "direction that points up: auto, x, y, z, -x, -y or -z")
+      ->group("Scene")
+      ->capture_default_str();
+}
+
+void add_run_options(CLI::App& app, AnimateOptions& o, Typed& t) {
+  app.add_option("--frames", o.frames, "frames after the first")->capture_default_str();
+  app.add_option("--fps", o.fps, "frames a second")->capture_default_str();
+  app.add_option("--substeps", t.substeps, "time steps a frame, or auto")->capture_default_str();
+  app.add_option("--time-scheme", t.scheme, "euler or bdf2")->capture_default_str();
+  app.add_option("--solver", t.solver, "auto, quasi, newton or paper")->capture_default_str();
+  app.add_option("--tolerance", o.solver.tolerance, "of the residual |grad E|/|M g|")
+      ->capture_default_str();
+  app.add_option("--outer", o.solver.paper.outer, "solver paper: outer loops a step")
+      ->capture_default_str();
+  app.add_option("--inner", o.solver.paper.inner, "solver paper: sweeps of each loop")
+      ->capture_default_str();
+  app.add_option("--modes", o.solver.paper.modes,
+                 "solver paper: latent size, three times the cosines")
+      ->capture_default_str();
+  app.add_option("--hourglass", t.hourglass,
+                 "full, variance, off, or auto: variance for the paper solver, else full")
+      ->capture_default_str();
+  app.add_option("--device", t.device, "cpu")->capture_default_str();
+  app.add_option("--threads", o.threads, "0: all")->capture_default_str();
+  app.add_option("--max-memory", t.max_memory, "budget, e.g. '8 GB'");
+  app.add_option("--max-voxels", o.max_voxels, "budget")->capture_default_str();
+  app.add_option("--max-time", t.max_time, "wall time of the steps, e.g. '10 min'");
+  app.add_flag("--no-skip,!--skip", t.no_skip, "take no shortcut that the scene would allow");
+  app.add_flag("--strict,!--no-strict", o.strict, "warnings are errors");
+  app.add_flag("--quiet,!--no-quiet", o.quiet, "print errors only");
+}
+
+void add_output_options(CLI::App& app, AnimateOptions& o, Typed& t) {
+  app.add_option("-o,--output", o.outputs,
+                 "animation to write: .glb, .ply (a file a frame), .pc2, .pvd; repeatable")
+      ->group("Output")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  app.add_option("--glb-profile", t.profile, "modal or keyframe")
+      ->group("Output")
+      ->capture_default_str();
+  app.add_option("--state", o.state, "state file (HDF5)")->group("Output");
+  app.add_option("--log-json", o.log, "one JSON object a time step")->group("Output");
+  app.add_option("--report", o.report, "summary of the run (JSON)")->group("Output");
+}
+
+}  // namespace
+
+void add_scene_groups(CLI::App& app, AnimateOptions& options, Typed& typed) {
+  add_output_options(app, options, typed);
+  add_material_options(app, options, typed);
+  add_scene_options(app, options, typed);
+  add_run_options(app, options, typed);
+}
+
+void add_resolution_options(CLI::App& app, AnimateOptions& o, Typed& t) {
+  app.add_option("--voxels", o.voxels, "voxels along the longest edge")->capture_default_str();
+  app.add_option("--h", t.h, "voxel edge, e.g. '5 mm', instead of --voxels");
+  app.add_option("--size", t.size, "longest edge of the asset, e.g. '30 cm'");
+  app.add_option("--max-memory", t.max_memory, "budget, e.g. '8 GB'");
+  app.add_option("--max-voxels", o.max_voxels, "budget")->capture_default_str();
+  app.add_option("--threads", o.threads, "0: all")->capture_default_str();
+}
+
+}  // namespace elastogen

@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/scene_options.hpp"
+
+#include "io/scene_keys.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace elastogen {
+namespace {
+
+using Kind = SceneValue::Kind;
+
+/// Shortest text that is read as the same number; whole ones without exponent.
+std::string number_text(double number) {
+  if (number == std::floor(number) && std::abs(number) < 1e15)
+    return fmt::format("{}", int64_t(number));
+  return fmt::format("{}", number);
+}
+
+/// Numbers between commas, or the one text.
+std::string value_text(const SceneValue& value) {
+  if (value.kind == Kind::kText) return value.text;
+  if (value.kind == Kind::kFlag) return value.flag ? "true" : "false";
+  if (value.kind == Kind::kNumber) return number_text(value.number);
+  std::string text;
+  for (const SceneValue& item : value.items)
+    text += fmt::format("{}{}", text.empty() ? "" : ",", value_text(item));
+  return text;
+}
+
+std::string text_of(const SceneValue& table, const char* key, const std::string& fallback) {
+  const SceneValue* value = table.find(key);
+  return value ? value_text(*value) : fallback;
+}
+
+std::string region_text(const SceneValue& region, const std::string& preset) {
+  std::string text = text_of(region, "select", "");
+  if (region.find("node")) text = fmt::format("node:{}", text_of(region, "node", ""));
+  if (region.find("gltf_material"))
+    text = fmt::format("material:{}", text_of(region, "gltf_material", ""));
+  text += fmt::format(": {}", text_of(region, "preset", preset));
+  for (const char* key : {"law", "young", "poisson", "density"})
+    if (region.find(key)) text += fmt::format(",{}={}", key, text_of(region, key, ""));
+  return text;
+}
+
+std::string collider_text(const SceneValue& c) {
+  const std::string shape = text_of(c, "shape", "");
+  const bool box = shape == "box";
+  std::string text = fmt::format("{}({}, {})", shape, text_of(c, box ? "lower" : "centre", ""),
+                                 text_of(c,
+                                         box                ? "upper"
+                                         : shape == "plane" ? "normal"
+                                                            : "radius",
+                                         ""));
+  for (const char* key : {"friction", "name"})
+    if (c.find(key)) text += fmt::format(" {} {}", key, text_of(c, key, ""));
+  const SceneValue* path = c.find("path");
+  if (!path || path->items.empty()) return text;
+  text += " path";
+  for (size_t k = 0; k < path->items.size(); ++k) {
+    const auto& place = path->items[k].items;
+    text += fmt::format("{} {}:{},{},{}", k == 0 ? "" : ";", value_text(place[0]),
+                        value_text(place[1]), value_text(place[2]), value_text(place[3]));
+  }
+  return text;
+}
+
+std::string floor_text(const SceneValue& floor) {
+  const SceneValue* on = floor.find("on");
+  if (on && !on->flag) return "off";
+  return fmt::format("{}={}", text_of(floor, "axis", "auto"), text_of(floor, "place", "auto"));
+}
+
+/// The texts of a key's value; none where nothing is given.
+std::vector<std::string> key_texts(const SceneKey& key, const SceneValue& value) {
+  std::vector<std::string> texts;
+  if (key.type == SceneType::kTexts)
+    for (const SceneValue& item : value.items) texts.push_back(item.text);
+  else if (key.type == SceneType::kFlag)
+    texts.push_back((key.name == "skip") != value.flag ? "true" : "false");
+  else if (const std::string text = value_text(value); !text.empty())
+    texts.push_back(text);
+  return texts;
+}
+
+/// The tables that may be there many times, behind what the list of texts has.
+void add_tables(const SceneValue& scene, std::vector<SceneOption>& options) {
+  const auto add = [&](const char* table, const char* option, const auto& text) {
+    const SceneValue* items = scene.find(table);
+    if (!items || items->items.empty()) return;
+    auto at = options.begin();
+    while (at != options.end() && at->option != option) ++at;
+    if (at == options.end()) at = options.insert(at, {option, {}});
+    for (const SceneValue& item : items->items) at->texts.push_back(text(item));
+  };
+  const SceneValue* material = scene.find("material");
+  const std::string preset = material ? text_of(*material, "preset", "rubber") : "rubber";
+  add("pin", "--pin", [](const SceneValue& pin) { return text_of(pin, "select", ""); });
+  add("region", "--region", [&](const SceneValue& r) { return region_text(r, preset); });
+  add("collider", "--collider", collider_text);
+}
+
+SceneValue quantity(double value, const char* word) {
+  return value > 0 ? scene_number(value) : scene_text(word);
+}
+
+SceneValue vector(const double* x) {
+  SceneValue list;
+  list.kind = Kind::kList;
+  for (int d = 0; d < 3; ++d) list.items.push_back(scene_number(x[d]));
+  return list;
+}
+
+SceneValue asset_table(const AnimateOptions& o) {
+  SceneValue t;
+  t.set("file", scene_text(o.input));
+  t.set("size", quantity(o.size, "auto"));
+  t.set("up", scene_text(o.up ? up_name(*o.up) : "auto"));
+  t.set("voxels", scene_number(o.voxels));
+  t.set("h", quantity(o.h, "auto"));
+  return t;
+}
+
+SceneValue material_table(const Material& m) {
+  SceneValue t;
+  t.set("preset", scene_text(m.name == "custom" ? "rubber" : m.name));
+  t.set("law", scene_text(std::string(law_name(m.law))));
+  t.set("young", scene_number(m.young));
+  t.set("poisson", scene_number(m.poisson));
+  t.set("density", scene_number(m.density));
+  return t;
+}
+
+SceneValue motion_table(const StartMotion& motion) {
+  SceneValue t;
+  t.set("velocity", vector(motion.velocity));
+  t.set("spin", vector(motion.spin));
+  return t;
+}
+
+SceneValue floor_table(const AnimateOptions& o) {
+  const FloorOption floor = o.floor.value_or(FloorOption{});
+  SceneValue t;
+  t.set("on", scene_flag(o.floor.has_value()));
+  t.set("axis", scene_text(floor.axis < 0 ? "auto" : std::string(1, char('x' + floor.axis))));
+  t.set("place", floor.place ? scene_number(*floor.place) : scene_text("auto"));
+  t.set("friction", scene_number(o.friction));
+  return t;
+}
+
+SceneValue time_table(const AnimateOptions& o) {
+  SceneValue t;
+  t.set("frames", scene_number(double(o.frames)));
+  t.set("fps", scene_number(o.fps));
+  t.set("substeps", quantity(o.substeps, "auto"));
+  t.set("scheme", scene_text(find_scene_key("time", "scheme")->words[size_t(o.scheme)]));
+  return t;
+}
+
+SceneValue solver_table(const AnimateOptions& o) {
+  SceneValue t;
+  t.set("mode", scene_text(std::string(solver_name(o.solver.mode))));
+  t.set("tolerance", scene_number(o.solver.tolerance));
+  t.set("hourglass", scene_text(find_scene_key("solver", "hourglass")->words[size_t(o.hourglass)]));
+  t.set("outer", scene_number(o.solver.paper.outer));
+  t.set("inner", scene_number(o.solver.paper.inner));
+  t.set("modes", scene_number(o.solver.paper.modes));
+  t.set("skip", scene_flag(o.solver.skip));
+  t.set("threads", scene_number(o.threads));
+  t.set("device", scene_text("cpu"));
+  return t;
+}
+
+SceneValue limits_table(const AnimateOptions& o) {
+  SceneValue t;
+  t.set("max_voxels", scene_number(double(o.max_voxels)));
+  t.set("max_memory", quantity(double(o.max_memory), "none"));
+  t.set("max_time", quantity(o.max_time, "none"));
+  t.set("strict", scene_flag(o.strict));
+  return t;
+}
+
+SceneValue output_table(const AnimateOptions& o) {
+  SceneValue t;
+  t.set("files", scene_texts(o.outputs));
+  t.set("glb_profile", scene_text(o.keyframe ? "keyframe" : "modal"));
+  t.set("state", scene_text(o.state));
+  t.set("log", scene_text(o.log));
+  t.set("report", scene_text(o.report));
+  t.set("quiet", scene_flag(o.quiet));
+  return t;
+}
+
+}  // namespace
+
+std::vector<SceneOption> scene_options(const SceneValue& scene) {
+  std::vector<SceneOption> options;
+  for (const SceneKey& key : scene_keys()) {
+    const SceneValue* table = key.table.empty() ? &scene : scene.find(key.table);
+    const SceneValue* value = table && *key.option ? table->find(key.name) : nullptr;
+    if (!value) continue;
+    std::vector<std::string> texts = key_texts(key, *value);
+    if (!texts.empty()) options.push_back({key.option, std::move(texts)});
+  }
+  if (const SceneValue* floor = scene.find("floor"))
+    options.push_back({"--floor", {floor_text(*floor)}});
+  add_tables(scene, options);
+  return options;
+}
+
+SceneValue resolved_scene(const AnimateOptions& o) {
+  SceneValue scene;
+  scene.set("pins", scene_texts(o.pins));
+  scene.set("regions", scene_texts(o.regions));
+  scene.set("colliders", scene_texts(o.colliders));
+  scene.set("gravity", o.gravity ? vector(o.gravity->data()) : scene_text("auto"));
+  scene.set("asset", asset_table(o));
+  scene.set("material", material_table(o.material));
+  scene.set("motion", motion_table(o.motion));
+  scene.set("floor", floor_table(o));
+  scene.set("time", time_table(o));
+  scene.set("solver", solver_table(o));
+  scene.set("limits", limits_table(o));
+  scene.set("output", output_table(o));
+  return scene;
+}
+
+}  // namespace elastogen

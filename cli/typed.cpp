@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/typed.hpp"
+
+#include "cli/region_option.hpp"
+#include "core/error.hpp"
+#include "io/units.hpp"
+#include "voxelize/regions.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <utility>
+
+namespace elastogen {
+namespace {
+
+/// The index of a name in a list. @throws Error naming the choices.
+int choice(const char* option, const std::string& value, const std::vector<std::string>& names) {
+  std::string known;
+  for (size_t k = 0; k < names.size(); ++k) {
+    if (names[k] == value) return int(k);
+    known += (known.empty() ? "" : ", ") + names[k];
+  }
+  throw Error(concat(option, " '", value, "': known are ", known));
+}
+
+Material resolve_material(const Typed& t) {
+  const Material preset = material_preset(t.material).material;
+  Material m = preset;
+  if (!t.law.empty()) m.law = law_from_name(t.law);
+  if (!t.young.empty()) m.young = parse_pressure(t.young);
+  if (!t.poisson.empty()) m.poisson = parse_number(t.poisson);
+  if (!t.density.empty()) m.density = parse_density(t.density);
+  check_material(m);
+  const bool same = m.law == preset.law && m.young == preset.young && m.poisson == preset.poisson &&
+                    m.density == preset.density;
+  if (!same) m.name = "custom";
+  return m;
+}
+
+/// "": everything by itself; AXIS=PLACE; off.
+std::optional<FloorOption> resolve_floor(const std::vector<std::string>& typed) {
+  FloorOption floor;
+  if (typed.empty() || typed[0].empty()) return floor;
+  const std::string& text = typed[0];
+  if (text == "off") return std::nullopt;
+  const size_t equals = std::min(text.find('='), text.size());
+  const std::string axis = text.substr(0, equals);
+  const bool named = axis.size() == 1 && axis[0] >= 'x' && axis[0] <= 'z';
+  ELASTOGEN_CHECK(equals + 1 < text.size() && (named || axis == "auto"), "--floor '", text,
+                  "': expected x=PLACE, y=PLACE, z=PLACE, auto=PLACE or off (an input file goes ",
+                  "before --floor)");
+  if (named) floor.axis = axis[0] - 'x';
+  const std::string place = text.substr(equals + 1);
+  if (place != "auto") floor.place = parse_length(place);
+  return floor;
+}
+
+int resolve_substeps(const std::string& text) {
+  if (text == "auto") return 0;
+  const double n = parse_number(text);
+  ELASTOGEN_CHECK(n >= 1 && n <= 10000 && n == std::floor(n), "--substeps '", text,
+                  "': expected auto or a whole number from 1 to 10000");
+  return int(n);
+}
+
+void copy(const Vec3& from, double to[3]) {
+  std::copy(from.begin(), from.end(), to);
+}
+
+void convert(const Typed& t, AnimateOptions& o) {
+  o.material = resolve_material(t);
+  for (const std::string& pin : o.pins) parse_selection(pin);
+  for (const std::string& region : o.regions) parse_region(region);
+  if (t.gravity != "auto") o.gravity = parse_vec3(t.gravity, Quantity::kAcceleration);
+  if (!t.velocity.empty()) copy(parse_vec3(t.velocity, Quantity::kSpeed), o.motion.velocity);
+  if (!t.spin.empty()) copy(parse_vec3(t.spin, Quantity::kSpin), o.motion.spin);
+  if (t.has_floor) o.floor = resolve_floor(t.floor);
+  if (t.h != "auto") o.h = parse_length(t.h);
+  if (t.size != "auto") o.size = parse_length(t.size);
+  if (t.max_memory != "none") o.max_memory = parse_memory(t.max_memory);
+  if (t.max_time != "none") o.max_time = parse_time(t.max_time);
+  o.up = up_from_name(t.up);
+  o.substeps = resolve_substeps(t.substeps);
+  o.scheme = TimeScheme(choice("--time-scheme", t.scheme, {"euler", "bdf2"}));
+  o.solver.mode = solver_from_name(t.solver);
+  o.solver.skip = !t.no_skip;
+  const bool paper = o.solver.mode == SolverMode::kPaper;
+  const int hourglass = choice("--hourglass", t.hourglass, {"full", "variance", "off", "auto"});
+  o.hourglass = hourglass < 3 ? Hourglass(hourglass)
+                : paper       ? Hourglass::kVariance
+                              : Hourglass::kFull;
+  o.keyframe = choice("--glb-profile", t.profile, {"modal", "keyframe"}) == 1;
+  choice("--device", t.device, {"cpu"});
+}
+
+void check_paper(const SolverOptions& s) {
+  for (const auto& [name, value] :
+       {std::pair{"--outer", s.paper.outer}, {"--inner", s.paper.inner}})
+    ELASTOGEN_CHECK(value >= 1 && value <= 10000, name, " must lie in 1 ... 10000, got ", value);
+  const int modes = s.paper.modes;
+  ELASTOGEN_CHECK(modes >= 0 && modes <= 192 && modes % 3 == 0,
+                  "--modes must be a multiple of 3 from 0 to 192, got ", modes);
+}
+
+void check_ranges(const Typed& t, const AnimateOptions& o) {
+  ELASTOGEN_CHECK(t.h == "auto" || o.h > 0, "--h must be positive, got '", t.h, "'");
+  ELASTOGEN_CHECK(t.size == "auto" || o.size > 0, "--size must be positive, got '", t.size, "'");
+  ELASTOGEN_CHECK(o.voxels >= 1, "--voxels must be 1 or more, got ", o.voxels);
+  ELASTOGEN_CHECK(o.frames >= 0 && o.frames <= 1'000'000,
+                  "--frames must lie in 0 ... 1000000, got ", o.frames);
+  ELASTOGEN_CHECK(o.fps > 0 && std::isfinite(o.fps), "--fps must be positive, got ", o.fps);
+  ELASTOGEN_CHECK(o.friction >= 0 && std::isfinite(o.friction), "--friction must not be negative, ",
+                  "got ", o.friction);
+  ELASTOGEN_CHECK(o.solver.tolerance > 0 && o.solver.tolerance < 1, "--tolerance must lie between ",
+                  "0 and 1, got ", o.solver.tolerance);
+  ELASTOGEN_CHECK(o.threads >= 0, "--threads must not be negative, got ", o.threads);
+  ELASTOGEN_CHECK(o.max_voxels >= 1, "--max-voxels must be positive, got ", o.max_voxels);
+  ELASTOGEN_CHECK(t.max_memory == "none" || o.max_memory > 0,
+                  "--max-memory must be positive, got '", t.max_memory, "'");
+  ELASTOGEN_CHECK(t.max_time == "none" || o.max_time > 0, "--max-time must be positive, got '",
+                  t.max_time, "'");
+}
+
+}  // namespace
+
+void resolve(const Typed& typed, AnimateOptions& options) {
+  convert(typed, options);
+  check_ranges(typed, options);
+  check_paper(options.solver);
+}
+
+void check_outputs(const AnimateOptions& o) {
+  std::vector<std::filesystem::path> taken = {std::filesystem::path(o.input).lexically_normal()};
+  const auto take = [&](const std::string& name, bool may_be_input) {
+    if (name.empty()) return;
+    const auto path = std::filesystem::path(name).lexically_normal();
+    const auto first = taken.begin() + (may_be_input ? 1 : 0);
+    ELASTOGEN_CHECK(std::find(first, taken.end(), path) == taken.end(), name,
+                    ": two files of one name: the input and each output need their own");
+    taken.push_back(path);
+  };
+  for (const std::string* name : {&o.log, &o.state, &o.report}) take(*name, false);
+  for (const std::string& name : o.outputs) take(name, true);
+}
+
+}  // namespace elastogen

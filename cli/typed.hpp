@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// Options of a scene as they were typed, and what they mean.
+
+#pragma once
+
+#include "cli/options.hpp"
+
+namespace elastogen {
+
+/// Values as they were typed; empty means not given.
+struct Typed {
+  std::string material = "rubber", law, young, poisson, density;
+  std::string gravity = "auto", velocity, spin, h = "auto", size = "auto", substeps = "auto";
+  std::string max_memory = "none", max_time = "none";
+  std::vector<std::string> floor;
+  bool has_floor = false;
+  std::string up = "auto", scheme = "euler", solver = "auto", hourglass = "auto", profile = "modal";
+  std::string device = "cpu";
+  bool no_skip = false;
+};
+
+/// Turns the texts into values and checks all of them.
+/// @throws Error (usage) naming the option.
+void resolve(const Typed& typed, AnimateOptions& options);
+
+/// No output may take the place of another; only an animation may take that of the input.
+/// @throws Error (usage) naming the file.
+void check_outputs(const AnimateOptions& options);
+
+}  // namespace elastogen

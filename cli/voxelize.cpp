@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "voxelize/voxelize.hpp"
+
+#include "cli/asset_stages.hpp"
+#include "cli/exit_code.hpp"
+#include "cli/verbs.hpp"
+#include "cli/version.hpp"
+#include "core/parallel.hpp"
+#include "voxelize/vdb_io.hpp"
+
+#include <fmt/format.h>
+
+#include <optional>
+
+namespace elastogen {
+
+int voxelize(const VoxelizeTask& task) {
+  const AnimateOptions& o = task.scene;
+  std::optional<ThreadLimit> threads;
+  if (o.threads > 0) threads.emplace(o.threads);
+  RunReport report;
+  report.command = o.command;
+  report.commit = build_commit();
+  const VoxelizedAsset voxelized = voxelize_asset(o, report);
+  const VoxelGrid& grid = voxelized.voxels.grid;
+  write_vdb(task.output, grid);
+  report.peak_memory_bytes = peak_memory_bytes();
+  if (!o.report.empty()) write_report(o.report, report);
+  for (const std::string& warning : report.warnings) fmt::print(stderr, "warning: {}\n", warning);
+  if (!o.quiet)
+    fmt::print("{} voxels of {:.4g} m, {} nodes, {} piece{}, volume {:.6g} m3\nwrote {}\n",
+               grid.voxel_count(), grid.h, grid.node_count(), grid.pieces,
+               grid.pieces == 1 ? "" : "s", grid.volume, task.output);
+  return kExitDone;
+}
+
+}  // namespace elastogen

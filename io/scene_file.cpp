@@ -1,0 +1,275 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/scene_file.hpp"
+
+#include "core/error.hpp"
+#include "io/safe_file.hpp"
+#include "io/scene_keys.hpp"
+#include "io/scene_text.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+namespace elastogen {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Kind = SceneValue::Kind;
+
+const char* kind_text(Kind kind) {
+  static constexpr const char* kTexts[] = {"true or false", "a number", "a text", "a list",
+                                           "a table"};
+  return kTexts[int(kind)];
+}
+
+bool is_control(char c) {
+  return static_cast<unsigned char>(c) < ' ' || c == 127;
+}
+
+/// Checks values and turns them into SI, in place.
+class Check {
+ public:
+  explicit Check(const std::string& name) : name_(name) {}
+
+  void root(SceneValue& scene) {
+    for (SceneMember& member : scene.members) {
+      const SceneTable* table = find_scene_table(member.key);
+      if (!table) {
+        value(member, "");
+      } else if (table->many) {
+        expect(member, member.value, Kind::kList, member.key);
+        for (SceneValue& item : member.value.items) members(item, member, member.key);
+      } else {
+        members(member.value, member, member.key);
+      }
+    }
+  }
+
+ private:
+  [[noreturn]] void fail(int line, const std::string& text) const {
+    throw Error(concat(name_, line > 0 ? concat(':', line) : "", ": ", text));
+  }
+
+  /// Runs a parser of io/units.hpp, whose message then says where.
+  template <class Call>
+  auto located(int line, const std::string& path, const Call& call) const {
+    try {
+      return call();
+    } catch (const Error& error) {
+      fail(line, concat('\'', path, "': ", error.what()));
+    }
+  }
+
+  void expect(const SceneMember& at, const SceneValue& value, Kind kind,
+              const std::string& path) const {
+    if (value.kind != kind)
+      fail(at.value.line,
+           concat('\'', path, "': ", kind_text(kind), " is expected, not ", kind_text(value.kind)));
+  }
+
+  void members(SceneValue& table, const SceneMember& at, const std::string& name) {
+    expect(at, table, Kind::kTable, name);
+    for (SceneMember& member : table.members) value(member, name);
+    const int line = table.line > 0 ? table.line : at.value.line;
+    if (name == "pin" && !table.find("select")) fail(line, "'pin': needs select");
+    if (name == "region") check_region(table, line);
+    if (name == "collider") check_collider(table, line);
+  }
+
+  void check_region(const SceneValue& region, int line) const {
+    int given = 0;
+    for (const char* key : {"select", "node", "gltf_material"})
+      given += region.find(key) != nullptr;
+    if (given != 1) fail(line, "'region': needs one of select, node and gltf_material");
+  }
+
+  /// A collider has the keys of its shape and no others.
+  void check_collider(const SceneValue& collider, int line) const {
+    static const std::vector<std::string> kKeys[] = {
+        {"centre", "normal"}, {"centre", "radius"}, {"lower", "upper"}};
+    const SceneValue* shape = collider.find("shape");
+    if (!shape) fail(line, "'collider': needs shape");
+    const auto& words = find_scene_key("collider", "shape")->words;
+    const auto& own = kKeys[std::find(words.begin(), words.end(), shape->text) - words.begin()];
+    for (const std::string& key : own)
+      if (!collider.find(key))
+        fail(line, concat("'collider': a ", shape->text, " needs ", own[0], " and ", own[1]));
+    for (const char* key : {"centre", "normal", "radius", "lower", "upper"})
+      if (collider.find(key) && std::find(own.begin(), own.end(), key) == own.end())
+        fail(collider.find(key)->line,
+             concat("'collider.", key, "': a ", shape->text, " has none"));
+    const SceneValue* name = collider.find("name");
+    static constexpr const char* kLetters =
+        "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_";
+    if (name && (name->text.empty() || name->text.find_first_not_of(kLetters) != std::string::npos))
+      fail(name->line, "'collider.name': letters, digits, - and _ are expected");
+  }
+
+  void value(SceneMember& member, const std::string& table) {
+    const SceneKey* key = find_scene_key(table, member.key);
+    if (!key) {
+      const std::string path = (table.empty() ? "" : table + '.') + member.key;
+      fail(member.value.line, concat("unknown key '", path.substr(0, 100), "'; the nearest is '",
+                                     nearest_scene_key(table, member.key), '\''));
+    }
+    SceneValue& v = member.value;
+    switch (key->type) {
+      case SceneType::kFlag:
+        return expect(member, v, Kind::kFlag, key->path());
+      case SceneType::kText:
+        return check_text(member, v, *key);
+      case SceneType::kTexts:
+        expect(member, v, Kind::kList, key->path());
+        for (const SceneValue& item : v.items) check_text(member, item, *key);
+        return;
+      case SceneType::kWhole:
+      case SceneType::kNumber:
+        if (!is_word(v, *key)) number(member, v, *key, key->quantity);
+        return;
+      case SceneType::kVector:
+        if (!is_word(v, *key)) vector(member, *key);
+        return;
+      case SceneType::kPath:
+        return path(member, *key);
+    }
+  }
+
+  static bool is_word(const SceneValue& v, const SceneKey& key) {
+    return v.kind == Kind::kText &&
+           std::find(key.words.begin(), key.words.end(), v.text) != key.words.end();
+  }
+
+  static std::string words_text(const SceneKey& key) {
+    std::string text;
+    for (const std::string& word : key.words) text += (text.empty() ? "" : ", ") + word;
+    return text;
+  }
+
+  void check_text(const SceneMember& member, const SceneValue& v, const SceneKey& key) const {
+    expect(member, v, Kind::kText, key.path());
+    if (std::any_of(v.text.begin(), v.text.end(), is_control))
+      fail(member.value.line, concat('\'', key.path(), "': has a control character"));
+    if (!key.words.empty() && !is_word(v, key))
+      fail(member.value.line, concat('\'', key.path(), "': '", v.text.substr(0, 100),
+                                     "' is not known; known are ", words_text(key)));
+  }
+
+  void number(const SceneMember& member, SceneValue& v, const SceneKey& key, Quantity quantity) {
+    const int line = member.value.line;
+    if (v.kind == Kind::kText)
+      v = scene_number(located(line, key.path(), [&] { return parse_quantity(v.text, quantity); }));
+    if (v.kind != Kind::kNumber)
+      fail(line, concat('\'', key.path(), "': a number", words_of(key), " is expected, not ",
+                        kind_text(v.kind)));
+    if (key.type == SceneType::kWhole && v.number != std::floor(v.number))
+      fail(line, concat('\'', key.path(), "': a whole number is expected, not ", v.number));
+    if (!key.range.has(v.number))
+      fail(line, concat('\'', key.path(), "': ", key.range.text(), " is expected, not ", v.number));
+    v.line = line;
+  }
+
+  static std::string words_of(const SceneKey& key) {
+    return key.words.empty() ? "" : " or " + words_text(key);
+  }
+
+  void vector(SceneMember& member, const SceneKey& key) {
+    SceneValue& v = member.value;
+    const int line = v.line;
+    if (v.kind == Kind::kText) {
+      const Vec3 x = located(line, key.path(), [&] { return parse_vec3(v.text, key.quantity); });
+      v = SceneValue();
+      v.kind = Kind::kList;
+      v.line = line;
+      for (const double number : x) v.items.push_back(scene_number(number));
+    }
+    if (v.kind != Kind::kList || v.items.size() != 3)
+      fail(line, concat('\'', key.path(), "': three numbers", words_of(key), " are expected"));
+    for (SceneValue& item : v.items) number(member, item, key, key.quantity);
+  }
+
+  void path(SceneMember& member, const SceneKey& key) {
+    expect(member, member.value, Kind::kList, key.path());
+    double before = -std::numeric_limits<double>::infinity();
+    for (SceneValue& place : member.value.items) {
+      if (place.kind != Kind::kList || place.items.size() != 4)
+        fail(member.value.line, concat('\'', key.path(), "': lists of t, x, y, z are expected"));
+      for (size_t k = 0; k < 4; ++k)
+        number(member, place.items[k], key, k == 0 ? Quantity::kTime : Quantity::kLength);
+      if (place.items[0].number <= before)
+        fail(member.value.line, concat('\'', key.path(), "': the times must ascend"));
+      before = place.items[0].number;
+    }
+  }
+
+  const std::string& name_;
+};
+
+Json to_json(const SceneValue& value) {
+  switch (value.kind) {
+    case Kind::kFlag:
+      return value.flag;
+    case Kind::kNumber:
+      if (value.number == std::floor(value.number) && std::abs(value.number) < 1e15)
+        return int64_t(value.number);
+      return value.number;
+    case Kind::kText:
+      return value.text;
+    case Kind::kList: {
+      Json list = Json::array();
+      for (const SceneValue& item : value.items) list.push_back(to_json(item));
+      return list;
+    }
+    case Kind::kTable:
+      break;
+  }
+  Json table = Json::object();
+  for (const SceneMember& member : value.members) table[member.key] = to_json(member.value);
+  return table;
+}
+
+/// asset.file from the folder of the scene file.
+void resolve_asset(SceneValue& scene, const std::string& name) {
+  for (SceneMember& table : scene.members)
+    for (SceneMember& member : table.value.members)
+      if (table.key == "asset" && member.key == "file" && !member.value.text.empty())
+        member.value.text =
+            (std::filesystem::path(name).parent_path() / member.value.text).string();
+}
+
+/// A message that quotes a file: at most 1000 bytes, control characters as '?'.
+std::string printable(std::string text) {
+  if (text.size() > 1000) text = text.substr(0, 1000) + "...";
+  std::replace_if(text.begin(), text.end(), is_control, '?');
+  return text;
+}
+
+}  // namespace
+
+SceneValue check_scene(std::string_view text, const std::string& name) {
+  try {
+    SceneValue scene = parse_scene(text, name);
+    Check(name).root(scene);
+    resolve_asset(scene, name);
+    return scene;
+  } catch (const Error& error) {
+    throw Error(printable(error.what()));
+  }
+}
+
+SceneValue read_scene(const std::string& path) {
+  std::string text;
+  try {
+    text = read_file(path, kMaxSceneBytes);
+  } catch (const Error& error) {
+    throw Error(error.what());
+  }
+  return check_scene(text, path);
+}
+
+std::string scene_json(const SceneValue& scene) {
+  return to_json(scene).dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+}
+
+}  // namespace elastogen

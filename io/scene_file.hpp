@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// Scene files (docs/scene.md): checked against the table of io/scene_keys.hpp, in SI.
+
+#pragma once
+
+#include "io/scene_value.hpp"
+
+namespace elastogen {
+
+/// Reads a scene from a .toml or .json file. Every number comes back in SI, asset.file from the
+/// scene file's folder.
+/// @throws Error (usage) with file, line and key: what parse_scene refuses; a key that is not known
+///         (naming the nearest); another type, word, unit or range than the key has; a collider
+///         that lacks a key of its shape or has one of another; a region without exactly one of
+///         select, node and gltf_material; a file that cannot be read.
+SceneValue read_scene(const std::string& path);
+
+/// The same of a text. @param name  of the file, for messages and relative paths.
+SceneValue check_scene(std::string_view text, const std::string& name);
+
+/// A scene as JSON text, indented, keys in their order.
+std::string scene_json(const SceneValue& scene);
+
+}  // namespace elastogen

@@ -1,0 +1,358 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/scene_keys.hpp"
+
+#include "core/material.hpp"
+
+#include <algorithm>
+
+namespace elastogen {
+namespace {
+
+using T = SceneType;
+using Q = Quantity;
+using Keys = std::vector<SceneKey>;
+
+constexpr double kMost = 9007199254740992;  // 2^53: beyond, float64 skips whole numbers
+const SceneRange kPositive = {.least = 0, .above = true};
+const SceneRange kNotNegative = {.least = 0};
+const SceneRange kCount = {.least = 1, .most = kMost};
+
+SceneRange whole(double least, double most) {
+  return {.least = least, .most = most};
+}
+
+std::vector<std::string> preset_names() {
+  std::vector<std::string> names;
+  for (const MaterialPreset& preset : material_presets()) names.push_back(preset.material.name);
+  return names;
+}
+
+std::vector<std::string> law_names() {
+  std::vector<std::string> names;
+  for (const Law law :
+       {Law::kFixedCorotated, Law::kNeoHookean, Law::kStableNeoHookean, Law::kStvk, Law::kHencky})
+    names.emplace_back(law_name(law));
+  return names;
+}
+
+Keys asset_keys() {
+  return {
+      {"asset", "file", T::kText, "", "INPUT", "the asset, from the folder of the scene file"},
+      {"asset",
+       "size",
+       T::kNumber,
+       "auto",
+       "--size",
+       "longest edge of the asset's box; auto: the file's numbers in its unit, else in metres",
+       Q::kLength,
+       kPositive,
+       {"auto"}},
+      {"asset",
+       "up",
+       T::kText,
+       "auto",
+       "--up",
+       "direction that points up; auto: what the file says, else z for STL and LAS, y for others",
+       Q::kNumber,
+       {},
+       {"auto", "x", "y", "z", "-x", "-y", "-z"}},
+      {"asset", "voxels", T::kWhole, "48", "--voxels", "voxels along the longest edge", Q::kNumber,
+       whole(1, 1 << 20)},
+      {"asset",
+       "h",
+       T::kNumber,
+       "auto",
+       "--h",
+       "voxel edge; auto: from voxels",
+       Q::kLength,
+       kPositive,
+       {"auto"}},
+  };
+}
+
+/// The keys that choose and change a material.
+Keys material_keys(const std::string& table) {
+  const bool main = table == "material";
+  const std::string same = "that of the preset";
+  return {
+      {table,
+       "preset",
+       T::kText,
+       main ? "rubber" : "",
+       main ? "--material" : "",
+       main ? "a material by name" : "a material by name; without it, the preset of [material]",
+       Q::kNumber,
+       {},
+       preset_names()},
+      {table,
+       "law",
+       T::kText,
+       same,
+       main ? "--law" : "",
+       "energy density",
+       Q::kNumber,
+       {},
+       law_names()},
+      {table, "young", T::kNumber, same, main ? "--young" : "", "Young's modulus", Q::kPressure,
+       kPositive},
+      {table,
+       "poisson",
+       T::kNumber,
+       same,
+       main ? "--poisson" : "",
+       "Poisson's ratio",
+       Q::kNumber,
+       {.least = 0, .most = 0.5, .below = true}},
+      {table, "density", T::kNumber, same, main ? "--density" : "", "mass over volume", Q::kDensity,
+       kPositive},
+  };
+}
+
+Keys region_keys() {
+  Keys keys = {
+      {"region", "select", T::kText, "", "", "a selection, as in a pin"},
+      {"region", "node", T::kText, "", "", "name of a node of the asset"},
+      {"region", "gltf_material", T::kText, "", "", "name of a material of the asset"},
+  };
+  for (SceneKey& key : material_keys("region")) keys.push_back(std::move(key));
+  return keys;
+}
+
+Keys load_keys() {
+  return {
+      {"", "pins", T::kTexts, "[]", "--pin", "selections whose nodes are held, like y<5%"},
+      {"pin", "select", T::kText, "", "", "one more selection"},
+      {"", "regions", T::kTexts, "[]", "--region", "regions as the option writes them"},
+      {"",
+       "gravity",
+       T::kVector,
+       "auto",
+       "--gravity",
+       "acceleration of everything; auto: 9.81 m/s2 against up",
+       Q::kAcceleration,
+       {},
+       {"auto"}},
+      {"motion", "velocity", T::kVector, "[0, 0, 0]", "--velocity",
+       "of the whole asset at the start", Q::kSpeed},
+      {"motion", "spin", T::kVector, "[0, 0, 0]", "--spin", "about the centre of mass at the start",
+       Q::kSpin},
+      {"floor", "on", T::kFlag, "true", "", "false: no floor, as without the table"},
+      {"floor",
+       "axis",
+       T::kText,
+       "auto",
+       "",
+       "axis across the floor; auto: that of up",
+       Q::kNumber,
+       {},
+       {"auto", "x", "y", "z"}},
+      {"floor",
+       "place",
+       T::kNumber,
+       "auto",
+       "",
+       "coordinate of the floor along its axis; auto: where the asset begins",
+       Q::kLength,
+       {},
+       {"auto"}},
+      {"floor", "friction", T::kNumber, "0.5", "--friction", "Coulomb's coefficient", Q::kNumber,
+       kNotNegative},
+  };
+}
+
+Keys collider_keys() {
+  return {
+      {"", "colliders", T::kTexts, "[]", "--collider", "colliders as the option writes them"},
+      {"collider",
+       "shape",
+       T::kText,
+       "",
+       "",
+       "needed; says which of the other keys it has",
+       Q::kNumber,
+       {},
+       {"plane", "sphere", "box"}},
+      {"collider", "name", T::kText, "", "", "for messages: letters, digits, - and _"},
+      {"collider", "centre", T::kVector, "", "", "plane: a point of it; sphere: its centre",
+       Q::kLength},
+      {"collider", "normal", T::kVector, "", "", "plane: the direction of its free side",
+       Q::kNumber},
+      {"collider", "radius", T::kNumber, "", "", "sphere", Q::kLength, kPositive},
+      {"collider", "lower", T::kVector, "", "", "box: its lower corner", Q::kLength},
+      {"collider", "upper", T::kVector, "", "", "box: its upper corner", Q::kLength},
+      {"collider", "friction", T::kNumber, "that of the floor", "", "Coulomb's coefficient",
+       Q::kNumber, kNotNegative},
+      {"collider", "path", T::kPath, "at rest", "",
+       "[t, x, y, z] in s and m: how far it is from its place at a time, straight between them"},
+  };
+}
+
+Keys time_keys() {
+  return {
+      {"time", "frames", T::kWhole, "120", "--frames", "frames after the rest frame", Q::kNumber,
+       whole(0, 1e6)},
+      {"time", "fps", T::kNumber, "30", "--fps", "frames a second", Q::kNumber, kPositive},
+      {"time",
+       "substeps",
+       T::kWhole,
+       "auto",
+       "--substeps",
+       "time steps a frame",
+       Q::kNumber,
+       whole(1, 1e4),
+       {"auto"}},
+      {"time",
+       "scheme",
+       T::kText,
+       "euler",
+       "--time-scheme",
+       "implicit Euler or BDF2",
+       Q::kNumber,
+       {},
+       {"euler", "bdf2"}},
+  };
+}
+
+Keys solver_keys() {
+  return {
+      {"solver",
+       "mode",
+       T::kText,
+       "auto",
+       "--solver",
+       "L-BFGS, Newton, the better of them, or the published algorithm",
+       Q::kNumber,
+       {},
+       {"auto", "quasi", "newton", "paper"}},
+      {"solver",
+       "tolerance",
+       T::kNumber,
+       "0.001",
+       "--tolerance",
+       "residual, in units of the weight, below which a step is converged",
+       Q::kNumber,
+       {.least = 0, .most = 1, .above = true, .below = true}},
+      {"solver",
+       "hourglass",
+       T::kText,
+       "auto",
+       "--hourglass",
+       "strain-variance term; auto: variance for mode paper, else full",
+       Q::kNumber,
+       {},
+       {"full", "variance", "off", "auto"}},
+      {"solver", "skip", T::kFlag, "true", "--no-skip", "false: take no shortcut"},
+      {"solver", "threads", T::kWhole, "0", "--threads", "0: all cores", Q::kNumber,
+       whole(0, 1 << 20)},
+      {"solver",
+       "device",
+       T::kText,
+       "cpu",
+       "--device",
+       "what the solver runs on",
+       Q::kNumber,
+       {},
+       {"cpu"}},
+  };
+}
+
+Keys paper_keys() {
+  return {
+      {"solver", "outer", T::kWhole, "10", "--outer", "mode paper: outer loops", Q::kNumber,
+       whole(1, 1e4)},
+      {"solver", "inner", T::kWhole, "20", "--inner", "mode paper: sweeps of each loop", Q::kNumber,
+       whole(1, 1e4)},
+      {"solver", "modes", T::kWhole, "54", "--modes",
+       "mode paper: latent size, three times the cosines", Q::kNumber, whole(0, 192)},
+  };
+}
+
+Keys file_keys() {
+  return {
+      {"limits", "max_voxels", T::kWhole, "64000000", "--max-voxels", "refused above", Q::kNumber,
+       kCount},
+      {"limits",
+       "max_memory",
+       T::kNumber,
+       "none",
+       "--max-memory",
+       "refused above",
+       Q::kMemory,
+       kCount,
+       {"none"}},
+      {"limits",
+       "max_time",
+       T::kNumber,
+       "none",
+       "--max-time",
+       "wall time of the steps",
+       Q::kTime,
+       kPositive,
+       {"none"}},
+      {"limits", "strict", T::kFlag, "false", "--strict", "true: warnings are errors"},
+      {"output", "files", T::kTexts, "[]", "-o", "animations, each by its ending"},
+      {"output",
+       "glb_profile",
+       T::kText,
+       "modal",
+       "--glb-profile",
+       "displacement modes or frames",
+       Q::kNumber,
+       {},
+       {"modal", "keyframe"}},
+      {"output", "state", T::kText, "", "--state", "state file (HDF5)"},
+      {"output", "log", T::kText, "", "--log-json", "one JSON object a time step"},
+      {"output", "report", T::kText, "", "--report", "summary of the run (JSON)"},
+      {"output", "quiet", T::kFlag, "false", "--quiet", "true: print errors only"},
+  };
+}
+
+}  // namespace
+
+std::span<const SceneTable> scene_tables() {
+  static const std::vector<SceneTable> tables = {
+      {"asset", false, "What is animated, how large, and how finely."},
+      {"material", false, "The material of the whole asset."},
+      {"region", true, "A part of another material: one of select, node, gltf_material."},
+      {"pin", true, "A part that is held, as in `pins`."},
+      {"motion", false, "Motion at the start."},
+      {"floor", false, "A floor; it is there when the table is."},
+      {"collider", true, "An obstacle, at rest or on a path."},
+      {"time", false, "Frames and time steps."},
+      {"solver", false, "How a time step is solved."},
+      {"limits", false, "Budgets."},
+      {"output", false, "What is written, from the folder the command runs in."},
+  };
+  return tables;
+}
+
+std::span<const SceneKey> scene_keys() {
+  static const Keys keys = [] {
+    Keys all;
+    for (const Keys& part :
+         {asset_keys(), material_keys("material"), region_keys(), load_keys(), collider_keys(),
+          time_keys(), solver_keys(), paper_keys(), file_keys()})
+      all.insert(all.end(), part.begin(), part.end());
+    const auto order = [](const SceneKey& key) {
+      return key.table.empty() ? 0 : 1 + (find_scene_table(key.table) - scene_tables().data());
+    };
+    std::stable_sort(all.begin(), all.end(),
+                     [&](const SceneKey& a, const SceneKey& b) { return order(a) < order(b); });
+    return all;
+  }();
+  return keys;
+}
+
+const SceneKey* find_scene_key(std::string_view table, std::string_view name) {
+  for (const SceneKey& key : scene_keys())
+    if (key.table == table && key.name == name) return &key;
+  return nullptr;
+}
+
+const SceneTable* find_scene_table(std::string_view name) {
+  for (const SceneTable& table : scene_tables())
+    if (table.name == name) return &table;
+  return nullptr;
+}
+
+}  // namespace elastogen

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// TOML (toml.io, 1.0) and JSON (RFC 8259) to one tree. The text is not trusted.
+
+#pragma once
+
+#include "io/scene_value.hpp"
+
+#include <cstdint>
+
+namespace elastogen {
+
+inline constexpr int kMaxSceneDepth = 64;
+inline constexpr int64_t kMaxSceneBytes = 16'000'000;
+
+/// Parses a scene.
+/// @param name  of the file, for messages; .json and .toml decide the format, else the first
+///              character does ('{' is JSON).
+/// @throws Error (usage) with name and line: what is no TOML or JSON, a key that is there twice, a
+///         number that is not finite, null, dates and times, more than kMaxSceneDepth levels, and
+///         texts above kMaxSceneBytes.
+SceneValue parse_scene(std::string_view text, const std::string& name);
+
+}  // namespace elastogen

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/scene_toml.hpp"
+
+#include "core/error.hpp"
+#include "io/scene_text.hpp"
+
+#include <toml.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <sstream>
+
+namespace elastogen {
+namespace {
+
+using Toml = toml::basic_value<toml::discard_comments, std::map, std::vector>;
+using Kind = SceneValue::Kind;
+
+/// Refuses what is nested too deeply before the recursive parser sees it: brackets that are open at
+/// once, and parts of a dotted key. Texts and comments are passed over.
+class DepthScan {
+ public:
+  DepthScan(std::string_view text, const std::string& name) : text_(text), name_(name) {}
+
+  void run() {
+    while (at_ < text_.size()) {
+      const char c = text_[at_];
+      if (c == '"' || c == '\'') {
+        pass_text(c);
+        continue;
+      }
+      if (c == '#') at_ = std::min(text_.find('\n', at_), text_.size() - 1);
+      count(text_[at_++]);
+    }
+  }
+
+ private:
+  void count(char c) {
+    if (c == '[' || c == '{') ++open_;
+    if ((c == ']' || c == '}') && open_ > 0) --open_;
+    if (c == '.') ++dots_;
+    if (c == '\n') ++line_;
+    if (std::string_view("[]{},=\n").find(c) != std::string_view::npos) dots_ = 0;
+    ELASTOGEN_CHECK(open_ <= kMaxSceneDepth && dots_ < kMaxSceneDepth, name_, ":", line_,
+                    ": is nested more than ", kMaxSceneDepth, " levels deep");
+  }
+
+  /// Moves behind a text in one or three quotes; one that does not end is the parser's to refuse.
+  void pass_text(char quote) {
+    const std::string three(3, quote);
+    const bool is_long = text_.substr(at_, 3) == three;
+    at_ += is_long ? 3 : 1;
+    for (; at_ < text_.size(); ++at_) {
+      if (text_[at_] == '\n') {
+        if (!is_long) return;
+        ++line_;
+      }
+      if (text_[at_] == '\\' && quote == '"') {
+        ++at_;
+      } else if (is_long ? text_.substr(at_, 3) == three : text_[at_] == quote) {
+        at_ += is_long ? 3 : 1;
+        // a long text may end in one or two quotes of its own
+        for (int k = 0; is_long && k < 2 && at_ < text_.size() && text_[at_] == quote; ++k) ++at_;
+        return;
+      }
+    }
+  }
+
+  std::string_view text_;
+  const std::string& name_;
+  size_t at_ = 0;
+  int open_ = 0, dots_ = 0, line_ = 1;
+};
+
+/// The tree of a parsed file.
+class Tree {
+ public:
+  explicit Tree(const std::string& name) : name_(name) {}
+
+  SceneValue value(const Toml& toml, const std::string& key, int depth) {
+    ELASTOGEN_CHECK(depth <= kMaxSceneDepth, name_, ": '", key, "' is nested more than ",
+                    kMaxSceneDepth, " levels deep");
+    SceneValue result;
+    if (toml.is_table()) {
+      for (const auto& [name, member] : toml.as_table()) {
+        const int line = line_of(member);
+        result.set(name, value(member, name, depth + 1));
+        result.members.back().value.line = line;
+      }
+    } else if (toml.is_array()) {
+      result.kind = Kind::kList;
+      for (const Toml& item : toml.as_array()) {
+        const int line = item.is_table() ? line_of(item) : 0;
+        result.items.push_back(value(item, key, depth + 1));
+        result.items.back().line = line;
+      }
+    } else if (toml.is_boolean()) {
+      result = scene_flag(toml.as_boolean());
+    } else if (toml.is_string()) {
+      result = scene_text(toml.as_string().str);
+    } else if (toml.is_integer()) {
+      // the parser makes the largest integer of a number beyond it
+      constexpr int64_t kLargest = std::numeric_limits<int64_t>::max();
+      const int64_t number = toml.as_integer();
+      ELASTOGEN_CHECK(-kLargest < number && number < kLargest, name_, ":", toml.location().line(),
+                      ": '", key, "': the number is too large");
+      result = scene_number(double(number));
+    } else {
+      ELASTOGEN_CHECK(toml.is_floating(), name_, ":", toml.location().line(), ": '", key,
+                      "': dates and times have no meaning in a scene");
+      // the parser makes the largest float of a number beyond it
+      const bool finite = std::abs(toml.as_floating()) < std::numeric_limits<double>::max();
+      ELASTOGEN_CHECK(finite, name_, ":", toml.location().line(), ": '", key,
+                      "': the number is not finite");
+      result = scene_number(toml.as_floating());
+    }
+    return result;
+  }
+
+ private:
+  /// The parser counts lines from the file's start for each answer: asked for the first ones only.
+  int line_of(const Toml& toml) { return ++asked_ <= 1000 ? int(toml.location().line()) : 0; }
+
+  const std::string& name_;
+  int asked_ = 0;
+};
+
+/// The first sentence of the parser's message, which goes on with a drawing of the place.
+std::string sentence(const std::string& what) {
+  std::string text = what.substr(0, what.find('\n'));
+  for (const std::string_view head : {"[error] ", "toml::"})
+    if (text.starts_with(head)) text.erase(0, head.size());
+  return text;
+}
+
+}  // namespace
+
+SceneValue parse_scene_toml(std::string_view text, const std::string& name) {
+  DepthScan(text, name).run();
+  try {
+    std::istringstream stream{std::string(text)};
+    return Tree(name).value(toml::parse<toml::discard_comments, std::map>(stream, name), "", 0);
+  } catch (const toml::exception& error) {
+    throw Error(
+        concat(name, ":", error.location().line(), ": is no TOML: ", sentence(error.what())));
+  } catch (const Error&) {
+    throw;
+  } catch (const std::exception& error) {
+    throw Error(concat(name, ": is no TOML: ", sentence(error.what())));
+  }
+}
+
+}  // namespace elastogen

@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/options.hpp"
+
+#include "cli/scene_options.hpp"
+#include "io/scene_file.hpp"
+#include "io/scene_keys.hpp"
+#include "tests/io/test_files.hpp"
+
+namespace elastogen {
+namespace {
+
+using test::error_of;
+using test::expect_says;
+using test::TempFolder;
+
+CommandLine parse(std::vector<std::string> words) {
+  words.insert(words.begin(), "elastogen");
+  std::vector<const char*> argv;
+  for (const std::string& word : words) argv.push_back(word.c_str());
+  return parse_command_line(int(argv.size()), argv.data());
+}
+
+AnimateOptions animate_options(std::vector<std::string> words) {
+  words.insert(words.begin(), "animate");
+  const CommandLine line = parse(words);
+  EXPECT_TRUE(line.animate);
+  return line.animate.value_or(AnimateOptions{});
+}
+
+std::string refusal(std::vector<std::string> words) {
+  words.insert(words.begin(), "animate");
+  return error_of([&] { parse(words); }, ErrorKind::kUsage);
+}
+
+/// The scene that a scene file resolves to, as text.
+std::string resolved(const std::string& path, std::vector<std::string> more = {}) {
+  more.insert(more.begin(), {"--scene", path, "--print-resolved"});
+  return scene_json(resolved_scene(animate_options(more)));
+}
+
+constexpr const char* kScene = R"~(
+pins = ["y<5%"]
+gravity = "0, 0, -1 g0"
+[asset]
+file = "bunny.obj"
+h = "5 mm"
+up = "-z"
+[material]
+preset = "jelly"
+young = "30 kPa"
+[[pin]]
+select = "box(0,0,0, 1,1,1)"
+[[region]]
+gltf_material = "ears"
+preset = "foam"
+density = 40
+[[region]]
+select = "y>80%"
+[[collider]]
+shape = "box"
+lower = [0, "-5 cm", 0]
+upper = [1, 0, 1]
+friction = 0.125
+name = "step"
+path = [[0, 0, 0, 0], [1, 0, 0.5, 0]]
+[[collider]]
+shape = "plane"
+centre = [0, -1, 0]
+normal = [0, 1, 0]
+[motion]
+spin = "0, 90, 0 deg/s"
+[floor]
+axis = "y"
+place = "-30 cm"
+friction = 0.25
+[time]
+frames = 7
+fps = 24
+substeps = 3
+scheme = "bdf2"
+[solver]
+mode = "newton"
+hourglass = "variance"
+outer = 4
+inner = 5
+modes = 6
+skip = false
+threads = 1
+[limits]
+max_voxels = 1000000
+max_memory = "1 GiB"
+max_time = "2 min"
+strict = true
+[output]
+files = ["a.glb", "b.glb"]
+glb_profile = "keyframe"
+state = "s.h5"
+log = "l.json"
+report = "r.json"
+quiet = true
+)~";
+
+TEST(Options, ASceneSetsEveryOption) {
+  const TempFolder folder;
+  const AnimateOptions o = animate_options({"--scene", folder.write("s.toml", kScene)});
+  EXPECT_EQ(o.input, folder.path("bunny.obj"));
+  EXPECT_EQ(o.h, 0.005);
+  ASSERT_TRUE(o.up);
+  EXPECT_EQ(up_name(*o.up), "-z");
+  EXPECT_EQ(o.material.law, Law::kStableNeoHookean);
+  EXPECT_EQ(o.material.young, 3e4);
+  EXPECT_EQ(o.material.name, "custom");
+  EXPECT_EQ(o.pins, (std::vector<std::string>{"y<5%", "box(0,0,0, 1,1,1)"}));
+  EXPECT_EQ(o.regions,
+            (std::vector<std::string>{"material:ears: foam,density=40", "y>80%: jelly"}));
+  EXPECT_EQ(o.colliders,
+            (std::vector<std::string>{
+                "box(0,-0.05,0, 1,0,1) friction 0.125 name step path 0:0,0,0; 1:0,0.5,0",
+                "plane(0,-1,0, 0,1,0)"}));
+  EXPECT_DOUBLE_EQ((*o.gravity)[2], -9.80665);
+  EXPECT_NEAR(o.motion.spin[1], 1.5707963267948966, 1e-15);
+  ASSERT_TRUE(o.floor);
+  EXPECT_EQ(o.floor->axis, 1);
+  EXPECT_DOUBLE_EQ(o.floor->place.value(), -0.3);
+  EXPECT_EQ(o.friction, 0.25);
+  EXPECT_EQ(o.frames, 7);
+  EXPECT_EQ(o.fps, 24);
+  EXPECT_EQ(o.substeps, 3);
+  EXPECT_EQ(o.scheme, TimeScheme::kBdf2);
+  EXPECT_EQ(o.solver.mode, SolverMode::kNewton);
+  EXPECT_EQ(o.hourglass, Hourglass::kVariance);
+  EXPECT_EQ(o.solver.paper.outer, 4);
+  EXPECT_EQ(o.solver.paper.inner, 5);
+  EXPECT_EQ(o.solver.paper.modes, 6);
+  EXPECT_FALSE(o.solver.skip);
+  EXPECT_EQ(o.threads, 1);
+  EXPECT_EQ(o.max_voxels, 1'000'000);
+  EXPECT_EQ(o.max_memory, 1 << 30);
+  EXPECT_EQ(o.max_time, 120);
+  EXPECT_TRUE(o.strict && o.quiet && o.keyframe);
+  EXPECT_EQ(o.outputs, (std::vector<std::string>{"a.glb", "b.glb"}));
+  EXPECT_EQ(o.state + o.log + o.report, "s.h5l.jsonr.json");
+}
+
+TEST(Options, WhatIsTypedWinsOverTheScene) {
+  const TempFolder folder;
+  const std::string scene = folder.write("s.toml", kScene);
+  const AnimateOptions o = animate_options(
+      {"other.obj", "--scene", scene, "--pin", "all", "--frames", "9", "--skip", "--no-strict",
+       "--floor", "off", "--up", "auto", "--gravity", "auto", "--max-time", "none", "-o", "c.glb"});
+  EXPECT_EQ(o.input, "other.obj");
+  EXPECT_EQ(o.pins, std::vector<std::string>{"all"});
+  EXPECT_EQ(o.outputs, std::vector<std::string>{"c.glb"});
+  EXPECT_EQ(o.frames, 9);
+  EXPECT_TRUE(o.solver.skip);
+  EXPECT_FALSE(o.strict);
+  EXPECT_FALSE(o.floor || o.up || o.gravity);
+  EXPECT_EQ(o.max_time, 0);
+  EXPECT_EQ(o.fps, 24);  // the rest stays
+  EXPECT_EQ(o.colliders.size(), 2u);
+}
+
+TEST(Options, AMaterialOrAResolutionIsReplacedWhole) {
+  const TempFolder folder;
+  const std::string scene = folder.write("s.toml", kScene);
+  const AnimateOptions o =
+      animate_options({"--scene", scene, "--material", "wood", "--voxels", "20"});
+  EXPECT_EQ(o.material.young, 1e10);
+  EXPECT_EQ(o.material.name, "wood");
+  EXPECT_EQ(o.voxels, 20);
+  EXPECT_EQ(o.h, 0);
+}
+
+TEST(Options, TheResolvedSceneIsAFixedPoint) {
+  const TempFolder folder;
+  for (const std::string& text : {std::string(kScene), std::string()}) {
+    const std::string first = resolved(folder.write("s.toml", text));
+    EXPECT_EQ(resolved(folder.write("again.json", first)), first);
+    // the same keys in JSON
+    const std::string json = scene_json(check_scene(text, folder.path("s.toml")));
+    EXPECT_EQ(resolved(folder.write("s.json", json)), first);
+  }
+}
+
+TEST(Options, TheResolvedSceneHasEveryKey) {
+  const SceneValue scene = resolved_scene(AnimateOptions{});
+  for (const SceneKey& key : scene_keys()) {
+    const SceneTable* table = find_scene_table(key.table);
+    if (table && table->many) continue;  // they are in pins, regions and colliders
+    const SceneValue* home = table ? scene.find(key.table) : &scene;
+    ASSERT_TRUE(home) << key.table;
+    EXPECT_TRUE(home->find(key.name)) << key.path();
+  }
+}
+
+TEST(Options, TheDefaultsAreThoseOfTheTable) {
+  const SceneValue scene = resolved_scene(AnimateOptions{});
+  for (const char* path :
+       {"asset.size",        "asset.up",          "asset.voxels",     "asset.h",
+        "gravity",           "floor.axis",        "floor.place",      "floor.friction",
+        "time.frames",       "time.fps",          "time.substeps",    "time.scheme",
+        "solver.mode",       "solver.tolerance",  "solver.outer",
+        "solver.inner",      "solver.modes",      "solver.threads",   "solver.device",
+        "limits.max_voxels", "limits.max_memory", "limits.max_time",  "output.glb_profile"}) {
+    const std::string text = path;
+    const size_t dot = text.find('.');
+    const std::string table = dot == std::string::npos ? "" : text.substr(0, dot);
+    const std::string name = text.substr(dot + 1);
+    const SceneValue* home = table.empty() ? &scene : scene.find(table);
+    const SceneValue& value = *home->find(name);
+    const std::string shown =
+        value.kind == SceneValue::Kind::kNumber ? concat(int64_t(value.number)) : value.text;
+    const bool whole = value.number == double(int64_t(value.number));
+    EXPECT_EQ(whole ? shown : concat(value.number), find_scene_key(table, name)->fallback) << path;
+  }
+}
+
+TEST(Options, EveryWordOfTheTableIsAnOptionsValue) {
+  const TempFolder folder;
+  for (const SceneKey& key : scene_keys()) {
+    if (!*key.option || key.words.empty()) continue;
+    for (const std::string& word : key.words) {
+      const std::string head = key.table.empty() ? "" : '[' + key.table + "]\n";
+      const std::string scene = folder.write("s.toml", head + key.name + " = \"" + word + "\"\n");
+      EXPECT_NO_THROW(resolved(scene)) << key.path() << ' ' << word;
+    }
+  }
+}
+
+TEST(Options, AFloorIsAPlaneOrOff) {
+  const std::vector<std::string> base = {"a.obj", "-o", "a.glb", "--floor"};
+  const auto floor_of = [&](const std::string& text) {
+    std::vector<std::string> words = base;
+    if (!text.empty()) words.push_back(text);
+    return animate_options(words).floor;
+  };
+  EXPECT_EQ(floor_of("")->axis, -1);
+  EXPECT_FALSE(floor_of("")->place);
+  EXPECT_EQ(floor_of("x=auto")->axis, 0);
+  EXPECT_FALSE(floor_of("x=auto")->place);
+  EXPECT_EQ(floor_of("auto=-3cm")->axis, -1);
+  EXPECT_DOUBLE_EQ(floor_of("auto=-3cm")->place.value(), -0.03);
+  EXPECT_FALSE(floor_of("off"));
+  for (const char* wrong : {"q=1", "y", "y=", "off=1", "=1"})
+    expect_says(refusal({"a.obj", "-o", "a.glb", "--floor", wrong}), "PLACE");
+  expect_says(refusal({"a.obj", "-o", "a.glb", "--floor", "y=1kg"}), "kg");
+}
+
+TEST(Options, RefusesWhatIsMissing) {
+  expect_says(refusal({"a.obj"}), "--output");
+  expect_says(refusal({"-o", "a.glb"}), "INPUT");
+  expect_says(refusal({"a.obj", "-o", "a.glb", "--scene", "no/such.toml"}), "no/such.toml");
+  expect_says(refusal({"a.obj", "-o", "a.glb", "--up", "w"}), "--up");
+  expect_says(refusal({"a.obj", "-o", "a.glb", "--modes", "0"}), "--modes");
+  expect_says(error_of(
+                  [] {
+                    parse({"voxelize", "a.obj", "-o", "a.glb"});
+                  },
+                  ErrorKind::kUsage),
+              ".vdb");
+  expect_says(error_of([] { parse({"inspect"}); }, ErrorKind::kUsage), "FILE");
+}
+
+}  // namespace
+}  // namespace elastogen
