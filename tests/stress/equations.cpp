@@ -3,7 +3,6 @@
 
 #include "core/error.hpp"
 #include "core/parallel.hpp"
-#include "core/svd3.hpp"
 #include "tests/stress/floor.hpp"
 
 #include <Eigen/Dense>
@@ -53,19 +52,14 @@ Matrix3d cofactor(const Matrix3d& F) {
   return C;
 }
 
-/// The rotation U V^T. Where it is not unique (rank 1 and 0) the solver's choice is taken.
+/// The rotation U V^T with U and V rotations, or 0 where it is not unique.
 Matrix3d polar(const Matrix3d& F) {
   const Eigen::JacobiSVD<Matrix3d> svd(F, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Matrix3d U = svd.matrixU(), V = svd.matrixV();
   Vector3d s = svd.singularValues();
   if (U.determinant() * V.determinant() < 0) U.col(2) *= -1, s(2) *= -1;
   if (s(1) + s(2) > 1e-6 * s(0)) return U * V.transpose();
-  Mat3<double> A;
-  for (int k = 0; k < 9; ++k) A.m[k] = F(k / 3, k % 3);
-  const Mat3<double> R = polar_rotation(A);
-  Matrix3d result;
-  for (int k = 0; k < 9; ++k) result(k / 3, k % 3) = R.m[k];
-  return result;
+  return Matrix3d::Zero();
 }
 
 struct Stress {
