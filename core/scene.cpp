@@ -132,6 +132,10 @@ void variance_of_voxel(const VoxelGrid& grid, const Material& m, int64_t v, doub
 void finish_scene(Scene& scene) {
   check_scene(scene);
   fill_mass(scene);
+  double total = 0;
+  for (int64_t n = 0; n < scene.mass.rows(); ++n) total += scene.mass(n);
+  ELASTOGEN_CHECK(std::isnormal(total), "the mass must be a normal number, got ", total,
+                  " kg: h = ", scene.grid.h, " m or the density is out of range");
   const int64_t voxels = scene.grid.voxel_count();
   scene.variance = Array<double>(voxels, 4);
   if (scene.hourglass == Hourglass::kOff) return;

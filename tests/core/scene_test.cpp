@@ -203,6 +203,7 @@ TEST(Scene, RefusesBrokenNumbersAndIndices) {
     refused([&](Scene& s) { s.surface.position(1, 2) = bad; });
   }
   refused([](Scene& s) { s.grid.fill(1) = 0; });
+  refused([](Scene& s) { s.grid.h = 1e-310; });  // no mass is left
   refused([](Scene& s) { s.surface.area(1) = -1; });
   for (const int index : {-2, 1000}) {
     refused([&](Scene& s) { s.grid.corners(1, 2) = index; });

@@ -168,7 +168,8 @@ TEST(Svd3, UniqueRotationIsThePolarFactorOrNothing) {
   }
   // mirrored, on a line, a point: every rotation about an axis, or every one, would do
   for (const Mat3<double>& F :
-       {test::stretched(1.4, 0.9, -0.9, random), test::stretched(1, 0, 0, random), Mat3<double>{}})
+       {test::stretched(1.4, 0.9, -0.9, random), test::stretched(1, 0, 0, random),
+        test::stretched(1e-9, 1e-9, 1e-9, random), Mat3<double>{}})
     EXPECT_EQ(test::norm(unique_rotation(F)), 0);
 }
 

@@ -226,7 +226,7 @@ def deformation_gradient(block: Block, u: Floats) -> Floats:
 def rotations(body: Body, x: Floats) -> list[Floats]:
     """R_v of every block at the positions x [m]; empty when the torsion correction is off.
 
-    0 where s_1 + s_2 <= 1e-6 s_0 for the signed stretches: there the rotation is not unique.
+    0 where s_1 + s_2 <= 1e-6 max(s_0, 1) for the signed stretches: there the rotation is not unique.
     """
     if not body.torsion:
         return []
@@ -235,7 +235,7 @@ def rotations(body: Body, x: Floats) -> list[Floats]:
         F = deformation_gradient(block, x - body.rest)
         s = np.linalg.svd(F, compute_uv=False)
         s[:, 2] *= np.sign(determinant(F))
-        unique = s[:, 1] + s[:, 2] > 1e-6 * s[:, 0]
+        unique = s[:, 1] + s[:, 2] > 1e-6 * np.maximum(s[:, 0], 1)
         result.append(rotation(F) * unique[:, None, None])
     return result
 

@@ -55,11 +55,17 @@ Matrix3d cofactor(const Matrix3d& F) {
 /// The rotation U V^T with U and V rotations, or 0 where it is not unique.
 Matrix3d polar(const Matrix3d& F) {
   const Eigen::JacobiSVD<Matrix3d> svd(F, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Matrix3d U = svd.matrixU(), V = svd.matrixV();
+  Matrix3d U = svd.matrixU();
   Vector3d s = svd.singularValues();
-  if (U.determinant() * V.determinant() < 0) U.col(2) *= -1, s(2) *= -1;
-  if (s(1) + s(2) > 1e-6 * s(0)) return U * V.transpose();
+  if (U.determinant() * svd.matrixV().determinant() < 0) U.col(2) *= -1, s(2) *= -1;
+  if (s(1) + s(2) > 1e-6 * std::max(s(0), 1.0)) return U * svd.matrixV().transpose();
   return Matrix3d::Zero();
+}
+
+/// Largest tr(R^T F) over rotations R.
+double largest_trace(const Matrix3d& F) {
+  const Vector3d s = F.jacobiSvd().singularValues();
+  return s(0) + s(1) + std::copysign(s(2), F.determinant());
 }
 
 struct Stress {
@@ -67,28 +73,32 @@ struct Stress {
   Matrix3d P;
 };
 
-Stress stress(const Material& m, const Matrix3d& F) {
-  const double mu = m.mu(), lambda = m.lambda(), J = F.determinant(), I = F.squaredNorm();
-  const Matrix3d C = cofactor(F), one = Matrix3d::Identity();
+/// Energy density and stress at F = I + H; invariants less their value at rest, so that the energy
+/// of stiff solids keeps its digits.
+Stress stress(const Material& m, const Matrix3d& H) {
+  const Matrix3d one = Matrix3d::Identity(), F = one + H, C = cofactor(F);
+  const double mu = m.mu(), lambda = m.lambda();
+  const double I_3 = 2 * H.trace() + H.squaredNorm();  // |F|^2 - 3
+  const double J_1 = H.trace() + cofactor(H).trace() + H.determinant(), J = 1 + J_1;
   if (m.law == Law::kFixedCorotated) {
-    const Matrix3d away = F - polar(F);
-    return {mu * away.squaredNorm() + lambda / 2 * (J - 1) * (J - 1),
-            2 * mu * away + lambda * (J - 1) * C};
+    const Matrix3d R = polar(F);
+    const double spread =
+        R.isZero() ? F.squaredNorm() + 3 - 2 * largest_trace(F) : (F - R).squaredNorm();
+    return {mu * spread + lambda / 2 * J_1 * J_1, 2 * mu * (F - R) + lambda * J_1 * C};
   }
   if (m.law == Law::kNeoHookean) {
     const double d = (J - 0.1) / 0.1;
-    const double l = J > 0.1 ? std::log(J) : std::log(0.1) + d - d * d / 2;
+    const double l = J > 0.1 ? std::log1p(J_1) : std::log(0.1) + d - d * d / 2;
     const double slope = J > 0.1 ? 1 / J : (1 - d) / 0.1;
-    return {mu / 2 * (I - 3) - mu * l + lambda / 2 * l * l, mu * F + (lambda * l - mu) * slope * C};
+    return {mu * (I_3 / 2 - l) + lambda / 2 * l * l, mu * F + (lambda * l - mu) * slope * C};
   }
   if (m.law == Law::kStableNeoHookean) {
-    const double k = 4 * mu / 3, l = lambda + 5 * mu / 6, a = 1 + 3 * k / (4 * l);
-    const double psi =
-        k / 2 * (I - 3 - std::log((I + 1) / 4)) + l / 2 * ((J - a) * (J - a) - (1 - a) * (1 - a));
-    return {psi, k * (1 - 1 / (I + 1)) * F + l * (J - a) * C};
+    const double k = 4 * mu / 3, l = lambda + 5 * mu / 6, a_1 = 3 * k / (4 * l);
+    return {k / 2 * (I_3 - std::log1p(I_3 / 4)) + l / 2 * J_1 * (J_1 - 2 * a_1),
+            k * (1 - 1 / (I_3 + 4)) * F + l * (J_1 - a_1) * C};
   }
   ELASTOGEN_CHECK(m.law == Law::kStvk, "no stress cases with this law");
-  const Matrix3d E = (F.transpose() * F - one) / 2;
+  const Matrix3d E = (H + H.transpose() + H.transpose() * H) / 2;
   return {mu * E.squaredNorm() + lambda / 2 * E.trace() * E.trace(),
           F * (2 * mu * E + lambda * E.trace() * one)};
 }
@@ -144,8 +154,7 @@ double internal_energy(const Scene& scene, const Array<double>& x, const Array<d
   std::vector<double> energy(static_cast<size_t>(voxels));
   for_each(voxels, [&](int64_t v) {
     const Corners u = corner_motion(scene, v, x), D = mean_gradients(scene, v);
-    const Stress s = stress(scene.materials[size_t(scene.material(v))],
-                            Matrix3d::Identity() + u * D.transpose());
+    const Stress s = stress(scene.materials[size_t(scene.material(v))], u * D.transpose());
     const double volume = grid.fill(v) * grid.h * grid.h * grid.h;
     Corners& force = forces[size_t(v)];
     force = volume * s.P * D;
@@ -182,10 +191,14 @@ double inertial_motion(const Scene& scene, const State& s, double x, int64_t n, 
 Balance balance(const Scene& scene, const State& before, const State& after, TimeScheme scheme) {
   Balance b;
   std::vector<double> r;
-  b.energy_before = internal_energy(scene, before.x, before.x, r) +
-                    kinetic_energy(scene, before.v) + barrier_energy(scene, before.x);
-  b.energy = internal_energy(scene, after.x, before.x, b.internal) +
-             kinetic_energy(scene, after.v) + barrier_energy(scene, after.x);
+  const double internal_before = internal_energy(scene, before.x, before.x, r);
+  b.energy_before =
+      internal_before + kinetic_energy(scene, before.v) + barrier_energy(scene, before.x);
+  const double internal_after = internal_energy(scene, after.x, before.x, b.internal);
+  b.convexity = internal_before - internal_after;
+  for (int64_t k = 0; k < after.x.size(); ++k)
+    b.convexity += b.internal[size_t(k)] * (after.x.data()[k] - before.x.data()[k]);
+  b.energy = internal_after + kinetic_energy(scene, after.v) + barrier_energy(scene, after.x);
   r = b.internal;
   add_contact_force(scene, before.x, after.x, r);
   const bool bdf2 = scheme == TimeScheme::kBdf2;
@@ -227,21 +240,23 @@ int64_t inverted_corners(const Scene& scene, const Array<double>& x) {
   return count;
 }
 
-double distance_from_rest(const Scene& scene, const Array<double>& x) {
-  const int64_t nodes = x.rows();
-  Vector3d rest = Vector3d::Zero(), now = Vector3d::Zero();
+double shape_distance(const Array<double>& x, const Array<double>& y) {
   const auto row = [](const Array<double>& a, int64_t n) {
     return Vector3d(a(n, 0), a(n, 1), a(n, 2));
   };
-  for (int64_t n = 0; n < nodes; ++n) rest += row(scene.grid.rest, n), now += row(x, n);
-  rest /= double(nodes), now /= double(nodes);
+  Vector3d mean_x = Vector3d::Zero(), mean_y = Vector3d::Zero();
+  for (int64_t n = 0; n < x.rows(); ++n) mean_x += row(x, n), mean_y += row(y, n);
+  mean_x /= double(x.rows()), mean_y /= double(x.rows());
   Matrix3d A = Matrix3d::Zero();
-  for (int64_t n = 0; n < nodes; ++n)
-    A += (row(x, n) - now) * (row(scene.grid.rest, n) - rest).transpose();
-  const Matrix3d R = polar(A);
+  double size = 0;
+  for (int64_t n = 0; n < x.rows(); ++n) {
+    A += (row(x, n) - mean_x) * (row(y, n) - mean_y).transpose();
+    size += (row(y, n) - mean_y).squaredNorm();
+  }
+  const Matrix3d R = size > 0 ? polar(A / size) : Matrix3d::Zero();
   double farthest = 0;
-  for (int64_t n = 0; n < nodes; ++n)
-    farthest = std::max(farthest, (row(x, n) - now - R * (row(scene.grid.rest, n) - rest)).norm());
+  for (int64_t n = 0; n < x.rows(); ++n)
+    farthest = std::max(farthest, (row(x, n) - mean_x - R * (row(y, n) - mean_y)).norm());
   return farthest;
 }
 

@@ -24,7 +24,7 @@ void standing(Record& record, double g) {
   scene.gravity = {0, -g, 0};
   scene.dt = 0.1;
   finish_scene(scene);
-  const Plan plan = {.steps = 30, .options = {.tolerance = 1e-5 * std::min(1.0, g)}};
+  const Plan plan = {.steps = 30, .options = {.tolerance = 1e-5 * std::clamp(g, 1e-5, 1.0)}};
   const Outcome end = run(record, scene, initial_state(scene), plan);
   double sum = 0, count = 0;
   for (int64_t n = 0; n < scene.grid.node_count(); ++n)

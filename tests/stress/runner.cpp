@@ -23,10 +23,14 @@ bool finite(const Array<double>& a) {
   return std::all_of(a.data(), a.data() + a.size(), [](double v) { return std::isfinite(v); });
 }
 
-/// Noise of the residual in float64, as float_floor is that in float: 2^29 times smaller; four for
-/// the two sums that are compared.
-double double_floor(const Scene& scene) {
-  return 4 * std::exp2(-29) * float_floor(scene);
+/// Noise of the residual in float64: that of strains, as float_floor is in float and 2^29 times
+/// smaller, and that of positions over dt^2.
+double double_floor(const Scene& scene, const State& state) {
+  double farthest = 0;
+  for (int64_t k = 0; k < state.x.size(); ++k)
+    farthest = std::max(farthest, std::abs(state.x.data()[k]));
+  const double places = std::exp2(-53) * farthest / (scene.dt * scene.dt * 9.81);
+  return 4 * std::exp2(-29) * float_floor(scene) + 16 * places;
 }
 
 /// Checks of one step; remembers the first fault of each kind only.
@@ -50,12 +54,13 @@ class Watch {
           ": refused, but the state moved");
     if (!r.finite || r.step % plan_.check_every != 0) return;
     const Balance b = balance(scene, before, after, r.scheme);
-    const double limit = plan_.options.tolerance * (1 + 1e-9) + double_floor(scene);
+    const double floor = double_floor(scene, after);
+    const double limit = plan_.options.tolerance * (1 + 1e-9) + floor;
     fault(2, !r.converged || b.residual <= limit, "step ", r.step, ": converged, but the residual ",
           "is ", b.residual);
     const double gap = std::abs(b.residual - r.residual);
-    fault(3, gap <= 1e-6 * b.residual + double_floor(scene), "step ", r.step, ": residual ",
-          r.residual, " reported, ", b.residual, " recomputed");
+    fault(3, gap <= 1e-6 * b.residual + floor, "step ", r.step, ": residual ", r.residual,
+          " reported, ", b.residual, " recomputed");
     energy(b, r);
   }
 
@@ -67,9 +72,11 @@ class Watch {
     last_energy_ = b.energy;
     largest_ = std::max({largest_, start, b.energy, std::abs(b.gravity_work)});
     const double gain = b.energy - start - b.gravity_work - std::max(b.residual_work, 0.0);
-    if (largest_ > 0) worst_gain_ = std::max(worst_gain_, gain / largest_);
+    const double turned = b.energy_before - start, concave = std::max(0.0, -b.convexity);
     fault(4, gain <= kEnergyShare * largest_, "step ", r.step, ": energy rises by ",
-          gain / largest_, " of the largest");
+          gain / largest_, " of the largest; ", turned / largest_,
+          " came with new torsion rotations, up to ", concave / largest_,
+          " with negative curvature");
   }
 
   template <class... Parts>
@@ -83,7 +90,7 @@ class Watch {
   const Plan& plan_;
   bool seen_[5] = {};
   std::optional<double> last_energy_;
-  double largest_ = 0, worst_gain_ = 0;
+  double largest_ = 0;
 };
 
 using Seen = std::function<void(const State& before, const State& after, const StepReport&)>;

@@ -31,8 +31,12 @@ void single(Record& record) {
 }
 
 void empty(Record& record) {
+  Surface nothing;
+  nothing.vertices = Array<double>(0, 3);
+  nothing.triangles = Array<int32_t>(0, 3);
+  nothing.material = Array<int32_t>(0, 1);
   expect_error(
-      record, [] { voxelize(Surface{}); }, ErrorKind::kAsset);
+      record, [&] { voxelize(nothing); }, ErrorKind::kAsset);
 }
 
 /// Pins the layer of nodes of smallest y of every piece and finishes.
@@ -235,7 +239,7 @@ void reaction(Record& record) {
   double weight = 0, carried[3] = {};
   for (int64_t n = 0; n < scene.mass.rows(); ++n) {
     weight += scene.pinned(n) ? 0 : 9.81 * scene.mass(n);
-    for (int d = 0; d < 3 && scene.pinned(n); ++d) carried[d] -= b.internal[size_t(3 * n + d)];
+    for (int d = 0; d < 3 && scene.pinned(n); ++d) carried[d] += b.internal[size_t(3 * n + d)];
   }
   record.note("pins carry ", carried[1], " N of ", weight, " N");
   record.expect(std::abs(carried[1] - weight) < 1e-3 * weight, "pins carry ", carried[1],
