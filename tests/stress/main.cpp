@@ -18,7 +18,11 @@ constexpr const char* kTorsion =
 constexpr const char* kConcave =
     "implicit Euler gains energy where the elastic energy is concave along the step";
 
-/// Cases of the short set that fail, and why (docs/verification.md, stress catalogue).
+constexpr const char* kRows =
+    "rows of eight voxels are mostly empty in needles and sheets: more memory a voxel than a solid";
+
+/// Cases that fail, and why; of the random starts those of the short set (docs/verification.md,
+/// stress catalogue).
 const std::map<std::string, const char*> kKnownFailures = {
     {"start.random.stable.1", kTorsion},
     {"start.random.stable.4", kConcave},
@@ -37,6 +41,8 @@ const std::map<std::string, const char*> kKnownFailures = {
     {"start.random.stvk.6", kTorsion},
     {"start.random.stvk.7", kTorsion},
     {"gravity.1e4", kTorsion},
+    {"shape.needle.10000", kRows},
+    {"shape.sheet.300", kRows},
 };
 
 bool known(const Record& r) {

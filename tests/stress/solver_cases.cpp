@@ -14,7 +14,7 @@ void threads(Record& record, SolverMode mode) {
   put_floor(scene, -0.01);
   finish_scene(scene);
   const State start = initial_state(scene, {.velocity = {0.5, -1, 0}, .spin = {1, 2, 3}});
-  const Plan plan = {.steps = 6, .options = {.mode = mode}};
+  const Plan plan = {.steps = 4, .options = {.mode = mode}};
   const Outcome two = run(record, scene, start, plan);
   const ThreadLimit limit(7);
   Solver solver(scene, plan.options);
