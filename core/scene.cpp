@@ -6,12 +6,46 @@
 #include "core/state.hpp"
 
 #include <cmath>
+#include <limits>
 
 namespace elastogen {
 namespace {
 
 bool finite(const Vec3& v) {
   return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]);
+}
+
+/// @throws Error naming the first entry that is not in [lower, upper] (NaN never is).
+template <class T>
+void check_range(const Array<T>& array, double lower, double upper, const char* name) {
+  for (int64_t k = 0; k < array.size(); ++k) {
+    const auto value = double(array.data()[k]);
+    ELASTOGEN_CHECK(value >= lower && value <= upper, name, '(', k / array.cols(), ", ",
+                    k % array.cols(), ") must lie in [", lower, ", ", upper, "], got ", value);
+  }
+}
+
+constexpr double kLargest = std::numeric_limits<double>::max();
+
+void check_grid_numbers(const VoxelGrid& grid) {
+  const auto voxels = double(grid.voxel_count()), nodes = double(grid.node_count());
+  check_range(grid.corners, 0, nodes - 1, "corners");
+  check_range(grid.voxels, -1, voxels - 1, "voxels");
+  check_range(grid.rest, -kLargest, kLargest, "rest");
+  check_range(grid.fill, std::numeric_limits<double>::min(), kLargest, "fill");
+  check_range(grid.shape_mean, -kLargest, kLargest, "shape_mean");
+  ELASTOGEN_CHECK(std::isfinite(grid.volume), "the volume must be finite, got ", grid.volume);
+}
+
+void check_surface(const SurfacePoints& s, int64_t voxels) {
+  const int64_t points = s.voxel.rows();
+  ELASTOGEN_CHECK(
+      s.weights.rows() == points && s.area.rows() == points && s.position.rows() == points,
+      "the surface points' arrays differ in length");
+  check_range(s.voxel, 0, double(voxels - 1), "surface.voxel");
+  check_range(s.weights, -kLargest, kLargest, "surface.weights");
+  check_range(s.area, 0, kLargest, "surface.area");
+  check_range(s.position, -kLargest, kLargest, "surface.position");
 }
 
 void check_scene(const Scene& scene) {
@@ -26,6 +60,8 @@ void check_scene(const Scene& scene) {
                       is(grid.corners, voxels, 8) && is(grid.voxels, nodes, 8),
                   "the tables of the grid do not fit its ", voxels, " voxels and ", nodes,
                   " nodes");
+  check_grid_numbers(grid);
+  check_surface(scene.surface, voxels);
   ELASTOGEN_CHECK(is(scene.material, voxels, 1), "material must be (voxels, 1)");
   ELASTOGEN_CHECK(is(scene.pinned, nodes, 1), "pinned must be (nodes, 1)");
   ELASTOGEN_CHECK(!scene.materials.empty(), "the scene has no material");
@@ -90,6 +126,10 @@ void variance_of_voxel(const VoxelGrid& grid, const Material& m, int64_t v, doub
 void finish_scene(Scene& scene) {
   check_scene(scene);
   fill_mass(scene);
+  double total = 0;
+  for (int64_t n = 0; n < scene.mass.rows(); ++n) total += scene.mass(n);
+  ELASTOGEN_CHECK(std::isnormal(total), "the mass must be a normal number, got ", total,
+                  " kg: h = ", scene.grid.h, " m or the density is out of range");
   const int64_t voxels = scene.grid.voxel_count();
   scene.variance = Array<double>(voxels, 4);
   if (scene.hourglass == Hourglass::kOff) return;

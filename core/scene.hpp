@@ -52,7 +52,8 @@ struct Scene {
 /// variance weights (mu + E/2)/2, E/(2(1-nu^2)) in sheets and E/2 in strips one voxel thick, there
 /// times phi^2 on the patterns that contain a thin axis (notes in docs/physics.md).
 ///
-/// @throws Error on inconsistent shapes, a bad material, dt <= 0, or non-finite numbers.
+/// @throws Error on inconsistent shapes, indices out of range, a bad material, a fill, dt or mass
+///         that is not positive, or numbers that are not finite, with their place.
 void finish_scene(Scene& scene);
 
 }  // namespace elastogen

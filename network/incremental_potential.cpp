@@ -130,7 +130,7 @@ void IncrementalPotential::begin_step(const State& state, const StepScheme& sche
   for_each(rows_.row_count(), [&](int64_t r) {
     Mat3<Pack<double>> F;
     for (int k = 0; k < 9; ++k) F.m[k] = load(rotation_.data() + (r * 9 + k) * kLanes);
-    const Mat3<Pack<double>> R = polar_rotation(F);
+    const Mat3<Pack<double>> R = unique_rotation(F);
     for (int k = 0; k < 9; ++k) store(rotation_.data() + (r * 9 + k) * kLanes, R.m[k]);
   });
   contact_.begin_step(u.data(), state.time);

@@ -26,6 +26,25 @@ bool all_finite(const std::vector<double>& values) {
   return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
 }
 
+/// @throws Error naming the first number of a state array that is not finite.
+void check_state_array(const Array<double>& array, int64_t nodes, const char* name) {
+  ELASTOGEN_CHECK(array.rows() == nodes && array.cols() == 3, name, " must be (nodes, 3), got (",
+                  array.rows(), ", ", array.cols(), ")");
+  for (int64_t k = 0; k < array.size(); ++k)
+    ELASTOGEN_CHECK(std::isfinite(array.data()[k]), name, '(', k / 3, ", ", k % 3,
+                    ") is not finite: ", array.data()[k]);
+}
+
+void check_state(const State& state, int64_t nodes) {
+  check_state_array(state.x, nodes, "state.x");
+  check_state_array(state.v, nodes, "state.v");
+  ELASTOGEN_CHECK(state.x_before.empty() == state.v_before.empty(),
+                  "state.x_before and state.v_before must both be given or both be empty");
+  if (state.x_before.empty()) return;
+  check_state_array(state.x_before, nodes, "state.x_before");
+  check_state_array(state.v_before, nodes, "state.v_before");
+}
+
 IterationResult sum(const IterationResult& a, const IterationResult& b) {
   return {b.converged, a.outer + b.outer, a.inner + b.inner};
 }
@@ -75,7 +94,10 @@ struct Solver::Impl {
         courant(courant_number(s)),
         u(3 * size_t(s.grid.node_count())),
         gradient(u.size()) {
-    ELASTOGEN_CHECK(o.tolerance > 0, "the tolerance must be positive, got ", o.tolerance);
+    ELASTOGEN_CHECK(o.tolerance > 0 && std::isfinite(o.tolerance),
+                    "the tolerance must be positive, got ", o.tolerance);
+    ELASTOGEN_CHECK(o.max_outer >= 0 && o.max_inner >= 0, "iteration limits must not be negative, ",
+                    "got ", o.max_outer, " and ", o.max_inner);
     pinned = std::any_of(s.pinned.data(), s.pinned.data() + s.pinned.rows(),
                          [](uint8_t p) { return p != 0; });
     mode = o.mode;
@@ -270,8 +292,7 @@ SolverMode Solver::mode() const {
 StepReport Solver::step(State& state) {
   const auto begin = std::chrono::steady_clock::now();
   Impl& s = *impl_;
-  ELASTOGEN_CHECK(state.x.rows() == s.scene.grid.node_count() && state.x.cols() == 3,
-                  "state.x must be (nodes, 3), got (", state.x.rows(), ", ", state.x.cols(), ")");
+  check_state(state, s.scene.grid.node_count());
   StepReport report;
   const StepScheme scheme = step_scheme(s.scene, state);
   report.scheme = scheme.scheme;

@@ -64,6 +64,7 @@ class Solver {
 
   /// Advances the state by dt. If the result is not finite the state stays as it was and the report
   /// says so. Same bits on every run and any number of threads.
+  /// @throws Error if the state is not one of this scene or holds a number that is not finite.
   StepReport step(State& state);
 
   /// Gradient of the incremental potential at the last state [N], (nodes, 3), 0 on pinned nodes;

@@ -251,7 +251,7 @@ TEST(Options, RefusesWhatIsMissing) {
   expect_says(refusal({"-o", "a.glb"}), "INPUT");
   expect_says(refusal({"a.obj", "-o", "a.glb", "--scene", "no/such.toml"}), "no/such.toml");
   expect_says(refusal({"a.obj", "-o", "a.glb", "--up", "w"}), "--up");
-  expect_says(refusal({"a.obj", "-o", "a.glb", "--modes", "0"}), "--modes");
+  expect_says(refusal({"a.obj", "-o", "a.glb", "--modes", "4"}), "--modes");
   expect_says(error_of(
                   [] {
                     parse({"voxelize", "a.obj", "-o", "a.glb"});

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <random>
 
@@ -178,6 +179,38 @@ TEST(State, PinnedNodesStandStillAndAnUnfinishedSceneIsRejected) {
   const State state = initial_state(scene, {{1, 1, 1}, {1, 1, 1}});
   for (int d = 0; d < 3; ++d) EXPECT_EQ(state.v(4, d), 0);
   EXPECT_NE(state.v(5, 0), 0);
+}
+
+TEST(Scene, RefusesBrokenNumbersAndIndices) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto refused = [](const std::function<void(Scene&)>& change) {
+    Scene scene = border_scene(0);
+    scene.surface.voxel = Array<int32_t>(2);
+    scene.surface.weights = Array<double>(2, 8);
+    scene.surface.area = Array<double>(2);
+    scene.surface.position = Array<double>(2, 3);
+    finish_scene(scene);
+    change(scene);
+    EXPECT_THROW(finish_scene(scene), Error);
+  };
+  for (const double bad : {nan, HUGE_VAL, -HUGE_VAL}) {
+    refused([&](Scene& s) { s.grid.fill(1) = bad; });
+    refused([&](Scene& s) { s.grid.shape_mean(1, 2) = bad; });
+    refused([&](Scene& s) { s.grid.rest(1, 2) = bad; });
+    refused([&](Scene& s) { s.grid.volume = bad; });
+    refused([&](Scene& s) { s.surface.weights(1, 2) = bad; });
+    refused([&](Scene& s) { s.surface.area(1) = bad; });
+    refused([&](Scene& s) { s.surface.position(1, 2) = bad; });
+  }
+  refused([](Scene& s) { s.grid.fill(1) = 0; });
+  refused([](Scene& s) { s.grid.h = 1e-310; });  // no mass is left
+  refused([](Scene& s) { s.surface.area(1) = -1; });
+  for (const int index : {-2, 1000}) {
+    refused([&](Scene& s) { s.grid.corners(1, 2) = index; });
+    refused([&](Scene& s) { s.grid.voxels(1, 2) = index; });
+    refused([&](Scene& s) { s.surface.voxel(1) = index; });
+  }
+  refused([](Scene& s) { s.surface.area = Array<double>(1); });
 }
 
 }  // namespace

@@ -160,5 +160,18 @@ TEST(Svd3, PolarRotationIsCloserThanItsNeighboursAlsoForMirroredMatrices) {
   }
 }
 
+TEST(Svd3, UniqueRotationIsThePolarFactorOrNothing) {
+  test::Random random(11);
+  for (const double third : {0.9, 0.2, 0.0, -0.3}) {
+    const Mat3<double> F = test::stretched(1.4, 0.9, third, random);
+    EXPECT_EQ(test::distance(unique_rotation(F), polar_rotation(F)), 0) << third;
+  }
+  // mirrored, on a line, a point: every rotation about an axis, or every one, would do
+  for (const Mat3<double>& F :
+       {test::stretched(1.4, 0.9, -0.9, random), test::stretched(1, 0, 0, random),
+        test::stretched(1e-9, 1e-9, 1e-9, random), Mat3<double>{}})
+    EXPECT_EQ(test::norm(unique_rotation(F)), 0);
+}
+
 }  // namespace
 }  // namespace elastogen

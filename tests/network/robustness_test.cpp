@@ -2,6 +2,7 @@
 // Inverted and collapsed states, precision, and the independence of units and place.
 #include "network/solver.hpp"
 #include "tests/network/scenes.hpp"
+#include "tests/support/matrices.hpp"
 
 #include <gtest/gtest.h>
 
@@ -49,6 +50,34 @@ TEST(Robustness, AFlattenedCubeRecovers) {
     for (int64_t n = 0; n < scene.grid.node_count(); ++n) state.x(n, 1) = 0;
     expect_in_shape(recover(scene, state), law);
   }
+}
+
+TEST(Robustness, TheHourglassEnergyOfAMirroredBodyDoesNotDependOnItsAttitude) {
+  const Scene scene = free_cube(2, Law::kNeoHookean);
+  const std::vector<double> noise = random_field(scene, 0.02, 5);
+  const auto energy = [&](const Mat3<double>& R) {
+    State state = initial_state(scene);
+    Array<double> bent = state.x;
+    for (int64_t n = 0; n < state.x.rows(); ++n)
+      for (int i = 0; i < 3; ++i) {
+        state.x(n, i) = bent(n, i) = 0;
+        for (int j = 0; j < 3; ++j) {
+          const double mirrored = (j == 0 ? -1 : 1) * scene.grid.rest(n, j);
+          state.x(n, i) += R(i, j) * mirrored;
+          bent(n, i) += R(i, j) * (mirrored + noise[size_t(3 * n + j)]);
+        }
+      }
+    IncrementalPotential potential(scene);
+    potential.begin_step(state, {TimeScheme::kEuler, scene.dt, 1});
+    state.x = bent;
+    const std::vector<double> u = displacement(scene, state);
+    std::vector<double> g(u.size());
+    return potential.evaluate<double>(u.data(), g.data()).hourglass;
+  };
+  Random random(2);
+  const double upright = energy(identity<double>());
+  EXPECT_GT(upright, 0);
+  for (int k = 0; k < 5; ++k) EXPECT_NEAR(energy(rotation(random)), upright, 1e-12 * upright);
 }
 
 TEST(Robustness, ACollapsedVoxelHasAFiniteForce) {

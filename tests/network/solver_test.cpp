@@ -232,11 +232,33 @@ TEST(Solver, RefusesAStateOfAnotherScene) {
   EXPECT_EQ(solver_from_name("newton"), SolverMode::kNewton);
 }
 
+TEST(Solver, RefusesANumberInTheStateThatIsNotFinite) {
+  const Scene scene = small_beam();
+  Solver solver(scene, {});
+  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), HUGE_VAL}) {
+    State state = initial_state(scene);
+    state.x(3, 1) = bad;
+    EXPECT_THROW(solver.step(state), Error);
+    state = initial_state(scene);
+    state.v(3, 1) = bad;
+    EXPECT_THROW(solver.step(state), Error);
+    EXPECT_EQ(state.steps, 0);
+    state = initial_state(scene);
+    state.x_before = state.x;
+    EXPECT_THROW(solver.step(state), Error);  // without the velocities before
+    state.v_before = state.v;
+    state.v_before(3, 1) = bad;
+    EXPECT_THROW(solver.step(state), Error);
+  }
+  EXPECT_THROW(Solver(scene, {.tolerance = HUGE_VAL}), Error);
+  EXPECT_THROW(Solver(scene, {.max_outer = -1}), Error);
+}
+
 TEST(Solver, KeepsTheStateWhereTheResultIsNotFinite) {
   const Scene scene = small_beam();
   Solver solver(scene, {});
   State state = initial_state(scene);
-  state.v(scene.grid.node_count() - 1, 1) = std::numeric_limits<double>::infinity();
+  state.v(scene.grid.node_count() - 1, 1) = 1e300;  // its square is not finite
   const Array<double> x = state.x;
   const StepReport report = solver.step(state);
   EXPECT_FALSE(report.finite);

@@ -229,10 +229,20 @@ def deformation_gradient(block: Block, u: Floats) -> Floats:
 
 
 def rotations(body: Body, x: Floats) -> list[Floats]:
-    """R_v of every block at the positions x [m]; empty when the torsion correction is off."""
+    """R_v of every block at the positions x [m]; empty when the torsion correction is off.
+
+    0 where s_1 + s_2 <= 1e-6 max(s_0, 1) for the signed stretches: there the rotation is not unique.
+    """
     if not body.torsion:
         return []
-    return [rotation(deformation_gradient(block, x - body.rest)) for block in body.blocks]
+    result = []
+    for block in body.blocks:
+        F = deformation_gradient(block, x - body.rest)
+        s = np.linalg.svd(F, compute_uv=False)
+        s[:, 2] *= np.sign(determinant(F))
+        unique = s[:, 1] + s[:, 2] > 1e-6 * np.maximum(s[:, 0], 1)
+        result.append(rotation(F) * unique[:, None, None])
+    return result
 
 
 def _elastic(block: Block, u: Floats) -> tuple[float, Floats]:

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/stress/floor.hpp"
+
+#include "network/contact.hpp"
+#include "tests/network/scenes.hpp"
+
+#include <cmath>
+#include <limits>
+
+namespace elastogen::stress {
+namespace {
+
+struct Plane {
+  bool exists = false;
+  Vec3 normal = {};
+  double offset = 0, friction = 0;
+};
+
+/// The one place that reads the scene's obstacles.
+Plane plane_of(const Scene& scene) {
+  if (!scene.floor) return {};
+  return {true, scene.floor->normal, scene.floor->offset, scene.floor->friction};
+}
+
+/// Place of a surface point.
+Vec3 place(const Scene& scene, const Array<double>& x, int64_t p) {
+  Vec3 y = {};
+  for (int c = 0; c < 8; ++c)
+    for (int i = 0; i < 3; ++i)
+      y[size_t(i)] +=
+          scene.surface.weights(p, c) * x(scene.grid.corners(scene.surface.voxel(p), c), i);
+  return y;
+}
+
+double along(const Vec3& a, const Vec3& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+double stiffness(const Scene& scene, int64_t p, double D) {
+  const Material& m = scene.materials[size_t(scene.material(scene.surface.voxel(p)))];
+  return scene.surface.area(p) * m.young * D * D / scene.grid.h;
+}
+
+/// b and b' of b(s) = -(1-s)^2 ln s.
+double b_value(double s) {
+  if (s <= 0) return std::numeric_limits<double>::infinity();
+  return s < 1 ? -(1 - s) * (1 - s) * std::log(s) : 0;
+}
+double b_slope(double s) {
+  return s < 1 ? 2 * (1 - s) * std::log(s) - (1 - s) * (1 - s) / s : 0;
+}
+
+}  // namespace
+
+void put_floor(Scene& scene, double height, double friction) {
+  scene.floor = Floor{{0, 1, 0}, height, friction};
+  scene.surface = test::face_points(scene.grid);
+}
+
+double lowest_point(const Scene& scene, const Array<double>& x) {
+  const Plane plane = plane_of(scene);
+  double lowest = 1e300;
+  for (int64_t p = 0; plane.exists && p < scene.surface.voxel.rows(); ++p)
+    lowest = std::min(lowest, along(plane.normal, place(scene, x, p)) - plane.offset);
+  return lowest;
+}
+
+double barrier_energy(const Scene& scene, const Array<double>& x) {
+  const Plane plane = plane_of(scene);
+  const double D = scene.grid.h / 4;
+  double sum = 0;
+  for (int64_t p = 0; plane.exists && p < scene.surface.voxel.rows(); ++p) {
+    const double d = along(plane.normal, place(scene, x, p)) - plane.offset + D;
+    sum += stiffness(scene, p, D) * b_value(d / D);
+  }
+  return sum;
+}
+
+void add_contact_force(const Scene& scene, const Array<double>& x_start, const Array<double>& x,
+                       std::vector<double>& force) {
+  const Plane plane = plane_of(scene);
+  if (!plane.exists) return;
+  const double D = scene.grid.h / 4, e = slip_range(scene);
+  for (int64_t p = 0; p < scene.surface.voxel.rows(); ++p) {
+    const Vec3 y = place(scene, x, p), start = place(scene, x_start, p);
+    const double k = stiffness(scene, p, D);
+    const double d = along(plane.normal, y) - plane.offset + D;
+    const double d_start = along(plane.normal, start) - plane.offset + D;
+    const double N = -k * b_slope(d_start / D) / D;
+    Vec3 slip, f;
+    for (size_t i = 0; i < 3; ++i) slip[i] = y[i] - start[i];
+    const double rise = along(slip, plane.normal);
+    for (size_t i = 0; i < 3; ++i) slip[i] -= rise * plane.normal[i];
+    const double length = std::sqrt(along(slip, slip));
+    const double over_y = length < e ? 2 / e - length / (e * e) : 1 / length;
+    for (size_t i = 0; i < 3; ++i)
+      f[i] = k * b_slope(d / D) / D * plane.normal[i] + plane.friction * N * over_y * slip[i];
+    for (int c = 0; c < 8; ++c) {
+      const int64_t n = scene.grid.corners(scene.surface.voxel(p), c);
+      for (int i = 0; i < 3; ++i)
+        force[size_t(3 * n + i)] += scene.surface.weights(p, c) * f[size_t(i)];
+    }
+  }
+}
+
+}  // namespace elastogen::stress
