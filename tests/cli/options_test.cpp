@@ -196,12 +196,12 @@ TEST(Options, TheResolvedSceneHasEveryKey) {
 TEST(Options, TheDefaultsAreThoseOfTheTable) {
   const SceneValue scene = resolved_scene(AnimateOptions{});
   for (const char* path :
-       {"asset.size",        "asset.up",          "asset.voxels",     "asset.h",
-        "gravity",           "floor.axis",        "floor.place",      "floor.friction",
-        "time.frames",       "time.fps",          "time.substeps",    "time.scheme",
-        "solver.mode",       "solver.tolerance",  "solver.outer",
-        "solver.inner",      "solver.modes",      "solver.threads",   "solver.device",
-        "limits.max_voxels", "limits.max_memory", "limits.max_time",  "output.glb_profile"}) {
+       {"asset.size",        "asset.up",         "asset.voxels",      "asset.h",
+        "gravity",           "floor.axis",       "floor.place",       "floor.friction",
+        "time.frames",       "time.fps",         "time.substeps",     "time.scheme",
+        "solver.mode",       "solver.tolerance", "solver.outer",      "solver.inner",
+        "solver.modes",      "solver.threads",   "solver.device",     "limits.max_voxels",
+        "limits.max_memory", "limits.max_time",  "output.glb_profile"}) {
     const std::string text = path;
     const size_t dot = text.find('.');
     const std::string table = dot == std::string::npos ? "" : text.substr(0, dot);

@@ -10,6 +10,10 @@
 namespace elastogen::stress {
 namespace {
 
+double along(const Vec3& a, const Vec3& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
 struct Plane {
   bool exists = false;
   Vec3 normal = {};
@@ -18,8 +22,9 @@ struct Plane {
 
 /// The one place that reads the scene's obstacles.
 Plane plane_of(const Scene& scene) {
-  if (!scene.floor) return {};
-  return {true, scene.floor->normal, scene.floor->offset, scene.floor->friction};
+  if (scene.colliders.empty()) return {};
+  const Collider& c = scene.colliders[0];
+  return {true, c.normal, along(c.normal, c.centre), c.friction};
 }
 
 /// Place of a surface point.
@@ -30,10 +35,6 @@ Vec3 place(const Scene& scene, const Array<double>& x, int64_t p) {
       y[size_t(i)] +=
           scene.surface.weights(p, c) * x(scene.grid.corners(scene.surface.voxel(p), c), i);
   return y;
-}
-
-double along(const Vec3& a, const Vec3& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
 double stiffness(const Scene& scene, int64_t p, double D) {
@@ -53,7 +54,7 @@ double b_slope(double s) {
 }  // namespace
 
 void put_floor(Scene& scene, double height, double friction) {
-  scene.floor = Floor{{0, 1, 0}, height, friction};
+  scene.colliders = {half_space({0, 1, 0}, height, friction)};
   scene.surface = test::face_points(scene.grid);
 }
 
