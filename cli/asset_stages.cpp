@@ -50,7 +50,7 @@ VoxelizedAsset voxelize_asset(const AnimateOptions& options, RunReport& report) 
   const double start = now();
   result.asset = read_asset(options.input);
   report.stage_seconds.read = now() - start;
-  result.body = make_body(result.asset, options.size);
+  result.body = make_body(result.asset, options.size, resolution(options));
   report.asset = summary_of(result.asset, result.body, options);
   if (!report.asset.size.warning.empty()) report.warnings.push_back(report.asset.size.warning);
   result.voxels = voxelize(result.body.surface, resolution(options));

@@ -133,7 +133,7 @@ int inspect(const InspectTask& task) {
     return kExitDone;
   }
   const Asset asset = read_asset(o.input);
-  const Body body = make_body(asset, o.size);
+  const Body body = make_body(asset, o.size, resolution(o));
   const AssetSummary summary = summary_of(asset, body, o);
   Json described = describe(asset, body, summary, cost_of(body, summary.size.longest_edge, o));
   if (task.is_scene) described["scene"] = Json::parse(scene_json(resolved_scene(o)));

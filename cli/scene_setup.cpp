@@ -114,7 +114,7 @@ Setup set_up(const Asset& asset, const AnimateOptions& o, const std::vector<Mate
   Setup setup;
   Scene& scene = setup.scene;
   double start = now();
-  setup.body = make_body(asset, o.size);
+  setup.body = make_body(asset, o.size, resolution(o));
   const Surface& surface = setup.body.surface;
   const Box& box = surface.box;
   setup.longest_edge = std::max({box.extent(0), box.extent(1), box.extent(2)});

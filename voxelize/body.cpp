@@ -11,6 +11,35 @@
 namespace elastogen {
 namespace {
 
+constexpr double kTail = 0.02;  // of the points may be floaters on each side
+
+/// Longest edge of the box of all points but the outermost of each axis.
+double bulk_edge(const std::vector<Vec3>& points) {
+  double longest = 0;
+  std::vector<double> x;
+  for (size_t d = 0; d < 3; ++d) {
+    x.clear();
+    for (const Vec3& p : points)
+      if (std::isfinite(p[d])) x.push_back(p[d]);
+    if (x.empty()) continue;
+    const auto tail = int64_t(kTail * double(x.size()));
+    std::nth_element(x.begin(), x.begin() + tail, x.end());
+    const double low = x[size_t(tail)];
+    std::nth_element(x.begin(), x.end() - 1 - tail, x.end());
+    longest = std::max(longest, x[x.size() - 1 - size_t(tail)] - low);
+  }
+  return longest;
+}
+
+/// A quarter of a voxel in the numbers of the points.
+double grain_of(const Asset& asset, const std::vector<Vec3>& points, double size,
+                const VoxelizeOptions& resolution) {
+  const double longest = bulk_edge(points);
+  const double scale = size > 0 ? size / longest : asset.unit > 0 ? asset.unit : 1;
+  const double h = resolution.h > 0 ? resolution.h / scale : longest / resolution.voxels;
+  return std::isfinite(h) ? h / 4 : 0;
+}
+
 /// A body with the surface of a solid, scaled to metres.
 Body scaled_body(const Asset& asset, const PointSolid& solid, const std::vector<Vec3>& carried,
                  double size) {
@@ -42,15 +71,19 @@ Body scaled_body(const Asset& asset, const PointSolid& solid, const std::vector<
 
 }  // namespace
 
-Body make_body(const Asset& asset, double size) {
+Body make_body(const Asset& asset, double size, const VoxelizeOptions& resolution) {
   ELASTOGEN_CHECK(size >= 0 && std::isfinite(size), "the size must be positive, got ", size);
-  if (asset.points)
-    return scaled_body(asset, solid_of_points(asset.points->position, asset.path),
-                       asset.points->position, size);
+  if (asset.points) {
+    const std::vector<Vec3>& points = asset.points->position;
+    const double grain = grain_of(asset, points, size, resolution);
+    return scaled_body(asset, solid_of_points(points, asset.path, grain), points, size);
+  }
   if (asset.splats) {
-    SplatSamples samples = sample_splats(*asset.splats, asset.path);
-    Body body = scaled_body(asset, solid_of_points(samples.points, asset.path),
-                            asset.splats->position, size);
+    const std::vector<Vec3>& centres = asset.splats->position;
+    const double grain = grain_of(asset, centres, size, resolution);
+    SplatSamples samples = sample_splats(*asset.splats, asset.path, grain);
+    Body body =
+        scaled_body(asset, solid_of_points(samples.points, asset.path, grain), centres, size);
     body.findings.insert(body.findings.begin(), samples.findings.begin(), samples.findings.end());
     return body;
   }

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "io/asset.hpp"
+#include "voxelize/voxelize.hpp"
 
 namespace elastogen {
 
@@ -17,7 +18,9 @@ struct Body {
 
 /// The body of an asset, scaled so that its longest edge (of points and splats: without floaters)
 /// is `size` metres (0: as the file has it). Solids of points: voxelize/from_points.hpp.
+/// @param resolution  that the body will be voxelised with: the surface of points and splats is
+///                    rebuilt from one point for each quarter of a voxel.
 /// @throws Error (asset) if nothing can be made of it.
-Body make_body(const Asset& asset, double size = 0);
+Body make_body(const Asset& asset, double size = 0, const VoxelizeOptions& resolution = {});
 
 }  // namespace elastogen

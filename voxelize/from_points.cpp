@@ -223,11 +223,14 @@ Balls in_voxels(const Sampling& cloud, const Box& box, double voxel, const std::
   return balls;
 }
 
-double checked_spacing(const std::vector<Vec3>& points, const std::string& place) {
+void check_finite(const std::vector<Vec3>& points, const std::string& place) {
   for (size_t i = 0; i < points.size(); ++i)
     ELASTOGEN_CHECK_ASSET(
         std::isfinite(points[i][0]) && std::isfinite(points[i][1]) && std::isfinite(points[i][2]),
         place, ": point ", i, " is not finite");
+}
+
+double checked_spacing(const std::vector<Vec3>& points, const std::string& place) {
   const double spacing = point_spacing(points);
   ELASTOGEN_CHECK_ASSET(spacing > 0 && std::isfinite(spacing), place, ": ", points.size(),
                         " points at fewer than two places enclose nothing");
@@ -236,9 +239,11 @@ double checked_spacing(const std::vector<Vec3>& points, const std::string& place
 
 }  // namespace
 
-PointSolid solid_of_points(const std::vector<Vec3>& points, const std::string& place) {
+PointSolid solid_of_points(const std::vector<Vec3>& all, const std::string& place, double grain) {
   openvdb::initialize();
   PointSolid solid;
+  check_finite(all, place);
+  const std::vector<Vec3> points = grain > 0 ? thinned(all, grain) : all;
   const double spacing = checked_spacing(points, place);
   const Sampling cloud = without_floaters(points, kSpacings * spacing, solid);
 

@@ -28,8 +28,11 @@ struct PointSolid {
 /// 1.2 million points the radius grows instead of their number (finding "coarse"). The same bits
 /// at any number of threads.
 /// @param place  what messages call the cloud.
+/// @param grain  points of one cell of this edge become one (thinned()): what the voxels cannot
+///               tell apart need not be rebuilt; 0: all points.
 /// @throws Error (asset) if fewer than two places are given, a number is not finite, or parts lie
 ///         further apart than a million voxels.
-PointSolid solid_of_points(const std::vector<Vec3>& points, const std::string& place);
+PointSolid solid_of_points(const std::vector<Vec3>& points, const std::string& place,
+                           double grain = 0);
 
 }  // namespace elastogen

@@ -74,14 +74,14 @@ void sample(const SplatCloud& splats, size_t i, double spacing, std::vector<Vec3
 
 }  // namespace
 
-SplatSamples sample_splats(const SplatCloud& splats, const std::string& place) {
+SplatSamples sample_splats(const SplatCloud& splats, const std::string& place, double grain) {
   const std::vector<size_t> shown = chosen(splats);
   ELASTOGEN_CHECK_ASSET(!shown.empty(), place, ": none of its ", splats.position.size(),
                         " splats shows a surface (opacity above ", kLeastOpacity, ')');
   SplatSamples result;
   std::vector<Vec3> centres;
   for (const size_t i : shown) centres.push_back(splats.position[i]);
-  const double spacing = point_spacing(centres);
+  const double spacing = std::max(point_spacing(centres), grain);
   if (spacing == 0) {
     result.points = std::move(centres);
   } else {

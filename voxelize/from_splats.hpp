@@ -17,7 +17,8 @@ struct SplatSamples {
 /// "splats" counts those left out). A splat larger than the spacing of the centres gives points on
 /// its two longest axes within one standard deviation, at most 17 x 17.
 /// @param place  what messages call the splats.
+/// @param grain  least distance of the points of a splat.
 /// @throws Error (asset) if no splat shows a surface.
-SplatSamples sample_splats(const SplatCloud& splats, const std::string& place);
+SplatSamples sample_splats(const SplatCloud& splats, const std::string& place, double grain = 0);
 
 }  // namespace elastogen

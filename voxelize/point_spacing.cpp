@@ -126,6 +126,32 @@ double point_spacing(const std::vector<Vec3>& points) {
   return distance[count / 2];
 }
 
+std::vector<Vec3> thinned(const std::vector<Vec3>& points, double edge) {
+  struct Placed {
+    Cell cell;
+    size_t point;
+    auto operator<=>(const Placed&) const = default;
+  };
+  std::vector<Placed> placed(points.size());
+  for (size_t i = 0; i < points.size(); ++i) {
+    placed[i].point = i;
+    for (size_t d = 0; d < 3; ++d)
+      placed[i].cell[d] = int64_t(std::clamp(std::floor(points[i][d] / edge), -0x1p61, 0x1p61));
+  }
+  tbb::parallel_sort(placed.begin(), placed.end());
+  std::vector<Vec3> result;
+  for (size_t first = 0, last = 0; first < placed.size(); first = last) {
+    // about the cell's first point, so that no digits are lost far from the origin
+    const Vec3& base = points[placed[first].point];
+    Vec3 sum = {};
+    for (; last < placed.size() && placed[last].cell == placed[first].cell; ++last)
+      for (size_t d = 0; d < 3; ++d) sum[d] += points[placed[last].point][d] - base[d];
+    for (size_t d = 0; d < 3; ++d) sum[d] = base[d] + sum[d] / double(last - first);
+    result.push_back(sum);
+  }
+  return result;
+}
+
 std::vector<uint8_t> large_clusters(const std::vector<Vec3>& points, double reach, double share) {
   std::vector<Cell> cell_of(points.size());
   for (size_t i = 0; i < points.size(); ++i)

@@ -16,6 +16,10 @@ namespace elastogen {
 /// @return 0 if all points lie in one place.
 double point_spacing(const std::vector<Vec3>& points);
 
+/// One point for each cell of a lattice of that edge: the mean of those in the cell. Ordered by
+/// cell, the same bits at any number of threads.
+std::vector<Vec3> thinned(const std::vector<Vec3>& points, double edge);
+
 /// Points of clusters that hold at least `share` of them all. Points whose cells of a lattice of
 /// edge `reach` touch are in one cluster, so that points closer than `reach` always are.
 /// @return 1 for each point that is kept; all are where no cluster is large enough.
