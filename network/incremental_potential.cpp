@@ -73,6 +73,8 @@ IncrementalPotential::IncrementalPotential(const Scene& scene)
     const size_t lane = size_t(rows_.slot[size_t(v)]) % kLanes;
     double* w = weights_.data() + row * 5 * kLanes + lane;
     w[0] = grid.fill(v);
+    const Material& m = scene.materials[size_t(scene.material(v))];
+    stiffness_ += grid.fill(v) * grid.h * grid.h * grid.h * (2 * m.mu() + m.lambda());
     for (int k = 0; k < 4; ++k) w[(k + 1) * kLanes] = scene.variance(v, k);
   }
   const size_t nodes = size_t(grid.node_count());

@@ -43,6 +43,16 @@ class IncrementalPotential {
   template <class T>
   PotentialValue evaluate(const double* u, T* gradient);
 
+  /// Bound on the rounding error of a value of Phi [J], for line searches,
+  ///
+  ///     32 eps (sum of the parts) + 4 eps sqrt(2 S Phi_elastic),   S = sum_v W_v (2 mu + lambda):
+  ///
+  /// stretches are rounded by eps, which is eps/strain of the elastic energy.
+  double noise(const PotentialValue& value, double epsilon) const {
+    const double parts = value.total();
+    return epsilon * (32 * parts + 4 * std::sqrt(2 * stiffness_ * std::max(value.elastic, 0.0)));
+  }
+
   /// The same in float64 with the smallest Jacobians, for the certificate.
   PotentialValue residual(const double* u, double* gradient);
 
@@ -85,6 +95,7 @@ class IncrementalPotential {
   BrickRows rows_;
   Contact contact_;
   StepScheme scheme_;
+  double stiffness_ = 0;           ///< S of noise() [J]
   std::vector<double> weights_;    ///< phi, c_xy, c_yz, c_zx, c_xyz, [row][5][lane]
   std::vector<double> rotation_;   ///< R_v, [row][9][lane]
   std::vector<double> gradients_;  ///< F_v of set_nodal_rotations, [row][9][lane]

@@ -58,7 +58,7 @@ bool NewtonSolver::line_search(double* u, PotentialValue& value) {
     const PotentialValue trial =
         potential_.evaluate<double>(trial_u_.data(), trial_gradient_.data());
     const double difference = trial.total() - value.total();
-    const double noise = 64 * std::numeric_limits<double>::epsilon() * value.total();
+    const double noise = potential_.noise(value, std::numeric_limits<double>::epsilon());
     if (!std::isfinite(difference) ||
         !sufficient_decrease(difference, a * slope, a * slope_of(trial_gradient_), noise))
       continue;

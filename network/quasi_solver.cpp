@@ -46,8 +46,7 @@ typename QuasiSolver<T>::Trial QuasiSolver<T>::line_search(const double* u,
     trial.value = potential_.evaluate<T>(trial_u_.data(), trial_gradient_.data());
     ++evaluations;
     trial.slope = -a * dot(trial_gradient_.data(), direction_.data(), size_);
-    const double parts = start.elastic + start.hourglass + start.contact + start.inertia;
-    const double noise = 64 * double(std::numeric_limits<T>::epsilon()) / 2 * parts;
+    const double noise = potential_.noise(start, std::numeric_limits<T>::epsilon());
     const double difference = trial.value.total() - start.total();
     if (std::isfinite(difference) && std::isfinite(trial.slope) &&
         sufficient_decrease(difference, a * slope, trial.slope, noise)) {

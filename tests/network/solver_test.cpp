@@ -267,5 +267,18 @@ TEST(Solver, KeepsTheStateWhereTheResultIsNotFinite) {
   EXPECT_EQ(state.steps, 0);
 }
 
+// strains of 1e-4 leave the energy with eps/strain of itself as rounding: the line search must know
+TEST(Solver, SmallStrainsConvergeToTightTolerances) {
+  for (const SolverMode mode : {SolverMode::kQuasi, SolverMode::kNewton}) {
+    Scene scene = test::clamped_beam(40, 4, 4, 0.025, test::solid(1e8, 0));
+    scene.dt = 2e-3;
+    scene.scheme = TimeScheme::kBdf2;
+    finish_scene(scene);
+    Solver solver(scene, {.mode = mode, .tolerance = 1e-6});
+    State state = initial_state(scene);
+    for (int k = 0; k < 20; ++k) EXPECT_TRUE(solver.step(state).converged) << k;
+  }
+}
+
 }  // namespace
 }  // namespace elastogen::test
