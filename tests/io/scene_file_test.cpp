@@ -299,6 +299,7 @@ TEST(SceneFile, RefusesWhatIsNoTomlOrJsonWithTheLine) {
   expect_says(refusal("{\"time\":\n 3,}", "s.json"), "s.json:2: is no JSON");
   refusal("{\"time\": {}} {", "s.json");
   refusal("", "s.json");
+  expect_says(refusal("{}" + std::string(2, '\0') + "x", "s.json"), "byte 0");
   EXPECT_NO_THROW(check_scene("", "s.toml"));
 }
 
