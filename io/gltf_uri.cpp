@@ -14,10 +14,10 @@ namespace {
 
 /// Value of a base64 digit, -1 for any other character.
 int base64_digit(char c) {
-  static constexpr std::string_view kDigits =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  const size_t found = kDigits.find(c);
-  return found == std::string_view::npos ? -1 : int(found);
+  if (c >= 'A' && c <= 'Z') return c - 'A';
+  if (c >= 'a' && c <= 'z') return c - 'a' + 26;
+  if (c >= '0' && c <= '9') return c - '0' + 52;
+  return c == '+' ? 62 : c == '/' ? 63 : -1;
 }
 
 Bytes decode_base64(std::string_view text, const std::string& place) {

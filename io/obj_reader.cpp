@@ -16,6 +16,8 @@ namespace elastogen {
 namespace {
 
 /// Position, uv and normal of a face's corner, -1 for none.
+constexpr size_t kMaxLibraryLine = 4096, kMaxLibraries = 1000;
+
 using Corner = std::array<int32_t, 3>;
 
 struct CornerHash {
@@ -93,7 +95,7 @@ class ObjParser {
     } else if (keyword == "usemtl") {
       use_material(std::string(trimmed(line)));
     } else if (keyword == "mtllib") {
-      libraries_.emplace_back(trimmed(line));
+      add_library(trimmed(line));
     } else if (keyword == "o" && object_.empty()) {
       object_ = trimmed(line);
     } else if (keyword == "surf" || keyword == "curv") {
@@ -139,7 +141,8 @@ class ObjParser {
     Face face{int64_t(corners_.size()), 0, int32_t(line_), material_};
     for (std::string_view w = next_word(line); !w.empty() && w[0] != '#'; w = next_word(line)) {
       corners_.push_back(read_corner(w));
-      ++face.corners;
+      check(++face.corners <= kMaxPolygonCorners, line_, "a face has more than ",
+            kMaxPolygonCorners, " corners; save it as triangles");
     }
     check(int64_t(corners_.size() + position_.size()) < kMaxCount, line_, "too many corners");
     if (face.corners >= 3) {
@@ -246,6 +249,15 @@ class ObjParser {
         polygon.push_back(mesh.position[size_t(mesh.position_of[size_t(corner[c][0])])]);
       for (const int c : triangulate(polygon)) out.push_back(corner[c][0]);
     }
+  }
+
+  /// Each line costs a look into the file system.
+  void add_library(std::string_view names) {
+    check(names.size() <= kMaxLibraryLine, line_, "the names of material files take ", names.size(),
+          " bytes, at most ", kMaxLibraryLine, " are read");
+    if (!libraries_.empty() && libraries_.back() == names) return;
+    check(libraries_.size() < kMaxLibraries, line_, "more than ", kMaxLibraries, " material files");
+    libraries_.emplace_back(names);
   }
 
   /// An mtllib line is one name with blanks, or several names.

@@ -102,7 +102,7 @@ class OffParser {
 
   void read_face(const Mesh& mesh, TriangleGroup& group) {
     begin_line("a face");
-    const int64_t n = integer("the number of corners", kMaxCount);
+    const int64_t n = integer("the number of corners", kMaxPolygonCorners + 1);
     std::vector<int32_t> corner;
     std::vector<Vec3> polygon;
     for (int64_t c = 0; c < n; ++c) {

@@ -2,6 +2,7 @@
 #include "io/ply_reader.hpp"
 
 #include "io/asset_check.hpp"
+#include "io/byte_reader.hpp"
 #include "io/ply_splats.hpp"
 #include "io/ply_values.hpp"
 #include "io/polygon.hpp"
@@ -131,6 +132,9 @@ class PlyParser {
 
   void read_face(const PlyProperty& list, int64_t face) {
     const int64_t n = values_.next_length(list);
+    ELASTOGEN_CHECK_ASSET(n <= kMaxPolygonCorners, asset_.path, ": face ", face, " has ", n,
+                          " corners, at most ", kMaxPolygonCorners,
+                          " are read; save it as triangles");
     for (int64_t c = 0; c < n; ++c) {
       const double index = values_.next(list.type);
       ELASTOGEN_CHECK_ASSET(index >= 0 && index < 0x1p31 && index == std::floor(index), asset_.path,
@@ -181,7 +185,7 @@ class PlyParser {
 }  // namespace
 
 Asset parse_ply(std::string_view bytes, const std::string& path) {
-  return PlyParser(bytes, path).parse();
+  return PlyParser(without_mark(bytes), path).parse();
 }
 
 Asset read_ply(const std::string& path) {

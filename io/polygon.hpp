@@ -11,6 +11,8 @@ namespace elastogen {
 
 /// Largest polygon that is searched for ears; larger ones become fans.
 inline constexpr int kMaxEarCorners = 256;
+/// Largest polygon that readers take.
+inline constexpr int kMaxPolygonCorners = 1 << 16;
 
 /// Triangles of a simple polygon in space, as triples of its corners, wound as the polygon: a fan
 /// from the first corner where no triangle of it is turned over (in the coordinate plane nearest to

@@ -137,6 +137,8 @@ class JsonTree final : public nlohmann::json_sax<Json> {
 };
 
 SceneValue parse_scene_json(std::string_view text, const std::string& name) {
+  // the parser takes it for the end
+  ELASTOGEN_CHECK(text.find('\0') == text.npos, name, ": is no JSON: it holds a byte 0");
   int line = 1, end_line = 1;
   JsonTree tree(name, line);
   Json::sax_parse(LineIterator(text.data(), &line),

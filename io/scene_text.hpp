@@ -11,13 +11,15 @@ namespace elastogen {
 
 inline constexpr int kMaxSceneDepth = 64;
 inline constexpr int64_t kMaxSceneBytes = 16'000'000;
+/// Of TOML less: its parser takes seconds a MiB, and the square of a line's length.
+inline constexpr int64_t kMaxTomlBytes = 1 << 20, kMaxTomlLine = 2048;
 
 /// Parses a scene.
 /// @param name  of the file, for messages; .json and .toml decide the format, else the first
 ///              character does ('{' is JSON).
 /// @throws Error (usage) with name and line: what is no TOML or JSON, a key that is there twice, a
 ///         number that is not finite, null, dates and times, more than kMaxSceneDepth levels, and
-///         texts above kMaxSceneBytes.
+///         texts above kMaxSceneBytes (TOML: kMaxTomlBytes, lines of kMaxTomlLine).
 SceneValue parse_scene(std::string_view text, const std::string& name);
 
 }  // namespace elastogen

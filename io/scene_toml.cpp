@@ -127,6 +127,19 @@ class Tree {
   int asked_ = 0;
 };
 
+/// @throws Error where the parser would take long.
+void check_size(std::string_view text, const std::string& name) {
+  ELASTOGEN_CHECK(int64_t(text.size()) <= kMaxTomlBytes, name, ": has ", text.size(),
+                  " bytes; a scene in TOML may have ", kMaxTomlBytes, ": write it as JSON");
+  for (int line = 1; !text.empty(); ++line) {
+    const size_t end = std::min(text.find('\n'), text.size());
+    ELASTOGEN_CHECK(int64_t(end) <= kMaxTomlLine, name, ":", line, ": the line has ", end,
+                    " bytes; a line of TOML may have ", kMaxTomlLine,
+                    ": break it, or write the scene as JSON");
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+}
+
 /// The first sentence of the parser's message, which goes on with a drawing of the place.
 std::string sentence(const std::string& what) {
   std::string text = what.substr(0, what.find('\n'));
@@ -139,6 +152,7 @@ std::string sentence(const std::string& what) {
 
 SceneValue parse_scene_toml(std::string_view text, const std::string& name) {
   DepthScan(text, name).run();
+  check_size(text, name);
   try {
     std::istringstream stream{std::string(text)};
     return Tree(name).value(toml::parse<toml::discard_comments, std::map>(stream, name), "", 0);

@@ -200,6 +200,14 @@ TEST(ObjReader, RefusesWithFileAndLine) {
       {std::string("v 0 0 0\nf \0 1 1", 15), "file.obj:2: a zero byte"},
   };
   for (const auto& [text, message] : cases) expect_says(error_of([&] { parse(text); }), message);
+  expect_says(error_of([&] { parse("mtllib " + std::string(4097, 'x')); }), ":1: the names of");
+  std::string libraries;
+  for (int k = 0; k <= 1000; ++k) libraries += concat("mtllib m", k, '\n');
+  expect_says(error_of([&] { parse(libraries); }), ":1001: more than 1000 material files");
+  std::string face = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf";
+  for (int c = 0; c < (1 << 16); ++c) face += concat(' ', c % 3 + 1);
+  EXPECT_NO_THROW(parse(face));
+  expect_says(error_of([&] { parse(face + " 2"); }), ":4: a face has more than 65536 corners");
 }
 
 TEST(ObjReader, AnyTruncationIsReadOrRefused) {

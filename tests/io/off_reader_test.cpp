@@ -72,13 +72,17 @@ TEST(OffReader, RefusesWhatCannotBe) {
       {"OFF\n3 1 0\n" + points + "3 0 1 3\n", "file:6: an index of a vertex must be an integer"},
       {"OFF\n3 1 0\n" + points + "3 0 1 -1\n", "from 0 to 2, not \"-1\""},
       {"OFF\n3 1 0\n" + points + "3 0 1\n", "file:6: an index of a vertex"},
-      {"OFF\n3 1 0\n" + points + "2147483646 0 1 2\n", "file:6: an index of a vertex"},
+      {"OFF\n3 1 0\n" + points + "2147483646 0 1 2\n", "file:6: the number of corners"},
       {"OFF\n3 1 0\n" + points + "-3 0 1 2\n", "the number of corners"},
       {"OFF\n3 0 0\n" + points, "nothing to simulate"},
       {"OFF\n0 0 0\n", "nothing to simulate"},
       {"OFF\n3 1 0\nnan 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "vertex 0 (counted from 0) is not finite"},
   };
   for (const auto& [text, message] : cases) expect_says(message_of(text), message);
+}
+
+TEST(OffReader, RefusesFacesOfTooManyCorners) {
+  expect_says(message_of("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n65537 0 1 2\n"), "from 0 to 65536");
 }
 
 TEST(OffReader, ReportsFacesOfTwoCorners) {

@@ -165,6 +165,22 @@ TEST(PlyReader, RefusesHeadersThatCannotBe) {
     expect_says(error_of([&, &t = text] { parse(t); }), message);
 }
 
+TEST(PlyReader, RefusesFacesOfTooManyCorners) {
+  std::string corners;
+  for (int k = 0; k <= 1 << 16; ++k) corners += " 0";
+  const std::string text =
+      "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
+      "property float z\nelement face 1\nproperty list int int vertex_index\nend_header\n"
+      "0 0 0\n65537" +
+      corners;
+  expect_says(error_of([&] { parse(text); }), "face 0 has 65537 corners, at most 65536");
+}
+
+TEST(PlyReader, PassesAByteOrderMark) {
+  EXPECT_EQ(parse("\xef\xbb\xbf" + std::string(kText)).meshes[0].position,
+            parse(kText).meshes[0].position);
+}
+
 TEST(PlyReader, WrongEncodingsAreRefused) {
   const auto check = [](std::string bytes) {
     Asset asset = parse(bytes);

@@ -159,7 +159,7 @@ TEST(SceneFile, NamesTheNearestKeyOfAnUnknownOneAndItsLine) {
   }
   expect_says(refusal("[time]\n\nfarmes = 3\n"), "s.toml:3: ");
   expect_says(refusal("{\"time\":\n {\n \"farmes\":\n 3}}", "s.json"), "s.json:3: ");
-  expect_says(refusal(std::string(100'000, 'k') + " = 1"), "the nearest is");
+  expect_says(refusal("{\"" + std::string(100'000, 'k') + "\": 1}", "s.json"), "the nearest is");
 }
 
 TEST(SceneFile, EveryKeyIsKnownAndMisspeltIsNot) {
@@ -199,7 +199,8 @@ TEST(SceneFile, RefusesIntegersThatTheParserCannotHold) {
 TEST(SceneFile, MessagesQuoteTheFilePrintably) {
   const std::string key = refusal("{\"a\\u001b[2J\\n\": 1}", "s.json");
   expect_says(key, "'a?[2J?'");
-  const std::string text = refusal("[material]\nyoung = \"" + std::string(100'000, '9') + "q\"\n");
+  const std::string text =
+      refusal("{\"material\": {\"young\": \"" + std::string(100'000, '9') + "q\"}}", "s.json");
   EXPECT_LT(text.size(), 1100u);
 }
 
@@ -283,11 +284,22 @@ TEST(SceneFile, RefusesWhatIsTooDeepOrTooLarge) {
   expect_says(error_of([&] { read_scene(folder.path("none")); }, ErrorKind::kUsage), "none");
 }
 
+TEST(SceneFile, RefusesTomlThatWouldTakeLong) {
+  const std::string whole = "# " + std::string(2046, '.') + "\n";
+  EXPECT_NO_THROW(check_scene(whole + whole, "s.toml"));
+  expect_says(refusal(whole + "#" + whole), "s.toml:2: the line has 2049 bytes");
+  std::string lines(1 << 20, '\n');
+  EXPECT_NO_THROW(check_scene(lines, "s.toml"));
+  expect_says(refusal(lines + "\n"), "write it as JSON");
+  EXPECT_NO_THROW(check_scene("{" + lines + "}", "s.json"));
+}
+
 TEST(SceneFile, RefusesWhatIsNoTomlOrJsonWithTheLine) {
   expect_says(refusal("[time]\nfps = \n"), "s.toml:2: is no TOML");
   expect_says(refusal("{\"time\":\n 3,}", "s.json"), "s.json:2: is no JSON");
   refusal("{\"time\": {}} {", "s.json");
   refusal("", "s.json");
+  expect_says(refusal("{}" + std::string(2, '\0') + "x", "s.json"), "byte 0");
   EXPECT_NO_THROW(check_scene("", "s.toml"));
 }
 
