@@ -2,11 +2,11 @@
 #include "cli/run.hpp"
 #include "cli/scene_options.hpp"
 #include "cli/signals.hpp"
+#include "cli/stopwatch.hpp"
 #include "cli/verbs.hpp"
 #include "io/read_asset.hpp"
 #include "io/scene_file.hpp"
 
-#include <chrono>
 #include <cstdio>
 
 namespace elastogen {
@@ -17,11 +17,9 @@ int animate(const AnimateOptions& options) {
     return kExitDone;
   }
   watch_signals();
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   const Asset asset = read_asset(options.input);
-  const double seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  return run_animation(asset, options, seconds).code;
+  return run_animation(asset, options, watch.seconds()).code;
 }
 
 }  // namespace elastogen

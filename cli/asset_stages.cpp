@@ -1,19 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/asset_stages.hpp"
 
+#include "cli/stopwatch.hpp"
 #include "io/read_asset.hpp"
 
 #include <algorithm>
-#include <chrono>
 
 namespace elastogen {
-namespace {
-
-double now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-}  // namespace
 
 VoxelizeOptions resolution(const AnimateOptions& options) {
   VoxelizeOptions v;
@@ -47,14 +40,14 @@ void add_findings(const VoxelizeReport& voxels, RunReport& report) {
 
 VoxelizedAsset voxelize_asset(const AnimateOptions& options, RunReport& report) {
   VoxelizedAsset result;
-  const double start = now();
+  const Stopwatch watch;
   result.asset = read_asset(options.input);
-  report.stage_seconds.read = now() - start;
+  report.stage_seconds.read = watch.seconds();
   result.body = make_body(result.asset, options.size, resolution(options));
   report.asset = summary_of(result.asset, result.body, options);
   if (!report.asset.size.warning.empty()) report.warnings.push_back(report.asset.size.warning);
   result.voxels = voxelize(result.body.surface, resolution(options));
-  report.stage_seconds.voxelize = now() - start - report.stage_seconds.read;
+  report.stage_seconds.voxelize = watch.seconds() - report.stage_seconds.read;
   add_findings(result.voxels.report, report);
   report.voxels = result.voxels.grid.voxel_count();
   report.nodes = result.voxels.grid.node_count();

@@ -14,24 +14,16 @@ namespace {
 
 using Shape = Collider::Shape;
 
-/// The parts of a text, without the blanks around them.
-std::vector<std::string> split(std::string_view text, char at) {
-  std::vector<std::string> parts(1);
-  for (const char c : text) {
-    if (c == at) parts.emplace_back();
-    if (c != at && c != ' ' && c != '\t') parts.back() += c;
-  }
-  return parts;
-}
+using Texts = std::vector<std::string_view>;
 
-Vec3 parse_point(const std::vector<std::string>& numbers, size_t first, const Box& box) {
+Vec3 parse_point(const Texts& numbers, size_t first, const Box& box) {
   Vec3 point;
   for (size_t d = 0; d < 3; ++d)
     point[d] = coordinate(parse_place(numbers[first + d]), int(d), box);
   return point;
 }
 
-void parse_plane(const std::vector<std::string>& numbers, const Box& box, Collider& c) {
+void parse_plane(const Texts& numbers, const Box& box, Collider& c) {
   c.centre = parse_point(numbers, 0, box);
   for (size_t d = 0; d < 3; ++d) c.normal[d] = parse_number(numbers[3 + d]);
   const double length = std::hypot(c.normal[0], c.normal[1], c.normal[2]);
@@ -39,7 +31,7 @@ void parse_plane(const std::vector<std::string>& numbers, const Box& box, Collid
   for (double& n : c.normal) n /= length;
 }
 
-void parse_box(const std::vector<std::string>& numbers, const Box& box, Collider& c) {
+void parse_box(const Texts& numbers, const Box& box, Collider& c) {
   const Vec3 lower = parse_point(numbers, 0, box), upper = parse_point(numbers, 3, box);
   for (size_t d = 0; d < 3; ++d) {
     ELASTOGEN_CHECK(lower[d] < upper[d], "its lower corner comes first, and along ", "xyz"[d],
@@ -53,8 +45,10 @@ void parse_box(const std::vector<std::string>& numbers, const Box& box, Collider
 std::string_view parse_shape(std::string_view text, const Box& box, Collider& c) {
   const size_t open = text.find('('), close = text.find(')');
   ELASTOGEN_CHECK(open != text.npos && close != text.npos && open < close, "a bracket is missing");
-  const std::string word = split(text.substr(0, open), '(')[0];
-  const auto numbers = split(text.substr(open + 1, close - open - 1), ',');
+  const std::string bare = without_blanks(text.substr(0, close));
+  const Texts parts = split(bare, '(');
+  const std::string_view word = parts[0];
+  const Texts numbers = split(parts[1], ',');
   const bool plane = word == "plane", sphere = word == "sphere";
   ELASTOGEN_CHECK(plane || sphere || word == "box", "'", word, "' is none of the known shapes");
   const size_t wanted = sphere ? 4 : 6;
@@ -71,10 +65,11 @@ std::string_view parse_shape(std::string_view text, const Box& box, Collider& c)
 
 std::vector<PathKey> parse_path(std::string_view text) {
   std::vector<PathKey> path;
-  for (const std::string& key : split(text, ';')) {
+  const std::string bare = without_blanks(text);
+  for (const std::string_view key : split(bare, ';')) {
     const size_t colon = key.find(':');
     ELASTOGEN_CHECK(colon != key.npos, "its path has '", key, "' where TIME:x,y,z should stand");
-    const auto numbers = split(std::string_view(key).substr(colon + 1), ',');
+    const auto numbers = split(key.substr(colon + 1), ',');
     ELASTOGEN_CHECK(numbers.size() == 3, "its path needs three lengths a time, got '", key, "'");
     PathKey k{.time = parse_time(key.substr(0, colon))};
     for (size_t d = 0; d < 3; ++d) k.offset[d] = parse_length(numbers[d]);

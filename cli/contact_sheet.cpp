@@ -3,8 +3,8 @@
 
 #include "cli/png.hpp"
 #include "core/error.hpp"
+#include "core/vec3.hpp"
 #include "io/safe_file.hpp"
-#include "voxelize/vector3.hpp"
 
 #include <algorithm>
 #include <cmath>

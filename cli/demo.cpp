@@ -3,6 +3,7 @@
 #include "cli/run.hpp"
 #include "cli/signals.hpp"
 #include "cli/verbs.hpp"
+#include "io/byte_reader.hpp"
 #include "voxelize/demo_character.hpp"
 
 #include <fmt/format.h>
@@ -38,7 +39,7 @@ Array<float> colours(const Asset& asset) {
   for (size_t v = 0; v < mesh.position.size(); ++v)
     for (int i = 0; i < 3; ++i)
       result(int64_t(v), i) =
-          mesh.colour.empty() ? 0.8f : std::pow(mesh.colour[v][size_t(i)], 1 / 2.2f);
+          mesh.colour.empty() ? 0.8f : srgb_from_linear(mesh.colour[v][size_t(i)]);
   return result;
 }
 

@@ -15,15 +15,21 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// What becomes of a finding; those that are not here are left as they are.
+/// What becomes of a finding; without text it is left as it is.
 struct Remedy {
   std::string_view what, text;
 };
 
+// every finding that the program can make, which tests/python/test_findings.py checks
 constexpr Remedy kRemedies[] = {
-    {"bad-uv", "set to 0"},
-    {"bad-normal", "set to (0, 0, 1)"},
-    {"bad-colour", "set to white"},
+    {"bad-uvs", "set to 0"},
+    {"bad-normals", "set to (0, 0, 1)"},
+    {"bad-colours", "set to white"},
+    {"bad-points", "left out, of the output too"},
+    {"bad-splats", "left out, of the output too"},
+    {"bad-rotations", "set to no rotation"},
+    {"bad-harmonics", "set to 0"},
+    {"harmonics", "left out; the colours do not depend on the view"},
     {"zero-area", "passed over by the physics; the output keeps them"},
     {"duplicate-faces", "one of each counts for the physics; the output keeps them"},
     {"double-sided", "one of them or the pair counts for the physics; the output keeps both"},
@@ -36,14 +42,25 @@ constexpr Remedy kRemedies[] = {
     {"mixed-winding", "turned where that makes neighbours agree, for the physics"},
     {"turned-faces", "turned, for the physics; the output keeps its winding"},
     {"flipped", "taken as the inside's border all the same; the output keeps its winding"},
+    {"pieces", ""},
+    {"loose-pieces", ""},
+    {"hinges", ""},
+    {"splats", "the solid is built of the others; they move with what is nearest"},
+    {"floaters", "the solid is built of the others; they move with what is nearest"},
+    {"coarse", "the solid is built with a wider spacing"},
+    {"shell", "filled as a shell"},
     {"short-face", "left out"},
     {"free-form", "left out"},
     {"not-triangles", "left out of the physics"},
+    {"points-and-lines", "left out"},
     {"animations", "replaced"},
+    {"skins", "left out"},
     {"morph-targets", "left out"},
+    {"embedded-texture", "shown without"},
     {"missing-texture", "shown without"},
     {"missing-normals", "the normals of the file are not used"},
     {"missing-material-file", "shown in the default colour"},
+    {"vdb-grids", "left out"},
 };
 
 /// What was repaired and how; "" where nothing was.

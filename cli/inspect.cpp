@@ -3,6 +3,7 @@
 #include "cli/exit_code.hpp"
 #include "cli/scene_options.hpp"
 #include "cli/verbs.hpp"
+#include "core/parallel.hpp"
 #include "io/read_asset.hpp"
 #include "io/scene_file.hpp"
 #include "io/scene_keys.hpp"
@@ -11,7 +12,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <algorithm>
+#include <optional>
 
 namespace elastogen {
 namespace {
@@ -100,7 +101,7 @@ void print_text(const Json& d) {
   const auto& upper = d["box"]["upper"];
   fmt::print("{}: {}\n", d["path"].get<std::string>(), d["format"].get<std::string>());
   for (const auto& [what, count] : d["counts"].items())
-    if (count != 0) fmt::print("  {} {}\n", count.get<int64_t>(), what);
+    if (count != 0) fmt::print("  {}: {}\n", what, count.get<int64_t>());
   fmt::print("  nodes: {}\n  materials: {}\n", joined(d["nodes"]), joined(d["materials"]));
   for (size_t k = 0; k < 3; ++k)
     fmt::print("  {}: {:.6g} ... {:.6g} m\n", "xyz"[k], lower[k].get<double>(),
@@ -132,6 +133,8 @@ int inspect(const InspectTask& task) {
     fmt::print("{}", scene_json(resolved_scene(o)));
     return kExitDone;
   }
+  std::optional<ThreadLimit> threads;
+  if (o.threads > 0) threads.emplace(o.threads);
   const Asset asset = read_asset(o.input);
   const Body body = make_body(asset, o.size, resolution(o));
   const AssetSummary summary = summary_of(asset, body, o);

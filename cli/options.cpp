@@ -7,6 +7,7 @@
 #include "cli/version.hpp"
 #include "core/error.hpp"
 #include "io/read_asset.hpp"
+#include "io/safe_file.hpp"
 #include "io/scene_file.hpp"
 
 #include <CLI/CLI.hpp>
@@ -99,7 +100,7 @@ AnimateOptions take_animate(Verb& verb) {
   if (o.print_resolved) return finish_resolved(o);
   ELASTOGEN_CHECK(!o.input.empty(), "animate needs an INPUT, or a --scene with asset.file");
   ELASTOGEN_CHECK(!o.outputs.empty(), "animate needs an --output, or a --scene with output.files");
-  check_outputs(o);
+  check_outputs(o, verb.scene_file);
   return o;
 }
 
@@ -114,7 +115,7 @@ void add_voxelize(CLI::App& app, Verb& verb, VoxelizeTask& task) {
 
 VoxelizeTask take_voxelize(Verb& verb, VoxelizeTask task) {
   resolve(verb);
-  ELASTOGEN_CHECK(task.output.ends_with(".vdb"), task.output, ": the output must end in .vdb");
+  ELASTOGEN_CHECK(ending_of(task.output) == "vdb", task.output, ": the output must end in .vdb");
   AnimateOptions names = verb.scene;
   names.state = task.output;  // may not be the input's either
   check_outputs(names);
@@ -136,7 +137,7 @@ InspectTask take_inspect(Verb& verb, InspectTask task) {
   if (task.schema) return task;
   const std::string file = verb.scene_file;
   ELASTOGEN_CHECK(!file.empty(), "inspect needs a FILE");
-  task.is_scene = file.ends_with(".toml") || file.ends_with(".json");
+  task.is_scene = ending_of(file) == "toml" || ending_of(file) == "json";
   if (!task.is_scene) verb.scene.input = file, verb.scene_file.clear();
   resolve(verb);
   const bool named = !verb.scene.input.empty() || verb.scene.print_resolved;
@@ -171,27 +172,37 @@ CLI::App* add_demo(CLI::App& app, DemoOptions& demo) {
   return verb;
 }
 
-}  // namespace
-
-CommandLine parse_command_line(int argc, const char* const* argv) {
-  CLI::App app("Any 3D asset in, physically accurate animation out.", "elastogen");
-  app.set_version_flag("--version", version_text());
-  app.require_subcommand(1);
+/// All verbs while they are parsed.
+struct Verbs {
   Verb animate, voxelize, inspect, doctor;
   VoxelizeTask voxelize_task;
   InspectTask inspect_task;
   DoctorTask doctor_task;
   MaterialsTask materials_task;
   DemoOptions demo;
-  for (Verb* verb : {&animate, &voxelize, &inspect, &doctor})
-    verb->scene.command = joined(argc, argv);
-  demo.command = animate.scene.command;
-  add_animate(app, animate);
-  add_voxelize(app, voxelize, voxelize_task);
-  add_inspect(app, inspect, inspect_task);
-  add_doctor(app, doctor, doctor_task);
-  const CLI::App* materials = add_materials(app, materials_task);
-  add_demo(app, demo);
+  const CLI::App* materials = nullptr;
+};
+
+void add_verbs(CLI::App& app, Verbs& verbs, const std::string& command) {
+  for (Verb* verb : {&verbs.animate, &verbs.voxelize, &verbs.inspect, &verbs.doctor})
+    verb->scene.command = command;
+  verbs.demo.command = command;
+  add_animate(app, verbs.animate);
+  add_voxelize(app, verbs.voxelize, verbs.voxelize_task);
+  add_inspect(app, verbs.inspect, verbs.inspect_task);
+  add_doctor(app, verbs.doctor, verbs.doctor_task);
+  verbs.materials = add_materials(app, verbs.materials_task);
+  add_demo(app, verbs.demo);
+}
+
+}  // namespace
+
+CommandLine parse_command_line(int argc, const char* const* argv) {
+  CLI::App app("Any 3D asset in, physically accurate animation out.", "elastogen");
+  app.set_version_flag("--version", version_text());
+  app.require_subcommand(1);
+  Verbs verbs;
+  add_verbs(app, verbs, joined(argc, argv));
 
   CommandLine result;
   try {
@@ -200,20 +211,20 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
     result.code = app.exit(error) == 0 ? kExitDone : kExitUsage;
     return result;
   }
-  if (animate.app->parsed()) {
-    result.animate = take_animate(animate);
-  } else if (voxelize.app->parsed()) {
-    result.voxelize = take_voxelize(voxelize, voxelize_task);
-  } else if (inspect.app->parsed()) {
-    result.inspect = take_inspect(inspect, inspect_task);
-  } else if (doctor.app->parsed()) {
-    resolve(doctor);
-    doctor_task.scene = doctor.scene;
-    result.doctor = doctor_task;
-  } else if (materials->parsed()) {
-    result.materials = materials_task;
+  if (verbs.animate.app->parsed()) {
+    result.animate = take_animate(verbs.animate);
+  } else if (verbs.voxelize.app->parsed()) {
+    result.voxelize = take_voxelize(verbs.voxelize, verbs.voxelize_task);
+  } else if (verbs.inspect.app->parsed()) {
+    result.inspect = take_inspect(verbs.inspect, verbs.inspect_task);
+  } else if (verbs.doctor.app->parsed()) {
+    resolve(verbs.doctor);
+    verbs.doctor_task.scene = verbs.doctor.scene;
+    result.doctor = verbs.doctor_task;
+  } else if (verbs.materials->parsed()) {
+    result.materials = verbs.materials_task;
   } else {
-    result.demo = demo;
+    result.demo = verbs.demo;
   }
   return result;
 }

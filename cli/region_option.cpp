@@ -2,6 +2,7 @@
 #include "cli/region_option.hpp"
 
 #include "core/error.hpp"
+#include "io/byte_reader.hpp"
 #include "io/units.hpp"
 #include "voxelize/labels.hpp"
 
@@ -15,16 +16,11 @@
 namespace elastogen {
 namespace {
 
-std::string trimmed(std::string_view text) {
-  const size_t first = text.find_first_not_of(" \t"), last = text.find_last_not_of(" \t");
-  return first == text.npos ? "" : std::string(text.substr(first, last - first + 1));
-}
-
-void change(Material& m, const std::string& text) {
+void change(Material& m, std::string_view text) {
   const size_t at = text.find('=');
-  const std::string key = trimmed(text.substr(0, at));
+  const std::string_view key = trimmed(text.substr(0, at));
   ELASTOGEN_CHECK(at != text.npos, "'", text, "' is no KEY=VALUE");
-  const std::string value = trimmed(text.substr(at + 1));
+  const std::string_view value = trimmed(text.substr(at + 1));
   if (key == "young")
     m.young = parse_pressure(value);
   else if (key == "poisson")
@@ -54,12 +50,12 @@ RegionOption parse(std::string_view text) {
   const size_t colon = text.rfind(':');
   ELASTOGEN_CHECK(colon != text.npos, "the colon between selection and material is missing");
   RegionOption region;
-  const std::string selection = trimmed(text.substr(0, colon));
+  const std::string_view selection = trimmed(text.substr(0, colon));
   using Kind = RegionOption::Kind;
   for (const auto& [word, kind] : {std::pair("node:", Kind::kNode), {"material:", Kind::kMaterial}})
     if (selection.starts_with(word)) {
       region.kind = kind;
-      region.name = trimmed(std::string_view(selection).substr(std::string_view(word).size()));
+      region.name = trimmed(selection.substr(std::string_view(word).size()));
       ELASTOGEN_CHECK(!region.name.empty(), "nothing follows '", word, "'");
     }
   if (region.kind == Kind::kPlace) region.selection = parse_selection(selection);

@@ -4,6 +4,7 @@
 #include "cli/progress.hpp"
 #include "cli/scene_setup.hpp"
 #include "cli/signals.hpp"
+#include "cli/stopwatch.hpp"
 #include "cli/version.hpp"
 #include "core/error.hpp"
 #include "core/parallel.hpp"
@@ -16,17 +17,10 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <cmath>
 
 namespace elastogen {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 /// Everything that a run writes.
 struct Outputs {
@@ -70,12 +64,12 @@ class Clip {
     for (const std::string& path : options.outputs)
       outputs_.animations.push_back(open_animation(path, asset, setup, options));
     embedding_ = embed(setup.scene.grid, setup.body.carried);
-    const Clock::time_point begin = Clock::now();
+    const Stopwatch watch;
     SolverOptions solver = options.solver;
     solver.interrupted = [this] { return stopped(); };
     solver_ = std::make_unique<Solver>(setup.scene, solver);
     state_ = initial_state(setup.scene, options.motion);
-    report_.stage_seconds.setup += seconds_since(begin);
+    report_.stage_seconds.setup += watch.seconds();
     if (!o_.log.empty()) outputs_.log = std::make_unique<StepLog>(o_.log);
     outputs_.state = open_state(setup.scene, options, *solver_, state_);
     displacement_ = Array<double>(setup.body.carried.rows(), 3);
@@ -85,7 +79,7 @@ class Clip {
 
   void run() {
     Progress progress(o_.frames, o_.quiet);
-    const Clock::time_point begin = start_ = Clock::now();
+    watch_ = Stopwatch();
     write_frame({.converged = true});
     for (int64_t frame = 1; frame <= o_.frames; ++frame) {
       FrameCertificate certificate{.converged = true, .residual = 0, .min_j = 1e300};
@@ -94,14 +88,14 @@ class Clip {
       ++report_.frames;
       progress.update(frame, certificate.residual, certificate.converged);
     }
-    report_.stage_seconds.steps = seconds_since(begin) - report_.stage_seconds.write;
+    report_.stage_seconds.steps = watch_.seconds() - report_.stage_seconds.write;
   }
 
   void finish() {
-    const Clock::time_point begin = Clock::now();
+    const Stopwatch watch;
     for (const auto& animation : outputs_.animations) animation->finish();
     if (outputs_.state) outputs_.state->finish();
-    report_.stage_seconds.write += seconds_since(begin);
+    report_.stage_seconds.write += watch.seconds();
     report_.converged_share = report_.steps > 0 ? double(converged_) / double(report_.steps) : 1;
     if (converged_ < report_.steps) raise(kExitDraft);
     if (report_.min_j <= 0) {
@@ -120,7 +114,7 @@ class Clip {
 
   /// A signal came, or --max-time is over.
   bool stopped() const {
-    return pending_signal() != 0 || (o_.max_time > 0 && seconds_since(start_) > o_.max_time);
+    return pending_signal() != 0 || (o_.max_time > 0 && watch_.seconds() > o_.max_time);
   }
 
   void say_why() {
@@ -172,7 +166,7 @@ class Clip {
   }
 
   void write_frame(const FrameCertificate& certificate) {
-    const Clock::time_point begin = Clock::now();
+    const Stopwatch watch;
     deform_asset(setup_.scene.grid, embedding_, state_.x, displacement_);
     for (int64_t k = 0; k < displacement_.size(); ++k)
       largest_motion_ = std::max(largest_motion_, std::abs(displacement_.data()[k]));
@@ -189,7 +183,7 @@ class Clip {
       for (int64_t k = 0; k < positions.size(); ++k) positions.data()[k] += displacement_.data()[k];
       hooks_.on_frame(positions);
     }
-    report_.stage_seconds.write += seconds_since(begin);
+    report_.stage_seconds.write += watch.seconds();
   }
 
   const AnimateOptions& o_;
@@ -205,7 +199,7 @@ class Clip {
   Array<double> gradient_;  ///< of the carried points; empty where no writer needs it
   int64_t converged_ = 0;
   double largest_motion_ = 0;
-  Clock::time_point start_ = Clock::now();
+  Stopwatch watch_;  ///< of the steps
 };
 
 void print_summary(const RunResult& result) {

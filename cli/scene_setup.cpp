@@ -4,6 +4,7 @@
 #include "cli/asset_stages.hpp"
 #include "cli/collider_option.hpp"
 #include "cli/region_option.hpp"
+#include "cli/stopwatch.hpp"
 #include "core/error.hpp"
 #include "core/time_scheme.hpp"
 #include "network/contact.hpp"
@@ -13,16 +14,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <numbers>
 
 namespace elastogen {
 namespace {
-
-double now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 /// The free side of a floor across the up axis is up, of another one the positive side; without a
 /// place it lies where the asset begins.
@@ -101,10 +97,47 @@ void check_clear(const Scene& scene, const Collider& collider) {
 }
 
 /// Steps a frame for which dt <= 1/60 s and the elastic Courant number stays at or below 50.
-int automatic_substeps(Scene scene, double frame_seconds) {
-  scene.dt = frame_seconds;
-  const double wanted = std::max(60 * frame_seconds, courant_number(scene) / 50);
+int automatic_substeps(const Scene& scene, double frame_seconds) {
+  Scene probe;
+  probe.materials = scene.materials;
+  probe.grid.h = scene.grid.h;
+  probe.dt = frame_seconds;
+  const double wanted = std::max(60 * frame_seconds, courant_number(probe) / 50);
   return int(std::clamp(std::ceil(wanted - 1e-9), 1.0, 16.0));
+}
+
+/// Body, grid and colliders; fills the asset's part of the report.
+void add_grid(const Asset& asset, const AnimateOptions& o, Setup& setup, RunReport& report) {
+  setup.body = make_body(asset, o.size, resolution(o));
+  const Box& box = setup.body.surface.box;
+  report.asset = summary_of(asset, setup.body, o);
+  if (!report.asset.size.warning.empty()) report.warnings.push_back(report.asset.size.warning);
+  setup.longest_edge = report.asset.size.longest_edge;
+  setup.up = report.asset.up.up;
+  setup.scene.colliders = make_colliders(o, setup.up, box);
+  Voxelized voxelized =
+      voxelize(setup.body.surface, voxelize_options(o, setup.scene.colliders, box));
+  setup.scene.grid = std::move(voxelized.grid);
+  add_findings(voxelized.report, report);
+}
+
+/// Gravity, time step and scheme.
+void add_time(const AnimateOptions& o, Setup& setup) {
+  Scene& scene = setup.scene;
+  Vec3 down = {};
+  down[size_t(setup.up.axis)] = -9.81 * setup.up.sign;
+  scene.gravity = o.gravity.value_or(down);
+  setup.substeps = o.substeps > 0 ? o.substeps : automatic_substeps(scene, 1 / o.fps);
+  scene.dt = 1 / (o.fps * setup.substeps);
+  scene.scheme = o.scheme;
+  scene.hourglass = o.hourglass;
+}
+
+/// Neither pins nor colliders against gravity.
+bool falls_freely(const Scene& scene) {
+  const uint8_t* pinned = scene.pinned.data();
+  const bool held = std::any_of(pinned, pinned + scene.pinned.rows(), [](uint8_t p) { return p; });
+  return !held && scene.colliders.empty() && scene.gravity != Vec3{};
 }
 
 }  // namespace
@@ -113,47 +146,22 @@ Setup set_up(const Asset& asset, const AnimateOptions& o, const std::vector<Mate
              const std::function<Array<int32_t>(const VoxelGrid&)>& regions, RunReport& report) {
   Setup setup;
   Scene& scene = setup.scene;
-  double start = now();
-  setup.body = make_body(asset, o.size, resolution(o));
-  const Surface& surface = setup.body.surface;
-  const Box& box = surface.box;
-  setup.longest_edge = std::max({box.extent(0), box.extent(1), box.extent(2)});
-  report.asset = summary_of(asset, setup.body, o);
-  if (!report.asset.size.warning.empty()) report.warnings.push_back(report.asset.size.warning);
-  setup.up = report.asset.up.up;
-  scene.colliders = make_colliders(o, setup.up, box);
-  Voxelized voxelized = voxelize(surface, voxelize_options(o, scene.colliders, box));
-  scene.grid = std::move(voxelized.grid);
-  report.stage_seconds.voxelize = now() - start;
-  add_findings(voxelized.report, report);
+  const Stopwatch watch;
+  add_grid(asset, o, setup, report);
+  report.stage_seconds.voxelize = watch.seconds();
 
-  start = now();
   scene.materials = materials.empty() ? std::vector<Material>{o.material} : materials;
   scene.material = regions ? regions(scene.grid) : Array<int32_t>(scene.grid.voxel_count());
   apply_regions(o.regions, asset, setup.body, scene, report.warnings);
-  pin(o, box, scene, report.warnings);
-  Vec3 down = {};
-  down[size_t(setup.up.axis)] = -9.81 * setup.up.sign;
-  scene.gravity = o.gravity.value_or(down);
-  if (!scene.colliders.empty()) scene.surface = surface_points(scene.grid, surface);
+  pin(o, setup.body.surface.box, scene, report.warnings);
+  if (!scene.colliders.empty()) scene.surface = surface_points(scene.grid, setup.body.surface);
   for (const Collider& collider : scene.colliders) check_clear(scene, collider);
-  setup.substeps = o.substeps;
-  if (o.substeps == 0) {
-    Scene probe;
-    probe.materials = scene.materials;
-    probe.grid.h = scene.grid.h;
-    setup.substeps = automatic_substeps(probe, 1 / o.fps);
-  }
-  scene.dt = 1 / (o.fps * setup.substeps);
-  scene.scheme = o.scheme;
-  scene.hourglass = o.hourglass;
+  add_time(o, setup);
   finish_scene(scene);
-  const bool held = std::any_of(scene.pinned.data(), scene.pinned.data() + scene.pinned.rows(),
-                                [](uint8_t p) { return p != 0; });
-  if (!held && scene.colliders.empty() && scene.gravity != Vec3{})
+  if (falls_freely(scene))
     report.warnings.push_back(
         "nothing holds the asset (no --pin, no --floor, no --collider): it falls freely");
-  report.stage_seconds.setup = now() - start;
+  report.stage_seconds.setup = watch.seconds() - report.stage_seconds.voxelize;
   report.voxels = scene.grid.voxel_count();
   report.nodes = scene.grid.node_count();
   report.h = scene.grid.h;

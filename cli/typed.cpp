@@ -3,6 +3,7 @@
 
 #include "cli/region_option.hpp"
 #include "core/error.hpp"
+#include "io/frame_files.hpp"
 #include "io/units.hpp"
 #include "voxelize/regions.hpp"
 
@@ -122,6 +123,38 @@ void check_ranges(const Typed& t, const AnimateOptions& o) {
                   t.max_time, "'");
 }
 
+/// The file of that name: its folder without links and dots; "" for "".
+std::string place_of(const std::string& name) {
+  if (name.empty()) return name;
+  std::error_code error;
+  const std::filesystem::path path = std::filesystem::absolute(name, error).lexically_normal();
+  const auto folder = std::filesystem::weakly_canonical(path.parent_path(), error);
+  return ((error ? path.parent_path() : folder) / path.filename()).string();
+}
+
+/// Names that are taken, one after the other.
+class TakenNames {
+ public:
+  void take(const std::string& name) {
+    if (name.empty()) return;
+    const std::string place = place_of(name);
+    ELASTOGEN_CHECK(std::find(taken_.begin(), taken_.end(), place) == taken_.end(), name,
+                    ": two files of one name: the input and each output need their own");
+    taken_.push_back(place);
+  }
+
+  /// @throws Error (usage) if a frame after the first has a name that is taken.
+  void check_frames(const std::string& output, int64_t frames) const {
+    const std::string place = place_of(output), first = frame_path(place, 0, frame_ending(place));
+    for (const std::string& name : taken_)
+      ELASTOGEN_CHECK(name == first || !is_frame_of(place, frames, name), name, ": a frame of ",
+                      output, " would take its place; give ", output, " another name");
+  }
+
+ private:
+  std::vector<std::string> taken_;
+};
+
 }  // namespace
 
 void resolve(const Typed& typed, AnimateOptions& options) {
@@ -130,18 +163,24 @@ void resolve(const Typed& typed, AnimateOptions& options) {
   check_paper(options.solver);
 }
 
-void check_outputs(const AnimateOptions& o) {
-  std::vector<std::filesystem::path> taken = {std::filesystem::path(o.input).lexically_normal()};
-  const auto take = [&](const std::string& name, bool may_be_input) {
-    if (name.empty()) return;
-    const auto path = std::filesystem::path(name).lexically_normal();
-    const auto first = taken.begin() + (may_be_input ? 1 : 0);
-    ELASTOGEN_CHECK(std::find(first, taken.end(), path) == taken.end(), name,
-                    ": two files of one name: the input and each output need their own");
-    taken.push_back(path);
+void check_outputs(const AnimateOptions& o, const std::string& scene_file) {
+  TakenNames names;
+  const auto is_input = [&](const std::string& name) {
+    return place_of(name) == place_of(o.input);
   };
-  for (const std::string* name : {&o.log, &o.state, &o.report}) take(*name, false);
-  for (const std::string& name : o.outputs) take(name, true);
+  names.take(o.input);
+  for (const std::string* name : {&scene_file, &o.log, &o.state, &o.report}) names.take(*name);
+  bool replaced = false;
+  for (const std::string& name : o.outputs) {
+    const std::string ending = frame_ending(name);
+    if (!ending.empty()) names.take(frame_path(name, 0, ending));
+    if (ending == ".ply") continue;  // there is no file of that name itself
+    if (!replaced && is_input(name))
+      replaced = true;
+    else
+      names.take(name);
+  }
+  for (const std::string& name : o.outputs) names.check_frames(name, o.frames);
 }
 
 }  // namespace elastogen

@@ -23,8 +23,9 @@ struct Typed {
 /// @throws Error (usage) naming the option.
 void resolve(const Typed& typed, AnimateOptions& options);
 
-/// No output may take the place of another; only an animation may take that of the input.
+/// No output, the numbered files of animations included, may take the place of another or of the
+/// scene file; only an animation that is one file may take that of the input.
 /// @throws Error (usage) naming the file.
-void check_outputs(const AnimateOptions& options);
+void check_outputs(const AnimateOptions& options, const std::string& scene_file = "");
 
 }  // namespace elastogen

@@ -2,6 +2,7 @@
 #include "core/collider.hpp"
 
 #include "core/error.hpp"
+#include "core/vec3.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -36,14 +37,6 @@ Proximity box_proximity(const Vec3& half, const Vec3& p) {
   result.distance = length(result.normal);
   for (double& n : result.normal) n /= result.distance;
   return result;
-}
-
-double dot(const Vec3& a, const Vec3& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-Vec3 difference(const Vec3& a, const Vec3& b) {
-  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
 }
 
 /// Share of the way from q along m at which |q + t m| falls to `reach` < |q|.
@@ -92,7 +85,7 @@ double free_share(const Collider& c, const Vec3& offset, const Vec3& a, const Ve
     const double approach = distance - proximity(c, offset, b).distance;
     return (1 - kLeft) * distance < approach ? (1 - kLeft) * distance / approach : 1;
   }
-  const Vec3 q = difference(difference(a, c.centre), offset), m = difference(b, a);
+  const Vec3 q = minus(minus(a, c.centre), offset), m = minus(b, a);
   if (c.shape == Collider::Shape::kSphere)
     return share_to_sphere(q, m, c.radius + kLeft * distance);
   Vec3 half;
@@ -115,7 +108,7 @@ Vec3 offset_at(const Collider& c, double time) {
 }
 
 Proximity proximity(const Collider& c, const Vec3& offset, const Vec3& point) {
-  const Vec3 p = difference(difference(point, c.centre), offset);
+  const Vec3 p = minus(minus(point, c.centre), offset);
   if (c.shape == Collider::Shape::kPlane) return {dot(p, c.normal), c.normal};
   if (c.shape == Collider::Shape::kBox) return box_proximity(c.half, p);
   const double r = length(p);

@@ -5,10 +5,9 @@
 #include "io/glb_writer.hpp"
 #include "io/ply_writer.hpp"
 #include "io/point_cache_writer.hpp"
+#include "io/safe_file.hpp"
 #include "io/vtu_writer.hpp"
 
-#include <algorithm>
-#include <cctype>
 #include <filesystem>
 
 namespace elastogen {
@@ -16,18 +15,16 @@ namespace elastogen {
 std::unique_ptr<AnimationWriter> AnimationWriter::create(const std::string& path,
                                                          const Asset& asset, const Surface& surface,
                                                          const AnimationOptions& options) {
-  std::string ending = std::filesystem::path(path).extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return char(std::tolower(c)); });
-  const bool known = ending == ".glb" || ending == ".ply" || ending == ".pc2" || ending == ".pvd";
-  ELASTOGEN_CHECK(known, path, ": the output must end in .glb, .ply, .pc2 or .pvd, got \"", ending,
+  const std::string ending = ending_of(path);
+  const bool known = ending == "glb" || ending == "ply" || ending == "pc2" || ending == "pvd";
+  ELASTOGEN_CHECK(known, path, ": the output must end in .glb, .ply, .pc2 or .pvd, got \".", ending,
                   '"');
   ELASTOGEN_CHECK(options.fps > 0 && options.modal_error > 0,
                   "fps and modal_error must be positive, got ", options.fps, " and ",
                   options.modal_error);
-  if (ending == ".pc2") return make_point_cache_writer(path, asset, surface);
-  if (ending == ".ply") return make_ply_writer(path, asset, surface);
-  if (ending == ".pvd") return make_vtu_writer(path, options);
+  if (ending == "pc2") return make_point_cache_writer(path, asset, surface);
+  if (ending == "ply") return make_ply_writer(path, asset, surface);
+  if (ending == "pvd") return make_vtu_writer(path, options);
   const std::string name = std::filesystem::path(path).replace_extension().string();
   ELASTOGEN_CHECK(!asset.points && !asset.splats, path,
                   ": a GLB shows meshes; points and splats are written as ", name,

@@ -52,9 +52,7 @@ class AnimationWriter {
   /// (voxels).
   /// @param asset, surface  what was read and posed; both must outlive the writer.
   /// @throws Error (usage) for another ending, a .glb of points or splats, fps <= 0 or a root
-  /// matrix
-  ///         without inverse;
-  ///         (resources) if the folder cannot be written.
+  ///         matrix without inverse; (resources) if the folder cannot be written.
   static std::unique_ptr<AnimationWriter> create(const std::string& path, const Asset& asset,
                                                  const Surface& surface,
                                                  const AnimationOptions& options = {});

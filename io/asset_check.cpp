@@ -4,17 +4,8 @@
 #include "core/error.hpp"
 #include "io/cloud_check.hpp"
 
-#include <cmath>
-
 namespace elastogen {
 namespace {
-
-template <size_t N>
-bool is_finite(const std::array<float, N>& v) {
-  for (const float x : v)
-    if (!std::isfinite(x)) return false;
-  return true;
-}
 
 void check_positions(const Asset& asset, const Mesh& mesh) {
   for (size_t i = 0; i < mesh.position.size(); ++i)
@@ -43,20 +34,14 @@ void check_indices(const Asset& asset, const Mesh& mesh) {
   }
 }
 
-/// Sets values that are not finite to the default.
+/// One value for each drawn vertex, all finite.
 template <size_t N>
-void repair(Asset& asset, const Mesh& mesh, std::vector<std::array<float, N>>& values,
-            const std::array<float, N>& value, const char* name) {
+void check_attribute(Asset& asset, const Mesh& mesh, std::vector<std::array<float, N>>& values,
+                     const std::array<float, N>& value, const char* name) {
   ELASTOGEN_CHECK_ASSET(values.empty() || values.size() == mesh.position_of.size(), asset.path,
                         ": mesh \"", mesh.name, "\": ", values.size(), ' ', name, " for ",
                         mesh.position_of.size(), " vertices");
-  int64_t bad = 0;
-  for (std::array<float, N>& v : values) {
-    if (is_finite(v)) continue;
-    v = value;
-    ++bad;
-  }
-  add_finding(asset, concat("bad-", name), bad, concat(name, " that were not finite were reset"));
+  reset_bad_rows(asset, values, value, name);
 }
 
 /// What the welded triangles tell.
@@ -99,9 +84,9 @@ void check_asset(Asset& asset) {
   for (Mesh& mesh : asset.meshes) {
     check_positions(asset, mesh);
     check_indices(asset, mesh);
-    repair(asset, mesh, mesh.uv, {0, 0}, "uvs");
-    repair(asset, mesh, mesh.normal, {0, 0, 1}, "normals");
-    repair(asset, mesh, mesh.colour, {1, 1, 1, 1}, "colours");
+    check_attribute(asset, mesh, mesh.uv, {0, 0}, "uvs");
+    check_attribute(asset, mesh, mesh.normal, {0, 0, 1}, "normals");
+    check_attribute(asset, mesh, mesh.colour, {1, 1, 1, 1}, "colours");
   }
   const Surface surface = pose_surface(asset);
   const WeldedMesh welded = weld(surface);

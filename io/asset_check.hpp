@@ -6,10 +6,31 @@
 #include "io/asset.hpp"
 #include "io/weld.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 namespace elastogen {
 
 /// Adds to the finding of that id, or begins it with the sentence.
 void add_finding(Asset& asset, const std::string& what, int64_t count, const std::string& text);
+
+template <class Values>
+bool are_finite(const Values& values) {
+  return std::ranges::all_of(values, [](auto x) { return std::isfinite(x); });
+}
+
+/// Sets rows that are not finite to a value, with a finding bad-NAME.
+template <class Row>
+void reset_bad_rows(Asset& asset, std::vector<Row>& rows, const Row& value, const char* name) {
+  int64_t bad = 0;
+  for (Row& row : rows) {
+    if (are_finite(row)) continue;
+    row = value;
+    ++bad;
+  }
+  add_finding(asset, std::string("bad-") + name, bad,
+              std::string(name) + " that were not finite were reset");
+}
 
 /// Refuses what cannot be simulated, repairs attributes, adds findings (see docs/formats.md):
 /// repairs are non-finite uv, normals and colours, set to 0, (0, 0, 1) and white.

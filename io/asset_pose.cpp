@@ -36,7 +36,7 @@ UpChoice choose_up(const Asset& asset, const std::optional<UpAxis>& asked) {
   const std::string format = upper_case(asset.format);
   if (asset.up != 0)
     return {{std::abs(asset.up) - 1, asset.up > 0 ? 1 : -1}, {false, format + " states it"}};
-  const bool z = asset.format == "stl" || asset.format == "las" || asset.format == "laz";
+  const bool z = asset.format == "stl" || asset.format == "las";
   return {
       {z ? 2 : 1, 1},
       {true, format + " states no axis; most " + (z ? "such files are z up" : "assets are y up")}};

@@ -33,7 +33,7 @@ struct UpChoice {
   Provenance from;
 };
 
-/// What is asked for, else what the file states, else z for STL, LAS and LAZ (printing, surveying)
+/// What is asked for, else what the file states, else z for STL and LAS (printing, surveying)
 /// and y for all others.
 UpChoice choose_up(const Asset& asset, const std::optional<UpAxis>& asked);
 

@@ -11,11 +11,6 @@
 namespace elastogen {
 namespace {
 
-template <class Values>
-bool are_finite(const Values& values) {
-  return std::ranges::all_of(values, [](auto x) { return std::isfinite(x); });
-}
-
 /// Keeps the rows of a (rows, n) array, in their order.
 template <class T>
 void keep(std::vector<T>& values, const std::vector<size_t>& rows, size_t n = 1) {
@@ -57,18 +52,6 @@ void check_extent(const Asset& asset, const std::vector<Vec3>& position, bool ma
                         asset.path, ": its longest edge of ", longest, " is out of range");
 }
 
-/// Sets rows that are not finite.
-template <class Row>
-void repair(Asset& asset, std::vector<Row>& rows, const Row& value, const char* name) {
-  int64_t bad = 0;
-  for (Row& row : rows) {
-    if (are_finite(row)) continue;
-    row = value;
-    ++bad;
-  }
-  add_finding(asset, concat("bad-", name), bad, concat(name, " that were not finite were reset"));
-}
-
 void check_points(Asset& asset) {
   PointCloud& points = *asset.points;
   const auto rows = good_rows(asset, points.position.size(), "points",
@@ -77,8 +60,8 @@ void check_points(Asset& asset) {
   keep(points.normal, rows);
   keep(points.colour, rows);
   check_extent(asset, points.position, false);
-  repair(asset, points.normal, {0, 0, 1}, "normals");
-  repair(asset, points.colour, {1, 1, 1, 1}, "colours");
+  reset_bad_rows(asset, points.normal, {0, 0, 1}, "normals");
+  reset_bad_rows(asset, points.colour, {1, 1, 1, 1}, "colours");
 }
 
 /// Makes quaternions unit, those of no length the identity.

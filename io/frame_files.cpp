@@ -2,6 +2,8 @@
 #include "io/frame_files.hpp"
 
 #include "core/error.hpp"
+#include "io/byte_reader.hpp"
+#include "io/safe_file.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -17,6 +19,19 @@ std::string frame_path(const std::string& path, int64_t frame, const std::string
   std::string number = std::to_string(frame);
   number.insert(0, number.size() < 5 ? 5 - number.size() : 0, '0');
   return (whole.parent_path() / (whole.stem().string() + '_' + number + ending)).string();
+}
+
+std::string frame_ending(const std::string& path) {
+  const std::string ending = ending_of(path);
+  return ending == "ply" ? ".ply" : ending == "pvd" ? ".vtu" : "";
+}
+
+bool is_frame_of(const std::string& path, int64_t frames, const std::string& file) {
+  const std::string ending = frame_ending(path);
+  if (ending.empty()) return false;
+  const std::string stem = std::filesystem::path(file).stem().string();
+  const auto frame = to_integer(stem.substr(stem.rfind('_') + 1));
+  return frame && *frame >= 0 && *frame <= frames && frame_path(path, *frame, ending) == file;
 }
 
 std::vector<Vec3> file_positions(const Asset& asset, const Surface& surface) {

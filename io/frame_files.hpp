@@ -10,6 +10,13 @@ namespace elastogen {
 /// NAME_00012.ending beside path, which is NAME.<any ending>.
 std::string frame_path(const std::string& path, int64_t frame, const std::string& ending);
 
+/// Ending of the numbered files that an animation of this name consists of: ".ply" for NAME.ply,
+/// ".vtu" for NAME.pvd, "" for one that is a single file.
+std::string frame_ending(const std::string& path);
+
+/// Whether `file` is one of the numbered files of frames 0 ... `frames` of an animation.
+bool is_frame_of(const std::string& path, int64_t frames, const std::string& file);
+
 /// Rest positions of the carried points in the numbers and axes of the asset: points and splats as
 /// the file has them, vertices posed by the node tree.
 std::vector<Vec3> file_positions(const Asset& asset, const Surface& surface);

@@ -26,6 +26,9 @@ constexpr uint64_t kMaxFacesPerByte = 1024;
 /// Room for attributes of a vertex that nobody asks for [bytes].
 constexpr uint64_t kSpareBytes = 64;
 
+/// Of all attributes of a vertex; vertices times these cannot overflow.
+constexpr uint64_t kMaxVertexBytes = 1 << 16;
+
 /// What a stream may hold by the accessors of its primitive.
 struct Limits {
   uint64_t faces = 0, vertices = 0;
@@ -213,6 +216,8 @@ class DracoDecoder {
       limits.vertices = count;
       limits.vertex_bytes += 8 * components(accessor, place);
     }
+    ELASTOGEN_CHECK_ASSET(limits.vertex_bytes <= kMaxVertexBytes, place,
+                          ": it has more attributes than any real file");
     return limits;
   }
 

@@ -2,6 +2,7 @@
 #include "io/gltf_reader.hpp"
 
 #include "core/error.hpp"
+#include "io/asset_check.hpp"
 #include "io/gltf_accessor.hpp"
 #include "io/gltf_model.hpp"
 #include "io/gltf_nodes.hpp"
@@ -51,7 +52,7 @@ class GltfReader {
   }
 
   void note(const char* what, int64_t count, const char* text) {
-    if (count > 0) asset_.findings.push_back({what, count, text});
+    add_finding(asset_, what, count, text);
   }
 
   /// All nodes; a root of the scene stands in it without its parent, if it has one.

@@ -2,24 +2,13 @@
 #include "io/normal_deltas.hpp"
 
 #include "core/error.hpp"
+#include "core/vec3.hpp"
 
 #include <cmath>
 
 namespace elastogen {
 
 namespace {
-
-Vec3 minus(const Vec3& a, const Vec3& b) {
-  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
-
-Vec3 cross(const Vec3& a, const Vec3& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
-double dot(const Vec3& a, const Vec3& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
 
 double length(const Vec3& a) {
   return std::hypot(a[0], a[1], a[2]);

@@ -6,6 +6,7 @@
 #include "io/frame_files.hpp"
 #include "io/safe_file.hpp"
 #include "io/splat_motion.hpp"
+#include "io/splat_ply.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -97,9 +98,7 @@ class PlyWriter : public AnimationWriter {
     return text + "end_header\n";
   }
 
-  size_t harmonics() const {
-    return size_t((asset_.splats->degree + 1) * (asset_.splats->degree + 1));
-  }
+  size_t harmonics() const { return size_t(harmonic_count(asset_.splats->degree)); }
 
   void append_point(const AnimationFrame& frame, size_t p, std::string& bytes) const {
     for (size_t d = 0; d < 3; ++d)
@@ -122,10 +121,8 @@ class PlyWriter : public AnimationWriter {
     for (size_t c = 0; c < 3; ++c) append(bytes, colour[c]);
     for (size_t c = 0; c < 3; ++c)
       for (size_t m = 1; m < count; ++m) append(bytes, colour[3 * m + c]);
-    // opacities of 0 and 1 have no finite logit
-    const double opacity = std::clamp(double(asset_.splats->opacity[p]), 1e-7, 1 - 1e-7);
-    append(bytes, float(std::log(opacity / (1 - opacity))));
-    for (const float s : motion_->scale[p]) append(bytes, float(std::log(double(s))));
+    append(bytes, logit_opacity(asset_.splats->opacity[p]));
+    for (const float s : motion_->scale[p]) append(bytes, log_scale(s));
     append(bytes, motion_->rotation[p]);
   }
 

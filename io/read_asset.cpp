@@ -41,14 +41,6 @@ std::string head_of(const std::string& path) {
   return head;
 }
 
-/// Lower-case ending of a file name without its dot.
-std::string ending_of(const std::string& path) {
-  std::string ending = std::filesystem::path(path).extension().string();
-  if (!ending.empty()) ending.erase(0, 1);
-  for (char& c : ending) c = c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c;
-  return ending;
-}
-
 /// Name of the format that the first bytes prove, "" if they prove none.
 std::string format_of(std::string_view head) {
   struct Signature {

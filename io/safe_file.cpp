@@ -131,6 +131,13 @@ std::string read_file(const std::string& path, int64_t max_bytes) {
   return content;
 }
 
+std::string ending_of(const std::string& path) {
+  std::string ending = fs::path(path).extension().string();
+  if (!ending.empty()) ending.erase(0, 1);
+  for (char& c : ending) c = c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c;
+  return ending;
+}
+
 std::string resolve_beside(const std::string& path, const std::string& name) {
   std::string turned = name;
   std::replace(turned.begin(), turned.end(), '\\', '/');

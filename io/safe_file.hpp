@@ -50,6 +50,9 @@ void write_file(const std::string& path, std::string_view content);
 /// @throws Error (asset) if it is missing, a folder or a device, unreadable, or larger.
 std::string read_file(const std::string& path, int64_t max_bytes = kMaxFileBytes);
 
+/// Lower-case ending of a file's name without its dot, "" where it has none.
+std::string ending_of(const std::string& path);
+
 /// Path of a file that another file names, "tex/skin.png" beside it (backslashes are turned), or
 /// "" unless it is a regular file that, links resolved, lies in that file's folder or below.
 /// Absolute names and URLs give "".

@@ -136,6 +136,11 @@ Keys load_keys() {
        "of the whole asset at the start", Q::kSpeed},
       {"motion", "spin", T::kVector, "[0, 0, 0]", "--spin", "about the centre of mass at the start",
        Q::kSpin},
+  };
+}
+
+Keys floor_keys() {
+  return {
       {"floor", "on", T::kFlag, "true", "", "false: no floor, as without the table"},
       {"floor",
        "axis",
@@ -241,6 +246,11 @@ Keys solver_keys() {
        Q::kNumber,
        {},
        {"full", "variance", "off", "auto"}},
+  };
+}
+
+Keys effort_keys() {
+  return {
       {"solver", "skip", T::kFlag, "true", "--no-skip", "false: take no shortcut"},
       {"solver", "threads", T::kWhole, "0", "--threads", "0: all cores", Q::kNumber,
        whole(0, 1 << 20)},
@@ -312,7 +322,7 @@ Keys file_keys() {
 std::span<const SceneTable> scene_tables() {
   static const std::vector<SceneTable> tables = {
       {"asset", false, "What is animated, how large, and how finely."},
-      {"material", false, "The material of the whole asset."},
+      {"material", false, "The material of what no region takes."},
       {"region", true, "A part of another material: one of select, node, gltf_material."},
       {"pin", true, "A part that is held, as in `pins`."},
       {"motion", false, "Motion at the start."},
@@ -330,8 +340,8 @@ std::span<const SceneKey> scene_keys() {
   static const Keys keys = [] {
     Keys all;
     for (const Keys& part :
-         {asset_keys(), material_keys("material"), region_keys(), load_keys(), collider_keys(),
-          time_keys(), solver_keys(), paper_keys(), file_keys()})
+         {asset_keys(), material_keys("material"), region_keys(), load_keys(), floor_keys(),
+          collider_keys(), time_keys(), solver_keys(), effort_keys(), paper_keys(), file_keys()})
       all.insert(all.end(), part.begin(), part.end());
     const auto order = [](const SceneKey& key) {
       return key.table.empty() ? 0 : 1 + (find_scene_table(key.table) - scene_tables().data());

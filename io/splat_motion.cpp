@@ -5,6 +5,7 @@
 #include "core/error.hpp"
 #include "core/parallel.hpp"
 #include "core/svd3.hpp"
+#include "io/splat_ply.hpp"
 
 #include <Eigen/Dense>
 
@@ -19,10 +20,6 @@ constexpr int kMaxCount = 16;    // harmonics of degrees 0 ... 3
 constexpr int kDirections = 32;  // in which colours are compared; twice the unknowns
 constexpr double kMaxStretch = 3;
 
-size_t harmonics_count(int degree) {
-  return size_t((degree + 1) * (degree + 1));
-}
-
 /// Directions spread evenly over the sphere (Fibonacci lattice).
 Vec3 fixed_direction(int k) {
   const double z = 1 - (2 * k + 1.0) / kDirections, r = std::sqrt(1 - z * z);
@@ -32,7 +29,7 @@ Vec3 fixed_direction(int k) {
 
 /// The matrix that gives coefficients from values in the fixed directions, row-major.
 std::vector<double> fit_matrix(int degree) {
-  const int count = int(harmonics_count(degree));
+  const int count = harmonic_count(degree);
   Eigen::MatrixXd values(kDirections, count);
   double row[kMaxCount];
   for (int k = 0; k < kDirections; ++k) {
@@ -45,16 +42,6 @@ std::vector<double> fit_matrix(int degree) {
   for (int m = 0; m < count; ++m)
     for (int k = 0; k < kDirections; ++k) result.push_back(fit(m, k));
   return result;
-}
-
-Mat3<double> rotation_matrix(const std::array<float, 4>& q) {
-  double norm = 0;
-  for (const float c : q) norm += double(c) * c;
-  norm = 1 / std::sqrt(norm);
-  const double w = q[0] * norm, x = q[1] * norm, y = q[2] * norm, z = q[3] * norm;
-  return {1 - 2 * (y * y + z * z), 2 * (x * y - w * z),     2 * (x * z + w * y),
-          2 * (x * y + w * z),     1 - 2 * (x * x + z * z), 2 * (y * z - w * x),
-          2 * (x * z - w * y),     2 * (y * z + w * x),     1 - 2 * (x * x + y * y)};
 }
 
 /// Quaternion of a rotation (Shepperd 1978), with the sign that is nearer to another one.
@@ -91,10 +78,20 @@ Eigen3<double> principal_axes(Symmetric3<double> S) {
 
 }  // namespace
 
+Mat3<double> rotation_matrix(const std::array<float, 4>& q) {
+  double norm = 0;
+  for (const float c : q) norm += double(c) * c;
+  norm = 1 / std::sqrt(norm);
+  const double w = q[0] * norm, x = q[1] * norm, y = q[2] * norm, z = q[3] * norm;
+  return {1 - 2 * (y * y + z * z), 2 * (x * y - w * z),     2 * (x * z + w * y),
+          2 * (x * y + w * z),     1 - 2 * (x * x + z * z), 2 * (y * z - w * x),
+          2 * (x * z - w * y),     2 * (y * z + w * x),     1 - 2 * (x * x + y * y)};
+}
+
 void spherical_harmonics(int degree, const Vec3& direction, double* values) {
   const auto [x, y, z] = direction;
   const double xx = x * x, yy = y * y, zz = z * z;
-  values[0] = 0.28209479177387814;
+  values[0] = kHarmonic0;
   if (degree < 1) return;
   values[1] = -0.4886025119029199 * y;
   values[2] = 0.4886025119029199 * z;
@@ -120,7 +117,7 @@ SplatMotion::SplatMotion(const SplatCloud& splats) : rest_(splats) {
   ELASTOGEN_CHECK(splats.degree >= 0 && splats.degree <= 3,
                   "the degree of the harmonics must be 0 ... 3, got ", splats.degree);
   ELASTOGEN_CHECK(splats.scale.size() == count && splats.rotation.size() == count &&
-                      splats.harmonics.size() == count * harmonics_count(splats.degree) * 3,
+                      splats.harmonics.size() == count * size_t(harmonic_count(splats.degree)) * 3,
                   "scales, rotations and harmonics must be as many as the ", count, " splats");
   scale = splats.scale;
   rotation = splats.rotation;
@@ -144,7 +141,7 @@ void SplatMotion::turn(In<double> gradient) {
 /// Says whether stretches were clamped.
 bool SplatMotion::turn_splat(size_t i, const Mat3<double>& F) {
   const Mat3<double> I = identity<double>();
-  const size_t floats = harmonics_count(rest_.degree) * 3;
+  const size_t floats = 3 * size_t(harmonic_count(rest_.degree));
   if (std::equal(F.m, F.m + 9, I.m)) {
     scale[i] = rest_.scale[i];
     rotation[i] = rest_.rotation[i];
@@ -185,7 +182,7 @@ bool SplatMotion::turn_splat(size_t i, const Mat3<double>& F) {
 /// Coefficients of colour(R^T v), fitted to its values in the fixed directions, which it passes
 /// through exactly.
 void SplatMotion::turn_colour(size_t i, const Mat3<double>& R) {
-  const size_t count = harmonics_count(rest_.degree);
+  const auto count = size_t(harmonic_count(rest_.degree));
   const float* before = rest_.harmonics.data() + i * count * 3;
   double colour[kDirections][3] = {}, values[kMaxCount];
   for (int k = 0; k < kDirections; ++k) {

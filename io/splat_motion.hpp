@@ -16,6 +16,9 @@ namespace elastogen {
 /// set.
 void spherical_harmonics(int degree, const Vec3& direction, double* values);
 
+/// Rotation of a quaternion w x y z that need not be unit.
+Mat3<double> rotation_matrix(const std::array<float, 4>& quaternion);
+
 /// Splats frame by frame.
 class SplatMotion {
  public:

@@ -3,17 +3,11 @@
 
 #include "core/error.hpp"
 #include "core/parallel.hpp"
+#include "core/vec3.hpp"
 
 #include <limits>
 
 namespace elastogen {
-namespace {
-
-double dot(const Vec3& a, const Vec3& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-}  // namespace
 
 double contact_layer(const Scene& scene) {
   return scene.grid.h / 4;

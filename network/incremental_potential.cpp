@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "network/incremental_potential.hpp"
 
+#include "core/polar.hpp"
 #include "core/reduce.hpp"
 
 #include <algorithm>
@@ -56,6 +57,19 @@ Pack<T> corner_jacobian(const Pack<T> u[3][8], T h) {
     least = smaller(least, determinant(F));
   }
   return least;
+}
+
+/// The parts of the energy that voxels have, and the smallest J; sums in the order of the rows.
+template <class Sums>
+PotentialValue total(const std::vector<Sums>& sums) {
+  PotentialValue value;
+  for (const Sums& s : sums) {
+    value.elastic += lane_sum(s.elastic);
+    value.hourglass += lane_sum(s.hourglass);
+    value.min_j = std::min(value.min_j, lane_min(s.min_j));
+    value.min_corner_j = std::min(value.min_corner_j, lane_min(s.min_corner_j));
+  }
+  return value;
 }
 
 }  // namespace
@@ -222,13 +236,7 @@ PotentialValue IncrementalPotential::evaluate_all(const double* u, T* gradient) 
   };
   for_each_row(rows_, *scratch, sums_, read, row, finish);
 
-  PotentialValue value;
-  for (const Sums& s : sums_) {
-    value.elastic += lane_sum(s.elastic);
-    value.hourglass += lane_sum(s.hourglass);
-    value.min_j = std::min(value.min_j, lane_min(s.min_j));
-    value.min_corner_j = std::min(value.min_corner_j, lane_min(s.min_corner_j));
-  }
+  PotentialValue value = total(sums_);
   value.inertia = inertial_energy(u);
   return value;
 }

@@ -42,6 +42,24 @@ void corner_gradients(const double M[7], double h, double D[8][3]) {
   }
 }
 
+/// Stress of the lagged quadratic, omega (dF - R) N N^T, R with kAffine only; dF is the gradient of
+/// the motion times 4 h, and so is the result. @param lagged  NN and RN of a row.
+template <bool kAffine>
+void lagged_stress(double h, double omega, const double* lagged, const Pack<double> dF[9],
+                   Pack<double> dP[9]) {
+  Pack<double> NN[6];
+  for (int k = 0; k < 6; ++k) NN[k] = load(lagged + k * kLanes);
+  for (int i = 0; i < 3; ++i) {
+    Pack<double> d[3] = {dF[3 * i], dF[3 * i + 1], dF[3 * i + 2]};
+    if constexpr (kAffine) d[i] += 4 * h;
+    times_slope(NN, d, dP + 3 * i);
+    for (int j = 0; j < 3; ++j) {
+      if constexpr (kAffine) dP[3 * i + j] -= 4 * h * load(lagged + (6 + 3 * i + j) * kLanes);
+      dP[3 * i + j] = omega * dP[3 * i + j];
+    }
+  }
+}
+
 }  // namespace
 
 PaperSolver::PaperSolver(IncrementalPotential& potential, const PaperLoops& loops)
@@ -183,20 +201,8 @@ void PaperSolver::apply(const double* p, double* f) {
     potential_.read_voxel_data<double>(r, data);
     const double omega = weight_of(scene.materials[size_t(rows.rows[size_t(r)].material)]);
     const double* lagged = lagged_.data() + size_t(r) * kFields * kLanes;
-    Pack<double> NN[6];
-    for (int k = 0; k < 6; ++k) NN[k] = load(lagged + k * kLanes);
-    // gradients come times 4 h, and so do I and R
     const auto stress = [&](const Pack<double> dF[9], Pack<double> dP[9]) {
-      for (int i = 0; i < 3; ++i) {
-        Pack<double> d[3] = {dF[3 * i], dF[3 * i + 1], dF[3 * i + 2]};
-        if constexpr (kAffine) d[i] += 4 * data.h;
-        times_slope(NN, d, dP + 3 * i);
-        for (int j = 0; j < 3; ++j) {
-          if constexpr (kAffine)
-            dP[3 * i + j] -= 4 * data.h * load(lagged + (6 + 3 * i + j) * kLanes);
-          dP[3 * i + j] = omega * dP[3 * i + j];
-        }
-      }
+      lagged_stress<kAffine>(data.h, omega, lagged, dF, dP);
     };
     if (rows.rows[size_t(r)].border >= 0)
       hessian_product<true>(data, stress, corner, force);

@@ -2,8 +2,8 @@
 #include "network/predictor.hpp"
 
 #include "core/parallel.hpp"
+#include "core/polar.hpp"
 #include "core/scene.hpp"
-#include "core/svd3.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -105,17 +105,21 @@ void limit(__rlimit_resource resource, rlim_t value, const char* what) {
     throw Error(concat("cannot limit ", what, ": ", std::strerror(errno)), ErrorKind::kResources);
 }
 
+// instructions of the classic packet filter
+sock_filter load(size_t at) {
+  return BPF_STMT(BPF_LD | BPF_W | BPF_ABS, uint32_t(at));
+}
+sock_filter jump(uint16_t test, uint32_t value, uint8_t yes, uint8_t no) {
+  return BPF_JUMP(uint16_t(BPF_JMP | BPF_K | test), value, yes, no);
+}
+sock_filter answer(uint32_t value) {
+  return BPF_STMT(BPF_RET | BPF_K, value);
+}
+
 /// The filter as instructions of the classic packet filter: foreign architectures end the process,
 /// the denied calls, any opening for writing and any new process fail. Threads may start, by clone:
 /// the flags of clone3 are out of sight, so that it is said not to exist.
 std::vector<sock_filter> filter() {
-  const auto load = [](size_t at) {
-    return sock_filter(BPF_STMT(BPF_LD | BPF_W | BPF_ABS, uint32_t(at)));
-  };
-  const auto jump = [](uint16_t test, uint32_t value, uint8_t yes, uint8_t no) {
-    return sock_filter(BPF_JUMP(uint16_t(BPF_JMP | BPF_K | test), value, yes, no));
-  };
-  const auto answer = [](uint32_t value) { return sock_filter(BPF_STMT(BPF_RET | BPF_K, value)); };
   constexpr uint32_t kFail = SECCOMP_RET_ERRNO | EPERM;
   constexpr uint32_t kWriting = O_WRONLY | O_RDWR | O_CREAT | O_TRUNC;
 

@@ -2,7 +2,7 @@
 #include "voxelize/budget.hpp"
 
 #include "core/error.hpp"
-#include "voxelize/vector3.hpp"
+#include "core/vec3.hpp"
 
 #include <algorithm>
 #include <cmath>

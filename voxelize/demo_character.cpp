@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "voxelize/demo_character.hpp"
 
-#include "voxelize/vector3.hpp"
+#include "core/vec3.hpp"
 
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Composite.h>

@@ -2,8 +2,8 @@
 #include "voxelize/from_points.hpp"
 
 #include "core/error.hpp"
+#include "core/vec3.hpp"
 #include "voxelize/point_spacing.hpp"
-#include "voxelize/vector3.hpp"
 
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Interpolation.h>

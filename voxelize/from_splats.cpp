@@ -2,8 +2,9 @@
 #include "voxelize/from_splats.hpp"
 
 #include "core/error.hpp"
+#include "core/vec3.hpp"
+#include "io/splat_motion.hpp"
 #include "voxelize/point_spacing.hpp"
-#include "voxelize/vector3.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -43,25 +44,19 @@ std::vector<size_t> chosen(const SplatCloud& splats) {
   return shown;
 }
 
-/// Column k of the rotation of a unit quaternion w x y z.
-Vec3 axis_of(const std::array<float, 4>& q, int k) {
-  const double w = q[0], x = q[1], y = q[2], z = q[3];
-  if (k == 0) return {1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)};
-  if (k == 1) return {2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)};
-  return {2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)};
-}
-
 /// Adds the points of one splat: an elliptic patch of a lattice on its two longest axes.
 void sample(const SplatCloud& splats, size_t i, double spacing, std::vector<Vec3>& points) {
   const auto& scale = splats.scale[i];
   const int thin = int(std::min_element(scale.begin(), scale.end()) - scale.begin());
   const int axes[2] = {(thin + 1) % 3, (thin + 2) % 3};
+  const Mat3<double> R = rotation_matrix(splats.rotation[i]);
   Vec3 step[2];
   int steps[2];
   for (int k = 0; k < 2; ++k) {
     const double sigma = scale[size_t(axes[k])];
     steps[k] = int(std::clamp(std::floor(sigma / spacing), 0.0, double(kMostSteps)));
-    step[k] = scaled(axis_of(splats.rotation[i], axes[k]), sigma / std::max(steps[k], 1));
+    const int a = axes[k];
+    step[k] = scaled({R(0, a), R(1, a), R(2, a)}, sigma / std::max(steps[k], 1));
   }
   for (int a = -steps[0]; a <= steps[0]; ++a)
     for (int b = -steps[1]; b <= steps[1]; ++b) {

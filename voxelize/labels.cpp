@@ -3,7 +3,7 @@
 
 #include "core/error.hpp"
 #include "core/parallel.hpp"
-#include "voxelize/vector3.hpp"
+#include "core/vec3.hpp"
 
 #include <algorithm>
 #include <bit>

@@ -23,14 +23,6 @@ constexpr double kBorder = 1e-9;  // width of a border, of the box's longest edg
                      "or a share of the asset's box (5%)"));
 }
 
-std::vector<std::string_view> split(std::string_view text, char at) {
-  std::vector<std::string_view> parts;
-  for (size_t end; (end = text.find(at)) != text.npos; text.remove_prefix(end + 1))
-    parts.push_back(text.substr(0, end));
-  parts.push_back(text);
-  return parts;
-}
-
 Selection parse_half_space(std::string_view text) {
   Selection selection;
   selection.kind = Selection::Kind::kHalfSpace;
@@ -79,6 +71,28 @@ Selection parse(std::string_view bare) {
 
 }  // namespace
 
+std::string without_blanks(std::string_view text) {
+  const auto is_digit = [](char c) { return (c >= '0' && c <= '9') || c == '.'; };
+  std::string bare;
+  bool parted = false;
+  for (const char c : text) {
+    const bool blank = c == ' ' || c == '\t';
+    ELASTOGEN_CHECK(!(parted && is_digit(c) && is_digit(bare.back())),
+                    "a blank parts two numbers, where a comma should stand");
+    if (!blank) bare += c;
+    parted = blank && !bare.empty();
+  }
+  return bare;
+}
+
+std::vector<std::string_view> split(std::string_view text, char at) {
+  std::vector<std::string_view> parts;
+  for (size_t end; (end = text.find(at)) != text.npos; text.remove_prefix(end + 1))
+    parts.push_back(text.substr(0, end));
+  parts.push_back(text);
+  return parts;
+}
+
 Place parse_place(std::string_view text) {
   if (text.ends_with('%')) return {parse_number(text.substr(0, text.size() - 1)) / 100, true};
   return {parse_length(text), false};
@@ -89,11 +103,8 @@ double coordinate(const Place& place, int axis, const Box& box) {
 }
 
 Selection parse_selection(std::string_view text) {
-  std::string bare;
-  for (const char c : text)
-    if (c != ' ' && c != '\t') bare += c;
   try {
-    return parse(bare);
+    return parse(without_blanks(text));
   } catch (const Error& error) {
     refuse(text, error.what());
   }

@@ -6,8 +6,10 @@
 #include "core/voxel_grid.hpp"
 
 #include <optional>
+#include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 namespace elastogen {
 
@@ -33,9 +35,15 @@ struct Selection {
 ///     all | AXIS (< | <= | > | >=) PLACE | box(PLACE x6: lower, upper corner)
 ///         | sphere(PLACE x3, LENGTH),       AXIS = x | y | z,  PLACE = LENGTH | NUMBER%
 ///
-/// with blanks anywhere and lengths as in io/units.hpp.
+/// with blanks anywhere but between two numbers, and lengths as in io/units.hpp.
 /// @throws Error naming what is wrong, and the grammar.
 Selection parse_selection(std::string_view text);
+
+/// A text without its blanks. @throws Error where a blank parts two numbers: "1 0" is not 10.
+std::string without_blanks(std::string_view text);
+
+/// The parts between separators, one more than there are separators.
+std::vector<std::string_view> split(std::string_view text, char at);
 
 /// A length or a share, "3cm" or "50%". @throws Error naming the text.
 Place parse_place(std::string_view text);

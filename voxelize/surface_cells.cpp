@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "voxelize/surface_cells.hpp"
 
-#include "voxelize/vector3.hpp"
+#include "core/vec3.hpp"
 
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>

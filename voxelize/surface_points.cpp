@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/error.hpp"
+#include "core/vec3.hpp"
 #include "voxelize/embedding.hpp"
-#include "voxelize/vector3.hpp"
 #include "voxelize/voxelize.hpp"
 
 #include <algorithm>

@@ -38,7 +38,7 @@ std::vector<Finding> check_grid(const VoxelGrid& grid) {
   std::vector<Finding> findings;
   if (grid.pieces > 1)
     findings.push_back(
-        {"pieces", grid.pieces,
+        {"loose-pieces", grid.pieces,
          concat("the grid falls into ", grid.pieces, " pieces that nothing holds together")});
   if (const int64_t hinges = hinge_count(grid); hinges > 0)
     findings.push_back({"hinges", hinges,

@@ -14,7 +14,7 @@ namespace elastogen {
 /// held by an edge or a corner alone and turn there without stiffness.
 int64_t hinge_count(const VoxelGrid& grid);
 
-/// Findings "pieces" and "hinges" of a grid.
+/// Findings "loose-pieces" and "hinges" of a grid.
 std::vector<Finding> check_grid(const VoxelGrid& grid);
 
 }  // namespace elastogen

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/error.hpp"
+#include "core/vec3.hpp"
 #include "voxelize/fill_fraction.hpp"
-#include "voxelize/vector3.hpp"
 #include "voxelize/winding_number.hpp"
 
 #include <openvdb/openvdb.h>

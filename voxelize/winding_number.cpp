@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "voxelize/winding_number.hpp"
 
-#include "voxelize/vector3.hpp"
+#include "core/vec3.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -62,6 +62,8 @@ TEST(ColliderOption, WhatCannotBeReadIsRefusedWithItsText) {
       {"sphere(0,0,0,1) path 0,0,0", "TIME:x,y,z"},
       {"sphere(0,0,0,1) path 1:0,0", "three lengths"},
       {"sphere(0,0,0,1) path 1:0,0,0; 1:0,0,0", "ascend"},
+      {"sphere(1 0,0,0,1)", "a blank parts two numbers"},
+      {"sphere(0,0,0,1) path 0:0,0,0 1:0,0,0", "a blank parts two numbers"},
       {"", "bracket"},
   };
   for (const auto& [text, word] : rows) {

@@ -246,6 +246,41 @@ TEST(Options, AFloorIsAPlaneOrOff) {
   expect_says(refusal({"a.obj", "-o", "a.glb", "--floor", "y=1kg"}), "kg");
 }
 
+TEST(Options, NoOutputTakesThePlaceOfAnother) {
+  const TempFolder folder;
+  const std::string scene = folder.write("s.toml", "[time]\nframes = 3\n");
+  const auto says = [&](const std::string& input, std::vector<std::string> words) {
+    words.insert(words.begin(), {input, "--scene", scene});
+    return refusal(words);
+  };
+  const std::string a = folder.path("a.obj"), ply = folder.path("a.ply");
+  const auto two = "two files of one name";
+  expect_says(says(a, {"-o", "x.glb", "--report", a}), two);
+  expect_says(says(a, {"-o", "x.glb", "--log-json", folder.path("./a.obj")}), two);
+  expect_says(says(a, {"-o", "x.glb", "--state", scene}), two);
+  expect_says(says(a, {"-o", "x.glb", "-o", "./x.glb"}), two);
+  expect_says(says(a, {"-o", ply, "-o", folder.path("a.PLY")}), two);
+  expect_says(says(folder.path("a_00000.ply"), {"-o", ply}), two);
+  // frames 1 ... 3 are written, the fourth is not
+  expect_says(says(folder.path("a_00003.ply"), {"-o", ply}), "a_00003.ply: a frame of");
+  expect_says(says(a, {"-o", folder.path("a.pvd"), "--log-json", folder.path("a_00001.vtu")}),
+              "a frame of");
+  for (const char* free : {"a_00004.ply", "a_1.ply", "a_00001.obj", "b_00001.ply"})
+    EXPECT_EQ(animate_options({folder.path(free), "--scene", scene, "-o", ply}).frames, 3) << free;
+  // an animation of one file may replace the asset, a sequence does not touch the name itself
+  for (const char* same : {"a.glb", "a.ply"})
+    EXPECT_EQ(animate_options({folder.path(same), "-o", folder.path(same)}).outputs.size(), 1u);
+}
+
+TEST(Options, NamesAreComparedBehindLinksOfFolders) {
+  const TempFolder folder;
+  std::filesystem::create_directory(folder.path("real"));
+  std::filesystem::create_directory_symlink(folder.path("real"), folder.path("link"));
+  expect_says(
+      refusal({folder.path("real/a.obj"), "-o", "x.glb", "--state", folder.path("link/a.obj")}),
+      "two files of one name");
+}
+
 TEST(Options, RefusesWhatIsMissing) {
   expect_says(refusal({"a.obj"}), "--output");
   expect_says(refusal({"-o", "a.glb"}), "INPUT");

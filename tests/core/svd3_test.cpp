@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/svd3.hpp"
 
+#include "core/polar.hpp"
 #include "tests/support/matrices.hpp"
 
 #include <gtest/gtest.h>

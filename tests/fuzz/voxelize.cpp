@@ -2,9 +2,10 @@
 // Bytes as triangles: 12 to 64 corners from a small lattice or anywhere. Every surface gives voxels
 // whose fills lie in (0, 1] and whose means sum to 1, or an Error.
 
+#include "voxelize/voxelize.hpp"
+
 #include "core/error.hpp"
 #include "voxelize/embedding.hpp"
-#include "voxelize/voxelize.hpp"
 
 #include <cmath>
 #include <cstdint>

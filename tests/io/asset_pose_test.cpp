@@ -33,12 +33,8 @@ TEST(AssetPose, UpIsAskedForThenStatedThenGuessed) {
   const UpChoice stated = choose_up(asset_of("las", -2), std::nullopt);
   EXPECT_EQ(up_name(stated.up), "-y");
   EXPECT_FALSE(stated.from.guessed);
-  for (const auto& [format, up] : {std::pair{"stl", "z"},
-                                   {"las", "z"},
-                                   {"laz", "z"},
-                                   {"obj", "y"},
-                                   {"ply", "y"},
-                                   {"xyz", "y"}}) {
+  for (const auto& [format, up] :
+       {std::pair{"stl", "z"}, {"las", "z"}, {"obj", "y"}, {"ply", "y"}, {"xyz", "y"}}) {
     const UpChoice guess = choose_up(asset_of(format), std::nullopt);
     EXPECT_EQ(up_name(guess.up), up) << format;
     EXPECT_TRUE(guess.from.guessed);

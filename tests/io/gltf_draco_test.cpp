@@ -146,6 +146,18 @@ TEST_F(GltfDraco, RefusesManyAttributesThatNobodyAsksFor) {
   expect_says(refusal(file_of(packed_square(1, method, 100))), "does not hold");
 }
 
+TEST_F(GltfDraco, RefusesMoreAttributesThanCountsCanHold) {
+  // 24 bytes each by their accessor, 2^16 at most
+  Builder builder = file_of(packed_square(1));
+  Json& primitive = builder.document["meshes"][0]["primitives"][0];
+  for (int k = 0; k < 2800; ++k) {
+    const std::string name = "_A" + std::to_string(k);
+    primitive["attributes"][name] = 0;
+    primitive["extensions"]["KHR_draco_mesh_compression"]["attributes"][name] = 0;
+  }
+  expect_says(refusal(builder), "more attributes than any real file");
+}
+
 TEST_F(GltfDraco, LeavesAPlainDocument) {
   const GlbDocument plain = gltf_document(read(file_of(packed_square(2))));
   const Json document = Json::parse(plain.json);

@@ -120,7 +120,7 @@ TEST_F(PlainGltf, PosesASkinnedMesh) {
     EXPECT_NEAR(asset.meshes[0].normal[v][2], 1, 1e-6);
   }
   ASSERT_EQ(asset.findings.size(), 1u);
-  EXPECT_EQ(asset.findings[0].what, "skin");
+  EXPECT_EQ(asset.findings[0].what, "skins");
   EXPECT_EQ(asset.findings[0].count, 1);
   const Json plain = document(builder);
   EXPECT_FALSE(plain.contains("skins"));
@@ -247,7 +247,7 @@ TEST_F(PlainGltf, ReadsRealFiles) {
   const Asset fox = read_gltf(assets + "gltf/Fox.glb");
   EXPECT_EQ(pose_surface(fox).triangles.rows(), 576);
   EXPECT_EQ(fox.findings.back().what, "animations");
-  EXPECT_EQ(fox.findings.front().what, "skin");
+  EXPECT_EQ(fox.findings.front().what, "skins");
 }
 
 }  // namespace

@@ -121,5 +121,11 @@ TEST(ResolveBeside, StaysBeneathTheFolder) {
   EXPECT_EQ(resolve_beside(asset, "../asset2/b.png"), "");
 }
 
+TEST(SafeFile, EndingsAreLowerCaseWithoutTheDot) {
+  EXPECT_EQ(ending_of("folder.d/NAME.Ply"), "ply");
+  EXPECT_EQ(ending_of("a.tar.GZ"), "gz");
+  for (const char* none : {"", "folder.d/name", ".hidden", "name."}) EXPECT_EQ(ending_of(none), "");
+}
+
 }  // namespace
 }  // namespace elastogen

@@ -63,9 +63,9 @@ TEST(Regions, HalfSpacesHaveAPlaneToAlignWith) {
 }
 
 TEST(Regions, RefuseWithTheTextTheReasonAndTheGrammar) {
-  for (const char* text :
-       {"", "y", "y<", "w<5%", "y=3", "y<5%%", "y<3 parsec", "box(1,2,3)", "box(0,0,0,1,1,1",
-        "box(1,0,0,0,1,1)", "sphere(0,0,0,-1)", "sphere(0,0,0,5%)", "all of it", "y<nan"})
+  for (const char* text : {"", "y", "y<", "w<5%", "y=3", "y<5%%", "y<3 parsec", "box(1,2,3)",
+                           "box(0,0,0,1,1,1", "box(1,0,0,0,1,1)", "sphere(0,0,0,-1)",
+                           "sphere(0,0,0,5%)", "all of it", "y<nan", "y<1 0%", "box(0 0,0, 1,1,1)"})
     try {
       parse_selection(text);
       ADD_FAILURE() << "accepted: " << text;

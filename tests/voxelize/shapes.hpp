@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "voxelize/vector3.hpp"
+#include "core/vec3.hpp"
 #include "voxelize/voxelize.hpp"
 
 #include <gtest/gtest.h>

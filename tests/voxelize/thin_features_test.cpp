@@ -28,7 +28,7 @@ TEST(ThinFeatures, FindingsCountPiecesAndHinges) {
   EXPECT_TRUE(check_grid(make_box(2, 3, 4, 1)).empty());
   const auto findings = check_grid(grid_of({{0, 0, 0}, {1, 1, 0}, {5, 5, 5}}));
   ASSERT_EQ(findings.size(), 2u);
-  EXPECT_EQ(findings[0].what, "pieces");
+  EXPECT_EQ(findings[0].what, "loose-pieces");
   EXPECT_EQ(findings[0].count, 2);
   EXPECT_EQ(findings[1].what, "hinges");
   EXPECT_EQ(findings[1].count, 1);

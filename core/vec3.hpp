@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The few operations on Vec3 that the geometry of voxelize needs.
+// The few operations on Vec3 that geometry needs.
 
 #pragma once
 
