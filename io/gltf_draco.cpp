@@ -10,6 +10,7 @@
 
 #include <cstring>
 #include <map>
+#include <optional>
 #include <set>
 #include <stdexcept>
 #include <tuple>
@@ -281,6 +282,20 @@ class DracoDecoder {
   std::map<Key, size_t> placed_;
 };
 
+/// Takes the extension out of a primitive, if it has one. Fields that are added move those
+/// beside them, so no reference to one is kept while a primitive is decoded.
+std::optional<Json> taken_extension(Json& primitive) {
+  if (!primitive.contains("extensions")) return {};
+  Json& extensions = primitive["extensions"];
+  std::optional<Json> taken;
+  if (extensions.is_object() && extensions.contains(kExtension)) {
+    taken = extensions[kExtension];
+    extensions.erase(kExtension);
+  }
+  if (extensions.empty()) primitive.erase("extensions");
+  return taken;
+}
+
 }  // namespace
 
 void decode_draco(GltfEdit& edit) {
@@ -289,16 +304,13 @@ void decode_draco(GltfEdit& edit) {
   for (size_t m = 0; m < edit.json["meshes"].size(); ++m) {
     Json& primitives = edit.json["meshes"][m]["primitives"];
     for (size_t p = 0; p < primitives.size(); ++p) {
-      Json& extensions = primitives[p]["extensions"];
-      if (extensions.is_object() && extensions.contains(kExtension)) {
-        const Json extension = extensions[kExtension];
-        extensions.erase(kExtension);
-        const Json& mesh = edit.json["meshes"][m];
-        const std::string name = mesh.contains("name") ? concat(" (", mesh["name"], ')') : "";
-        decoder.decode(primitives[p], extension,
-                       concat(edit.path(), ": meshes[", m, ']', name, ".primitives[", p, ']'));
-      }
-      if (extensions.empty()) primitives[p].erase("extensions");
+      Json& primitive = primitives[p];
+      const std::optional<Json> extension = taken_extension(primitive);
+      if (!extension) continue;
+      const Json& mesh = edit.json["meshes"][m];
+      const std::string name = mesh.contains("name") ? concat(" (", mesh["name"], ')') : "";
+      decoder.decode(primitive, *extension,
+                     concat(edit.path(), ": meshes[", m, ']', name, ".primitives[", p, ']'));
     }
   }
 }

@@ -44,7 +44,8 @@ struct Balls {
 FloatGrid::Ptr union_of(const Balls& balls) {
   FloatGrid::Ptr grid = openvdb::createLevelSet<FloatGrid>(1);
   openvdb::tools::ParticlesToLevelSet<FloatGrid> raster(*grid);
-  raster.rasterizeSpheres(balls, kRadius);
+  // OpenVDB binds a reference to the first of no points
+  if (balls.size() > 0) raster.rasterizeSpheres(balls, kRadius);
   raster.finalize(true);
   return grid;
 }

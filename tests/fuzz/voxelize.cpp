@@ -1,19 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bytes as triangles: 12 to 64 corners from a small lattice or anywhere. Every surface gives voxels
-// whose fills lie in (0, 1] and whose means sum to 1, or an Error.
+// Bytes as triangles: 4 to 19 corners on a lattice or anywhere. Every surface gives voxels whose
+// fills lie in (0, 1] and whose means sum to 1, or an Error.
 
 #include "voxelize/voxelize.hpp"
 
-#include "core/error.hpp"
+#include "tests/fuzz/harness.hpp"
 #include "voxelize/embedding.hpp"
 
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
-#include <cstdlib>
-#include <cstring>
 
 namespace elastogen {
 namespace {
+
+using fuzz::require;
 
 /// Coordinates of two bytes each; the first byte decides how coarse they are.
 Asset asset_of(const uint8_t* data, size_t size) {
@@ -36,24 +37,30 @@ Asset asset_of(const uint8_t* data, size_t size) {
   return asset;
 }
 
-void require(bool condition) {
-  if (!condition) std::abort();
-}
-
-void check_voxels(const Surface& surface) {
+VoxelGrid check_voxels(const Surface& surface) {
   const Voxelized v = voxelize(surface, {.voxels = 12, .max_voxels = 20000});
+  require(v.grid.voxel_count() > 0, "a grid has voxels");
   for (int64_t i = 0; i < v.grid.voxel_count(); ++i) {
-    require(v.grid.fill(i) > 0 && v.grid.fill(i) <= 1);
+    require(v.grid.fill(i) > 0 && v.grid.fill(i) <= 1, "a fill lies in (0, 1]");
     double sum = 0;
     for (int c = 0; c < 8; ++c) {
-      require(v.grid.shape_mean(i, c) >= 0);
+      require(v.grid.shape_mean(i, c) >= 0, "a mean is not negative");
       sum += v.grid.shape_mean(i, c);
     }
-    require(std::abs(sum - 1) < 1e-9);
+    require(std::abs(sum - 1) < 1e-9, "the means of a voxel sum to 1");
   }
-  const Embedding embedding = embed(v.grid, surface.vertices);
-  for (int64_t p = 0; p < embedding.voxel.rows(); ++p)
-    require(embedding.voxel(p) >= 0 && embedding.voxel(p) < v.grid.voxel_count());
+  return v.grid;
+}
+
+void check_embedding(const VoxelGrid& grid, const Surface& surface) {
+  const Embedding embedding = embed(grid, surface.vertices);
+  for (int64_t p = 0; p < embedding.voxel.rows(); ++p) {
+    require(embedding.voxel(p) >= 0 && embedding.voxel(p) < grid.voxel_count(),
+            "a vertex lies in a voxel");
+    double sum = 0;
+    for (int c = 0; c < 8; ++c) sum += embedding.weights(p, c);
+    require(std::abs(sum - 1) < 1e-9, "the weights of a vertex sum to 1");
+  }
 }
 
 }  // namespace
@@ -63,8 +70,12 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace elastogen;
   if (size < 2) return 0;
   try {
-    check_voxels(pose_surface(asset_of(data, size)));
-  } catch (const Error&) {
+    const Surface surface = pose_surface(asset_of(data, size));
+    check_embedding(check_voxels(surface), surface);
+  } catch (const Error& error) {
+    const bool expected =
+        error.kind() == ErrorKind::kAsset || error.kind() == ErrorKind::kResources;
+    require(expected, concat("an error of the wrong kind: ", error.what()));
   }
   return 0;
 }

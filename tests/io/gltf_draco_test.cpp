@@ -133,6 +133,19 @@ TEST_F(GltfDraco, ReadsWhatWasPacked) {
   }
 }
 
+/// Fields move when one is added; a sanitizer sees who still looks where they were.
+TEST_F(GltfDraco, ReadsPrimitivesWithoutModeHoweverManyOtherFieldsTheyHave) {
+  Builder builder = file_of(packed_square(3));
+  const std::vector<Vec3> wanted = read(builder).meshes.at(0).position;
+  for (const char* field : {"a", "b", "c", "d", "e", "f"}) {
+    builder.document["meshes"][0]["primitives"][0][field] = true;
+    const Asset asset = read(builder);
+    EXPECT_EQ(asset.meshes.at(0).position, wanted);
+    const Json plain = Json::parse(gltf_document(asset).json);
+    EXPECT_FALSE(plain["meshes"][0]["primitives"][0].contains("extensions"));
+  }
+}
+
 TEST_F(GltfDraco, TakesTheDensestStreams) {
   const Packed packed = packed_square(256, draco::MESH_EDGEBREAKER_ENCODING, 0, 8);
   EXPECT_GT(packed.triangles, 3 * packed.bytes.size());

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+// What holds for every asset that a reader gives, and for every reader: the same bytes give the
+// same asset or the same sentence, and what passes the gate can be posed and made a body of, or is
+// refused as an asset.
+
+#pragma once
+
+#include "io/asset_check.hpp"
+#include "io/asset_pose.hpp"
+#include "io/asset_stream.hpp"
+#include "tests/fuzz/harness.hpp"
+#include "voxelize/body.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace elastogen::fuzz {
+
+/// The bytes of a list of plain values.
+template <class T>
+std::string_view bytes_of(const std::vector<T>& values) {
+  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
+}
+
+/// Everything that a reader says, to the bit.
+inline std::string fingerprint(const Asset& asset) {
+  std::string all = encode_asset(asset);
+  if (asset.points)
+    all += concat(bytes_of(asset.points->position), '|', bytes_of(asset.points->normal), '|',
+                  bytes_of(asset.points->colour));
+  if (asset.splats) {
+    const SplatCloud& s = *asset.splats;
+    all += concat(bytes_of(s.position), '|', bytes_of(s.scale), '|', bytes_of(s.rotation), '|',
+                  bytes_of(s.opacity), '|', bytes_of(s.harmonics), '|', s.degree);
+  }
+  return all;
+}
+
+inline void require_finite(In<double> values, std::string_view what) {
+  for (int64_t k = 0; k < values.size(); ++k) require(std::isfinite(values.data[k]), what);
+}
+
+inline void check_body(const Body& body) {
+  const Surface& s = body.surface;
+  require_finite(s.vertices, "vertices are finite");
+  require_finite(body.carried, "carried points are finite");
+  require(s.triangles.rows() > 0 && s.material.rows() == s.triangles.rows(), "there are triangles");
+  for (int64_t k = 0; k < s.triangles.size(); ++k)
+    require(s.triangles.data()[k] >= 0 && s.triangles.data()[k] < s.vertices.rows(),
+            "triangles have vertices that are there");
+}
+
+/// @param size  longest edge [m], 0 as the file has it.
+inline void check_sized(const Asset& asset, double size) {
+  try {
+    const Body body = make_body(asset, size);
+    check_body(body);
+    const Box& box = body.surface.box;
+    const double longest = std::max({box.extent(0), box.extent(1), box.extent(2)});
+    require(longest > 0 && std::isfinite(longest), "a body has an extent");
+    choose_size(asset, longest, size > 0);
+  } catch (const Error& error) {
+    require_kind(error, ErrorKind::kAsset);
+  }
+}
+
+/// What follows a reader in the command.
+inline void check_read(Asset asset) {
+  try {
+    check_asset(asset);
+  } catch (const Error& error) {
+    return require_kind(error, ErrorKind::kAsset);
+  }
+  choose_up(asset, {});
+  check_sized(asset, 0);
+  check_sized(asset, 0.3);
+}
+
+/// @param read  gives an asset or throws.
+/// @return what it gave, as one text.
+template <class Read>
+std::string answer(const Read& read) {
+  try {
+    return fingerprint(read());
+  } catch (const Error& error) {
+    require_kind(error, ErrorKind::kAsset);
+    return error.what();
+  }
+}
+
+template <class Read>
+void check_reader(const Read& read) {
+  try {
+    Asset asset = read();
+    require(answer(read) == fingerprint(asset), "a reader gives the same asset twice");
+    check_read(std::move(asset));
+  } catch (const Error& error) {
+    require_kind(error, ErrorKind::kAsset);
+    require(answer(read) == error.what(), "a reader gives the same reason twice");
+  }
+}
+
+}  // namespace elastogen::fuzz
