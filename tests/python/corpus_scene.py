@@ -29,8 +29,7 @@ def scene_cases() -> Iterator[Case]:
         for old, new, words in (
                 (b"frames", b"farmes", "farmes"),
                 (b"2 MPa", b"2 MPaa", "young"), (b"2 MPa", b"-2 MPa", "young"),
-                (b"2 MPa", b"nan Pa", "young"), (b"box.obj", b"box\\u0000.obj", ""),
-                ):
+                (b"2 MPa", b"nan Pa", "young"), (b"box.obj", b"box\\u0000.obj", "")):
             yield Case(f"{new[:6].decode().strip()}.{ending}".replace("\\", "_"),
                        whole.replace(old, new), words, (2, 3), beside=box)
         yield Case(f"binary.{ending}", whole + bytes(50), "", (2,), beside=box)
