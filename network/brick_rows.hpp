@@ -105,7 +105,7 @@ template <class T, class Sums, class Read, class RowKernel, class Finish>
 void for_each_row(const BrickRows& g, BrickScratch<T>& scratch, std::vector<Sums>& sums,
                   const Read& read, const RowKernel& row, const Finish& finish) {
   sums.assign(size_t(g.brick_count()), Sums{});
-  tbb::parallel_for(int64_t(0), g.brick_count(), [&](int64_t b) {
+  run_tasks(g.brick_count(), [&](int64_t b) {
     bricks::Tile<T> tile;
     std::memset(&tile, 0, sizeof tile);
     const int32_t begin = g.tile_begin[size_t(b)], end = g.tile_begin[size_t(b + 1)];
