@@ -98,8 +98,11 @@ AnimateOptions take_animate(Verb& verb) {
   resolve(verb);
   AnimateOptions& o = verb.scene;
   if (o.print_resolved) return finish_resolved(o);
-  ELASTOGEN_CHECK(!o.input.empty(), "animate needs an INPUT, or a --scene with asset.file");
-  ELASTOGEN_CHECK(!o.outputs.empty(), "animate needs an --output, or a --scene with output.files");
+  const std::string& file = verb.scene_file;
+  const std::string scene = file.empty() ? "" : file + ": ";
+  ELASTOGEN_CHECK(!o.input.empty(), scene, "animate needs an INPUT, or a --scene with asset.file");
+  ELASTOGEN_CHECK(!o.outputs.empty(), scene,
+                  "animate needs an --output, or a --scene with output.files");
   check_outputs(o, verb.scene_file);
   return o;
 }

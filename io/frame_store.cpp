@@ -3,7 +3,6 @@
 
 #include "core/error.hpp"
 
-#include <fcntl.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -21,15 +20,7 @@ namespace {
 }  // namespace
 
 FrameStore::FrameStore(const std::string& beside, int64_t columns)
-    : path_(beside + ".frames-XXXXXX"), columns_(columns) {
-  file_ = ::mkstemp(path_.data());
-  if (file_ < 0) fail(beside, "creating a file in this folder");
-  ::unlink(path_.c_str());
-}
-
-FrameStore::~FrameStore() {
-  ::close(file_);
-}
+    : file_(beside), path_(beside), columns_(columns) {}
 
 void FrameStore::append(In<double> values) {
   ELASTOGEN_CHECK(values.size() == columns_, "a frame must have ", columns_, " values, got ",
@@ -38,7 +29,7 @@ void FrameStore::append(In<double> values) {
   const auto bytes = int64_t(row.size() * sizeof(float)), start = frames_ * bytes;
   for (int64_t done = 0; done < bytes;) {
     const char* from = reinterpret_cast<const char*>(row.data()) + done;
-    const ssize_t written = ::pwrite(file_, from, size_t(bytes - done), start + done);
+    const ssize_t written = ::pwrite(file_.descriptor(), from, size_t(bytes - done), start + done);
     if (written < 0 && errno == EINTR) continue;
     if (written <= 0) fail(path_, "writing a frame");
     done += written;
@@ -51,7 +42,7 @@ void FrameStore::read(int64_t frame, int64_t first, int64_t count, float* values
   const int64_t start = (frame * columns_ + first) * int64_t(sizeof(float));
   for (int64_t done = 0; done < bytes;) {
     char* to = reinterpret_cast<char*>(values) + done;
-    const ssize_t got = ::pread(file_, to, size_t(bytes - done), start + done);
+    const ssize_t got = ::pread(file_.descriptor(), to, size_t(bytes - done), start + done);
     if (got < 0 && errno == EINTR) continue;
     if (got <= 0) fail(path_, "reading a frame");
     done += got;

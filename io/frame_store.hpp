@@ -4,6 +4,7 @@
 #pragma once
 
 #include "core/array.hpp"
+#include "io/safe_file.hpp"
 
 #include <string>
 
@@ -16,7 +17,6 @@ class FrameStore {
  public:
   /// @param beside  path of the output, in whose folder the file lives.
   FrameStore(const std::string& beside, int64_t columns);
-  ~FrameStore();
   FrameStore(const FrameStore&) = delete;
   FrameStore& operator=(const FrameStore&) = delete;
 
@@ -29,9 +29,9 @@ class FrameStore {
   void read(int64_t frame, int64_t first, int64_t count, float* values) const;
 
  private:
+  SafeFile file_;  // never committed
   std::string path_;
   int64_t columns_ = 0, frames_ = 0;
-  int file_ = -1;
 };
 
 }  // namespace elastogen

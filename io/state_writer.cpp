@@ -6,6 +6,8 @@
 #include "io/hdf5_file.hpp"
 #include "io/safe_file.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
@@ -216,11 +218,12 @@ void write_motion(hid_t group, std::FILE* spill, const std::string& path, int64_
 
 StateWriter::StateWriter(const std::string& path, const Scene& scene, const StateHeader& header,
                          const State& initial)
-    : scene_(scene), header_(header), path_(path), spill_(nullptr, std::fclose) {
-  const std::string name = path + ".steps";
-  spill_.reset(std::fopen(name.c_str(), "w+b"));
-  if (!spill_) fail(name, "opening");
-  std::remove(name.c_str());
+    : scene_(scene),
+      header_(header),
+      path_(path),
+      spill_file_(path),
+      spill_(::fdopen(::dup(spill_file_.descriptor()), "w+b"), std::fclose) {
+  if (!spill_) fail(path, "keeping the steps");
   keep(initial);
 }
 

@@ -6,6 +6,7 @@
 
 #include "core/report.hpp"
 #include "core/state.hpp"
+#include "io/safe_file.hpp"
 
 #include <cstdio>
 #include <memory>
@@ -50,6 +51,7 @@ class StateWriter {
   const Scene& scene_;
   StateHeader header_;
   std::string path_;
+  SafeFile spill_file_;                                    ///< never committed
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> spill_;  ///< x, v of each entry, raw float64
   std::vector<double> time_;                               ///< of each entry [s]
   std::vector<StepReport> reports_;                        ///< one less than entries

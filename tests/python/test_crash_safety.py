@@ -34,7 +34,7 @@ def arguments(folder: Path) -> list[str]:
     out.mkdir(exist_ok=True)
     return [command.BINARY, "animate", str(asset), "--voxels", "12", "--frames", "12",
             "--pin", "x<5%", "--young", "200kPa", "--quiet",
-            "-o", str(out / "a.glb"), "--state", str(out / "a.h5"),
+            "-o", str(out / "a.glb"), "-o", str(out / "a.pc2"), "--state", str(out / "a.h5"),
             "--report", str(out / "a.json"), "--log-json", str(out / "a.log")]
 
 
@@ -44,7 +44,7 @@ class Killed(unittest.TestCase):
         out = folder / "out"
         self.assertLessEqual({p.name for p in out.iterdir()},
                              {"a.glb", "a.pc2", "a.h5", "a.json", "a.log"})
-        for name in ("a.glb", "a.h5", "a.json"):
+        for name in ("a.glb", "a.pc2", "a.h5", "a.json"):
             content = (out / name).read_bytes()
             if content == OLD:
                 continue
@@ -69,7 +69,7 @@ class Killed(unittest.TestCase):
 
     def test_leaves_old_files_or_whole_ones(self) -> None:
         rng = random.Random(7)
-        whole = dict.fromkeys(("a.glb", "a.h5", "a.json"), 0)
+        whole = dict.fromkeys(("a.glb", "a.pc2", "a.h5", "a.json"), 0)
         with tempfile.TemporaryDirectory() as name:
             folder = Path(name)
             run = arguments(folder)
@@ -101,7 +101,7 @@ class Killed(unittest.TestCase):
                     time.sleep(1)
                     process.send_signal(number)
                     self.assertEqual(process.wait(20), 128 + number)
-                self.check(folder, dict.fromkeys(("a.glb", "a.h5", "a.json"), 0))
+                self.check(folder, dict.fromkeys(("a.glb", "a.pc2", "a.h5", "a.json"), 0))
                 self.assertEqual(json.loads((folder / "out/a.json").read_text())["warnings"][-1],
                                  "interrupted")
 
