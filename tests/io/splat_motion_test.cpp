@@ -212,7 +212,8 @@ TEST(SplatMotion, RefusesWhatDoesNotFit) {
   bad = splats;
   bad.harmonics.pop_back();
   EXPECT_THROW(SplatMotion{bad}, Error);
-  SplatMotion none{SplatCloud{}};
+  const SplatCloud empty;  // the motion refers to it
+  SplatMotion none(empty);
   none.turn(Array<double>(0, 9));
   EXPECT_EQ(none.clamped, 0);
 }
