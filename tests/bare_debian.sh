@@ -23,7 +23,7 @@ inside() {
   local begin=$SECONDS
   chroot "$root" /usr/bin/env -i HOME=/root LANG=C.UTF-8 \
     PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin \
-    /bin/bash -c 'cd /root/elastogen && exec "$@"' bash "$@"
+    /bin/bash -c 'cd /srv/elastogen && exec "$@"' bash "$@"
   say "$*: $((SECONDS - begin)) s"
 }
 
@@ -34,9 +34,9 @@ fi
 cp /etc/resolv.conf "$root/etc/resolv.conf" 2>/dev/null || true
 say_size "bare root"
 
-rm -rf "$root/root/elastogen"
-git clone --quiet --no-hardlinks "$repository" "$root/root/elastogen"
-say "clone of commit $(git -C "$root/root/elastogen" rev-parse --short HEAD)"
+rm -rf "$root/srv/elastogen"
+git clone --quiet --no-hardlinks "$repository" "$root/srv/elastogen"
+say "clone of commit $(git -C "$root/srv/elastogen" rev-parse --short HEAD)"
 
 # /proc is wanted, not needed: without it one thread more or less is found
 if mount -t proc proc "$root/proc" 2>/dev/null; then

@@ -13,6 +13,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <string>
 
 namespace elastogen::fuzz {
 
@@ -64,6 +66,13 @@ inline void check_sized(const Asset& asset, double size) {
   }
 }
 
+/// Whether a body is made of it. A shell of points or splats takes OpenVDB a second under the
+/// sanitizers, a reader a millisecond: one in 64 is enough, chosen by what was read, so that an input
+/// that fails fails again.
+inline bool is_worth_a_body(const Asset& asset) {
+  return !(asset.points || asset.splats) || std::hash<std::string>{}(fingerprint(asset)) % 64 == 0;
+}
+
 /// What follows a reader in the command.
 inline void check_read(Asset asset) {
   try {
@@ -72,6 +81,7 @@ inline void check_read(Asset asset) {
     return require_kind(error, ErrorKind::kAsset);
   }
   choose_up(asset, {});
+  if (!is_worth_a_body(asset)) return;
   check_sized(asset, 0);
   check_sized(asset, 0.3);
 }
