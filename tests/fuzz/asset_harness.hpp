@@ -67,8 +67,8 @@ inline void check_sized(const Asset& asset, double size) {
 }
 
 /// Whether a body is made of it. A shell of points or splats takes OpenVDB a second under the
-/// sanitizers, a reader a millisecond: one in 64 is enough, chosen by what was read, so that an input
-/// that fails fails again.
+/// sanitizers, a reader a millisecond: one in 64 is enough, chosen by what was read, so that an
+/// input that fails fails again.
 inline bool is_worth_a_body(const Asset& asset) {
   return !(asset.points || asset.splats) || std::hash<std::string>{}(fingerprint(asset)) % 64 == 0;
 }
