@@ -24,7 +24,7 @@ struct StepReport {
   int inner = 0;             ///< quasi: evaluations of the potential; newton: PCG iterations
   bool float64 = false;      ///< the iteration ran in float64 (docs/physics.md, precision)
   bool finite = true;        ///< false: the step was refused and the state is the one before
-  std::string refusal;       ///< why, where there is more to say than that
+  std::string refusal;       ///< why, where there is more to say; or why it is a draft
   bool interrupted = false;  ///< the step was given up on request; the state is the one before
   double min_j = 1;          ///< smallest det F of a voxel
   double min_corner_j = 1;   ///< smallest det F at a corner of a full voxel

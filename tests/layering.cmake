@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# Fails on an include that crosses the layers core <- io <- voxelize <- network <- cli, or that
-# brings a library in where it does not belong. From the root: cmake -P tests/layering.cmake
+# Fails on an include that crosses the layers core <- io <- voxelize <- {network, mpm_fem} <- cli,
+# or that brings a library in where it does not belong. From the root: cmake -P tests/layering.cmake
 # Another tree: cmake -DROOT=<folder> -P tests/layering.cmake
 cmake_minimum_required(VERSION 3.25)
 if(NOT DEFINED ROOT)
@@ -13,9 +13,10 @@ set(may_include_io core io)
 set(may_include_voxelize core io voxelize)
 set(may_include_reader core io voxelize reader)
 set(may_include_network core voxelize network)
+set(may_include_mpm_fem core io voxelize mpm_fem)
 
 # libraries: what an include of them looks like, and the files that may have it
-set(libraries assimp openvdb json cli11 hdf5 tinygltf draco meshopt eigen tbb toml torch)
+set(libraries assimp openvdb json cli11 hdf5 tinygltf draco meshopt eigen tbb toml torch cholmod spectra)
 set(assimp_include "<assimp/")
 set(assimp_files "^reader/[^/]+\\.cpp$")
 set(openvdb_include "<(openvdb|nanovdb)/")
@@ -40,6 +41,10 @@ set(toml_include "<toml\\.hpp>")
 set(toml_files "^io/scene_toml\\.cpp$")
 set(torch_include "<(torch|ATen|c10)/")
 set(torch_files "^$")
+set(cholmod_include "<(cholmod|Eigen/CholmodSupport)")
+set(cholmod_files "^mpm_fem/solve/sparse_direct\\.cpp$")
+set(spectra_include "<Spectra/")
+set(spectra_files "^mpm_fem/integrators/modes\\.cpp$")
 
 set(forbidden 0)
 macro(forbid text)

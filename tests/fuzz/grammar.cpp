@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The small languages of the command line; the first byte chooses one.
 
+#include "cli/boundary_option.hpp"
 #include "cli/collider_option.hpp"
 #include "cli/region_option.hpp"
 #include "core/material.hpp"
@@ -44,6 +45,18 @@ void region(std::string_view text) {
   check_material(parse_region(text).material);
 }
 
+void boundary(std::string_view text) {
+  if (text.empty()) return;
+  const int kind = uint8_t(text[0]) % 3;
+  text.remove_prefix(1);
+  if (kind == 0) parse_hold(text);
+  if (kind == 1)
+    for (const double f : parse_traction(text).force) require_finite(f);
+  if (kind == 2)
+    for (const PathKey& key : parse_move(text).path)
+      for (const double x : key.offset) require_finite(x);
+}
+
 void quantity(std::string_view text) {
   if (text.empty()) return;
   const auto kind = Quantity(uint8_t(text[0]) % (int(Quantity::kMemory) + 1));
@@ -69,7 +82,7 @@ void up(std::string_view text) {
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace elastogen;
   constexpr void (*kLanguages[])(std::string_view) = {selection, collider, region, quantity,
-                                                      memory,    place,    up};
+                                                      memory,    place,    up,     boundary};
   if (size == 0) return 0;
   const std::string_view text(reinterpret_cast<const char*>(data + 1), size - 1);
   try {

@@ -21,6 +21,7 @@ from command import (Floats, glb_bytes, glb_parts, turned_box, write_obj,  # noq
                      write_ply, write_stl)
 
 from packed_seeds import draco_glb, meshopt_glb  # noqa: E402
+from tet_seeds import TET_WORDS, tet_seeds  # noqa: E402
 
 POSITION, FACES = turned_box((0.3, 0.12, 0.1), (1, 2, 3), 25)
 MAX_REAL = 300_000  # of a real file that becomes a seed [bytes]
@@ -30,6 +31,7 @@ REAL = {
     "obj": {"obj": b""}, "ply": {"ply": b""}, "stl": {"stl": b""}, "off": {"off": b""},
     "gltf": {"glb": b"", "gltf": b""}, "xyz": {"xyz": b""}, "pcd": {"pcd": b""},
     "las": {"las": b""}, "splat": {"splat": b""}, "spz": {"spz": b""}, "vdb": {"vdb": b"\0"},
+    "tets": {"msh": b"", "vtk": b"", "vtu": b""},
     "assimp": {"fbx": b"\0", "dae": b"\1", "3ds": b"\2", "x": b"\3", "ac": b"\4"},
 }
 
@@ -63,6 +65,7 @@ WORDS = {
              "EXT_meshopt_compression KHR_mesh_quantization filter OCTAHEDRAL QUATERNION "
              "EXPONENTIAL ATTRIBUTES TRIANGLES INDICES fallback images animations "
              "data:application/octet-stream;base64,").split(),
+    "tets": TET_WORDS,
     "scene_toml": [*SCENE_WORDS, "[[", "]]", '"""', "'''", "= [", "#"],
     "scene_json": [*SCENE_WORDS, '": [', "{", "}", "\\u0000"],
     "grammar": GRAMMAR_WORDS,
@@ -298,7 +301,7 @@ def seeds_of(harness: str) -> list[bytes]:
         "xyz": lambda: [lines.encode(), b"120\n" + lines.encode()],
         "pcd": pcd_seeds, "las": las_seeds, "splat": splat_seeds, "spz": spz_seeds,
         "assimp": lambda: [b"\3" + X_FILE, b"\4" + AC_FILE],
-        "asset_stream": lambda: [stream_seed()],
+        "asset_stream": lambda: [stream_seed()], "tets": tet_seeds,
         "scene_toml": lambda: [TOML], "scene_json": lambda: [JSON],
         "grammar": lambda: GRAMMAR, "law": law_seeds, "voxelize": voxelize_seeds,
     }

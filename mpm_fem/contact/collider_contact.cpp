@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mpm_fem/contact/collider_contact.hpp"
+
+#include "core/barrier.hpp"
+#include "core/error.hpp"
+#include "core/vec3.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace elastogen::fem {
+namespace {
+
+constexpr double kGravity = 9.81;
+
+Vec3 between(const Vec3& a, const Vec3& b, double share) {
+  return {a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1]), a[2] + share * (b[2] - a[2])};
+}
+
+}  // namespace
+
+ContactPoints voxel_contact(const Scene& scene) {
+  const SurfacePoints& s = scene.surface;
+  const double h = scene.grid.h;
+  ContactPoints points;
+  points.weights = s.weights;
+  points.area = s.area;
+  points.position = s.position;
+  points.layer = h / 4;
+  points.nodes = Array<int32_t>(s.voxel.rows(), 8);
+  points.stiffness = Array<double>(s.voxel.rows());
+  Box box;
+  for (int64_t p = 0; p < s.voxel.rows(); ++p) {
+    std::copy_n(scene.grid.corners.row(s.voxel(p)), 8, points.nodes.row(p));
+    const Material& m = scene.materials[size_t(scene.material(s.voxel(p)))];
+    points.stiffness(p) = m.young * points.layer * points.layer / h;
+    box.add({s.position(p, 0), s.position(p, 1), s.position(p, 2)});
+  }
+  const double size = std::max({box.extent(0), box.extent(1), box.extent(2), h});
+  points.slip_range = 1e-3 * std::sqrt(kGravity * size) * scene.dt;
+  return points;
+}
+
+ColliderContact::ColliderContact(ContactPoints points, std::vector<Collider> colliders,
+                                 int64_t nodes)
+    : points_(std::move(points)) {
+  const int64_t count = points_.nodes.rows();
+  ELASTOGEN_CHECK(points_.weights.rows() == count && points_.area.rows() == count &&
+                      points_.position.rows() == count && points_.stiffness.rows() == count &&
+                      points_.weights.cols() == points_.nodes.cols(),
+                  "the arrays of the contact points differ in length");
+  for (int64_t k = 0; k < points_.nodes.size(); ++k)
+    ELASTOGEN_CHECK(points_.nodes.data()[k] >= 0 && points_.nodes.data()[k] < nodes,
+                    "contact point ", k / points_.nodes.cols(), " is carried by node ",
+                    points_.nodes.data()[k], " of ", nodes);
+  for (const Collider& c : colliders) walls_.push_back({core_of(c, points_.layer), {}, {}, {}});
+  lags_.resize(walls_.size() * size_t(count));
+  start_.resize(size_t(count));
+}
+
+Vec3 ColliderContact::place(In<double> u, int64_t point) const {
+  Vec3 x = {points_.position(point, 0), points_.position(point, 1), points_.position(point, 2)};
+  for (int a = 0; a < points_.nodes.cols(); ++a)
+    for (int i = 0; i < 3; ++i)
+      x[size_t(i)] += points_.weights(point, a) * u(points_.nodes(point, a), i);
+  return x;
+}
+
+void ColliderContact::begin_step(In<double> u, double time, double dt) {
+  const int64_t count = points_.nodes.rows();
+  for (int64_t p = 0; p < count; ++p) start_[size_t(p)] = place(u, p);
+  for (size_t w = 0; w < walls_.size(); ++w) {
+    Wall& wall = walls_[w];
+    wall.from = offset_at(wall.core, time);
+    wall.to = wall.now = offset_at(wall.core, time + dt);
+    for (int64_t p = 0; p < count; ++p) {
+      const Proximity near = proximity(wall.core, wall.from, start_[size_t(p)]);
+      const double force = -points_.area(p) * points_.stiffness(p) *
+                           barrier(near.distance / points_.layer).first / points_.layer;
+      lags_[w * size_t(count) + size_t(p)] = {wall.core.friction * force, near.normal};
+    }
+  }
+}
+
+void ColliderContact::stand_at(double share) {
+  for (Wall& wall : walls_) wall.now = between(wall.from, wall.to, share);
+}
+
+double ColliderContact::clear_share(In<double> u, double from) {
+  constexpr int kHalvings = 20;
+  double share = 1;
+  for (int k = 0; k < kHalvings; ++k, share = (share + from) / 2) {
+    bool clear = true;
+    for (const Wall& wall : walls_)
+      for (int64_t p = 0; p < points_.nodes.rows() && clear; ++p) {
+        const Vec3 x = place(u, p);
+        const double before = proximity(wall.core, between(wall.from, wall.to, from), x).distance;
+        const double after = proximity(wall.core, between(wall.from, wall.to, share), x).distance;
+        clear = after >= std::min(before, points_.layer) / 2;
+      }
+    if (clear) return share;
+  }
+  return from;
+}
+
+/// Distance, normal and slip of a point at a place. Slip is relative to the whole motion of the
+/// wall in the step, whatever share of it is done.
+ColliderContact::Touch ColliderContact::touch_of(const Wall& wall, const Lag& lag, int64_t point,
+                                                 const Vec3& x) const {
+  const Proximity near = proximity(wall.core, wall.now, x);
+  Touch touch{point, &wall, &lag, near.distance, near.normal, {}};
+  for (size_t i = 0; i < 3; ++i)
+    touch.slip[i] = x[i] - start_[size_t(point)][i] - (wall.now[i] - wall.from[i]);
+  const double along = dot(touch.slip, lag.normal);
+  for (size_t i = 0; i < 3; ++i) touch.slip[i] -= along * lag.normal[i];
+  return touch;
+}
+
+void ColliderContact::find_touches(In<double> u) {
+  touches_.clear();
+  const int64_t count = points_.nodes.rows();
+  for (int64_t p = 0; p < count; ++p) {
+    const Vec3 x = place(u, p);
+    for (size_t w = 0; w < walls_.size(); ++w) {
+      const Touch touch = touch_of(walls_[w], lags_[w * size_t(count) + size_t(p)], p, x);
+      if (touch.distance < points_.layer || touch.lag->limit > 0) touches_.push_back(touch);
+    }
+  }
+}
+
+double ColliderContact::energy(In<double> u) {
+  find_touches(u);
+  double energy = 0;
+  for (const Touch& t : touches_) {
+    if (t.distance <= 0) return std::numeric_limits<double>::infinity();
+    energy += points_.area(t.point) * points_.stiffness(t.point) *
+              barrier(t.distance / points_.layer).value;
+    if (t.lag->limit > 0)
+      energy += t.lag->limit * smoothed_slip(norm(t.slip), points_.slip_range).value;
+  }
+  return energy;
+}
+
+void ColliderContact::add_gradient(In<double> u, Out<double> g) {
+  find_touches(u);
+  for (const Touch& t : touches_) {
+    const double push = points_.area(t.point) * points_.stiffness(t.point) *
+                        barrier(t.distance / points_.layer).first / points_.layer;
+    const double drag =
+        t.lag->limit > 0
+            ? t.lag->limit * smoothed_slip(norm(t.slip), points_.slip_range).first_over_y
+            : 0;
+    for (int a = 0; a < points_.nodes.cols(); ++a)
+      for (int i = 0; i < 3; ++i)
+        g(points_.nodes(t.point, a), i) +=
+            points_.weights(t.point, a) * (push * t.normal[size_t(i)] + drag * t.slip[size_t(i)]);
+  }
+}
+
+/// Second derivative of a point's energy in its place, (3, 3).
+void ColliderContact::hessian_of(const Touch& t, double block[9]) const {
+  const double k = points_.area(t.point) * points_.stiffness(t.point) *
+                   barrier(t.distance / points_.layer).second / (points_.layer * points_.layer);
+  for (size_t i = 0; i < 3; ++i)
+    for (size_t j = 0; j < 3; ++j) block[3 * i + j] = k * t.normal[i] * t.normal[j];
+  if (!(t.lag->limit > 0)) return;
+  const double y = norm(t.slip);
+  const SmoothedSlip f = smoothed_slip(y, points_.slip_range);
+  const double across = t.lag->limit * f.first_over_y;
+  const double along = y > 0 ? (t.lag->limit * f.second - across) / (y * y) : 0;
+  const Vec3& n = t.lag->normal;
+  for (size_t i = 0; i < 3; ++i)
+    for (size_t j = 0; j < 3; ++j)
+      block[3 * i + j] +=
+          across * ((i == j ? 1.0 : 0.0) - n[i] * n[j]) + along * t.slip[i] * t.slip[j];
+}
+
+void ColliderContact::add_hessian(
+    In<double> u, const std::function<void(int32_t, int32_t, const double[9])>& add) {
+  find_touches(u);
+  for (const Touch& t : touches_) {
+    double point[9], block[9];
+    hessian_of(t, point);
+    for (int a = 0; a < points_.nodes.cols(); ++a)
+      for (int b = 0; b < points_.nodes.cols(); ++b) {
+        const double weight = points_.weights(t.point, a) * points_.weights(t.point, b);
+        for (int k = 0; k < 9; ++k) block[k] = weight * point[k];
+        add(points_.nodes(t.point, a), points_.nodes(t.point, b), block);
+      }
+  }
+}
+
+double ColliderContact::longest_step(In<double> u, In<double> end) {
+  double share = 1;
+  for (int64_t p = 0; p < points_.nodes.rows(); ++p) {
+    const Vec3 a = place(u, p), b = place(end, p);
+    for (const Wall& wall : walls_) share = std::min(share, free_share(wall.core, wall.now, a, b));
+  }
+  return share;
+}
+
+double ColliderContact::deepest_overlap(In<double> u) {
+  find_touches(u);
+  double deepest = 0;
+  for (const Touch& t : touches_) deepest = std::max(deepest, points_.layer - t.distance);
+  return deepest;
+}
+
+const Collider* ColliderContact::obstacle(In<double> u) {
+  find_touches(u);
+  for (const Touch& t : touches_)
+    if (t.distance <= 0) return &t.wall->core;
+  return nullptr;
+}
+
+}  // namespace elastogen::fem

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+// Points of a surface against colliders: the barrier and the smoothed friction of docs/physics.md,
+// section 6,
+//
+//     E = sum_pc A_p kappa_p b(d_pc / D) + sum_pc friction_c N_pc f(|slip_pc|),
+//
+// d_pc the distance of point p from the core of collider c where it stands at the end of the step,
+// N_pc and the normal that slip is measured across those of its start. Gradient and Hessian are
+// exact but for the turning of the normal of a convex collider, which only lowers the Hessian.
+
+#pragma once
+
+#include "core/scene.hpp"
+
+#include <functional>
+#include <vector>
+
+namespace elastogen::fem {
+
+/// Points that move with nodes of a mesh.
+struct ContactPoints {
+  Array<int32_t> nodes;     ///< nodes that carry a point, (points, n)
+  Array<double> weights;    ///< of each, rows sum to 1, (points, n)
+  Array<double> area;       ///< [m^2], (points, 1)
+  Array<double> position;   ///< at rest [m], (points, 3)
+  Array<double> stiffness;  ///< E D^2 / h of the barrier [N/m], (points, 1)
+  double layer = 0;         ///< D [m]
+  double slip_range = 0;    ///< slip up to which friction counts as sticking [m]
+};
+
+/// The points of a voxel scene with its layer h/4 and its slip range, a thousandth of the body's
+/// free-fall speed times dt; each carried by the corners of its voxel.
+ContactPoints voxel_contact(const Scene& scene);
+
+class ColliderContact {
+ public:
+  /// @throws Error where arrays differ in length or a node is not there.
+  ColliderContact(ContactPoints points, std::vector<Collider> colliders, int64_t nodes);
+
+  bool exists() const { return !walls_.empty(); }
+
+  /// Takes slip, normals and normal forces from the displacement u, (nodes, 3), at the start of a
+  /// step from `time` to `time + dt`, at whose end the colliders then stand.
+  void begin_step(In<double> u, double time, double dt);
+
+  /// Puts the colliders at a share of their way through the step: a start value that they would cut
+  /// is moved on share by share.
+  void stand_at(double share);
+  /// Largest share above `from` at which each point keeps half its distance at `from`; `from` if
+  /// there is none.
+  double clear_share(In<double> u, double from);
+
+  /// [J]; infinite where a point is in the core of a collider.
+  double energy(In<double> u);
+  /// Adds dE/du [N] to g, (nodes, 3).
+  void add_gradient(In<double> u, Out<double> g);
+  /// Hands on 3x3 blocks d2E/du_a du_b [N/m], row-major, of pairs of nodes (a, b).
+  void add_hessian(In<double> u,
+                   const std::function<void(int32_t a, int32_t b, const double block[9])>& add);
+
+  /// Largest share, at most 1, of the way from u to `end` on which each point keeps a tenth of its
+  /// distance all along.
+  double longest_step(In<double> u, In<double> end);
+  /// Deepest place of a point below a collider's surface [m], 0 if none.
+  double deepest_overlap(In<double> u);
+  /// The collider whose core a point lies in, null if none.
+  const Collider* obstacle(In<double> u);
+
+ private:
+  struct Wall {
+    Collider core;
+    Vec3 from = {}, to = {}, now = {};  // offsets at the start, at the end and at stand_at's share
+  };
+  /// What friction takes from the start of the step.
+  struct Lag {
+    double limit = 0;  // largest force [N]
+    Vec3 normal = {};
+  };
+  /// A point near a wall: distance, normal, slip across the lagged normal.
+  struct Touch {
+    int64_t point;
+    const Wall* wall;
+    const Lag* lag;
+    double distance;
+    Vec3 normal, slip;
+  };
+
+  Vec3 place(In<double> u, int64_t point) const;
+  void find_touches(In<double> u);
+  Touch touch_of(const Wall& wall, const Lag& lag, int64_t point, const Vec3& place) const;
+  void hessian_of(const Touch& touch, double block[9]) const;
+
+  ContactPoints points_;
+  std::vector<Wall> walls_;
+  std::vector<Lag> lags_;    // wall by wall
+  std::vector<Vec3> start_;  // place of each point at the start of the step
+  std::vector<Touch> touches_;
+};
+
+}  // namespace elastogen::fem

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+// The elastic potential of a mesh in float64,
+//
+//     E(u) = sum_e sum_q w_q psi(F_q),    F_q = I + sum_a u_a (x) dN_a/dX(X_q),
+//
+// with its exact gradient and Hessian. With bbar F_q is multiplied by (Jbar/J_q)^(1/3), Jbar the
+// mean of J over the element (mean dilatation: Nagtegaal et al. 1974; Simo, Taylor, Pister 1985),
+// which keeps E a potential (below J = 1/10 it is continued: fem/mean_dilatation.hpp). The voxel
+// element is that of docs/physics.md: one point with the mean gradient over the fill, and the
+// strain-variance term with the torsion correction. Elements of a grid's voxels weigh with the
+// fill.
+
+#pragma once
+
+#include "core/report.hpp"
+#include "mpm_fem/fem/element_state.hpp"
+#include "mpm_fem/fem/voxel_element.hpp"
+
+#include <vector>
+
+namespace elastogen::fem {
+
+/// Displacements u are (nodes, 3) [m] from mesh.rest throughout. Const members may be called from
+/// several threads at once; results have the same bits on any number of threads.
+class ElasticBody {
+ public:
+  /// @throws Error as check_mesh, and on a material index without material.
+  ElasticBody(const ElementMesh& mesh, std::vector<Material> materials);
+
+  const ElementMesh& mesh() const { return mesh_; }
+  const std::vector<Material>& materials() const { return materials_; }
+
+  /// Takes the rotation of each voxel, in which its torsion correction is evaluated, from u; I
+  /// before the first call. A voxel whose F leaves the rotation to rounding (core/polar.hpp) goes
+  /// without the correction. Nothing for the other elements.
+  void freeze_rotations(In<double> u);
+
+  /// E(u) [J], in the parts elastic and hourglass. Infinite nowhere: laws are continued below J = 0
+  /// as core/elastic_law.hpp has it.
+  EnergyParts energy(In<double> u) const;
+  /// Adds dE/du [N] to g, (nodes, 3).
+  void add_gradient(In<double> u, Out<double> g) const;
+  /// Hessian of one element [N/m], symmetric, row-major (3 n, 3 n), dof 3 corner + component.
+  /// projected: the nearest positive semi-definite one, Gauss point by Gauss point where the
+  /// element is their sum, else of the element's matrix.
+  void element_hessian(int64_t element, In<double> u, bool projected, double* K) const;
+
+  /// Consistent mass of one element [kg], row-major (n, n); of a partly filled voxel the fill times
+  /// that of the full one.
+  void element_mass(int64_t element, double* M) const;
+  /// Lumped mass of each node [kg], (nodes, 1): row sums; of tet10 the diagonal scaled to the mass
+  /// of the element, since its row sums are negative at corners (Hinton, Rock, Zienkiewicz 1976);
+  /// of voxels rho phi h^3 Nbar_c, the row sums over the filled part, which is Scene::mass where
+  /// the grid has no volume to be scaled to.
+  Array<double> lumped_mass() const;
+
+  /// Mean of F over each element, (elements, 9).
+  Array<double> deformation_gradient(In<double> u) const;
+  /// Mean of Cauchy's stress P F^T/J over each element's rest volume [Pa], xx yy zz xy yz zx,
+  /// (elements, 6); with bbar that of Fbar, of voxels without strain-variance term and torsion.
+  Array<double> cauchy_stress(In<double> u) const;
+  /// Smallest det F of a quadrature point (with bbar of F, not Fbar).
+  double min_j(In<double> u) const;
+  /// Rest volume of each element, fill included [m^3], (elements, 1).
+  Array<double> volume() const;
+
+ private:
+  void fill_tables();
+  void fill_neighbours();
+  int64_t shape_of(int64_t element) const { return gradient_.rows() == 1 ? 0 : element; }
+  bool has_mean_dilatation() const;
+  const Material& material_of(int64_t element) const;
+  ElementState state(int64_t element, In<double> u) const;
+  VoxelHourglass hourglass(int64_t voxel) const;
+  void element_lumped_mass(int64_t element, double* m) const;
+  void check_nodal(In<double> u) const;
+
+  ElementMesh mesh_;
+  std::vector<Material> materials_;
+
+  // filled by fill_tables; one row for all elements where they have one shape
+  Array<double> gradient_;  ///< dN_a/dX at the quadrature points [1/m], (shapes, points nodes 3)
+  Array<double> weight_;    ///< quadrature weights without the fill [m^3], (shapes, points)
+  Array<double> rotation_;  ///< of each voxel's torsion correction, (elements, 9); else empty
+
+  // filled by fill_neighbours: the corners of elements that meet in a node, in the order of the
+  // elements
+  std::vector<int64_t> first_corner_;  ///< where those of each node begin, (nodes + 1)
+  std::vector<int64_t> corner_;        ///< nodes_of(element) times the element, plus the corner
+};
+
+}  // namespace elastogen::fem

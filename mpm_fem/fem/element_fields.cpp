@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/parallel.hpp"
+#include "mpm_fem/fem/elastic_body.hpp"
+#include "mpm_fem/fem/mean_dilatation.hpp"
+
+#include <algorithm>
+
+namespace elastogen::fem {
+namespace {
+
+/// Adds weight P F^T/J, the stress that a law gives at F, to xx yy zz xy yz zx.
+void add_cauchy(const LawParameters<double>& law, const Mat3<double>& F, double weight,
+                double* sigma) {
+  const Mat3<double> tau = times_transposed(stress(law, F), F);
+  const double scale = weight / determinant(F);
+  for (int i = 0; i < 3; ++i) {
+    sigma[i] += scale * tau(i, i);
+    sigma[3 + i] += scale * tau(i, (i + 1) % 3);
+  }
+}
+
+}  // namespace
+
+Array<double> ElasticBody::deformation_gradient(In<double> u) const {
+  check_nodal(u);
+  Array<double> result(mesh_.elements.rows(), 9);
+  for_each(result.rows(), [&](int64_t k) {
+    const ElementState e = state(k, u);
+    double volume = 0;
+    for (int q = 0; q < e.points; ++q) volume += e.weight[q];
+    for (int q = 0; q < e.points; ++q) {
+      const Mat3<double> F = fem::deformation_gradient(e, q);
+      for (int i = 0; i < 9; ++i) result(k, i) += e.weight[q] / volume * F.m[i];
+    }
+  });
+  return result;
+}
+
+Array<double> ElasticBody::cauchy_stress(In<double> u) const {
+  check_nodal(u);
+  Array<double> result(mesh_.elements.rows(), 6);
+  for_each(result.rows(), [&](int64_t k) {
+    const ElementState e = state(k, u);
+    Mat3<double> F[kMaxPoints];
+    if (has_mean_dilatation())
+      mean_dilatation_gradients(e, F);
+    else
+      for (int q = 0; q < e.points; ++q) F[q] = fem::deformation_gradient(e, q);
+    double volume = 0;
+    for (int q = 0; q < e.points; ++q) volume += e.weight[q];
+    for (int q = 0; q < e.points; ++q) add_cauchy(e.law, F[q], e.weight[q] / volume, result.row(k));
+  });
+  return result;
+}
+
+double ElasticBody::min_j(In<double> u) const {
+  check_nodal(u);
+  Array<double> smallest(mesh_.elements.rows());
+  for_each(smallest.rows(), [&](int64_t k) {
+    const ElementState e = state(k, u);
+    smallest(k) = determinant(fem::deformation_gradient(e, 0));
+    for (int q = 1; q < e.points; ++q)
+      smallest(k) = std::min(smallest(k), determinant(fem::deformation_gradient(e, q)));
+  });
+  return *std::min_element(smallest.data(), smallest.data() + smallest.size());
+}
+
+}  // namespace elastogen::fem

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// A body as finite elements of one kind.
+
+#pragma once
+
+#include "core/scene.hpp"
+
+#include <string_view>
+
+namespace elastogen::fem {
+
+/// voxel: the network's own element, one deformation gradient (mean over the fill) with the
+/// strain-variance term and the torsion correction. hex: trilinear, 2x2x2 Gauss points. tet4,
+/// tet10: linear and quadratic tetrahedra, 1 and 4 points. bbar: with the mean dilatation of the
+/// element.
+enum class Element : uint8_t { kVoxel, kHex, kHexBbar, kTet4, kTet10, kTet10Bbar };
+
+/// "voxel", "hex", "hex-bbar", "tet4", "tet10", "tet10-bbar".
+std::string_view element_name(Element element);
+/// @throws Error (usage) naming the known elements.
+Element element_from_name(std::string_view name);
+/// 8, 4 or 10.
+int nodes_of(Element element);
+
+/// Nodes of an element: hexahedra as VoxelGrid has them (corner c = i + 2 j + 4 k), tetrahedra with
+/// det(x1 - x0, x2 - x0, x3 - x0) > 0, quadratic ones then the middles of the edges 01, 12, 02, 03,
+/// 13, 23 (the order of VTK).
+struct ElementMesh {
+  Element element = Element::kHex;
+  Array<double> rest;       ///< position at rest [m], (nodes, 3)
+  Array<int32_t> elements;  ///< node of each corner, (elements, nodes_of(element))
+  Array<int32_t> material;  ///< index of each element's material, (elements, 1)
+
+  /// Share of each element that is filled, a factor on its energy and mass, (elements, 1);
+  /// empty: 1. Hexahedra that have it are voxels.
+  Array<double> fill;
+
+  // voxels only; filled by voxel_mesh
+  double h = 0;              ///< edge [m]
+  Array<double> shape_mean;  ///< means of the shape functions over the fill, (elements, 8)
+  Array<double> variance;    ///< hourglass weights xy, yz, zx, xyz [Pa], (elements, 4)
+  Hourglass hourglass = Hourglass::kFull;
+};
+
+/// The voxels of a finished scene as hexahedra on the same nodes.
+/// @param element  kVoxel, kHex or kHexBbar; the energy of the last two is weighted with the fill.
+ElementMesh voxel_mesh(const Scene& scene, Element element);
+
+/// Whether the elements are the voxels of a grid, all of one shape.
+inline bool is_voxel_mesh(const ElementMesh& mesh) {
+  return nodes_of(mesh.element) == 8 && !mesh.fill.empty();
+}
+
+/// Factor on energy and mass of an element.
+inline double fill_of(const ElementMesh& mesh, int64_t element) {
+  return mesh.fill.empty() ? 1 : mesh.fill(element);
+}
+
+/// Nodes of an element relative to its first one [m], (nodes_of(element), 3); those of a voxel are
+/// exact multiples of its edge, free of the rounding of positions far from the origin.
+void element_nodes(const ElementMesh& mesh, int64_t element, double* X);
+
+/// @throws Error naming the first place: tables that do not fit, an index out of range, a position
+///         that is not finite, a voxel that is no cube of edge h or has a mean or weight out of
+///         range, a fill out of range, an element whose Jacobian is not positive at a quadrature
+///         point.
+void check_mesh(const ElementMesh& mesh);
+
+}  // namespace elastogen::fem

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mpm_fem/fem/tet_reader.hpp"
+
+#include "core/vec3.hpp"
+#include "io/byte_reader.hpp"
+#include "io/safe_file.hpp"
+#include "mpm_fem/fem/tet_soup.hpp"
+
+#include <algorithm>
+
+namespace elastogen::fem {
+namespace {
+
+TetSoup parse(std::string_view bytes, const std::string& path) {
+  if (bytes.starts_with('$')) return parse_msh(bytes, path);
+  if (bytes.starts_with("# vtk DataFile")) return parse_vtk(bytes, path);
+  if (bytes.starts_with('<')) return parse_vtu(bytes, path);
+  throw Error(path + ": begins neither like a Gmsh MSH nor like a VTK or VTU file",
+              ErrorKind::kAsset);
+}
+
+/// Six times the volume between the corners, 0 where rounding decides its sign.
+double determinant(const std::vector<Vec3>& points, const int32_t* corner) {
+  constexpr double kRounding = 1e-14;
+  Vec3 edge[3];
+  double size = 1;
+  for (int k = 0; k < 3; ++k) {
+    edge[k] = minus(points[size_t(corner[k + 1])], points[size_t(corner[0])]);
+    size *= norm(edge[k]);
+  }
+  const double determinant = dot(edge[0], cross(edge[1], edge[2]));
+  return std::abs(determinant) > kRounding * size ? determinant : 0;
+}
+
+/// Gives all tetrahedra positive volumes. @return how many were turned.
+int64_t turn_tets(TetSoup& soup, const std::string& path) {
+  int64_t turned = 0;
+  for (size_t e = 0; e < soup.region.size(); ++e) {
+    int32_t* corner = soup.corners.data() + e * size_t(soup.nodes);
+    const double volume = determinant(soup.points, corner);
+    ELASTOGEN_CHECK_ASSET(volume != 0 && std::isfinite(volume), path, ": tetrahedron ", e,
+                          " (counted from 0) is flat, or its volume out of range");
+    if (volume > 0) continue;
+    ++turned;
+    std::swap(corner[2], corner[3]);
+    if (soup.nodes == 10) {  // and the middles of 01, 12, 02, 03, 13, 23 with them
+      std::swap(corner[5], corner[8]);
+      std::swap(corner[6], corner[7]);
+    }
+  }
+  return turned;
+}
+
+/// The used points as nodes, in their order. @return how many are unused.
+int64_t take_nodes(const TetSoup& soup, ElementMesh& mesh) {
+  std::vector<int32_t> node_of(soup.points.size(), -1);
+  for (const int32_t point : soup.corners) node_of[size_t(point)] = 0;
+  int32_t nodes = 0;
+  for (int32_t& node : node_of)
+    if (node == 0) node = nodes++;
+  mesh.rest = Array<double>(nodes, 3);
+  for (size_t p = 0; p < node_of.size(); ++p)
+    if (node_of[p] >= 0) std::copy_n(soup.points[p].begin(), 3, mesh.rest.row(node_of[p]));
+  mesh.elements = Array<int32_t>(int64_t(soup.region.size()), soup.nodes);
+  std::transform(soup.corners.begin(), soup.corners.end(), mesh.elements.data(),
+                 [&](int32_t point) { return node_of[size_t(point)]; });
+  return int64_t(soup.points.size()) - nodes;
+}
+
+void take_regions(const TetSoup& soup, TetFile& file) {
+  std::vector<int64_t>& ids = file.region_ids;
+  ids = soup.region;
+  std::sort(ids.begin(), ids.end());
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  file.region = Array<int32_t>(int64_t(soup.region.size()));
+  for (int64_t e = 0; e < file.region.rows(); ++e)
+    file.region(e) =
+        int32_t(std::lower_bound(ids.begin(), ids.end(), soup.region[size_t(e)]) - ids.begin());
+}
+
+}  // namespace
+
+TetFile parse_tets(std::string_view bytes, const std::string& path) {
+  TetSoup soup = parse(without_mark(bytes), path);
+  ELASTOGEN_CHECK_ASSET(!soup.region.empty(), path, ": it has no tetrahedra");
+  TetFile file;
+  file.turned = turn_tets(soup, path);
+  file.skipped = soup.skipped;
+  file.mesh.element = soup.nodes == 10 ? Element::kTet10 : Element::kTet4;
+  file.unused = take_nodes(soup, file.mesh);
+  file.mesh.material = Array<int32_t>(file.mesh.elements.rows());
+  take_regions(soup, file);
+  return file;
+}
+
+TetFile read_tets(const std::string& path) {
+  return parse_tets(read_file(path), path);
+}
+
+}  // namespace elastogen::fem

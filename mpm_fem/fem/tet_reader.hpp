@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// Reads tetrahedral meshes, linear and quadratic: Gmsh MSH 2 and 4.1, legacy VTK, VTU. Files are
+// not trusted: counts are compared with the bytes that are there before memory is taken.
+
+#pragma once
+
+#include "mpm_fem/fem/element_mesh.hpp"
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace elastogen::fem {
+
+struct TetFile {
+  ElementMesh mesh;                 ///< kTet4 or kTet10; nodes and tetrahedra in the file's order,
+                                    ///< material 0
+  Array<int32_t> region;            ///< index into region_ids of each tetrahedron, (elements, 1)
+  std::vector<int64_t> region_ids;  ///< the file's numbers of its regions, ascending
+  int64_t turned = 0;   ///< tetrahedra of negative volume, two corners of which were swapped
+  int64_t skipped = 0;  ///< points, lines and faces, which are left out
+  int64_t unused = 0;   ///< nodes of no tetrahedron, which are left out
+};
+
+/// A mesh from the bytes of a file, whose first bytes tell the format; numbers are metres.
+///
+/// MSH 2 and 4.1, text and binary: the region is the first physical group, else the entity. Legacy
+/// VTK, text and binary: UNSTRUCTURED_GRID. VTU: one piece; arrays as text, base64 or raw, inline
+/// or appended, plain or packed by zlib. In the last two the region is the first array of one
+/// integer a cell that is called region, material, gmsh:physical or gmsh:geometrical, else 0.
+///
+/// @param path  for messages.
+/// @throws Error (asset) with file and place: a damaged or foreign file, a number that is not
+/// finite,
+///         an index out of range, elements other than tetrahedra, points, lines and faces, linear
+///         and quadratic tetrahedra together, a tetrahedron that is flat but for rounding, none at
+///         all.
+TetFile parse_tets(std::string_view bytes, const std::string& path);
+
+/// The same from a file.
+TetFile read_tets(const std::string& path);
+
+}  // namespace elastogen::fem

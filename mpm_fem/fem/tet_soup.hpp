@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the readers of the single formats hand to tet_reader: the tetrahedra as a file has them.
+
+#pragma once
+
+#include "core/base.hpp"
+#include "core/error.hpp"
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace elastogen::fem {
+
+/// All positions are finite and all corners are points.
+struct TetSoup {
+  std::vector<Vec3> points;      ///< [m]
+  int nodes = 0;                 ///< of a tetrahedron, 4 or 10; 0 without any
+  std::vector<int32_t> corners;  ///< points in the order of ElementMesh, nodes a tetrahedron
+  std::vector<int64_t> region;   ///< the file's number for the region of each tetrahedron
+  int64_t skipped = 0;           ///< points, lines and faces
+
+  /// Begins a tetrahedron of so many nodes, whose corners follow.
+  void begin_tet(int node_count, int64_t region_id, const std::string& path) {
+    ELASTOGEN_CHECK_ASSET(nodes == 0 || nodes == node_count, path,
+                          ": it has both linear and quadratic tetrahedra");
+    nodes = node_count;
+    region.push_back(region_id);
+  }
+};
+
+/// Gmsh MSH 2 and 4.1, text and binary.
+TetSoup parse_msh(std::string_view bytes, const std::string& path);
+/// Legacy VTK, text and binary, of all versions.
+TetSoup parse_vtk(std::string_view bytes, const std::string& path);
+/// VTK's XML for unstructured grids.
+TetSoup parse_vtu(std::string_view bytes, const std::string& path);
+
+}  // namespace elastogen::fem

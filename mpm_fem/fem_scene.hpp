@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the finite element integrators are given.
+
+#pragma once
+
+#include "mpm_fem/contact/collider_contact.hpp"
+#include "mpm_fem/fem/element_mesh.hpp"
+
+#include <functional>
+#include <vector>
+
+namespace elastogen::fem {
+
+/// Newmark: the average acceleration scheme, beta = 1/4, gamma = 1/2, which keeps the energy of
+/// linear problems.
+enum class Scheme : uint8_t { kEuler, kBdf2, kNewmark };
+enum class Mass : uint8_t { kLumped, kConsistent };
+
+struct FemScene {
+  ElementMesh mesh;
+  std::vector<Material> materials;
+  Array<double> mass;      ///< lumped mass of each node [kg], (nodes, 1); empty: that of the mesh
+  Vec3 gravity = {};       ///< [m/s^2]
+  Array<uint8_t> fixed;    ///< 1 where a component's displacement is prescribed, (nodes, 3)
+  Array<double> traction;  ///< dead load on each node [N], (nodes, 3); empty: none
+  /// Writes the prescribed displacements [m] at a time [s] (statics: the load factor 0..1) into the
+  /// fixed components; empty: they stay 0.
+  std::function<void(double time, Out<double> u)> motion;
+  /// Writes further forces on the nodes [N], (nodes, 3), at a time [s] (statics: the load factor
+  /// 0..1); empty: none.
+  std::function<void(double time, Out<double> force)> force;
+  std::vector<Collider> colliders;  ///< of steps; statics do not see them
+  ContactPoints contact;            ///< used where there are colliders
+  double dt = 1.0 / 60;             ///< [s]
+  Scheme scheme = Scheme::kEuler;
+  Mass mass_kind = Mass::kLumped;
+};
+
+}  // namespace elastogen::fem

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mpm_fem/integrators/fem_state.hpp"
+
+#include "core/error.hpp"
+
+#include <cmath>
+
+namespace elastogen::fem {
+
+FemState rest_state(const FemScene& scene) {
+  FemState state;
+  state.u = Array<double>(scene.mesh.rest.rows(), 3);
+  state.v = state.u;
+  return state;
+}
+
+double reference_force(const FemScene& scene, const Array<double>& nodal_mass) {
+  constexpr double kReferenceGravity = 9.81;  // [m/s^2]
+  double sum = 0;
+  for (int64_t n = 0; n < nodal_mass.rows(); ++n) {
+    bool free = scene.fixed.empty();
+    for (int i = 0; i < 3 && !free; ++i) free = !scene.fixed(n, i);
+    if (free) sum += nodal_mass(n) * nodal_mass(n);
+  }
+  return kReferenceGravity * std::sqrt(sum);
+}
+
+Array<double> applied_force(const FemScene& scene, double time, double traction_share) {
+  const int64_t nodes = scene.mesh.rest.rows();
+  Array<double> force(nodes, 3);
+  if (scene.force) scene.force(time, force);
+  if (scene.traction.empty()) return force;
+  ELASTOGEN_CHECK(scene.traction.rows() == nodes && scene.traction.cols() == 3,
+                  "traction must be (nodes, 3) with ", nodes, " nodes, got (",
+                  scene.traction.rows(), ", ", scene.traction.cols(), ")");
+  for (int64_t k = 0; k < force.size(); ++k)
+    force.data()[k] += traction_share * scene.traction.data()[k];
+  return force;
+}
+
+Array<double> with_motion(const FemScene& scene, double time, const Array<double>& u) {
+  Array<double> result = u;
+  if (scene.fixed.empty()) return result;
+  Array<double> given(u.rows(), 3);
+  if (scene.motion) scene.motion(time, given);
+  for (int64_t k = 0; k < u.size(); ++k)
+    if (scene.fixed.data()[k]) result.data()[k] = given.data()[k];
+  return result;
+}
+
+}  // namespace elastogen::fem

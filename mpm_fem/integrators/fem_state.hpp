@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// State of a finite element run and what its steps share: float64, plain arrays.
+
+#pragma once
+
+#include "mpm_fem/fem_scene.hpp"
+#include "mpm_fem/solve/mass_matrix.hpp"
+
+namespace elastogen::fem {
+
+struct FemState {
+  Array<double> u;    ///< displacements [m], (nodes, 3)
+  Array<double> v;    ///< velocities [m/s], (nodes, 3)
+  Array<double> a;    ///< accelerations [m/s^2], (nodes, 3); Newmark only, empty before its start
+  double time = 0;    ///< [s]
+  int64_t steps = 0;  ///< steps taken since the start
+
+  // the step before, for BDF2; filled by step
+  Array<double> u_before;  ///< (nodes, 3); empty: the next step is implicit Euler
+  Array<double> v_before;  ///< (nodes, 3)
+};
+
+/// At rest, undeformed.
+FemState rest_state(const FemScene& scene);
+
+/// Norm of the weights of the free nodes [N], 9.81 m/s^2 times the 2-norm of their masses: what
+/// residuals are measured by (docs/physics.md). A node is free if a component of it is.
+double reference_force(const FemScene& scene, const Array<double>& nodal_mass);
+
+/// Traction and further forces at a time, (nodes, 3) [N]; gravity is not in it.
+Array<double> applied_force(const FemScene& scene, double time, double traction_share);
+
+/// u with the fixed components as scene.motion has them at a time.
+Array<double> with_motion(const FemScene& scene, double time, const Array<double>& u);
+
+}  // namespace elastogen::fem

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+// Implicit time steps: the next state is a minimum of
+//
+//     Phi(u) = a0/(2 dt^2) (u - uhat).M (u - uhat) + E(u) - f.u,
+//
+// implicit Euler and BDF2 with a0 and uhat of core/time_scheme.hpp, gravity within uhat, so that
+// with the voxel element and the network's masses the potential is the network's. Newmark 1/4, 1/2:
+//
+//     a0 = 4,   uhat = u + dt v + (dt^2/4) a,   a' = (4/dt^2) (u' - uhat),   v' = v + dt/2 (a +
+//     a'),
+//
+// with gravity within f. Rotations of the torsion correction are those at the start of the step.
+
+#pragma once
+
+#include "core/time_scheme.hpp"
+#include "mpm_fem/integrators/fem_state.hpp"
+#include "mpm_fem/solve/incremental_potential.hpp"
+
+namespace elastogen::fem {
+
+struct ImplicitOptions {
+  double tolerance = 1e-8;  ///< of |grad Phi| / |M g_ref| over the free components
+  int max_newton = 100;
+  LinearOptions linear = {};
+};
+
+/// outer counts Newton steps, inner iterations of PCG; min_corner_j is not filled.
+/// StepReport::scheme says Euler in a Newmark step; used says Newmark.
+struct FemStepReport : StepReport {
+  Scheme used = Scheme::kEuler;
+  NewtonStop stop = NewtonStop::kConverged;
+  double floor = 0;  ///< bound on the rounding error of the residual; 0 where nobody had to ask
+};
+
+class ImplicitFem {
+ public:
+  /// The scene must outlive the integrator.
+  /// @throws Error as IncrementalPotential and on a tolerance or dt that is not positive.
+  explicit ImplicitFem(const FemScene& scene, const ImplicitOptions& options = {});
+
+  /// Advances the state by dt. If the result is not finite the state stays as it was and the report
+  /// says so. Same bits on every run and any number of threads.
+  /// @throws Error unless the arrays of the state are (nodes, 3).
+  FemStepReport step(FemState& state);
+
+  /// Gradient of Phi at the last state [N], (nodes, 3), 0 at what is fixed.
+  const Array<double>& residual() const { return gradient_; }
+  const IncrementalPotential& potential() const { return potential_; }
+
+ private:
+  StepScheme scheme_of(const FemState& state) const;
+  void begin(FemState& state);
+  void start_newmark(FemState& state);
+  Array<double> start_value(const FemState& state);
+  bool pass_colliders(Array<double>& u);
+  void certify(const Array<double>& u, FemStepReport& report);
+  void finish(Array<double>& u, FemState& state, FemStepReport& report);
+
+  const FemScene& scene_;
+  ImplicitOptions options_;
+  IncrementalPotential potential_;
+  double reference_;  // |M g_ref| [N]
+  StepScheme scheme_;
+  Array<double> predictor_, gradient_, weight_;
+};
+
+}  // namespace elastogen::fem

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mpm_fem/integrators/static_fem.hpp"
+
+#include "core/error.hpp"
+#include "core/reduce.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace elastogen::fem {
+namespace {
+
+constexpr int kMaxRotations = 30;     // times that frozen rotations are taken anew
+constexpr double kWorstFloor = 1e-4;  // relative residual that rounding is allowed to leave
+constexpr int kEasy = 8;              // Newton steps after which the next increment is not larger
+
+class Statics {
+ public:
+  Statics(const FemScene& scene, const StaticOptions& options)
+      : scene_(scene), options_(options), potential_(scene, options.linear) {
+    weight_ = Array<double>(scene.mesh.rest.rows(), 3);
+    Array<double> gravity(weight_.rows(), 3);
+    for (int64_t k = 0; k < gravity.size(); ++k) gravity.data()[k] = scene.gravity[size_t(k % 3)];
+    potential_.mass().multiply(gravity.data(), weight_.data());
+    result_.u = Array<double>(weight_.rows(), 3);
+  }
+
+  StaticResult run();
+
+ private:
+  void set_loads(double factor);
+  double reference(const Array<double>& u);
+  NewtonResult minimise(Array<double>& u);
+  bool advance(double factor);
+  void finish();
+
+  const FemScene& scene_;
+  const StaticOptions& options_;
+  IncrementalPotential potential_;
+  Array<double> weight_, load_;
+  StaticResult result_;
+  double reference_ = 0;
+};
+
+void Statics::set_loads(double factor) {
+  load_ = applied_force(scene_, factor, factor);
+  for (int64_t k = 0; k < load_.size(); ++k) load_.data()[k] += factor * weight_.data()[k];
+  potential_.set_force(load_);
+}
+
+/// The larger of the loads on what is free and the forces on what is fixed [N].
+double Statics::reference(const Array<double>& u) {
+  std::vector<double> g(size_t(u.size()));
+  potential_.full_gradient(u.data(), g.data());
+  double loads = 0, holds = 0;
+  for (int64_t k = 0; k < u.size(); ++k) {
+    const bool fixed = potential_.is_fixed(k);
+    const double value = fixed ? g[size_t(k)] : load_.data()[k];
+    (fixed ? holds : loads) += value * value;
+  }
+  return std::sqrt(std::max(loads, holds));
+}
+
+/// Newton's method, again with the rotations of its result until they fit.
+NewtonResult Statics::minimise(Array<double>& u) {
+  NewtonResult sum, last;
+  for (int k = 0; k < kMaxRotations; ++k) {
+    reference_ = reference(u);
+    last = potential_.minimise(
+        {.tolerance = options_.tolerance * reference_, .max_iterations = options_.max_newton},
+        u.data());
+    sum.iterations += last.iterations;
+    const bool ended = last.stop != NewtonStop::kConverged && last.stop != NewtonStop::kRoundOff;
+    if (ended || (k > 0 && last.iterations == 0)) break;
+    if (scene_.mesh.element != Element::kVoxel) break;
+    potential_.body().freeze_rotations(u);
+  }
+  last.iterations = sum.iterations;
+  return last;
+}
+
+/// One increment up to a load factor. False: it failed, and u is as it was.
+bool Statics::advance(double factor) {
+  set_loads(factor);
+  Array<double> u = result_.u;
+  potential_.body().freeze_rotations(u);
+  potential_.move_fixed(with_motion(scene_, factor, u), u.data());
+  const NewtonResult newton = minimise(u);
+  result_.newton_steps += newton.iterations;
+  result_.stop = newton.stop;
+  const double force = reference_ > 0 ? reference_ : 1;
+  result_.residual = newton.residual / force;
+  result_.floor = newton.noise / force;
+  const bool rounded = newton.stop == NewtonStop::kRoundOff && result_.residual <= kWorstFloor;
+  if (newton.stop != NewtonStop::kConverged && !rounded) return false;
+  ++result_.increments;
+  result_.load_factor = factor;
+  result_.u = std::move(u);
+  return true;
+}
+
+/// Reactions and energies at the last equilibrium.
+void Statics::finish() {
+  const Array<double>& u = result_.u;
+  set_loads(result_.load_factor);
+  potential_.body().freeze_rotations(u);
+  result_.reaction = Array<double>(u.rows(), 3);
+  potential_.full_gradient(u.data(), result_.reaction.data());
+  result_.energy = potential_.body().energy(u);
+  result_.gradient = result_.reaction;
+  for (int64_t k = 0; k < u.size(); ++k) {
+    (potential_.is_fixed(k) ? result_.gradient : result_.reaction).data()[k] = 0;
+    result_.energy.gravity -= result_.load_factor * weight_.data()[k] * u.data()[k];
+  }
+  result_.min_j = potential_.body().min_j(u);
+}
+
+StaticResult Statics::run() {
+  double increment = std::min(1.0, options_.first_increment);
+  while (result_.load_factor < 1 && increment >= options_.smallest_increment) {
+    const int before = result_.newton_steps;
+    if (!advance(std::min(1.0, result_.load_factor + increment)))
+      increment /= 2;
+    else if (result_.newton_steps - before <= kEasy)
+      increment *= 2;
+  }
+  result_.converged = result_.load_factor == 1;
+  finish();
+  return std::move(result_);
+}
+
+}  // namespace
+
+StaticResult solve_static(const FemScene& scene, const StaticOptions& options) {
+  ELASTOGEN_CHECK(
+      options.tolerance > 0 && options.first_increment > 0 && options.smallest_increment > 0,
+      "tolerance and increments must be positive, got ", options.tolerance, ", ",
+      options.first_increment, ", ", options.smallest_increment);
+  return Statics(scene, options).run();
+}
+
+}  // namespace elastogen::fem

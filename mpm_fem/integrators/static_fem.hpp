@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// Static equilibrium under gravity, dead loads and prescribed displacements, along a load factor
+// from 0 to 1 in increments that shrink where Newton's method fails and grow where it does not.
+
+#pragma once
+
+#include "mpm_fem/integrators/fem_state.hpp"
+#include "mpm_fem/solve/incremental_potential.hpp"
+
+namespace elastogen::fem {
+
+struct StaticOptions {
+  /// Of |grad Phi| over the free components, relative to the forces of the increment: the larger of
+  /// the 2-norms of the loads and of the forces that hold what is fixed.
+  double tolerance = 1e-10;
+  double first_increment = 1;        ///< of the load factor
+  double smallest_increment = 1e-4;  ///< below it the solution is given up
+  int max_newton = 40;               ///< Newton steps of an increment
+  LinearOptions linear = {};
+};
+
+struct StaticResult {
+  /// Full load, and the residual within the tolerance or, up to 1e-4, within its rounding error.
+  bool converged = false;
+  double load_factor = 0;  ///< that u belongs to
+  Array<double> u;         ///< [m], (nodes, 3)
+  Array<double> reaction;  ///< forces that hold the fixed components [N], (nodes, 3), else 0
+  Array<double> gradient;  ///< what is left of the forces [N], (nodes, 3), 0 at what is fixed
+  EnergyParts energy;      ///< at u; gravity as -sum m g.u
+  double min_j = 1;
+  int increments = 0;    ///< that were accepted
+  int newton_steps = 0;  ///< of all, failed ones included
+
+  // of the last increment, also where it failed and u is that of the one before
+  NewtonStop stop = NewtonStop::kConverged;
+  double residual = 0;  ///< relative, as the tolerance
+  double floor = 0;     ///< bound on its rounding error, relative; 0 where nobody had to ask
+};
+
+/// Rotations of the voxels' torsion correction are those of the solution: they are taken anew until
+/// that changes nothing.
+/// @throws Error as IncrementalPotential and on options that are not positive.
+StaticResult solve_static(const FemScene& scene, const StaticOptions& options = {});
+
+}  // namespace elastogen::fem

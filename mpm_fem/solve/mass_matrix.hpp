@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// The mass of a scene, lumped or consistent.
+
+#pragma once
+
+#include "mpm_fem/fem/elastic_body.hpp"
+#include "mpm_fem/fem_scene.hpp"
+#include "mpm_fem/solve/sparse_matrix.hpp"
+
+namespace elastogen::fem {
+
+class MassMatrix {
+ public:
+  /// @throws Error if scene.mass is not one positive number a node, or is given with a consistent
+  ///         mass.
+  MassMatrix(const FemScene& scene, const ElasticBody& body, const Assembly& assembly);
+
+  /// Mass of each node [kg], (nodes, 1): with a consistent matrix that of ElasticBody::lumped_mass.
+  const Array<double>& nodal() const { return nodal_; }
+  bool consistent() const { return matrix_.rows() > 0; }
+
+  /// y = M x, nodal vectors (nodes, 3).
+  void multiply(const double* x, double* y) const;
+  /// A += a M; A has the pattern of the assembly.
+  void add_to(double a, SparseMatrix& A) const;
+
+ private:
+  Array<double> nodal_;
+  SparseMatrix matrix_;  // empty: lumped
+};
+
+}  // namespace elastogen::fem
