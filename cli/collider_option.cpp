@@ -63,21 +63,6 @@ std::string_view parse_shape(std::string_view text, const Box& box, Collider& c)
   return text.substr(close + 1);
 }
 
-std::vector<PathKey> parse_path(std::string_view text) {
-  std::vector<PathKey> path;
-  const std::string bare = without_blanks(text);
-  for (const std::string_view key : split(bare, ';')) {
-    const size_t colon = key.find(':');
-    ELASTOGEN_CHECK(colon != key.npos, "its path has '", key, "' where TIME:x,y,z should stand");
-    const auto numbers = split(key.substr(colon + 1), ',');
-    ELASTOGEN_CHECK(numbers.size() == 3, "its path needs three lengths a time, got '", key, "'");
-    PathKey k{.time = parse_time(key.substr(0, colon))};
-    for (size_t d = 0; d < 3; ++d) k.offset[d] = parse_length(numbers[d]);
-    path.push_back(k);
-  }
-  return path;
-}
-
 /// What follows the shape: words friction, name and path, each with what belongs to it.
 void parse_rest(std::string_view text, Collider& c) {
   std::istringstream words{std::string(text)};
@@ -100,6 +85,21 @@ void parse_rest(std::string_view text, Collider& c) {
 }
 
 }  // namespace
+
+std::vector<PathKey> parse_path(std::string_view text) {
+  std::vector<PathKey> path;
+  const std::string bare = without_blanks(text);
+  for (const std::string_view key : split(bare, ';')) {
+    const size_t colon = key.find(':');
+    ELASTOGEN_CHECK(colon != key.npos, "its path has '", key, "' where TIME:x,y,z should stand");
+    const auto numbers = split(key.substr(colon + 1), ',');
+    ELASTOGEN_CHECK(numbers.size() == 3, "its path needs three lengths a time, got '", key, "'");
+    PathKey k{.time = parse_time(key.substr(0, colon))};
+    for (size_t d = 0; d < 3; ++d) k.offset[d] = parse_length(numbers[d]);
+    path.push_back(k);
+  }
+  return path;
+}
 
 Collider parse_collider(std::string_view text, const Box& box, const std::string& name,
                         double friction) {

@@ -24,4 +24,7 @@ namespace elastogen {
 Collider parse_collider(std::string_view text, const Box& box, const std::string& name,
                         double friction);
 
+/// Reads TIME:x,y,z; TIME:x,y,z ..., as in a collider. @throws Error (usage) saying what is wrong.
+std::vector<PathKey> parse_path(std::string_view text);
+
 }  // namespace elastogen

@@ -21,12 +21,31 @@ void add_material_options(CLI::App& app, AnimateOptions& o, Typed& t) {
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
 }
 
+/// Parts that are held, and what stands in the way.
+void add_constraint_options(CLI::App& app, AnimateOptions& o) {
+  const auto add_texts = [&](const char* name, std::vector<std::string>& texts, const char* text) {
+    app.add_option(name, texts, text)
+        ->group("Scene")
+        ->expected(1)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  };
+  add_texts("--pin", o.pins,
+            "hold a part: y<5%, z>0.2m, box(x,y,z,x,y,z), sphere(x,y,z,r), all; repeatable");
+  add_texts("--collider", o.colliders,
+            "plane(x,y,z, nx,ny,nz), sphere(x,y,z, r) or box(x0,y0,z0, x1,y1,z1), then "
+            "friction F, name NAME, path T:x,y,z; T:x,y,z; repeatable");
+  add_texts("--hold", o.holds,
+            "simulate: hold a part along some axes only: 'x<1%: x', 'all: yz'; repeatable");
+  add_texts("--traction", o.tractions,
+            "simulate: a force [N] spread over a part of the surface: 'x>99%: 0,-10,0'; "
+            "repeatable");
+  add_texts("--move", o.moves,
+            "simulate: move a part: 'x>99%: shift T:x,y,z; T:x,y,z' or 'x>99%: turn(x,y,z, "
+            "ax,ay,az) T:ANGLE; T:ANGLE' about a point and an axis; repeatable");
+}
+
 void add_scene_options(CLI::App& app, AnimateOptions& o, Typed& t) {
-  app.add_option("--pin", o.pins,
-                 "hold a part: y<5%, z>0.2m, box(x,y,z,x,y,z), sphere(x,y,z,r), all; repeatable")
-      ->group("Scene")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  add_constraint_options(app, o);
   app.add_option("--gravity", t.gravity, "x,y,z [m/s^2]; default 9.81 down")->group("Scene");
   app.add_option("--velocity", t.velocity, "start velocity x,y,z [m/s]")->group("Scene");
   app.add_option("--spin", t.spin, "start spin x,y,z [rad/s] about the centre of mass")
@@ -35,12 +54,6 @@ void add_scene_options(CLI::App& app, AnimateOptions& o, Typed& t) {
                  "floor plane AXIS=PLACE; alone: the asset's lowest point; off: none")
       ->group("Scene")
       ->expected(0, 1);
-  app.add_option("--collider", o.colliders,
-                 "plane(x,y,z, nx,ny,nz), sphere(x,y,z, r) or box(x0,y0,z0, x1,y1,z1), then "
-                 "friction F, name NAME, path T:x,y,z; T:x,y,z; repeatable")
-      ->group("Scene")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_option("--friction", o.friction, "Coulomb's coefficient with floor and colliders")
       ->group("Scene")
       ->capture_default_str();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/options.hpp"
 
+#include "cli/boundary_option.hpp"
 #include "cli/exit_code.hpp"
 #include "cli/option_groups.hpp"
 #include "cli/scene_options.hpp"
@@ -84,8 +85,8 @@ AnimateOptions& finish_resolved(AnimateOptions& o) {
   return o;
 }
 
-void add_animate(CLI::App& app, Verb& verb) {
-  verb.app = app.add_subcommand("animate", "asset, material and pins to an animation");
+void add_run(CLI::App& app, Verb& verb, const char* name, const char* text) {
+  verb.app = app.add_subcommand(name, text);
   verb.app->add_option("INPUT", verb.scene.input, std::string("asset: ") + kReadFormats);
   verb.app->add_option("--scene", verb.scene_file,
                        "scene file (.toml, .json): what holds for options that are not given");
@@ -94,15 +95,31 @@ void add_animate(CLI::App& app, Verb& verb) {
   add_scene_groups(*verb.app, verb.scene, verb.typed);
 }
 
-AnimateOptions take_animate(Verb& verb) {
+void add_simulate(CLI::App& app, Verb& verb) {
+  verb.scene.fem.emplace();
+  verb.scene.solver.tolerance = 1e-8;
+  add_run(app, verb, "simulate", "the same on finite elements, in float64");
+  verb.app
+      ->add_option("--element", verb.typed.element,
+                   "voxel (the network's), hex, hex-bbar, tet4, tet10 or tet10-bbar")
+      ->capture_default_str();
+  verb.app->add_option("--mass", verb.typed.mass, "lumped or consistent")->capture_default_str();
+  verb.app->add_flag("--static", verb.scene.fem->statics,
+                     "the equilibrium under gravity, tractions and moves instead of time steps");
+}
+
+/// Options of animate or simulate, called `name`.
+AnimateOptions take_run(Verb& verb) {
+  const std::string name = verb.app->get_name();
   resolve(verb);
   AnimateOptions& o = verb.scene;
   if (o.print_resolved) return finish_resolved(o);
+  if (!o.fem) check_no_boundary(o, name);
   const std::string& file = verb.scene_file;
   const std::string scene = file.empty() ? "" : file + ": ";
-  ELASTOGEN_CHECK(!o.input.empty(), scene, "animate needs an INPUT, or a --scene with asset.file");
-  ELASTOGEN_CHECK(!o.outputs.empty(), scene,
-                  "animate needs an --output, or a --scene with output.files");
+  ELASTOGEN_CHECK(!o.input.empty(), scene, name, " needs an INPUT, or a --scene with asset.file");
+  ELASTOGEN_CHECK(!o.outputs.empty(), scene, name,
+                  " needs an --output, or a --scene with output.files");
   check_outputs(o, verb.scene_file);
   return o;
 }
@@ -166,6 +183,70 @@ CLI::App* add_materials(CLI::App& app, MaterialsTask& task) {
   return verb;
 }
 
+/// Names in the options of study.
+struct StudyNames {
+  std::string reference = "hex-bbar";
+  std::vector<std::string> solvers = {"quasi", "newton", "paper"};
+};
+
+void add_study(CLI::App& app, Verb& verb, StudyTask& task, StudyNames& names) {
+  verb.app = app.add_subcommand("study", "network against finite elements, error against time");
+  verb.app->add_option("INPUT", verb.scene.input, "asset");
+  verb.app->add_option("--scene", verb.scene_file, "scene file (.toml, .json)");
+  verb.app->add_option("--folder", task.folder, "of study.json, study.csv, study.html, .pvd")
+      ->capture_default_str();
+  verb.app->add_option("--repeat", task.repeats, "runs of each kind, for their time")
+      ->capture_default_str();
+  verb.app->add_option("--solvers", names.solvers, "of the network: quasi, newton, paper")
+      ->delimiter(',')
+      ->capture_default_str();
+  verb.app->add_option("--tolerances", task.tolerances, "of quasi and newton")
+      ->delimiter(',')
+      ->capture_default_str();
+  verb.app
+      ->add_option("--reference", names.reference,
+                   "element of the reference of discretisation errors")
+      ->capture_default_str();
+  verb.app
+      ->add_option("--refine", task.refine,
+                   "its voxels are h over this; 0: no discretisation errors")
+      ->capture_default_str();
+  verb.app
+      ->add_option("--resolutions", task.resolutions, "h of the sweep over that of the reference")
+      ->delimiter(',')
+      ->capture_default_str();
+  verb.app->add_option("--time-steps", task.time_steps, "dt over those of the sweep; 1: no sweep")
+      ->delimiter(',')
+      ->capture_default_str();
+  add_scene_groups(*verb.app, verb.scene, verb.typed);
+}
+
+StudyTask take_study(Verb& verb, StudyTask task, const StudyNames& names) {
+  resolve(verb);
+  check_no_boundary(verb.scene, "study");
+  ELASTOGEN_CHECK(!verb.scene.input.empty(), "study needs an INPUT, or a --scene with asset.file");
+  task.reference = fem::element_from_name(names.reference);
+  task.solvers.clear();
+  for (const std::string& name : names.solvers) {
+    task.solvers.push_back(solver_from_name(name));
+    ELASTOGEN_CHECK(task.solvers.back() != SolverMode::kAuto,
+                    "--solvers: auto is one of the others; name quasi, newton or paper");
+  }
+  for (const double tolerance : task.tolerances)
+    ELASTOGEN_CHECK(tolerance > 0 && tolerance < 1, "--tolerances must lie between 0 and 1, got ",
+                    tolerance);
+  ELASTOGEN_CHECK(task.repeats >= 1 && task.repeats <= 1000,
+                  "--repeat must lie in 1 ... 1000, got ", task.repeats);
+  ELASTOGEN_CHECK(task.refine >= 0 && task.refine <= 16, "--refine must lie in 0 ... 16, got ",
+                  task.refine);
+  for (const int value : task.resolutions)
+    ELASTOGEN_CHECK(value >= 1, "--resolutions must be 1 or more, got ", value);
+  for (const int value : task.time_steps)
+    ELASTOGEN_CHECK(value >= 1, "--time-steps must be 1 or more, got ", value);
+  task.scene = verb.scene;
+  return task;
+}
+
 CLI::App* add_demo(CLI::App& app, DemoOptions& demo) {
   CLI::App* verb = app.add_subcommand("demo", "builds a character and animates it");
   verb->add_option("-o,--output", demo.folder, "folder for demo.glb and demo.png")
@@ -177,9 +258,11 @@ CLI::App* add_demo(CLI::App& app, DemoOptions& demo) {
 
 /// All verbs while they are parsed.
 struct Verbs {
-  Verb animate, voxelize, inspect, doctor;
+  Verb animate, simulate, study, voxelize, inspect, doctor;
   VoxelizeTask voxelize_task;
   InspectTask inspect_task;
+  StudyTask study_task;
+  StudyNames study_names;
   DoctorTask doctor_task;
   MaterialsTask materials_task;
   DemoOptions demo;
@@ -187,10 +270,13 @@ struct Verbs {
 };
 
 void add_verbs(CLI::App& app, Verbs& verbs, const std::string& command) {
-  for (Verb* verb : {&verbs.animate, &verbs.voxelize, &verbs.inspect, &verbs.doctor})
+  for (Verb* verb : {&verbs.animate, &verbs.simulate, &verbs.study, &verbs.voxelize, &verbs.inspect,
+                     &verbs.doctor})
     verb->scene.command = command;
   verbs.demo.command = command;
-  add_animate(app, verbs.animate);
+  add_run(app, verbs.animate, "animate", "asset, material and pins to an animation");
+  add_simulate(app, verbs.simulate);
+  add_study(app, verbs.study, verbs.study_task, verbs.study_names);
   add_voxelize(app, verbs.voxelize, verbs.voxelize_task);
   add_inspect(app, verbs.inspect, verbs.inspect_task);
   add_doctor(app, verbs.doctor, verbs.doctor_task);
@@ -215,7 +301,11 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
     return result;
   }
   if (verbs.animate.app->parsed()) {
-    result.animate = take_animate(verbs.animate);
+    result.animate = take_run(verbs.animate);
+  } else if (verbs.simulate.app->parsed()) {
+    result.animate = take_run(verbs.simulate);
+  } else if (verbs.study.app->parsed()) {
+    result.study = take_study(verbs.study, verbs.study_task, verbs.study_names);
   } else if (verbs.voxelize.app->parsed()) {
     result.voxelize = take_voxelize(verbs.voxelize, verbs.voxelize_task);
   } else if (verbs.inspect.app->parsed()) {

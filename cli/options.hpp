@@ -6,6 +6,7 @@
 #include "core/scene.hpp"
 #include "core/state.hpp"
 #include "io/asset_pose.hpp"
+#include "mpm_fem/fem_scene.hpp"
 #include "network/solver.hpp"
 
 #include <optional>
@@ -20,14 +21,23 @@ struct FloorOption {
   std::optional<double> place;  ///< [m]
 };
 
+/// What `simulate` puts in the place of the network.
+struct FemOptions {
+  fem::Element element = fem::Element::kVoxel;
+  fem::Mass mass = fem::Mass::kLumped;
+  bool newmark = false;  ///< instead of the time scheme
+  bool statics = false;  ///< an equilibrium instead of time steps: one frame, one step of 1 s
+};
+
 struct AnimateOptions {
   std::string input;
-  std::vector<std::string> outputs;    ///< animations, each by its ending
-  Material material;                   ///< of what no region takes
-  std::vector<std::string> pins;       ///< selections
-  std::vector<std::string> regions;    ///< as typed (cli/region_option.hpp)
-  std::vector<std::string> colliders;  ///< as typed (cli/collider_option.hpp)
-  std::optional<Vec3> gravity;         ///< [m/s^2]; unset: 9.81 down
+  std::vector<std::string> outputs;                  ///< animations, each by its ending
+  Material material;                                 ///< of what no region takes
+  std::vector<std::string> pins;                     ///< selections
+  std::vector<std::string> regions;                  ///< as typed (cli/region_option.hpp)
+  std::vector<std::string> colliders;                ///< as typed (cli/collider_option.hpp)
+  std::vector<std::string> holds, tractions, moves;  ///< as typed (cli/boundary_option.hpp)
+  std::optional<Vec3> gravity;                       ///< [m/s^2]; unset: 9.81 down
   StartMotion motion;
   std::optional<FloorOption> floor;
   double friction = 0.5;     ///< of the floor, and of colliders that name none
@@ -40,6 +50,7 @@ struct AnimateOptions {
   int substeps = 0;  ///< 0: auto
   TimeScheme scheme = TimeScheme::kEuler;
   SolverOptions solver;
+  std::optional<FemOptions> fem;  ///< set: finite elements take the steps
   Hourglass hourglass = Hourglass::kFull;
   bool keyframe = false;           ///< GLB profile; else modal
   std::string state, log, report;  ///< files, empty for none
@@ -74,6 +85,18 @@ struct MaterialsTask {
   bool json = false;
 };
 
+struct StudyTask {
+  AnimateOptions scene;
+  std::string folder = "study";  ///< of study.json, .csv, .html and the PVD files
+  int repeats = 3;               ///< of each run, for its time
+  std::vector<SolverMode> solvers = {SolverMode::kQuasi, SolverMode::kNewton, SolverMode::kPaper};
+  std::vector<double> tolerances = {1e-1, 1e-2, 1e-3, 1e-4, 1e-5};  ///< of quasi and newton
+  fem::Element reference = fem::Element::kHexBbar;                  ///< of discretisation errors
+  int refine = 2;  ///< its grid has voxels of h / refine; 0: no such errors
+  std::vector<int> resolutions = {4, 2, 1};    ///< h of the sweep over that of the reference
+  std::vector<int> time_steps = {1, 2, 4, 8};  ///< dt over that of the sweep; one: no sweep
+};
+
 struct DemoOptions {
   std::string folder = ".";
   int threads = 0;
@@ -84,12 +107,13 @@ struct DemoOptions {
 /// What was asked for: at most one verb is set; with none, `code` is the exit code (help, version,
 /// usage errors, which have been printed).
 struct CommandLine {
-  std::optional<AnimateOptions> animate;
+  std::optional<AnimateOptions> animate;  ///< and simulate, where fem is set
   std::optional<DemoOptions> demo;
   std::optional<VoxelizeTask> voxelize;
   std::optional<InspectTask> inspect;
   std::optional<DoctorTask> doctor;
   std::optional<MaterialsTask> materials;
+  std::optional<StudyTask> study;
   int code = 0;
 };
 

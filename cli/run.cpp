@@ -2,8 +2,8 @@
 #include "cli/run.hpp"
 
 #include "cli/progress.hpp"
-#include "cli/scene_setup.hpp"
 #include "cli/signals.hpp"
+#include "cli/stepper.hpp"
 #include "cli/stopwatch.hpp"
 #include "cli/version.hpp"
 #include "core/error.hpp"
@@ -12,7 +12,6 @@
 #include "io/safe_file.hpp"
 #include "io/state_writer.hpp"
 #include "io/step_log.hpp"
-#include "network/contact.hpp"
 #include "voxelize/embedding.hpp"
 
 #include <fmt/format.h>
@@ -43,15 +42,12 @@ std::unique_ptr<AnimationWriter> open_animation(const std::string& path, const A
 }
 
 std::unique_ptr<StateWriter> open_state(const Scene& scene, const AnimateOptions& o,
-                                        const Solver& solver, const State& state) {
+                                        const Stepper& stepper, const State& state) {
   if (o.state.empty()) return nullptr;
   StateHeader header;
   header.fps = o.fps;
-  header.solver = solver_name(solver.mode());
-  header.tolerance = o.solver.tolerance;
   header.commit = build_commit();
-  if (!scene.colliders.empty())
-    header.contact = {{"layer", contact_layer(scene)}, {"slip_range", slip_range(scene)}};
+  stepper.describe(header);
   return std::make_unique<StateWriter>(o.state, scene, header, state);
 }
 
@@ -65,13 +61,11 @@ class Clip {
       outputs_.animations.push_back(open_animation(path, asset, setup, options));
     embedding_ = embed(setup.scene.grid, setup.body.carried);
     const Stopwatch watch;
-    SolverOptions solver = options.solver;
-    solver.interrupted = [this] { return stopped(); };
-    solver_ = std::make_unique<Solver>(setup.scene, solver);
-    state_ = initial_state(setup.scene, options.motion);
+    stepper_ = make_stepper(setup, options, [this] { return stopped(); });
+    state_ = stepper_->start(options.motion);
     report_.stage_seconds.setup += watch.seconds();
     if (!o_.log.empty()) outputs_.log = std::make_unique<StepLog>(o_.log);
-    outputs_.state = open_state(setup.scene, options, *solver_, state_);
+    outputs_.state = open_state(setup.scene, options, *stepper_, state_);
     displacement_ = Array<double>(setup.body.carried.rows(), 3);
     for (const auto& animation : outputs_.animations)
       if (animation->needs_gradient()) gradient_ = Array<double>(setup.body.carried.rows(), 9);
@@ -104,7 +98,7 @@ class Clip {
     }
     const bool still = largest_motion_ < 1e-6 * setup_.longest_edge;
     if (still && report_.frames > 0 && converged_ == report_.steps)
-      report_.warnings.push_back(nothing_moved(setup_.scene));
+      report_.warnings.push_back(nothing_moved(setup_.scene, o_));
   }
 
  private:
@@ -134,7 +128,7 @@ class Clip {
     for (int k = 0; k < setup_.substeps; ++k) {
       StepReport r;
       r.interrupted = stopped();
-      if (!r.interrupted) r = solver_->step(state_);
+      if (!r.interrupted) r = stepper_->step(state_);
       if (r.interrupted) {
         say_why();
         return false;
@@ -160,23 +154,35 @@ class Clip {
     report_.worst_residual = std::max(report_.worst_residual, r.residual);
     report_.min_j = std::min(report_.min_j, r.min_j);
     report_.step_ms.push_back(r.ms);
+    if (!r.converged && !r.refusal.empty()) report_.warnings.push_back(r.refusal);
     if (outputs_.log) outputs_.log->write(frame, r);
     if (outputs_.state) outputs_.state->step(state_, r);
     if (hooks_.on_step) hooks_.on_step(r);
   }
 
+  /// The state of the grid's nodes alone: quadratic elements have more.
+  const State& grid_state() {
+    const int64_t nodes = setup_.scene.grid.node_count();
+    if (state_.x.rows() == nodes) return state_;
+    grid_state_.x = grid_state_.v = Array<double>(nodes, 3);
+    std::copy_n(state_.x.data(), 3 * nodes, grid_state_.x.data());
+    std::copy_n(state_.v.data(), 3 * nodes, grid_state_.v.data());
+    grid_state_.time = state_.time;
+    return grid_state_;
+  }
+
   void write_frame(const FrameCertificate& certificate) {
     const Stopwatch watch;
-    deform_asset(setup_.scene.grid, embedding_, state_.x, displacement_);
+    const State& state = grid_state();
+    deform_asset(setup_.scene.grid, embedding_, state.x, displacement_);
     for (int64_t k = 0; k < displacement_.size(); ++k)
       largest_motion_ = std::max(largest_motion_, std::abs(displacement_.data()[k]));
-    if (!gradient_.empty())
-      deformation_gradient(setup_.scene.grid, embedding_, state_.x, gradient_);
+    if (!gradient_.empty()) deformation_gradient(setup_.scene.grid, embedding_, state.x, gradient_);
     for (const auto& animation : outputs_.animations)
       animation->frame({.displacement = displacement_,
                         .gradient = gradient_,
-                        .state = &state_,
-                        .residual = solver_->residual(),
+                        .state = &state,
+                        .residual = {stepper_->residual().data, state.x.rows(), 3},
                         .certificate = certificate});
     if (hooks_.on_frame) {
       Array<double> positions = setup_.body.carried;
@@ -193,8 +199,9 @@ class Clip {
   RunReport& report_;
   Outputs outputs_;
   Embedding embedding_;
-  std::unique_ptr<Solver> solver_;
+  std::unique_ptr<Stepper> stepper_;
   State state_;
+  State grid_state_;  ///< used where state_ has more nodes than the grid
   Array<double> displacement_;
   Array<double> gradient_;  ///< of the carried points; empty where no writer needs it
   int64_t converged_ = 0;

@@ -46,6 +46,18 @@ std::string region_text(const SceneValue& region, const std::string& preset) {
   return text;
 }
 
+/// " T:x,y,z; T:x,y,z" of lists of a time and what there is at that time.
+std::string path_text(const SceneValue& path) {
+  std::string text;
+  for (const SceneValue& key : path.items) {
+    SceneValue place = key;
+    place.items.erase(place.items.begin());
+    text += fmt::format("{} {}:{}", text.empty() ? "" : ";", value_text(key.items[0]),
+                        value_text(place));
+  }
+  return text;
+}
+
 std::string collider_text(const SceneValue& c) {
   const std::string shape = text_of(c, "shape", "");
   const bool box = shape == "box";
@@ -58,14 +70,24 @@ std::string collider_text(const SceneValue& c) {
   for (const char* key : {"friction", "name"})
     if (c.find(key)) text += fmt::format(" {} {}", key, text_of(c, key, ""));
   const SceneValue* path = c.find("path");
-  if (!path || path->items.empty()) return text;
-  text += " path";
-  for (size_t k = 0; k < path->items.size(); ++k) {
-    const auto& place = path->items[k].items;
-    text += fmt::format("{} {}:{},{},{}", k == 0 ? "" : ";", value_text(place[0]),
-                        value_text(place[1]), value_text(place[2]), value_text(place[3]));
-  }
+  if (path && !path->items.empty()) text += " path" + path_text(*path);
   return text;
+}
+
+std::string hold_text(const SceneValue& hold) {
+  return fmt::format("{}: {}", text_of(hold, "select", ""), text_of(hold, "axes", ""));
+}
+
+std::string traction_text(const SceneValue& traction) {
+  return fmt::format("{}: {}", text_of(traction, "select", ""), text_of(traction, "force", ""));
+}
+
+std::string move_text(const SceneValue& move) {
+  const std::string select = text_of(move, "select", "");
+  if (const SceneValue* path = move.find("path"))
+    return fmt::format("{}: shift{}", select, path_text(*path));
+  return fmt::format("{}: turn({}, {}){}", select, text_of(move, "turn_centre", ""),
+                     text_of(move, "turn_axis", ""), path_text(*move.find("turn")));
 }
 
 std::string floor_text(const SceneValue& floor) {
@@ -101,6 +123,9 @@ void add_tables(const SceneValue& scene, std::vector<SceneOption>& options) {
   add("pin", "--pin", [](const SceneValue& pin) { return text_of(pin, "select", ""); });
   add("region", "--region", [&](const SceneValue& r) { return region_text(r, preset); });
   add("collider", "--collider", collider_text);
+  add("hold", "--hold", hold_text);
+  add("traction", "--traction", traction_text);
+  add("move", "--move", move_text);
 }
 
 SceneValue quantity(double value, const char* word) {
@@ -216,6 +241,9 @@ SceneValue resolved_scene(const AnimateOptions& o) {
   scene.set("pins", scene_texts(o.pins));
   scene.set("regions", scene_texts(o.regions));
   scene.set("colliders", scene_texts(o.colliders));
+  scene.set("holds", scene_texts(o.holds));
+  scene.set("tractions", scene_texts(o.tractions));
+  scene.set("moves", scene_texts(o.moves));
   scene.set("gravity", o.gravity ? vector(o.gravity->data()) : scene_text("auto"));
   scene.set("asset", asset_table(o));
   scene.set("material", material_table(o.material));

@@ -17,7 +17,8 @@ struct SceneOption {
 /// @param scene  checked, as read_scene gives it.
 std::vector<SceneOption> scene_options(const SceneValue& scene);
 
-/// Every key of a scene file with the value that it has, in SI; regions and colliders as texts.
+/// Every key of a scene file with the value that it has, in SI; regions, colliders, holds,
+/// tractions and moves as texts.
 SceneValue resolved_scene(const AnimateOptions& options);
 
 }  // namespace elastogen

@@ -2,6 +2,7 @@
 #include "cli/scene_setup.hpp"
 
 #include "cli/asset_stages.hpp"
+#include "cli/boundary_option.hpp"
 #include "cli/collider_option.hpp"
 #include "cli/region_option.hpp"
 #include "cli/stopwatch.hpp"
@@ -41,12 +42,16 @@ std::vector<Collider> make_colliders(const AnimateOptions& o, const UpAxis& up, 
   return colliders;
 }
 
-/// Planes of pins and colliders, so that a layer of nodes lies in them.
+/// Planes of pins, holds, moves and colliders, so that a layer of nodes lies in them.
 VoxelizeOptions voxelize_options(const AnimateOptions& o, const std::vector<Collider>& colliders,
                                  const Box& box) {
   VoxelizeOptions v = resolution(o);
-  for (const std::string& pin : o.pins) {
-    const auto at = plane(parse_selection(pin), box);
+  std::vector<Selection> selections;
+  for (const std::string& pin : o.pins) selections.push_back(parse_selection(pin));
+  for (const std::string& hold : o.holds) selections.push_back(parse_hold(hold).selection);
+  for (const std::string& move : o.moves) selections.push_back(parse_move(move).selection);
+  for (const Selection& selection : selections) {
+    const auto at = plane(selection, box);
     if (at && !v.align[at->first]) v.align[at->first] = at->second;
   }
   for (const Collider& c : colliders)
@@ -56,23 +61,32 @@ VoxelizeOptions voxelize_options(const AnimateOptions& o, const std::vector<Coll
   return v;
 }
 
+/// Says so where a selection has no node.
+void check_holds(const char* option, const std::string& text, const Array<uint8_t>& selected,
+                 const Box& box, std::vector<std::string>& warnings) {
+  const uint8_t* nodes = selected.data();
+  if (std::any_of(nodes, nodes + selected.rows(), [](uint8_t s) { return s != 0; })) return;
+  warnings.push_back(fmt::format(
+      "{} '{}' holds nothing: no node of the grid lies in it; the asset spans {:.4g}..{:.4g}, "
+      "{:.4g}..{:.4g}, {:.4g}..{:.4g} m",
+      option, text, box.lower[0], box.upper[0], box.lower[1], box.upper[1], box.lower[2],
+      box.upper[2]));
+}
+
 void pin(const AnimateOptions& o, const Box& box, Scene& scene,
          std::vector<std::string>& warnings) {
   scene.pinned = Array<uint8_t>(scene.grid.node_count());
   for (const std::string& text : o.pins) {
     const Array<uint8_t> selected = select_nodes(scene.grid, parse_selection(text), box);
-    int64_t count = 0;
-    for (int64_t n = 0; n < selected.rows(); ++n) {
-      scene.pinned(n) |= selected(n);
-      count += selected(n);
-    }
-    if (count == 0)
-      warnings.push_back(
-          fmt::format("--pin '{}' holds nothing: no node of the grid lies in it; the "
-                      "asset spans {:.4g}..{:.4g}, {:.4g}..{:.4g}, {:.4g}..{:.4g} m",
-                      text, box.lower[0], box.upper[0], box.lower[1], box.upper[1], box.lower[2],
-                      box.upper[2]));
+    for (int64_t n = 0; n < selected.rows(); ++n) scene.pinned(n) |= selected(n);
+    check_holds("--pin", text, selected, box, warnings);
   }
+  for (const std::string& text : o.holds)
+    check_holds("--hold", text, select_nodes(scene.grid, parse_hold(text).selection, box), box,
+                warnings);
+  for (const std::string& text : o.moves)
+    check_holds("--move", text, select_nodes(scene.grid, parse_move(text).selection, box), box,
+                warnings);
 }
 
 /// A body that begins in a collider can never be stepped.
@@ -133,8 +147,9 @@ void add_time(const AnimateOptions& o, Setup& setup) {
   scene.hourglass = o.hourglass;
 }
 
-/// Neither pins nor colliders against gravity.
-bool falls_freely(const Scene& scene) {
+/// Nothing against gravity.
+bool falls_freely(const AnimateOptions& o, const Scene& scene) {
+  if (!o.holds.empty() || !o.moves.empty()) return false;
   const uint8_t* pinned = scene.pinned.data();
   const bool held = std::any_of(pinned, pinned + scene.pinned.rows(), [](uint8_t p) { return p; });
   return !held && scene.colliders.empty() && scene.gravity != Vec3{};
@@ -158,7 +173,7 @@ Setup set_up(const Asset& asset, const AnimateOptions& o, const std::vector<Mate
   for (const Collider& collider : scene.colliders) check_clear(scene, collider);
   add_time(o, setup);
   finish_scene(scene);
-  if (falls_freely(scene))
+  if (falls_freely(o, scene))
     report.warnings.push_back(
         "nothing holds the asset (no --pin, no --floor, no --collider): it falls freely");
   report.stage_seconds.setup = watch.seconds() - report.stage_seconds.voxelize;
@@ -179,6 +194,11 @@ void print_setup(const Setup& setup, const AssetSummary& asset, const AnimateOpt
   for (const Material& m : scene.materials)
     fmt::print("{}: {}, E {:.4g} Pa, nu {:.4g}, rho {:.4g} kg/m^3\n", m.name, law_name(m.law),
                m.young, m.poisson, m.density);
+  if (o.fem && o.fem->statics) {
+    fmt::print("static equilibrium\n");
+    std::fflush(stdout);
+    return;
+  }
   fmt::print("{} frames at {:.4g} fps, {} step{} a frame of {:.4g} s, Courant number {:.3g}\n",
              o.frames, o.fps, setup.substeps, setup.substeps == 1 ? "" : "s", scene.dt,
              courant_number(scene));
@@ -190,10 +210,12 @@ void print_setup(const Setup& setup, const AssetSummary& asset, const AnimateOpt
   std::fflush(stdout);
 }
 
-std::string nothing_moved(const Scene& scene) {
+std::string nothing_moved(const Scene& scene, const AnimateOptions& o) {
   int64_t pinned = 0;
   for (int64_t n = 0; n < scene.pinned.rows(); ++n) pinned += scene.pinned(n);
   if (pinned == scene.pinned.rows()) return "nothing moved: every node is pinned";
+  if (!o.tractions.empty() || !o.moves.empty())
+    return "nothing moved: tractions and moves are too small to show";
   if (scene.gravity == Vec3{}) return "nothing moved: no gravity and no start motion";
   return fmt::format("nothing moved: the material ({:.3g} Pa) is too stiff for its weight to show",
                      scene.materials[0].young);

@@ -31,6 +31,6 @@ Setup set_up(const Asset& asset, const AnimateOptions& options,
 void print_setup(const Setup& setup, const AssetSummary& asset, const AnimateOptions& options);
 
 /// Why an animation without motion has none.
-std::string nothing_moved(const Scene& scene);
+std::string nothing_moved(const Scene& scene, const AnimateOptions& options);
 
 }  // namespace elastogen

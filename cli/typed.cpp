@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/typed.hpp"
 
+#include "cli/boundary_option.hpp"
 #include "cli/region_option.hpp"
 #include "core/error.hpp"
 #include "io/frame_files.hpp"
@@ -69,10 +70,26 @@ void copy(const Vec3& from, double to[3]) {
   std::copy(from.begin(), from.end(), to);
 }
 
+/// Finite elements know one more scheme than the network.
+void resolve_scheme(const Typed& t, AnimateOptions& o) {
+  if (!o.fem) {
+    o.scheme = TimeScheme(choice("--time-scheme", t.scheme, {"euler", "bdf2"}));
+    return;
+  }
+  const int scheme = choice("--time-scheme", t.scheme, {"euler", "bdf2", "newmark"});
+  o.fem->newmark = scheme == 2;
+  o.scheme = scheme == 1 ? TimeScheme::kBdf2 : TimeScheme::kEuler;
+  o.fem->element = fem::element_from_name(t.element);
+  o.fem->mass = fem::Mass(choice("--mass", t.mass, {"lumped", "consistent"}));
+}
+
 void convert(const Typed& t, AnimateOptions& o) {
   o.material = resolve_material(t);
   for (const std::string& pin : o.pins) parse_selection(pin);
   for (const std::string& region : o.regions) parse_region(region);
+  for (const std::string& hold : o.holds) parse_hold(hold);
+  for (const std::string& traction : o.tractions) parse_traction(traction);
+  for (const std::string& move : o.moves) parse_move(move);
   if (t.gravity != "auto") o.gravity = parse_vec3(t.gravity, Quantity::kAcceleration);
   if (!t.velocity.empty()) copy(parse_vec3(t.velocity, Quantity::kSpeed), o.motion.velocity);
   if (!t.spin.empty()) copy(parse_vec3(t.spin, Quantity::kSpin), o.motion.spin);
@@ -83,7 +100,7 @@ void convert(const Typed& t, AnimateOptions& o) {
   if (t.max_time != "none") o.max_time = parse_time(t.max_time);
   o.up = up_from_name(t.up);
   o.substeps = resolve_substeps(t.substeps);
-  o.scheme = TimeScheme(choice("--time-scheme", t.scheme, {"euler", "bdf2"}));
+  resolve_scheme(t, o);
   o.solver.mode = solver_from_name(t.solver);
   o.solver.skip = !t.no_skip;
   const bool paper = o.solver.mode == SolverMode::kPaper;
@@ -93,6 +110,20 @@ void convert(const Typed& t, AnimateOptions& o) {
                               : Hourglass::kFull;
   o.keyframe = choice("--glb-profile", t.profile, {"modal", "keyframe"}) == 1;
   choice("--device", t.device, {"cpu"});
+}
+
+/// A static run is one step of one second, from rest.
+void resolve_statics(AnimateOptions& o) {
+  ELASTOGEN_CHECK(!o.floor && o.colliders.empty(),
+                  "--static does not see colliders: leave out --floor and --collider");
+  const bool held = !o.pins.empty() || !o.holds.empty() || !o.moves.empty();
+  ELASTOGEN_CHECK(held, "--static: nothing holds the asset; give --pin, --hold or --move");
+  for (const double* start : {o.motion.velocity, o.motion.spin})
+    ELASTOGEN_CHECK(start[0] == 0 && start[1] == 0 && start[2] == 0,
+                    "--static has no start motion: leave out --velocity and --spin");
+  o.frames = 1;
+  o.fps = 1;
+  o.substeps = 1;
 }
 
 void check_paper(const SolverOptions& s) {
@@ -159,6 +190,7 @@ class TakenNames {
 
 void resolve(const Typed& typed, AnimateOptions& options) {
   convert(typed, options);
+  if (options.fem && options.fem->statics) resolve_statics(options);
   check_ranges(typed, options);
   check_paper(options.solver);
 }

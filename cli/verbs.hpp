@@ -24,6 +24,10 @@ int inspect(const InspectTask& task);
 /// cannot be used.
 int doctor(const DoctorTask& task);
 
+/// Runs a scene on the network and on finite elements and compares them: study.json, study.csv,
+/// study.html (docs/study.md), of the runs so far after a signal. @return the exit code.
+int study(const StudyTask& task);
+
 /// Prints the presets. @return the exit code.
 int materials(const MaterialsTask& task);
 

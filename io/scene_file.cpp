@@ -73,7 +73,14 @@ class Check {
     expect(at, table, Kind::kTable, name);
     for (SceneMember& member : table.members) value(member, name);
     const int line = table.line > 0 ? table.line : at.value.line;
-    if (name == "pin" && !table.find("select")) fail(line, "'pin': needs select");
+    for (const auto& [owner, key] : {std::pair("pin", "select"),
+                                     {"hold", "select"},
+                                     {"hold", "axes"},
+                                     {"traction", "select"},
+                                     {"traction", "force"},
+                                     {"move", "select"}})
+      if (name == owner && !table.find(key)) fail(line, concat('\'', name, "': needs ", key));
+    if (name == "move") check_move(table, line);
     if (name == "region") check_region(table, line);
     if (name == "collider") check_collider(table, line);
   }
@@ -83,6 +90,14 @@ class Check {
     for (const char* key : {"select", "node", "gltf_material"})
       given += region.find(key) != nullptr;
     if (given != 1) fail(line, "'region': needs one of select, node and gltf_material");
+  }
+
+  /// A move has a path, or all that a turn needs.
+  void check_move(const SceneValue& move, int line) const {
+    int turn = 0;
+    for (const char* key : {"turn", "turn_centre", "turn_axis"}) turn += move.find(key) != nullptr;
+    if (move.find("path") ? turn != 0 : turn != 3)
+      fail(line, "'move': needs path, or turn with turn_centre and turn_axis");
   }
 
   /// A collider has the keys of its shape and no others.
@@ -132,7 +147,9 @@ class Check {
         if (!is_word(v, *key)) vector(member, *key);
         return;
       case SceneType::kPath:
-        return path(member, *key);
+        return path(member, *key, "t, x, y, z", Quantity::kLength);
+      case SceneType::kTurn:
+        return path(member, *key, "t, angle", Quantity::kAngle);
     }
   }
 
@@ -189,14 +206,16 @@ class Check {
     for (SceneValue& item : v.items) number(member, item, key, key.quantity);
   }
 
-  void path(SceneMember& member, const SceneKey& key) {
+  /// A list of lists of a time and what there is at that time.
+  void path(SceneMember& member, const SceneKey& key, const char* names, Quantity quantity) {
     expect(member, member.value, Kind::kList, key.path());
+    const size_t count = key.type == SceneType::kTurn ? 2 : 4;
     double before = -std::numeric_limits<double>::infinity();
     for (SceneValue& place : member.value.items) {
-      if (place.kind != Kind::kList || place.items.size() != 4)
-        fail(member.value.line, concat('\'', key.path(), "': lists of t, x, y, z are expected"));
-      for (size_t k = 0; k < 4; ++k)
-        number(member, place.items[k], key, k == 0 ? Quantity::kTime : Quantity::kLength);
+      if (place.kind != Kind::kList || place.items.size() != count)
+        fail(member.value.line, concat('\'', key.path(), "': lists of ", names, " are expected"));
+      for (size_t k = 0; k < count; ++k)
+        number(member, place.items[k], key, k == 0 ? Quantity::kTime : quantity);
       if (place.items[0].number <= before)
         fail(member.value.line, concat('\'', key.path(), "': the times must ascend"));
       before = place.items[0].number;

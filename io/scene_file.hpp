@@ -12,7 +12,8 @@ namespace elastogen {
 /// @throws Error (usage) with file, line and key: what parse_scene refuses; a key that is not known
 ///         (naming the nearest); another type, word, unit or range than the key has; a collider
 ///         that lacks a key of its shape or has one of another; a region without exactly one of
-///         select, node and gltf_material; a file that cannot be read.
+///         select, node and gltf_material; a hold, traction or move that lacks a key; a file
+///         that cannot be read.
 SceneValue read_scene(const std::string& path);
 
 /// The same of a text. @param name  of the file, for messages and relative paths.

@@ -2,6 +2,7 @@
 #include "io/scene_keys.hpp"
 
 #include "core/material.hpp"
+#include "io/scene_load_keys.hpp"
 
 #include <algorithm>
 
@@ -116,27 +117,6 @@ Keys region_keys() {
   };
   for (SceneKey& key : material_keys("region")) keys.push_back(std::move(key));
   return keys;
-}
-
-Keys load_keys() {
-  return {
-      {"", "pins", T::kTexts, "[]", "--pin", "selections whose nodes are held, like y<5%"},
-      {"pin", "select", T::kText, "", "", "one more selection"},
-      {"", "regions", T::kTexts, "[]", "--region", "regions as the option writes them"},
-      {"",
-       "gravity",
-       T::kVector,
-       "auto",
-       "--gravity",
-       "acceleration of everything; auto: 9.81 m/s2 against up",
-       Q::kAcceleration,
-       {},
-       {"auto"}},
-      {"motion", "velocity", T::kVector, "[0, 0, 0]", "--velocity",
-       "of the whole asset at the start", Q::kSpeed},
-      {"motion", "spin", T::kVector, "[0, 0, 0]", "--spin", "about the centre of mass at the start",
-       Q::kSpin},
-  };
 }
 
 Keys floor_keys() {
@@ -325,6 +305,9 @@ std::span<const SceneTable> scene_tables() {
       {"material", false, "The material of what no region takes."},
       {"region", true, "A part of another material: one of select, node, gltf_material."},
       {"pin", true, "A part that is held, as in `pins`."},
+      {"hold", true, "simulate: a part that is held along some axes."},
+      {"traction", true, "simulate: a force on a part of the surface."},
+      {"move", true, "simulate: a part that is shifted along a path, or turned."},
       {"motion", false, "Motion at the start."},
       {"floor", false, "A floor; it is there when the table is."},
       {"collider", true, "An obstacle, at rest or on a path."},

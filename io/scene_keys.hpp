@@ -21,6 +21,7 @@ enum class SceneType {
   kText,    ///< one of the words; any text where there are none
   kTexts,   ///< a list of texts
   kPath,    ///< a list of [t, x, y, z]: time, place
+  kTurn,    ///< a list of [t, angle]
 };
 
 /// An interval; ends at infinity are always open.

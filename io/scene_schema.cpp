@@ -44,6 +44,9 @@ Json value_schema(const SceneKey& key) {
     case SceneType::kPath:
       return {{"type", "array"},
               {"items", list_schema({{"type", Json::array({"number", "string"})}}, 4)}};
+    case SceneType::kTurn:
+      return {{"type", "array"},
+              {"items", list_schema({{"type", Json::array({"number", "string"})}}, 2)}};
     case SceneType::kVector: {
       Json any = Json::array({list_schema(number_schema(key, false), 3), {{"type", "string"}}});
       return {{"anyOf", std::move(any)}};
@@ -82,16 +85,23 @@ Json table_schema(const SceneTable& table) {
                  {"description", table.text},
                  {"properties", properties_of(table.name)},
                  {"additionalProperties", false}};
-  if (table.name == "pin") schema["required"] = {"select"};
+  if (table.name == "pin" || table.name == "move") schema["required"] = {"select"};
+  if (table.name == "hold") schema["required"] = {"select", "axes"};
+  if (table.name == "traction") schema["required"] = {"select", "force"};
   if (table.name == "collider") schema["required"] = {"shape"};
   if (!table.many) return schema;
   return {{"type", "array"}, {"items", std::move(schema)}};
 }
 
 std::string type_text(const SceneKey& key) {
-  static constexpr const char* kTypes[] = {"true or false",       "whole number", "number",
-                                           "three numbers",       "text",         "list of texts",
-                                           "list of [t, x, y, z]"};
+  static constexpr const char* kTypes[] = {"true or false",
+                                           "whole number",
+                                           "number",
+                                           "three numbers",
+                                           "text",
+                                           "list of texts",
+                                           "list of [t, x, y, z]",
+                                           "list of [t, angle]"};
   std::string text =
       key.type == SceneType::kText && !key.words.empty() ? "" : kTypes[int(key.type)];
   text += unit_text(key);

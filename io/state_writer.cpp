@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kReferenceGravity = 9.81;  // g_ref of the certificate [m/s^2]
 
-const char* scheme_name(TimeScheme scheme) {
+std::string scheme_name(TimeScheme scheme) {
   return scheme == TimeScheme::kBdf2 ? "bdf2" : "euler";
 }
 
@@ -40,10 +40,12 @@ const char* hourglass_name(Hourglass hourglass) {
 void write_root(hid_t file, const Scene& scene, const StateHeader& header) {
   const double gravity[3] = {scene.gravity[0], scene.gravity[1], scene.gravity[2]};
   hdf5::write_attribute(file, "format", std::string("elastogen-state"));
-  hdf5::write_attribute(file, "version", 2);
+  hdf5::write_attribute(file, "version", 3);
   hdf5::write_attribute(file, "h", scene.grid.h);
   hdf5::write_attribute(file, "dt", scene.dt);
-  hdf5::write_attribute(file, "time_scheme", std::string(scheme_name(scene.scheme)));
+  hdf5::write_attribute(file, "time_scheme",
+                        header.scheme.empty() ? scheme_name(scene.scheme) : header.scheme);
+  hdf5::write_attribute(file, "element", header.element);
   hdf5::write_attribute(file, "hourglass", std::string(hourglass_name(scene.hourglass)));
   hdf5::write_attribute(file, "gravity", gravity);
   hdf5::write_attribute(file, "g_ref", kReferenceGravity);
@@ -52,6 +54,15 @@ void write_root(hid_t file, const Scene& scene, const StateHeader& header) {
   hdf5::write_attribute(file, "tolerance", header.tolerance);
   hdf5::write_attribute(file, "energy", header.energy);
   hdf5::write_attribute(file, "commit", header.commit);
+}
+
+void write_mesh(hid_t file, const StateMesh& mesh) {
+  const hdf5::Handle group = hdf5::create_group(file, "grid");
+  hdf5::write_dataset<double>(group, "rest", mesh.rest);
+  hdf5::write_dataset<int32_t>(group, "corners", mesh.corners);
+  hdf5::write_dataset<double>(group, "mass", mesh.mass);
+  hdf5::write_dataset<uint8_t>(group, "pinned", mesh.pinned);
+  hdf5::write_dataset<int32_t>(group, "material", mesh.material);
 }
 
 void write_grid(hid_t file, const Scene& scene) {
@@ -64,6 +75,13 @@ void write_grid(hid_t file, const Scene& scene) {
   hdf5::write_dataset<uint8_t>(group, "pinned", scene.pinned);
   hdf5::write_dataset<double>(group, "hourglass", scene.variance);
   hdf5::write_dataset<int32_t>(group, "material", scene.material);
+}
+
+/// What finite elements alone have, behind the rest of the group.
+void write_boundary(hid_t file, const StateHeader& header) {
+  const hdf5::Handle group(H5Gopen2(file, "grid", H5P_DEFAULT), H5Gclose, "grid");
+  if (!header.fixed.empty()) hdf5::write_dataset<uint8_t>(group, "fixed", header.fixed);
+  if (!header.traction.empty()) hdf5::write_dataset<double>(group, "traction", header.traction);
 }
 
 /// Fixed-length text that holds the longest of some names.
@@ -165,8 +183,13 @@ void write_contact(hid_t file, const Scene& scene, const StateHeader& header,
   const hdf5::Handle group = hdf5::create_group(file, "contact");
   for (const auto& [name, value] : header.contact)
     hdf5::write_attribute(group, name.c_str(), value);
-  hdf5::write_dataset<int32_t>(group, "voxel", scene.surface.voxel);
-  hdf5::write_dataset<double>(group, "weights", scene.surface.weights);
+  if (header.mesh) {
+    hdf5::write_dataset<int32_t>(group, "nodes", header.mesh->contact_nodes);
+  } else {
+    hdf5::write_dataset<int32_t>(group, "voxel", scene.surface.voxel);
+  }
+  hdf5::write_dataset<double>(group, "weights",
+                              header.mesh ? header.mesh->contact_weights : scene.surface.weights);
   hdf5::write_dataset<double>(group, "area", scene.surface.area);
   write_colliders(group, scene.colliders);
   write_offsets(group, scene.colliders, times);
@@ -227,8 +250,12 @@ StateWriter::StateWriter(const std::string& path, const Scene& scene, const Stat
   keep(initial);
 }
 
+int64_t StateWriter::node_count() const {
+  return header_.mesh ? header_.mesh->rest.rows() : scene_.grid.node_count();
+}
+
 void StateWriter::keep(const State& state) {
-  const int64_t nodes = scene_.grid.node_count();
+  const int64_t nodes = node_count();
   for (const Array<double>* values : {&state.x, &state.v}) {
     ELASTOGEN_CHECK(values->rows() == nodes && values->cols() == 3, "x and v must be (", nodes,
                     ", 3), got (", values->rows(), ", ", values->cols(), ')');
@@ -249,13 +276,18 @@ void StateWriter::finish() {
   SafeFile safe(path_);
   hdf5::Handle file = hdf5::create_file(safe.descriptor(), path_);
   write_root(file, scene_, header_);
-  write_grid(file, scene_);
+  if (header_.mesh) {
+    write_mesh(file, *header_.mesh);
+  } else {
+    write_grid(file, scene_);
+  }
+  write_boundary(file, header_);
   write_materials(file, scene_.materials);
   write_contact(file, scene_, header_, time_);
   {
     const hdf5::Handle steps = hdf5::create_group(file, "steps");
     hdf5::write_dataset<double>(steps, "time", {time_.data(), entries, 1});
-    write_motion(steps, spill_.get(), path_, entries, scene_.grid.node_count());
+    write_motion(steps, spill_.get(), path_, entries, node_count());
     write_reports(steps, reports_);
   }
   file.close();

@@ -10,21 +10,38 @@
 
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace elastogen {
 
+/// Nodes and elements of a run that does not step on the voxels themselves.
+struct StateMesh {
+  Array<double> rest;             ///< [m], (nodes, 3)
+  Array<int32_t> corners;         ///< nodes of each element, (elements, 4 or 10)
+  Array<double> mass;             ///< [kg], (nodes, 1)
+  Array<uint8_t> pinned;          ///< (nodes, 1)
+  Array<int32_t> material;        ///< (elements, 1)
+  Array<int32_t> contact_nodes;   ///< nodes that carry each surface point, (points, 4 or 10)
+  Array<double> contact_weights;  ///< of each, (points, 4 or 10)
+};
+
 /// What the file says of the run besides its scene.
 struct StateHeader {
   double fps = 60;
-  std::string solver;               ///< "quasi" or "newton"
+  std::string solver;               ///< "quasi", "newton", "paper" or "fem"
+  std::string element = "voxel";    ///< of finite elements
+  std::string scheme;               ///< "newmark", "static"; empty: that of the scene
   double tolerance = 1e-3;          ///< of the residual [-]
   std::string energy = "analytic";  ///< what gives the stress
   std::string commit;               ///< of the build
   /// parameters of the contact model, e.g. {"distance", 0.001}: attributes of /contact
   std::vector<std::pair<std::string, double>> contact;
+  std::optional<StateMesh> mesh = {};  ///< in place of the grid
+  Array<uint8_t> fixed = {};    ///< 1: the component's displacement is prescribed, (nodes, 3)
+  Array<double> traction = {};  ///< dead load on each node [N], (nodes, 3); both empty: none
 };
 
 /// Keeps every step in a raw file in the target's folder (without a name, so that the system frees
@@ -46,6 +63,7 @@ class StateWriter {
   void finish();
 
  private:
+  int64_t node_count() const;
   void keep(const State& state);
 
   const Scene& scene_;

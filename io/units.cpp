@@ -47,6 +47,7 @@ const std::vector<Unit>& units_of(Quantity quantity) {
       {{"m/s2", 1}, {"m/s^2", 1}, {"cm/s2", 1e-2}, {"cm/s^2", 1e-2}, {"g0", kStandardGravity}},
       {{"rad", 1}, {"deg", kDegree}},
       {{"rad/s", 1}, {"deg/s", kDegree}, {"rpm", std::numbers::pi / 30}},
+      {{"N", 1}, {"mN", 1e-3}, {"kN", 1e3}, {"MN", 1e6}, {"lbf", kPound * kStandardGravity}},
       {{"B", 1},
        {"kB", 1e3},
        {"MB", 1e6},

@@ -19,6 +19,7 @@ enum class Quantity {
   kAcceleration,  ///< m/s2: m/s2 m/s^2 cm/s2 cm/s^2 g0
   kAngle,         ///< rad: rad deg
   kSpin,          ///< rad/s: rad/s deg/s rpm
+  kForce,         ///< N: N mN kN MN lbf
   kMemory,        ///< bytes: B kB MB GB TB KiB MiB GiB TiB
 };
 

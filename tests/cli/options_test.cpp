@@ -32,6 +32,12 @@ std::string refusal(std::vector<std::string> words) {
   return error_of([&] { parse(words); }, ErrorKind::kUsage);
 }
 
+/// The options of simulate.
+AnimateOptions simulate_options(std::vector<std::string> words) {
+  words.insert(words.begin(), "simulate");
+  return parse(words).animate.value();
+}
+
 /// The scene that a scene file resolves to, as text.
 std::string resolved(const std::string& path, std::vector<std::string> more = {}) {
   more.insert(more.begin(), {"--scene", path, "--print-resolved"});
@@ -67,6 +73,20 @@ path = [[0, 0, 0, 0], [1, 0, 0.5, 0]]
 shape = "plane"
 centre = [0, -1, 0]
 normal = [0, 1, 0]
+[[hold]]
+select = "x<1%"
+axes = "xz"
+[[traction]]
+select = "x>99%"
+force = [0, "-1 kN", 0]
+[[move]]
+select = "y<1%"
+path = [[0, 0, 0, 0], [1, 0, 0.5, 0]]
+[[move]]
+select = "y>99%"
+turn = [[0, 0], [2, 0.5]]
+turn_centre = [0, 1, 0]
+turn_axis = [0, 0, 1]
 [motion]
 spin = "0, 90, 0 deg/s"
 [floor]
@@ -102,7 +122,7 @@ quiet = true
 
 TEST(Options, ASceneSetsEveryOption) {
   const TempFolder folder;
-  const AnimateOptions o = animate_options({"--scene", folder.write("s.toml", kScene)});
+  const AnimateOptions o = simulate_options({"--scene", folder.write("s.toml", kScene)});
   EXPECT_EQ(o.input, folder.path("bunny.obj"));
   EXPECT_EQ(o.h, 0.005);
   ASSERT_TRUE(o.up);
@@ -117,6 +137,10 @@ TEST(Options, ASceneSetsEveryOption) {
             (std::vector<std::string>{
                 "box(0,-0.05,0, 1,0,1) friction 0.125 name step path 0:0,0,0; 1:0,0.5,0",
                 "plane(0,-1,0, 0,1,0)"}));
+  EXPECT_EQ(o.holds, std::vector<std::string>{"x<1%: xz"});
+  EXPECT_EQ(o.tractions, std::vector<std::string>{"x>99%: 0,-1000,0"});
+  EXPECT_EQ(o.moves, (std::vector<std::string>{"y<1%: shift 0:0,0,0; 1:0,0.5,0",
+                                               "y>99%: turn(0,1,0, 0,0,1) 0:0; 2:0.5"}));
   EXPECT_DOUBLE_EQ((*o.gravity)[2], -9.80665);
   EXPECT_NEAR(o.motion.spin[1], 1.5707963267948966, 1e-15);
   ASSERT_TRUE(o.floor);
@@ -145,7 +169,7 @@ TEST(Options, ASceneSetsEveryOption) {
 TEST(Options, WhatIsTypedWinsOverTheScene) {
   const TempFolder folder;
   const std::string scene = folder.write("s.toml", kScene);
-  const AnimateOptions o = animate_options(
+  const AnimateOptions o = simulate_options(
       {"other.obj", "--scene", scene, "--pin", "all", "--frames", "9", "--skip", "--no-strict",
        "--floor", "off", "--up", "auto", "--gravity", "auto", "--max-time", "none", "-o", "c.glb"});
   EXPECT_EQ(o.input, "other.obj");
@@ -164,7 +188,7 @@ TEST(Options, AMaterialOrAResolutionIsReplacedWhole) {
   const TempFolder folder;
   const std::string scene = folder.write("s.toml", kScene);
   const AnimateOptions o =
-      animate_options({"--scene", scene, "--material", "wood", "--voxels", "20"});
+      simulate_options({"--scene", scene, "--material", "wood", "--voxels", "20"});
   EXPECT_EQ(o.material.young, 1e10);
   EXPECT_EQ(o.material.name, "wood");
   EXPECT_EQ(o.voxels, 20);
@@ -279,6 +303,45 @@ TEST(Options, NamesAreComparedBehindLinksOfFolders) {
   expect_says(
       refusal({folder.path("real/a.obj"), "-o", "x.glb", "--state", folder.path("link/a.obj")}),
       "two files of one name");
+}
+
+TEST(Options, TheNetworkRefusesWhatOnlyFiniteElementsHave) {
+  const TempFolder folder;
+  for (const auto& [option, text] : {std::pair("--hold", "all: x"),
+                                     {"--traction", "all: 1,0,0"},
+                                     {"--move", "all: shift 0:0,0,0"}}) {
+    const std::string says = refusal({"a.obj", "-o", "a.glb", option, text});
+    expect_says(says, std::string("the network has no ") + option);
+    expect_says(says, "use simulate");
+    EXPECT_NO_THROW(simulate_options({"a.obj", "-o", "a.glb", option, text}));
+    expect_says(error_of(
+                    [&] {
+                      parse({"study", "a.obj", option, text});
+                    },
+                    ErrorKind::kUsage),
+                "the network has no");
+  }
+  const std::string scene = folder.write("s.toml", "[[hold]]\nselect = 'all'\naxes = 'x'\n");
+  expect_says(refusal({"a.obj", "-o", "a.glb", "--scene", scene}), "all: x");
+}
+
+TEST(Options, AStaticRunIsOneStepFromRest) {
+  const auto statics = [](std::vector<std::string> words) {
+    words.insert(words.begin(), {"simulate", "a.obj", "-o", "a.glb", "--static"});
+    return words;
+  };
+  const AnimateOptions o = parse(statics({"--pin", "x<1%", "--frames", "9"})).animate.value();
+  EXPECT_TRUE(o.fem && o.fem->statics);
+  EXPECT_EQ(o.frames, 1);
+  EXPECT_EQ(o.fps, 1);
+  EXPECT_EQ(o.substeps, 1);
+  const auto says = [&](std::vector<std::string> words) {
+    return error_of([&] { parse(statics(words)); }, ErrorKind::kUsage);
+  };
+  expect_says(says({}), "nothing holds the asset");
+  expect_says(says({"--pin", "all", "--floor"}), "--floor");
+  expect_says(says({"--pin", "all", "--collider", "sphere(0,0,0,1)"}), "--collider");
+  expect_says(says({"--pin", "all", "--spin", "1,0,0"}), "--spin");
 }
 
 TEST(Options, RefusesWhatIsMissing) {

@@ -46,6 +46,24 @@ young = 5e4
 [[pin]]
 select = "x<1%"
 
+[[hold]]
+select = "y<1%"
+axes = "yz"
+
+[[traction]]
+select = "x>99%"
+force = [0, "-1 kN", 0]
+
+[[move]]
+select = "z>99%"
+path = [[0, 0, 0, 0], [1, 0, 0, "1 cm"]]
+
+[[move]]
+select = "z<1%"
+turn = [[0, 0], ["1 s", "180 deg"]]
+turn_centre = [0, "1 cm", 0]
+turn_axis = [0, 0, 1]
+
 [motion]
 velocity = "1, 0, 0 km/h"
 spin = ["90 deg/s", 0, 0]
@@ -85,6 +103,11 @@ constexpr const char* kJson = R"~({
  "material": {"preset": "jelly", "young": "30 kPa", "poisson": 0.4, "density": "1.1 g/cm3"},
  "region": [{"select": "y>80%", "preset": "foam"}, {"gltf_material": "ears", "young": 5e4}],
  "pin": [{"select": "x<1%"}],
+ "hold": [{"select": "y<1%", "axes": "yz"}],
+ "traction": [{"select": "x>99%", "force": [0, "-1 kN", 0]}],
+ "move": [{"select": "z>99%", "path": [[0, 0, 0, 0], [1, 0, 0, "1 cm"]]},
+          {"select": "z<1%", "turn": [[0, 0], ["1 s", "180 deg"]], "turn_centre": [0, "1 cm", 0],
+           "turn_axis": [0, 0, 1]}],
  "motion": {"velocity": "1, 0, 0 km/h", "spin": ["90 deg/s", 0, 0]},
  "floor": {"place": "-30 cm", "friction": 0.25},
  "collider": [{"shape": "sphere", "name": "ball", "centre": [0, "1 m", 0], "radius": "5 cm",
@@ -114,6 +137,9 @@ TEST(SceneFile, GivesEveryNumberInSi) {
   EXPECT_EQ(scene["motion"]["velocity"][0], 1 / 3.6);
   EXPECT_NEAR(scene["motion"]["spin"][0].get<double>(), std::numbers::pi / 2, 1e-15);
   EXPECT_EQ(scene["collider"][0]["path"][1], nlohmann::json({0.5, 0, -0.2, 0}));
+  EXPECT_EQ(scene["traction"][0]["force"], nlohmann::json({0, -1000, 0}));
+  EXPECT_EQ(scene["move"][0]["path"][1], nlohmann::json({1, 0, 0, 0.01}));
+  EXPECT_NEAR(scene["move"][1]["turn"][1][1].get<double>(), std::numbers::pi, 1e-15);
   EXPECT_EQ(scene["limits"]["max_memory"], int64_t{2} << 30);
   EXPECT_EQ(scene["limits"]["max_time"], 600);
   EXPECT_EQ(scene["time"]["substeps"], "auto");
@@ -251,6 +277,19 @@ TEST(SceneFile, RefusesTablesThatContradictThemselves) {
   expect_says(refusal("[[region]]\npreset = 'foam'\n"), "one of select, node and gltf_material");
   expect_says(refusal("[[region]]\nselect = 'all'\nnode = 'n'\n"), "one of select");
   expect_says(refusal("[[collider]]\nname = 'n'\n"), "needs shape");
+  expect_says(refusal("[[hold]]\naxes = 'x'\n"), "'hold': needs select");
+  expect_says(refusal("[[hold]]\nselect = 'all'\n"), "'hold': needs axes");
+  expect_says(refusal("[[hold]]\nselect = 'all'\naxes = 'xw'\n"), "known are x, y, z, xy");
+  expect_says(refusal("[[traction]]\nselect = 'all'\n"), "'traction': needs force");
+  const std::string move = "[[move]]\nselect = 'all'\n", path = "path = [[0,0,0,0]]\n";
+  const std::string axis = "turn_centre = [0,0,0]\nturn_axis = [0,0,1]\n";
+  expect_says(refusal("[[move]]\n" + path), "'move': needs select");
+  expect_says(refusal(move), "needs path, or turn");
+  expect_says(refusal(move + axis), "needs path, or turn");
+  expect_says(refusal(move + path + axis), "needs path, or turn");
+  expect_says(refusal(move + axis + "turn = [[0,0,0]]\n"), "t, angle");
+  expect_says(refusal(move + axis + "turn = [[0,0], [0,'1 deg']]\n"), "must ascend");
+  expect_says(refusal(move + axis + "turn = [[0,'1 m']]\n"), "rad, deg");
   const std::string sphere = "[[collider]]\nshape = 'sphere'\ncentre = [0,0,0]\n";
   expect_says(refusal(sphere), "a sphere needs centre and radius");
   expect_says(refusal(sphere + "radius = 1\nlower = [0,0,0]\n"), "'collider.lower': a sphere");

@@ -132,7 +132,8 @@ class StateWriterTest : public testing::Test {
   }
 
   fs::path folder, path;
-  StateHeader header = {30, "quasi", 2e-3, "analytic", "abc123", {{"distance", 0.0625}}};
+  StateHeader header = {30,   "quasi",    "voxel",  "",
+                        2e-3, "analytic", "abc123", {{"distance", 0.0625}}};
   hid_t file = -1;
 };
 
@@ -150,7 +151,8 @@ TEST_F(StateWriterTest, RootSaysWhatTheRunWas) {
   EXPECT_EQ(text("solver"), "quasi");
   EXPECT_EQ(text("energy"), "analytic");
   EXPECT_EQ(text("commit"), "abc123");
-  EXPECT_EQ(attribute("/", "version")[0], 2);
+  EXPECT_EQ(attribute("/", "version")[0], 3);
+  EXPECT_EQ(text("element"), "voxel");
   EXPECT_EQ(attribute("/", "h")[0], 0.25);
   EXPECT_EQ(attribute("/", "dt")[0], 1.0 / 120);
   EXPECT_EQ(attribute("/", "g_ref")[0], 9.81);
@@ -199,6 +201,42 @@ TEST_F(StateWriterTest, HasTheShapesAndTypesOfTheDocumentation) {
   }
 }
 
+/// Tetrahedra in place of the grid, with a node that no voxel has.
+TEST_F(StateWriterTest, AMeshTakesThePlaceOfTheGrid) {
+  const int nodes = kNodes + 1;
+  StateMesh mesh;
+  mesh.rest = counted<double>(nodes, 3, 0.2, 0.03);
+  mesh.corners = counted<int32_t>(5, 10, 0, 0.25);
+  mesh.mass = counted<double>(nodes, 1, 2, 0.1);
+  mesh.pinned = counted<uint8_t>(nodes, 1, 0, 0.1);
+  mesh.material = counted<int32_t>(5, 1, 0, 0.3);
+  header.element = "tet10";
+  header.scheme = "newmark";
+  header.solver = "fem";
+  header.mesh = mesh;
+  header.fixed = counted<uint8_t>(nodes, 3, 0, 0.03);
+  header.traction = counted<double>(nodes, 3, -1, 0.5);
+  State state;
+  state.x = counted<double>(nodes, 3, 1, 0.001);
+  state.v = counted<double>(nodes, 3, -1, 0.002);
+  const Scene scene = two_voxels();
+  StateWriter writer(path, scene, header, state);
+  writer.step(state, report_at(1));
+  writer.finish();
+  open();
+  EXPECT_EQ(text("element"), "tet10");
+  EXPECT_EQ(text("time_scheme"), "newmark");
+  EXPECT_EQ(numbers("/grid/rest"), values_of(mesh.rest));
+  EXPECT_EQ(read<int32_t>("/grid/corners", H5T_NATIVE_INT32), values_of(mesh.corners));
+  EXPECT_EQ(shape("/grid/corners"), (std::vector<hsize_t>{5, 10}));
+  EXPECT_EQ(shape("/steps/x"), (std::vector<hsize_t>{2, hsize_t(nodes), 3}));
+  EXPECT_EQ(read<uint8_t>("/grid/fixed", H5T_NATIVE_UINT8), values_of(header.fixed));
+  EXPECT_EQ(numbers("/grid/traction"), values_of(header.traction));
+  EXPECT_EQ(shape("/grid/fixed"), (std::vector<hsize_t>{hsize_t(nodes), 3}));
+  for (const char* name : {"fill", "shape_mean", "hourglass"})
+    EXPECT_LE(H5Lexists(file, concat("/grid/", name).c_str(), H5P_DEFAULT), 0) << name;
+}
+
 TEST_F(StateWriterTest, GivesBackTheGrid) {
   const Scene scene = two_voxels();
   write(scene);
@@ -211,6 +249,8 @@ TEST_F(StateWriterTest, GivesBackTheGrid) {
   EXPECT_EQ(read<int32_t>("/grid/corners", H5T_NATIVE_INT32), values_of(scene.grid.corners));
   EXPECT_EQ(read<int32_t>("/grid/material", H5T_NATIVE_INT32), values_of(scene.material));
   EXPECT_EQ(read<uint8_t>("/grid/pinned", H5T_NATIVE_UINT8), values_of(scene.pinned));
+  for (const char* name : {"/grid/fixed", "/grid/traction"})
+    EXPECT_LE(H5Lexists(file, name, H5P_DEFAULT), 0) << name;
 }
 
 TEST_F(StateWriterTest, GivesBackEveryStepToTheBitAfterTheStart) {

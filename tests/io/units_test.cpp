@@ -28,6 +28,9 @@ TEST(Units, ConvertToSi) {
   EXPECT_DOUBLE_EQ(parse_angle("180 deg"), std::numbers::pi);
   EXPECT_DOUBLE_EQ(parse_spin("60 rpm"), 2 * std::numbers::pi);
   EXPECT_DOUBLE_EQ(parse_quantity("1 g0", Quantity::kAcceleration), 9.80665);
+  EXPECT_DOUBLE_EQ(parse_quantity("10 N", Quantity::kForce), 10);
+  EXPECT_DOUBLE_EQ(parse_quantity("2 kN", Quantity::kForce), 2000);
+  EXPECT_NEAR(parse_quantity("1 lbf", Quantity::kForce), 4.4482216152605, 1e-13);  // NIST SP 811
   EXPECT_EQ(parse_memory("4 GiB"), int64_t{1} << 32);
   EXPECT_EQ(parse_memory("1.5kB"), 1500);
   EXPECT_DOUBLE_EQ(parse_number("0.45"), 0.45);

@@ -179,7 +179,9 @@ class Body:
 
     rest: Floats  # (nodes, 3) [m]
     mass: Floats  # (nodes,) [kg]
-    free: NDArray[np.bool_]  # (nodes,)
+    free: NDArray[np.bool_]  # (nodes,): a component is
+    loose: NDArray[np.bool_]  # (nodes, 3): components that are neither pinned, held nor moved
+    traction: Floats  # (nodes, 3) [N]
     h: float  # [m]
     variance: bool
     torsion: bool
@@ -195,11 +197,12 @@ class Potential:
     hourglass: float
     gradient: Floats
     contact: float = 0.0
+    load: float = 0.0  # of tractions
 
     @property
     def value(self) -> float:
         """Phi [J]."""
-        return self.inertia + self.elastic + self.hourglass + self.contact
+        return self.inertia + self.elastic + self.hourglass + self.contact + self.load
 
     def with_contact(self, energy: float, gradient: Floats) -> Potential:
         """The same with the energy of contact [J] and its gradient [N], (nodes, 3), added."""
@@ -219,7 +222,10 @@ def make_body(state: State) -> Body:
                 Block(grid["corners"][part].astype(np.int64), mean_gradients(mean, state.h),
                       patterns(mean, state.h), grid["fill"][part] * state.h**3,
                       grid["hourglass"][part], LAW[material.law], mu, lam))
-    return Body(grid["rest"], grid["mass"], grid["pinned"] == 0, state.h, mode != "off",
+    none = np.zeros_like(grid["rest"])
+    loose = (grid["pinned"][:, None] == 0) & (grid.get("fixed", none) == 0)
+    return Body(grid["rest"], grid["mass"], loose.any(1), loose, grid.get("traction", none),
+                state.h, mode != "off",
                 mode == "full", blocks)
 
 
@@ -332,13 +338,28 @@ def potential(body: Body, motion: Motion, gravity: Floats, dt: float, x: Floats,
     a0, xhat = predictor(motion, gravity, dt)
     elastic, hourglass, gradient = internal_energy(body, x, R)
     pull = a0 * body.mass[:, None] * (x - xhat) / dt**2
-    return Potential(float((pull * (x - xhat)).sum() / 2), elastic, hourglass, gradient + pull)
+    return Potential(float((pull * (x - xhat)).sum() / 2), elastic, hourglass,
+                     gradient + pull - body.traction, load=-float((body.traction * x).sum()))
 
 
 def residual(body: Body, gradient: Floats, g_ref: float) -> float:
-    """|grad Phi|_2 / (g_ref sqrt(sum m_c^2)), both over the free nodes."""
+    """|grad Phi|_2 / (g_ref sqrt(sum m_c^2)), over what is loose and over the free nodes."""
     reference = g_ref * np.linalg.norm(body.mass[body.free])
-    return float(np.linalg.norm(gradient[body.free]) / reference) if reference > 0 else 0.0
+    return float(np.linalg.norm(gradient[body.loose]) / reference) if reference > 0 else 0.0
+
+
+def equilibrium(body: Body, gravity: Floats, factor: float, x: Floats) -> tuple[Potential, float]:
+    """Potential at an equilibrium under a load factor, and its relative residual.
+
+    The forces left on what is loose over the larger of the loads there and the forces that hold the
+    rest (2-norms).
+    """
+    elastic, hourglass, gradient = internal_energy(body, x, rotations(body, x))
+    load = factor * (body.mass[:, None] * gravity + body.traction)
+    left = gradient - load
+    reference = max(np.linalg.norm(load[body.loose]), np.linalg.norm(left[~body.loose]))
+    found = Potential(0.0, elastic, hourglass, left, load=-float((load * x).sum()))
+    return found, float(np.linalg.norm(left[body.loose]) / reference) if reference > 0 else 0.0
 
 
 def mass_factors(state: State) -> tuple[Floats, float]:

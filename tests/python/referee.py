@@ -151,6 +151,8 @@ def read_record(state: State, record: int) -> tuple[Floats, Floats]:
 
 def judge(state: State, with_energies: bool) -> Verdict:
     """Recomputes all steps of a state file, reading one record at a time."""
+    if state.words["time_scheme"] == "static":
+        return judge_static(state, with_energies)
     body = equations.make_body(state)
     mass_check, factors = check_masses(state)
     checks, own_energies = [mass_check], []
@@ -168,6 +170,24 @@ def judge(state: State, with_energies: bool) -> Verdict:
                                      velocity_slack(state, x_next)))
         own_energies.append(energies(state, body, found, x_next, v_next))
         x_before, v_before, x, v = x, v, x_next, v_next
+    return verdict_of(state, checks, own_energies, factors, with_energies)
+
+
+def judge_static(state: State, with_energies: bool) -> Verdict:
+    """Recomputes the equilibrium of a static run, whose time is the load factor."""
+    body = equations.make_body(state)
+    mass_check, factors = check_masses(state)
+    require(len(state.steps["time"]) == 2, "a static run must have one step")
+    (_, _), (x, v) = read_record(state, 0), read_record(state, 1)
+    found, own = equations.equilibrium(body, state.gravity, float(state.steps["time"][1]), x)
+    checks = [mass_check, *check_residual(state, 0, own),
+              check_velocity(0, np.zeros_like(v), v, 0.0)]
+    return verdict_of(state, checks, [energies(state, body, found, x, v)], factors, with_energies)
+
+
+def verdict_of(state: State, checks: list[Check], own_energies: list[dict[str, float]],
+               factors: dict[str, float], with_energies: bool) -> Verdict:
+    """All checks, those of the energies too if they are wanted."""
     recorded = {name for name in state.steps if name.startswith("energy_")}
     if with_energies:
         checks += check_energies(state, own_energies)

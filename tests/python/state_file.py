@@ -35,6 +35,10 @@ GRID: dict[str, tuple[str, Shape]] = {
     "hourglass": ("f8", ("voxels", 4)),
     "material": ("i4", ("voxels",)),
 }
+BOUNDARY: dict[str, tuple[str, Shape]] = {  # also in /grid, of finite elements
+    "fixed": ("u1", ("nodes", 3)),
+    "traction": ("f8", ("nodes", 3)),
+}
 STEPS: dict[str, tuple[str, Shape]] = {
     "time": ("f8", ("records",)),
     "x": ("f8", ("records", "nodes", 3)),
@@ -65,9 +69,10 @@ CONTACT: dict[str, tuple[str, Shape]] = {
 # attribute -> allowed words; None allows any text
 WORDS: dict[str, tuple[str, ...] | None] = {
     "format": ("elastogen-state",),
-    "time_scheme": ("euler", "bdf2"),
+    "time_scheme": ("euler", "bdf2", "static"),
     "hourglass": ("full", "variance", "off"),
-    "solver": ("quasi", "newton", "paper"),
+    "element": ("voxel",),
+    "solver": ("quasi", "newton", "paper", "fem"),
     "energy": ("analytic",),
     "commit": None,
 }
@@ -103,7 +108,7 @@ class State:
     g_ref: float  # [m/s^2]
     tolerance: float  # residual below which a step counts as converged
     materials: list[Material]
-    grid: dict[str, NDArray[Any]]  # the datasets of GRID
+    grid: dict[str, NDArray[Any]]  # the datasets of GRID and, where they are there, BOUNDARY
     steps: dict[str, NDArray[Any]]  # the datasets of STEPS without x and v, and the energies [J]
     x: h5py.Dataset  # (records, nodes, 3) [m]
     v: h5py.Dataset  # (records, nodes, 3) [m/s]
@@ -152,7 +157,7 @@ def _read_numbers(file: h5py.File) -> dict[str, float]:
         require(np.isfinite(numbers[name]) and numbers[name] > 0,
                 f"root attribute '{name}' must be positive, got {numbers[name]}")
     version = number(_attribute(file, "version"), "root attribute 'version'")
-    require(version == 2, "version 2 expected, got ", version)
+    require(version == 3, "version 3 expected, got ", version)
     return numbers
 
 
@@ -179,10 +184,11 @@ def _check_layout(file: h5py.File) -> None:
     for place in ("grid", "steps", *contact):
         require(isinstance(file[place], h5py.Group), f"/{place} must be a group")
     energies = {name for name in file["steps"] if name.startswith("energy_")}
-    _check_names(set(file["grid"]), set(GRID), "/grid")
+    boundary = {name: BOUNDARY[name] for name in BOUNDARY if name in file["grid"]}
+    _check_names(set(file["grid"]), set(GRID) | set(boundary), "/grid")
     _check_names(set(file["steps"]), set(STEPS) | energies, "/steps")
     sizes: dict[str, int] = {}
-    for name, (kind, shape) in GRID.items():
+    for name, (kind, shape) in (GRID | boundary).items():
         _check_dataset(file["grid"][name], f"/grid/{name}", kind, shape, sizes)
     for name, (kind, shape) in (STEPS | {name: ENERGY for name in energies}).items():
         _check_dataset(file["steps"][name], f"/steps/{name}", kind, shape, sizes)
@@ -229,7 +235,8 @@ def _check_voxels(grid: dict[str, NDArray[Any]], materials: int, h: float) -> No
     nodes = len(grid["rest"])
     for name in ("rest", "fill", "shape_mean", "mass", "hourglass"):
         require(np.isfinite(grid[name]).all(), f"/grid/{name} has values that are not finite")
-    for name, end in (("corners", nodes), ("material", materials), ("pinned", 2)):
+    ends = {"corners": nodes, "material": materials, "pinned": 2, "fixed": 2}
+    for name, end in ((name, end) for name, end in ends.items() if name in grid):
         inside = (grid[name] >= 0) & (grid[name] < end)
         require(inside.all(), f"/grid/{name} must lie in 0..{end - 1}")
     fill, mean = grid["fill"], grid["shape_mean"]
@@ -237,6 +244,10 @@ def _check_voxels(grid: dict[str, NDArray[Any]], materials: int, h: float) -> No
     require((mean >= 0).all() and np.allclose(mean.sum(1), 1, rtol=0, atol=1e-9),
             "/grid/shape_mean must be >= 0 with sum 1 in each voxel")
     require((grid["mass"] >= 0).all(), "/grid/mass must be >= 0")
+    if "fixed" in grid:
+        require(grid["fixed"][grid["pinned"] != 0].all(), "/grid/fixed: a pinned node is not")
+    if "traction" in grid:
+        require(np.isfinite(grid["traction"]).all(), "/grid/traction has values that are not finite")
     corner = grid["rest"][grid["corners"]]
     bits = (np.arange(8)[:, None] >> np.arange(3)) & 1
     slack = 1e-9 * h + 16 * np.finfo(float).eps * np.abs(grid["rest"]).max()
@@ -289,7 +300,7 @@ def read_state(file: h5py.File) -> State:
             "root attribute 'gravity' must be three finite numbers")
     _check_layout(file)
     materials = _read_materials(file)
-    grid = {name: file["grid"][name][()] for name in GRID}
+    grid = {name: node[()] for name, node in file["grid"].items()}
     steps = {name: node[()] for name, node in file["steps"].items() if name not in ("x", "v")}
     _check_voxels(grid, len(materials), numbers["h"])
     _check_steps(steps, words["time_scheme"], numbers["dt"])

@@ -57,7 +57,7 @@ def make_state(seed: int = 1, laws: tuple[str, ...] = LAWS, hourglass: str = "fu
     materials = [Material(f"solid {i}", law, 2e4 * (1 + i), 0.1 + 0.08 * i, 900.0 + 100 * i)
                  for i, law in enumerate(laws)]
     words = {"format": "elastogen-state", "time_scheme": "bdf2", "hourglass": hourglass,
-             "solver": "newton", "energy": "analytic", "commit": "none"}
+             "element": "voxel", "solver": "newton", "energy": "analytic", "commit": "none"}
     return State(words, H, DT, GRAVITY, 9.81, 1e-3, materials,
                  ragged_grid(seed, cells, materials, full), {}, None, None)
 
@@ -146,7 +146,7 @@ def write_state(path: Path, state: State, steps: dict[str, Any], gravity: Floats
     """A state file; the materials as a compound dataset or as attributes of a group."""
     columns = {f: [getattr(m, f) for m in state.materials] for f in FIELDS}
     with h5py.File(path, "w") as file:
-        file.attrs.update(state.words | {"version": 2, "h": state.h, "dt": state.dt, "fps": 60.0,
+        file.attrs.update(state.words | {"version": 3, "h": state.h, "dt": state.dt, "fps": 60.0,
                                          "gravity": gravity, "g_ref": state.g_ref,
                                          "tolerance": state.tolerance})
         for name, values in state.grid.items():

@@ -13,13 +13,17 @@ import h5py
 import numpy as np
 
 import referee
-from command import animate, turned_box, write_obj
+from command import run, turned_box, write_obj
 from state_file import LAWS, read_state
 
 HOURGLASS = ("full", "variance", "off")
 HELD = ("--pin", "x<8%")
 THROWN = ("--spin", "4,7,-3", "--velocity", "0.5,1,0")
 SOFT = ("--young", "1e5", "--poisson", "0.4", "--density", "1000")
+
+# held along some axes, moved and pulled, apart from each other
+BOUNDARY = (*SOFT, "--pin", "x<-10cm", "--hold", "box(-4cm,3cm,-1,4cm,1,1): xz", "--traction", "z<-3cm: 0.5,-0.2,1",
+            "--move", "x>10cm: turn(10cm,0,0, 1,0,0.2) 0:0; 0.2:25deg")
 
 Case = dict[str, tuple[str, ...]]
 
@@ -65,6 +69,21 @@ def collisions() -> Case:
     }
 
 
+def finite_elements() -> Case:
+    """The same element by the other program: `simulate` instead of `animate`."""
+    soft = ("--young", "2e5", "--poisson", "0.4", "--density", "1000")
+    return {
+        "finite elements": ("--law", "neo-hookean", *SOFT, *HELD),
+        "finite elements bdf2": ("--law", "stable-neo-hookean", *SOFT, *THROWN, "--time-scheme",
+                                 "bdf2"),
+        "finite elements on a floor": (*soft, "--floor", "--friction", "0.4", "--velocity",
+                                       "0.5,0,0"),
+        "finite elements under a moving plane": (
+            *soft, "--floor", "--collider",
+            "plane(0,20cm,0, 0,-1,0) path 0s:0,0,0; 250ms:2cm,-6cm,0"),
+    }
+
+
 class Runs(unittest.TestCase):
     """Each run's steps are recomputed from its state file."""
 
@@ -79,10 +98,10 @@ class Runs(unittest.TestCase):
     def tearDownClass(cls) -> None:
         cls.folder.cleanup()
 
-    def verdict(self, options: tuple[str, ...]) -> referee.Verdict:
+    def verdict(self, options: tuple[str, ...], verb: str = "animate") -> referee.Verdict:
         state = self.path / "state.h5"
-        done = animate(self.source, self.path / "out.glb", "--voxels", 16, "--frames", 8,
-                       "--substeps", 1, "--state", state, *options)
+        done = run(verb, self.source, "-o", self.path / "out.glb", "--quiet", "--voxels", 16,
+                   "--frames", 8, "--substeps", 1, "--state", state, *options)
         self.assertIn(done.code, (0, 4), done.err)
         with h5py.File(state) as file, np.errstate(all="ignore"):
             read = read_state(file)
@@ -94,11 +113,34 @@ class Runs(unittest.TestCase):
             self.assertEqual(bool(read.steps["energy_contact"].max() > 0), meets)
             return referee.judge(read, True)
 
+    def test_boundaries_of_finite_elements_are_what_the_file_says(self) -> None:
+        state = self.path / "fem.h5"
+        for options in (("--frames", 8, "--substeps", 1), ("--static",),
+                        ("--frames", 8, "--substeps", 1, "--time-scheme", "bdf2", "--floor",
+                         "y=-0.12")):
+            done = run("simulate", self.source, "-o", self.path / "out.glb", "--voxels", 16,
+                       "--quiet", "--state", state, *BOUNDARY, *options)
+            self.assertEqual(done.code, 0, done.err)
+            with h5py.File(state) as file:
+                read = read_state(file)
+                fixed = read.grid["fixed"]
+                self.assertTrue((fixed[:, 1] < fixed[:, 0]).any())
+                verdict = referee.judge(read, True)
+                self.assertFalse(verdict.disagreements,
+                                 referee.summary(verdict) + "\n" + referee.table(verdict))
+                # the forces count: without them the residuals are others
+                for name in ("fixed", "traction"):
+                    whole = read.grid.pop(name)
+                    wrong = referee.judge(read, False).disagreements
+                    self.assertIn("residual", {check.quantity for check in wrong}, name)
+                    read.grid[name] = whole
+
     def test_every_recorded_step_is_what_the_referee_computes(self) -> None:
         worst: list[tuple[float, str]] = []
-        for name, options in (cases() | collisions()).items():
+        for name, options in (cases() | collisions() | finite_elements()).items():
             with self.subTest(name):
-                verdict = self.verdict(options)
+                verdict = self.verdict(options, "simulate" if name in finite_elements()
+                                       else "animate")
                 check = verdict.worst("residual")
                 worst.append((check.excess, f"{name}: own {check.own:.4e}, reported "
                               f"{check.recorded:.4e}"))

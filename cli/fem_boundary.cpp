@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/fem_boundary.hpp"
+
+#include "cli/boundary_option.hpp"
+#include "core/error.hpp"
+#include "mpm_fem/fem/surface_load.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace elastogen {
+namespace {
+
+/// Nodes of the grid, and middles of edges between two of them.
+Array<uint8_t> with_middles(const Array<uint8_t>& grid_nodes, const fem::ElementMesh& mesh) {
+  constexpr int kEdges[6][2] = {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}};
+  Array<uint8_t> nodes(mesh.rest.rows());
+  std::copy_n(grid_nodes.data(), grid_nodes.rows(), nodes.data());
+  for (int64_t e = 0; e < mesh.elements.rows() && mesh.elements.cols() == 10; ++e)
+    for (int k = 0; k < 6; ++k) {
+      const int32_t a = mesh.elements(e, kEdges[k][0]), b = mesh.elements(e, kEdges[k][1]);
+      if (grid_nodes(a) && grid_nodes(b)) nodes(mesh.elements(e, 4 + k)) = 1;
+    }
+  return nodes;
+}
+
+/// An option that holds or moves nodes of the grid.
+struct Claim {
+  std::string text;
+  Array<uint8_t> nodes;
+};
+
+/// @throws Error (usage) naming both where they have a node in common.
+void check_apart(const Claim& a, const Claim& b, const VoxelGrid& grid) {
+  for (int64_t n = 0; n < grid.node_count(); ++n)
+    if (a.nodes(n) && b.nodes(n))
+      throw Error(
+          fmt::format("{} and {} contradict each other: both have the node at ({:.4g}, "
+                      "{:.4g}, {:.4g}) m",
+                      a.text, b.text, grid.rest(n, 0), grid.rest(n, 1), grid.rest(n, 2)));
+}
+
+void check_contradictions(const Setup& setup, const AnimateOptions& o) {
+  const VoxelGrid& grid = setup.scene.grid;
+  std::vector<Claim> claims;
+  const auto claim = [&](const char* option, const std::string& text, const Selection& selection) {
+    claims.push_back({fmt::format("{} '{}'", option, text),
+                      select_nodes(grid, selection, setup.body.surface.box)});
+  };
+  for (const std::string& text : o.pins) claim("--pin", text, parse_selection(text));
+  for (const std::string& text : o.holds) claim("--hold", text, parse_hold(text).selection);
+  for (const std::string& text : o.moves) {
+    claim("--move", text, parse_move(text).selection);
+    for (size_t k = 0; k + 1 < claims.size(); ++k) check_apart(claims[k], claims.back(), grid);
+  }
+}
+
+/// A prescribed motion of some nodes.
+struct Motion {
+  std::vector<int32_t> nodes;
+  std::vector<Vec3> rest;  ///< of each [m]
+  bool turns = false;
+  Vec3 centre = {};  ///< of a turn [m]
+  Collider frame;    ///< only its path counts: offsets [m] or rotation vectors [rad]
+};
+
+/// r turned by a rotation vector (Rodrigues).
+Vec3 turned(const Vec3& r, const Vec3& rotation) {
+  const double angle = std::hypot(rotation[0], rotation[1], rotation[2]);
+  if (angle == 0) return r;
+  Vec3 n, result;
+  for (size_t d = 0; d < 3; ++d) n[d] = rotation[d] / angle;
+  const double along = n[0] * r[0] + n[1] * r[1] + n[2] * r[2];
+  for (size_t d = 0; d < 3; ++d) {
+    const size_t e = (d + 1) % 3, f = (d + 2) % 3;
+    result[d] = r[d] * std::cos(angle) + (n[e] * r[f] - n[f] * r[e]) * std::sin(angle) +
+                n[d] * along * (1 - std::cos(angle));
+  }
+  return result;
+}
+
+/// Writes the displacements at a time [m].
+void displace(const Motion& motion, double time, Out<double> u) {
+  const Vec3 offset = offset_at(motion.frame, time);
+  for (size_t k = 0; k < motion.nodes.size(); ++k) {
+    Vec3 moved = offset;
+    if (motion.turns) {
+      Vec3 arm;
+      for (size_t d = 0; d < 3; ++d) arm[d] = motion.rest[k][d] - motion.centre[d];
+      moved = turned(arm, offset);
+      for (size_t d = 0; d < 3; ++d) moved[d] -= arm[d];
+    }
+    std::copy(moved.begin(), moved.end(), u.row(motion.nodes[k]));
+  }
+}
+
+Motion make_motion(const MoveOption& move, const Setup& setup, const fem::ElementMesh& mesh) {
+  const Box& box = setup.body.surface.box;
+  const Array<uint8_t> selected =
+      with_middles(select_nodes(setup.scene.grid, move.selection, box), mesh);
+  Motion motion;
+  motion.turns = move.turns;
+  motion.frame.path = move.path;
+  if (move.turns)
+    for (size_t d = 0; d < 3; ++d) motion.centre[d] = coordinate(move.turn_centre[d], int(d), box);
+  for (int64_t n = 0; n < selected.rows(); ++n) {
+    if (!selected(n)) continue;
+    motion.nodes.push_back(int32_t(n));
+    motion.rest.push_back({mesh.rest(n, 0), mesh.rest(n, 1), mesh.rest(n, 2)});
+  }
+  return motion;
+}
+
+void add_holds(const Setup& setup, const AnimateOptions& o, fem::FemScene& scene) {
+  scene.fixed = Array<uint8_t>(scene.mesh.rest.rows(), 3);
+  const Array<uint8_t> pinned = pinned_nodes(setup.scene, scene.mesh);
+  for (int64_t n = 0; n < pinned.rows(); ++n) std::fill_n(scene.fixed.row(n), 3, pinned(n));
+  for (const std::string& text : o.holds) {
+    const HoldOption hold = parse_hold(text);
+    const Array<uint8_t> nodes = with_middles(
+        select_nodes(setup.scene.grid, hold.selection, setup.body.surface.box), scene.mesh);
+    for (int64_t n = 0; n < nodes.rows(); ++n)
+      for (int d = 0; d < 3; ++d)
+        if (nodes(n) && hold.axes[size_t(d)]) scene.fixed(n, d) = 1;
+  }
+}
+
+void add_tractions(const Setup& setup, const AnimateOptions& o, fem::FemScene& scene) {
+  const Box& box = setup.body.surface.box;
+  for (const std::string& text : o.tractions) {
+    const TractionOption traction = parse_traction(text);
+    const Array<uint8_t> nodes =
+        with_middles(select_nodes(setup.scene.grid, traction.selection, box), scene.mesh);
+    const Array<double> load = fem::surface_load(scene.mesh, nodes, traction.force);
+    if (load.empty())
+      throw Error(fmt::format(
+          "--traction '{}': no face of the body has all its nodes in the selection; the asset "
+          "spans {:.4g}..{:.4g}, {:.4g}..{:.4g}, {:.4g}..{:.4g} m",
+          text, box.lower[0], box.upper[0], box.lower[1], box.upper[1], box.lower[2],
+          box.upper[2]));
+    if (scene.traction.empty()) scene.traction = Array<double>(load.rows(), 3);
+    for (int64_t k = 0; k < load.size(); ++k) scene.traction.data()[k] += load.data()[k];
+  }
+}
+
+void add_moves(const Setup& setup, const AnimateOptions& o, fem::FemScene& scene) {
+  if (o.moves.empty()) return;
+  std::vector<Motion> motions;
+  double end = 0;  // of the last key
+  for (const std::string& text : o.moves) {
+    const MoveOption move = parse_move(text);
+    end = std::max(end, move.path.back().time);
+    motions.push_back(make_motion(move, setup, scene.mesh));
+    for (const int32_t n : motions.back().nodes) std::fill_n(scene.fixed.row(n), 3, uint8_t(1));
+  }
+  const double per_time = o.fem->statics ? end : 1;
+  scene.motion = [motions = std::move(motions), per_time](double time, Out<double> u) {
+    for (const Motion& motion : motions) displace(motion, per_time * time, u);
+  };
+}
+
+}  // namespace
+
+Array<uint8_t> pinned_nodes(const Scene& scene, const fem::ElementMesh& mesh) {
+  return with_middles(scene.pinned, mesh);
+}
+
+void add_boundary(const Setup& setup, const AnimateOptions& options, fem::FemScene& scene) {
+  check_contradictions(setup, options);
+  add_holds(setup, options, scene);
+  add_moves(setup, options, scene);
+  add_tractions(setup, options, scene);
+}
+
+}  // namespace elastogen

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// A voxel scene stepped by finite elements on its voxels, or on tetrahedra that they are cut into.
+
+#pragma once
+
+#include "cli/stepper.hpp"
+#include "mpm_fem/fem_scene.hpp"
+
+namespace elastogen {
+
+/// The scene as finite elements, on nodes of which the first are those of the grid.
+/// @throws Error as add_boundary.
+fem::FemScene fem_scene(const Setup& setup, const AnimateOptions& options);
+
+/// What a state file says of a run on that scene, but for its time scheme.
+void describe_fem(const Setup& setup, const AnimateOptions& options, const fem::FemScene& scene,
+                  StateHeader& header);
+
+/// @throws Error as make_stepper.
+std::unique_ptr<Stepper> make_fem_stepper(const Setup& setup, const AnimateOptions& options,
+                                          std::function<bool()> interrupted);
+
+}  // namespace elastogen

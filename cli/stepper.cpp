@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/stepper.hpp"
+
+#include "cli/fem_stepper.hpp"
+#include "cli/static_stepper.hpp"
+#include "network/contact.hpp"
+
+namespace elastogen {
+namespace {
+
+class NetworkStepper : public Stepper {
+ public:
+  NetworkStepper(const Scene& scene, const SolverOptions& options)
+      : scene_(scene), tolerance_(options.tolerance), solver_(scene, options) {}
+
+  State start(const StartMotion& motion) const override { return initial_state(scene_, motion); }
+  StepReport step(State& state) override { return solver_.step(state); }
+  Span<const double> residual() const override { return solver_.residual(); }
+
+  void describe(StateHeader& header) const override {
+    header.solver = solver_name(solver_.mode());
+    header.tolerance = tolerance_;
+    if (!scene_.colliders.empty())
+      header.contact = {{"layer", contact_layer(scene_)}, {"slip_range", slip_range(scene_)}};
+  }
+
+ private:
+  const Scene& scene_;
+  double tolerance_;
+  Solver solver_;
+};
+
+}  // namespace
+
+std::unique_ptr<Stepper> make_stepper(const Setup& setup, const AnimateOptions& options,
+                                      std::function<bool()> interrupted) {
+  if (options.fem && options.fem->statics) return make_static_stepper(setup, options);
+  if (options.fem) return make_fem_stepper(setup, options, std::move(interrupted));
+  SolverOptions solver = options.solver;
+  solver.interrupted = std::move(interrupted);
+  return std::make_unique<NetworkStepper>(setup.scene, solver);
+}
+
+}  // namespace elastogen

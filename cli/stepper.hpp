@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// What advances the state of a run: the network, or finite elements.
+
+#pragma once
+
+#include "cli/scene_setup.hpp"
+#include "io/state_writer.hpp"
+
+#include <functional>
+#include <memory>
+
+namespace elastogen {
+
+class Stepper {
+ public:
+  virtual ~Stepper() = default;
+
+  /// The rest state with a rigid motion. Its first nodes are those of the scene's grid.
+  virtual State start(const StartMotion& motion) const = 0;
+  /// Advances by dt, as Solver::step.
+  virtual StepReport step(State& state) = 0;
+  /// Gradient of the incremental potential [N], (nodes, 3); its first nodes are those of the grid.
+  virtual Span<const double> residual() const = 0;
+  /// What a state file says of it.
+  virtual void describe(StateHeader& header) const = 0;
+};
+
+/// The stepper that the options ask for. Setup and options must outlive it.
+/// @param interrupted  polled while it steps.
+/// @throws Error (usage) where the scene asks for what the stepper cannot do.
+std::unique_ptr<Stepper> make_stepper(const Setup& setup, const AnimateOptions& options,
+                                      std::function<bool()> interrupted);
+
+}  // namespace elastogen

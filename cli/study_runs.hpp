@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+// The runs of a study and what becomes of them (docs/study.md).
+
+#pragma once
+
+#include "cli/scene_setup.hpp"
+#include "cli/study_compare.hpp"
+
+namespace elastogen {
+
+/// A grid of the scene with one time step.
+struct Stage {
+  Setup setup;
+  int64_t steps = 0;
+};
+
+/// A run that others are compared with.
+struct Reference {
+  std::string name;
+  Trajectory run;
+};
+
+/// A signal came; the run in question does not count.
+struct StudyInterrupted {};
+
+class Study {
+ public:
+  /// Reads and voxelises the asset. @throws Error as read_asset and set_up.
+  explicit Study(const StudyTask& task);
+
+  /// Takes all runs, says on the way which, and writes the PVD files; after a signal what there is.
+  /// @throws Error as make_stepper.
+  StudyResult run();
+
+ private:
+  Stage make_stage(const AnimateOptions& options) const;
+  AnimateOptions fem_options(fem::Element element) const;
+  AnimateOptions network_options(SolverMode mode, double tolerance) const;
+
+  StudyRun& add_run(const std::string& name, const Stage& stage, const AnimateOptions& options,
+                    Trajectory* kept);
+  void take_energies(const Trajectory& trajectory, StudyRun& run) const;
+  StudyErrors solver_errors(const Stage& stage, const AnimateOptions& options,
+                            const Trajectory& run, const Reference& reference) const;
+  StudyErrors grid_errors(const Stage& stage, const Trajectory& run) const;
+
+  void take_runs();
+  void compare_solvers();
+  void compare_paper();
+  void compare_elements();
+  void sweep_tolerance();
+  void sweep_resolution();
+  void sweep_time_step();
+
+  void add_overlay(const std::string& name, const Stage& stage, const Trajectory& run);
+  void write_pvd(const std::string& name, const Stage& stage, const Trajectory& run) const;
+
+  const StudyTask& task_;
+  Asset asset_;
+  Stage stage_;                // as the scene has it
+  std::optional<Stage> fine_;  // of the reference of discretisation errors
+  Reference solver_reference_, grid_reference_;
+  StudyResult result_;
+};
+
+}  // namespace elastogen

@@ -1,0 +1,149 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
+"""Writes the tables of docs/*.md that come from docs/results/*.json, in place.
+
+    docs/generate.py            writes them
+    docs/generate.py --check    exit status 1, naming the place, if a table is not what the results
+                                say, or the results are older than the scenes that they are of
+
+A table stands between `<!-- table NAME -->` and `<!-- end -->`."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import re
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT / "tests" / "scenes"))
+from definitions import definitions_hash  # noqa: E402
+
+RESULTS = ROOT / "docs" / "results"
+STUDIES = ("beam", "twist", "torus", "knot")
+
+
+def read(name: str) -> dict[str, Any]:
+    """A result by the name of its file."""
+    return json.loads((RESULTS / f"{name}.json").read_text())
+
+
+def table(head: list[str], rows: list[list[str]]) -> str:
+    """A Markdown table."""
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
+
+
+def accuracy() -> str:
+    """Network against finite elements: worst of three Poisson ratios."""
+    rows = read("accuracy")["rows"]
+    lines = []
+    for scene in dict.fromkeys(r["scene"] for r in rows):
+        for law in dict.fromkeys(r["law"] for r in rows):
+            for r in (r for r in rows if r["scene"] == scene and r["law"] == law):
+                lines.append([scene, str(r["voxels"]), law, str(r["poisson"]),
+                              *(f"{r[s][m]:.1e}" for s in ("quasi", "newton")
+                                for m in ("step", "free"))])
+    return table(["scene", "voxels", "law", "nu", "quasi, a step", "quasi, free run",
+                  "newton, a step", "newton, free run"], lines)
+
+
+def study(name: str) -> str:
+    """The runs of a study: time beside both errors."""
+    lines = []
+    for r in read(f"study_{name}")["runs"]:
+        solver, grid = r["solver_error"], r["discretisation_error"]
+        lines.append([r["name"], f"{1e3 * r['h']:.3g}", f"{1e3 * r['dt']:.3g}", str(r["dofs"]),
+                      f"{r['step_ms']['median']:.1f}", f"{r['worst_residual']:.1e}",
+                      f"{solver['step']['max']:.1e}" if solver else "",
+                      f"{solver['free_run']['max']:.1e}" if solver else "",
+                      f"{grid['free_run']['max']:.1e}" if grid else ""])
+    return table(["run", "h [mm]", "dt [ms]", "unknowns", "ms a step", "worst residual",
+                  "solver error, a step", "solver error, free run", "grid error, free run"], lines)
+
+
+def peers() -> str:
+    """Our finite elements beside an independent code on the same meshes."""
+    return table(["scene", "element", "cells", "largest difference", "mesh error of the energy",
+                  "ours [s]", "scikit-fem [s]"],
+                 [[r["scene"], r["element"], "x".join(map(str, r["cells"])),
+                   f"{max(r['difference'].values()):.1e}", f"{r['mesh']:.1e}",
+                   f"{r['seconds']:.2f}", f"{r['their_seconds']:.2f}"]
+                  for r in read("peers")["rows"]])
+
+
+def reached(name: str) -> list[list[str]]:
+    """What each solver pays for an error of a step against the same element."""
+    lines = []
+    for entry in read(f"study_{name}")["time_to_error"]:
+        if entry["family"] == "solver_error" and entry["measure"] == "step":
+            lines.append([name, entry["solver"], entry["reference"],
+                          *(f"{level['ms']:.1f}" if level["ms"] is not None else "not reached"
+                            for level in entry["levels"])])
+    return lines
+
+
+def time_to_error() -> str:
+    """The same of all four scenes."""
+    return table(["scene", "solver", "against", "1e-1", "1e-2", "1e-3", "1e-4"],
+                 [line for name in STUDIES for line in reached(name)])
+
+
+def sweeps() -> str:
+    """Observed orders."""
+    return table(["scene", "line", "against", "values", "errors", "order"],
+                 [[name, s["name"], s["variable"], ", ".join(f"{x:.3g}" for x in s["x"]),
+                   ", ".join(f"{e:.1e}" for e in s["error"]), f"{float(s['order']):.2f}"]
+                  for name in STUDIES for s in read(f"study_{name}")["sweeps"]])
+
+
+TABLES: dict[str, Callable[[], str]] = {"accuracy": accuracy, "peers": peers,
+                                    "time to error": time_to_error, "sweeps": sweeps} | {
+    f"study {name}": (lambda n=name: study(n)) for name in STUDIES}
+
+
+def rendered(text: str, place: str) -> str:
+    """A page with its tables anew."""
+    def replace(match: re.Match[str]) -> str:
+        if match[1] not in TABLES:
+            raise SystemExit(f"{place}: no table is called '{match[1]}'")
+        return f"<!-- table {match[1]} -->\n\n{TABLES[match[1]]()}\n\n<!-- end -->"
+    return re.sub(r"<!-- table ([\w ]+) -->.*?<!-- end -->", replace, text, flags=re.S)
+
+
+def outdated() -> list[str]:
+    """Results whose scenes or scripts are not those they were computed from."""
+    found = []
+    for path in sorted(RESULTS.glob("*.json")):
+        result = json.loads(path.read_text())
+        stamp = result.get("definitions")
+        if stamp and definitions_hash(stamp["files"]) != stamp["sha256"]:
+            found.append(f"{path.relative_to(ROOT)}: older than {', '.join(stamp['files'])}")
+    return found
+
+
+def main() -> int:
+    """Writes or checks."""
+    options = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    options.add_argument("--check", action="store_true")
+    check = options.parse_args().check
+    faults = outdated()
+    for page in sorted((ROOT / "docs").glob("*.md")):
+        text = page.read_text()
+        new = rendered(text, str(page.relative_to(ROOT)))
+        if new == text:
+            continue
+        if check:
+            faults.append(f"{page.relative_to(ROOT)}: not what docs/results say; run "
+                          "docs/generate.py")
+        else:
+            page.write_text(new)
+    print("\n".join(faults) if faults else "up to date", file=sys.stderr if faults else sys.stdout)
+    return int(bool(faults) and check)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

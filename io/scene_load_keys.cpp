@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/scene_load_keys.hpp"
+
+namespace elastogen {
+namespace {
+
+using T = SceneType;
+using Q = Quantity;
+using Keys = std::vector<SceneKey>;
+
+/// What simulate alone knows.
+Keys boundary_keys() {
+  return {
+      {"", "holds", T::kTexts, "[]", "--hold", "simulate: holds as the option writes them"},
+      {"hold", "select", T::kText, "", "", "a selection, as in a pin"},
+      {"hold",
+       "axes",
+       T::kText,
+       "",
+       "",
+       "along which its nodes do not move",
+       Q::kNumber,
+       {},
+       {"x", "y", "z", "xy", "xz", "yz", "xyz"}},
+      {"", "tractions", T::kTexts, "[]", "--traction",
+       "simulate: tractions as the option writes them"},
+      {"traction", "select", T::kText, "", "", "a selection, as in a pin"},
+      {"traction", "force", T::kVector, "", "", "in all, spread evenly over the surface in it",
+       Q::kForce},
+      {"", "moves", T::kTexts, "[]", "--move", "simulate: moves as the option writes them"},
+      {"move", "select", T::kText, "", "", "a selection, as in a pin"},
+      {"move", "path", T::kPath, "", "",
+       "[t, x, y, z] in s and m: how far its nodes are from their places, straight between"},
+      {"move", "turn", T::kTurn, "", "",
+       "[t, angle] in s and rad, in place of path: how far its nodes are turned"},
+      {"move", "turn_centre", T::kVector, "", "", "a point of the axis", Q::kLength},
+      {"move", "turn_axis", T::kVector, "", "", "about which it turns, by the right hand"},
+  };
+}
+
+}  // namespace
+
+std::vector<SceneKey> load_keys() {
+  Keys keys = {
+      {"", "pins", T::kTexts, "[]", "--pin", "selections whose nodes are held, like y<5%"},
+      {"pin", "select", T::kText, "", "", "one more selection"},
+      {"", "regions", T::kTexts, "[]", "--region", "regions as the option writes them"},
+      {"",
+       "gravity",
+       T::kVector,
+       "auto",
+       "--gravity",
+       "acceleration of everything; auto: 9.81 m/s2 against up",
+       Q::kAcceleration,
+       {},
+       {"auto"}},
+      {"motion", "velocity", T::kVector, "[0, 0, 0]", "--velocity",
+       "of the whole asset at the start", Q::kSpeed},
+      {"motion", "spin", T::kVector, "[0, 0, 0]", "--spin", "about the centre of mass at the start",
+       Q::kSpin},
+  };
+  for (SceneKey& key : boundary_keys()) keys.push_back(std::move(key));
+  return keys;
+}
+
+}  // namespace elastogen

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// Plots as SVG elements that stand in a page: lines with markers over linear or logarithmic axes,
+// and outlines of bodies in a plane. Colours follow Okabe and Ito (distinct to the colour-blind)
+// in shades for light and dark pages; with the colour change the marker and, every seven series,
+// the dash.
+
+#pragma once
+
+#include "io/outline.hpp"
+
+#include <cstdint>
+
+namespace elastogen {
+
+struct PlotAxis {
+  std::string label;  ///< with its unit: "h [m]"
+  bool log = false;
+};
+
+/// A line and markers at its points; of more than forty only about twenty have one.
+struct PlotSeries {
+  std::string name;
+  std::vector<double> x, y;         ///< as many
+  std::vector<std::string> labels;  ///< of the points, shown under the mouse; none, or as many
+};
+
+struct LinePlot {
+  std::string title;
+  PlotAxis x, y;
+  std::vector<PlotSeries> series;
+};
+
+struct OutlinePlot {
+  std::string title;
+  std::string x_label, y_label;  ///< with unit
+  std::vector<Outline> outlines;
+};
+
+struct SvgPlot {
+  std::string svg;       ///< one element, well-formed as XML
+  int64_t left_out = 0;  ///< points without a place on the axes: not finite, on log axes <= 0
+};
+
+/// The axes end at ticks (range_around) and stand as PlotFrame says. A line breaks where a point
+/// is left out.
+/// @throws Error naming the series whose x, y and labels have different lengths.
+SvgPlot line_plot(const LinePlot& plot);
+
+/// Outlines with one scale for both axes; a line of one point is drawn as a marker.
+SvgPlot outline_plot(const OutlinePlot& plot);
+
+/// What a page's <style> needs for plots: their shades on a dark screen, their width on a narrow
+/// one. Without it they are as on paper.
+std::string plot_style();
+
+}  // namespace elastogen

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// Numbers and foreign text on pages and in tables, the same in every locale.
+
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace elastogen {
+
+/// The text with references in place of & < > " and ', so that it is content or a quoted
+/// attribute of HTML and SVG whatever it holds. Bytes that are not UTF-8 and control characters
+/// other than tab and line feed become U+FFFD.
+std::string markup_text(std::string_view text);
+
+/// The number to some significant digits, as "%.*g"; "nan", "inf", "-inf".
+std::string short_number(double value, int digits);
+
+/// The number with a fixed count of decimals, as "%.*f".
+std::string fixed_number(double value, int decimals);
+
+/// The shortest text that reads back as the same bits; "nan", "inf", "-inf".
+std::string exact_number(double value);
+
+}  // namespace elastogen

@@ -1,0 +1,29 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The hash of what a result was computed from: results older than their definitions are found."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def definitions_hash(paths: Sequence[str]) -> str:
+    """SHA-256 over the names and contents of files, paths from the repository's root."""
+    digest = hashlib.sha256()
+    for path in sorted(paths):
+        digest.update(path.encode() + b"\0" + (ROOT / path).read_bytes() + b"\0")
+    return digest.hexdigest()
+
+
+def scene_files(stems: Sequence[str]) -> list[str]:
+    """The scene files of tests/scenes/verification and the shapes that they name."""
+    folder = "tests/scenes/verification"
+    paths = []
+    for stem in stems:
+        text = (ROOT / folder / f"{stem}.toml").read_text()
+        paths.append(f"{folder}/{stem}.toml")
+        paths.append(f"{folder}/" + text.partition('file = "')[2].partition('"')[0])
+    return sorted(set(paths))
