@@ -100,7 +100,19 @@ def sweeps() -> str:
                   for name in STUDIES for s in read(f"study_{name}")["sweeps"]])
 
 
+def discretisation() -> str:
+    """The network's element against quadratic tetrahedra."""
+    return table(["scene", "voxels along it", "errors", "orders", "from first to last",
+                  "tet10 between its grids"],
+                 [[r["scene"], ", ".join(map(str, r["voxels"])),
+                   ", ".join(f"{e:.1e}" for e in r["errors"]),
+                   ", ".join(f"{o:.2f}" for o in r["orders"]), f"{r['order']:.2f}",
+                   f"{r['reference_change']:.1e} ({r['reference'][0]}, {r['reference'][1]})"]
+                  for r in read("discretisation")["rows"]])
+
+
 TABLES: dict[str, Callable[[], str]] = {"accuracy": accuracy, "peers": peers,
+                                    "discretisation": discretisation,
                                     "time to error": time_to_error, "sweeps": sweeps} | {
     f"study {name}": (lambda n=name: study(n)) for name in STUDIES}
 
