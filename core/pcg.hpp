@@ -28,7 +28,8 @@ template <class T, class Product, class Precondition, class Stop>
 PcgResult pcg(const T* b, T* x, int64_t size, double tolerance, int max_iterations,
               PcgWork<T>& work, const Product& product, const Precondition& precondition,
               const Stop& stop) {
-  auto& [r, z, p, Ap] = work;
+  // no structured binding: clang 14 cannot capture one
+  std::vector<T>&r = work.r, &z = work.z, &p = work.p, &Ap = work.Ap;
   for_each(size, [&](int64_t k) { x[k] = 0, r[size_t(k)] = b[k]; });
   const double start = norm(b, size);
   PcgResult result;
