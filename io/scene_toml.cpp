@@ -140,6 +140,33 @@ void check_size(std::string_view text, const std::string& name) {
   }
 }
 
+/// Length of the character of UTF-8 that a text begins with, 0 if it is none (RFC 3629).
+size_t utf8_length(std::string_view text) {
+  const auto byte = [&](size_t k) { return k < text.size() ? uint8_t(text[k]) : uint8_t(0); };
+  const uint8_t lead = byte(0);
+  if (lead < 0x80) return 1;
+  if (lead < 0xc2 || lead > 0xf4) return 0;
+  const size_t length = lead < 0xe0 ? 2 : lead < 0xf0 ? 3 : 4;
+  // neither overlong nor a surrogate nor beyond U+10FFFF
+  const uint8_t low = lead == 0xe0 ? 0xa0 : lead == 0xf0 ? 0x90 : 0x80;
+  const uint8_t high = lead == 0xed ? 0x9f : lead == 0xf4 ? 0x8f : 0xbf;
+  if (byte(1) < low || byte(1) > high) return 0;
+  for (size_t k = 2; k < length; ++k)
+    if (byte(k) < 0x80 || byte(k) > 0xbf) return 0;
+  return length;
+}
+
+/// @throws Error naming the line of the first byte that is not UTF-8: toml11 3.7 reads beyond its
+///         buffer where such a byte stands in a text of three quotes.
+void check_utf8(std::string_view text, const std::string& name) {
+  for (int line = 1; !text.empty();) {
+    const size_t length = utf8_length(text);
+    ELASTOGEN_CHECK(length > 0, name, ":", line, ": is no TOML: a byte is not UTF-8");
+    line += text[0] == '\n';
+    text.remove_prefix(length);
+  }
+}
+
 /// The first sentence of the parser's message, which goes on with a drawing of the place.
 std::string sentence(const std::string& what) {
   std::string text = what.substr(0, what.find('\n'));
@@ -153,6 +180,7 @@ std::string sentence(const std::string& what) {
 SceneValue parse_scene_toml(std::string_view text, const std::string& name) {
   DepthScan(text, name).run();
   check_size(text, name);
+  check_utf8(text, name);
   try {
     std::istringstream stream{std::string(text)};
     return Tree(name).value(toml::parse<toml::discard_comments, std::map>(stream, name), "", 0);

@@ -342,6 +342,16 @@ TEST(SceneFile, RefusesWhatIsNoTomlOrJsonWithTheLine) {
   EXPECT_NO_THROW(check_scene("", "s.toml"));
 }
 
+/// toml11 reads beyond its buffer at such bytes in a text of three quotes.
+TEST(SceneFile, RefusesTomlThatIsNotUtf8WithTheLine) {
+  for (const char* bytes : {"\xb9", "\xc0\x80", "\xe0\x80\x80", "\xed\xa0\x80", "\xf4\x90\x80\x80",
+                            "\xf5\x80\x80\x80", "\xe2\x82"})
+    for (const char* quotes : {"\'\'\'", "\"\"\"", "\""})
+      expect_says(refusal(concat("\npins = [", quotes, "y<5%", bytes, quotes, "]\n")),
+                  "s.toml:2: is no TOML");
+  EXPECT_NO_THROW(check_scene("# \u00e9 \u20ac \U0001F600\n", "s.toml"));
+}
+
 /// Changes a text at random: drops, doubles, moves and overwrites stretches of it.
 std::string mutation(std::string text, std::mt19937& random) {
   const auto below = [&](size_t count) {
