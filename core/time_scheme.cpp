@@ -24,6 +24,11 @@ double velocity_after(const StepScheme& s, double x, double x_now, double x_befo
   return (3 * (x - x_now) - (x_now - x_before)) / (2 * s.dt);
 }
 
+double free_velocity(const StepScheme& s, double v, double v_before, double gravity) {
+  if (s.scheme == TimeScheme::kEuler) return v + s.dt * gravity;
+  return (4 * v - v_before) / 3 + 2 * s.dt / 3 * gravity;
+}
+
 double amplitude_kept(TimeScheme scheme, double omega_dt) {
   const double turn = 2 * std::numbers::pi;
   if (scheme == TimeScheme::kEuler)

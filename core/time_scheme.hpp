@@ -30,6 +30,11 @@ double predicted_motion(const StepScheme& s, double x, double v, double x_before
 /// Velocity after the step: (x - x^n)/dt or (3 x - 4 x^n + x^{n-1})/(2 dt).
 double velocity_after(const StepScheme& s, double x, double x_now, double x_before);
 
+/// Velocity after a step without forces but gravity, that of the predictor:
+///
+///     Euler  v + dt g,          BDF2   (4 v - v')/3 + (2/3) dt g.
+double free_velocity(const StepScheme& s, double v, double v_before, double gravity);
+
 /// Share of its amplitude that a vibration of angular frequency omega keeps over one period.
 double amplitude_kept(TimeScheme scheme, double omega_dt);
 

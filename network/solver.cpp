@@ -2,6 +2,7 @@
 #include "network/solver.hpp"
 
 #include "core/error.hpp"
+#include "network/free_flight.hpp"
 #include "network/newton_solver.hpp"
 #include "network/paper_solver.hpp"
 #include "network/predictor.hpp"
@@ -90,6 +91,7 @@ struct Solver::Impl {
         options(o),
         potential(s),
         predictor(s),
+        flight(s),
         force(reference_force(s)),
         courant(courant_number(s)),
         u(3 * size_t(s.grid.node_count())),
@@ -137,13 +139,17 @@ struct Solver::Impl {
   }
   IterationResult newton(double target);
   const Collider* start(const State& state);
+  void balance();
   void certify(const State& state, StepReport& report);
+  void conserve_momentum(const State& state, Array<double>& v);
   void finish(State& state, StepReport& report);
 
   const Scene& scene;
   SolverOptions options;
   IncrementalPotential potential;
   Predictor predictor;
+  FreeFlight flight;
+  bool in_flight = false;  // free pieces are there, and nothing touches
   double force, courant;
   bool pinned = false;
   SolverMode mode;
@@ -155,7 +161,7 @@ struct Solver::Impl {
   std::unique_ptr<QuasiSolver<double>> quasi_double;
   std::unique_ptr<NewtonSolver> newton_solver;
   std::optional<PaperSolver> paper;
-  std::vector<double> u, gradient;
+  std::vector<double> u, gradient, u_before_shift;
   Array<double> x;  // of the new state
 };
 
@@ -235,9 +241,26 @@ IterationResult Solver::Impl::choose(double target, StepReport& report) {
   return result;
 }
 
+/// Gives pieces in free flight the mean motion of their predictor, which the iterations know to the
+/// tolerance only, as long as they do not touch anything there.
+void Solver::Impl::balance() {
+  const auto touches = [&] {
+    return potential.contact().evaluate(u.data(), static_cast<double*>(nullptr)) != 0;
+  };
+  in_flight = flight.exists() && !paper && !touches();
+  if (!in_flight) return;
+  u_before_shift = u;
+  const std::vector<double>& aim = potential.predictor();
+  flight.match_means(u.data(), [&](size_t n, size_t d) { return aim[3 * n + d]; });
+  if (!touches()) return;
+  u.swap(u_before_shift);
+  in_flight = false;
+}
+
 /// x from u, and the residual of the true equations in float64 on that x.
 void Solver::Impl::certify(const State& state, StepReport& report) {
   const Array<double>& X = scene.grid.rest;
+  balance();
   x = state.x;
   for (int64_t n = 0; n < X.rows(); ++n)
     for (int d = 0; d < 3; ++d) {
@@ -257,6 +280,17 @@ void Solver::Impl::certify(const State& state, StepReport& report) {
   report.energy.contact = value.contact;
 }
 
+/// Takes from v what the rounding of positions brings into its mean.
+void Solver::Impl::conserve_momentum(const State& state, Array<double>& v) {
+  const StepScheme& scheme = potential.scheme();
+  const Array<double>& before = state.v_before.empty() ? state.v : state.v_before;
+  flight.match_means(v.data(), [&](size_t n, size_t d) {
+    const auto node = int64_t(n);
+    return free_velocity(scheme, state.v(node, int64_t(d)), before(node, int64_t(d)),
+                         scene.gravity[d]);
+  });
+}
+
 /// Hands the new positions and velocities to the state.
 void Solver::Impl::finish(State& state, StepReport& report) {
   const StepScheme& scheme = potential.scheme();
@@ -265,6 +299,10 @@ void Solver::Impl::finish(State& state, StepReport& report) {
     for (int d = 0; d < 3; ++d) {
       const double before = state.x_before.empty() ? state.x(n, d) : state.x_before(n, d);
       if (!scene.pinned(n)) v(n, d) = velocity_after(scheme, x(n, d), state.x(n, d), before);
+    }
+  if (in_flight) conserve_momentum(state, v);
+  for (int64_t n = 0; n < x.rows(); ++n)
+    for (int d = 0; d < 3; ++d) {
       report.energy.kinetic += scene.mass(n) / 2 * v(n, d) * v(n, d);
       report.energy.gravity -= scene.mass(n) * scene.gravity[size_t(d)] * x(n, d);
     }

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "voxelize/brick_index.hpp"
 
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
+#include "core/parallel.hpp"
+#include "core/parallel_sort.hpp"
 
 #include <algorithm>
 #include <bit>
 
 namespace elastogen {
 namespace {
+
+constexpr int64_t kBricks = 8;  // of one task
 
 /// Puts two zero bits between the lowest 18 bits.
 uint64_t spread(uint64_t x) {
@@ -46,10 +48,10 @@ BrickIndex::BrickIndex(std::vector<uint64_t> keys)
 
 BrickIndex::BrickIndex(In<int32_t> coords) {
   std::vector<uint64_t> keys(coords.rows);
-  tbb::parallel_for(int64_t{0}, coords.rows, [&](int64_t v) {
+  for_each(coords.rows, [&](int64_t v) {
     keys[v] = brick_key({coords(v, 0), coords(v, 1), coords(v, 2)});
   });
-  tbb::parallel_sort(keys.begin(), keys.end());
+  parallel_sort(keys.begin(), keys.end());
   for (const uint64_t key : keys) {
     if (keys_.empty() || keys_.back() != key >> 9) {
       keys_.push_back(key >> 9);
@@ -92,7 +94,7 @@ int64_t BrickIndex::find(const Coord& point) const {
 
 Array<int32_t> BrickIndex::points() const {
   Array<int32_t> result(points_, 3);
-  tbb::parallel_for(int64_t{0}, brick_count(), [&](int64_t b) {
+  const auto write = [&](int64_t b) {
     Coord corner;
     for (int d = 0; d < 3; ++d)
       corner[d] = static_cast<int32_t>(gather(keys_[b] >> d) << 3) - kLatticeLimit;
@@ -104,7 +106,8 @@ Array<int32_t> BrickIndex::points() const {
         *row++ = corner[1] + (place >> 3);
         *row++ = corner[2] + word;
       }
-  });
+  };
+  for_each(brick_count(), write, kBricks);
   return result;
 }
 

@@ -2,9 +2,8 @@
 #include "voxelize/bricks.hpp"
 
 #include "core/error.hpp"
+#include "core/parallel.hpp"
 #include "voxelize/brick_index.hpp"
-
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -77,15 +76,14 @@ void for_each_corner(In<int32_t> voxels, const BrickIndex& nodes, int64_t first,
 
 void fill_tables(const BrickIndex& nodes, VoxelGrid& grid) {
   const int64_t voxels = grid.voxel_coord.rows();
-  tbb::parallel_for(
-      tbb::blocked_range<int64_t>(0, voxels, 4096), [&](const tbb::blocked_range<int64_t>& range) {
-        for_each_corner(grid.voxel_coord, nodes, range.begin(), range.end(),
-                        [&](int64_t v, int c, int64_t brick, int place) {
-                          const auto node = static_cast<int32_t>(nodes.find(brick, place));
-                          grid.corners(v, c) = node;
-                          grid.voxels(node, c) = static_cast<int32_t>(v);
-                        });
-      });
+  for_blocks(voxels, [&](int64_t begin, int64_t end) {
+    for_each_corner(grid.voxel_coord, nodes, begin, end,
+                    [&](int64_t v, int c, int64_t brick, int place) {
+                      const auto node = static_cast<int32_t>(nodes.find(brick, place));
+                      grid.corners(v, c) = node;
+                      grid.voxels(node, c) = static_cast<int32_t>(v);
+                    });
+  });
 }
 
 /// Numbers connected pieces in the order of their first node.
@@ -139,7 +137,7 @@ VoxelGrid make_grid(In<int32_t> coords, double h, const Vec3& origin) {
   grid.voxels.fill(-1);
   fill_tables(index, grid);
   grid.rest = Array<double>(nodes, 3);
-  tbb::parallel_for(int64_t{0}, nodes, [&](int64_t n) {
+  for_each(nodes, [&](int64_t n) {
     for (int d = 0; d < 3; ++d) grid.rest(n, d) = origin[d] + h * grid.node_coord(n, d);
   });
   grid.piece = Array<int32_t>(nodes, 1);

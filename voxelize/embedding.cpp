@@ -2,10 +2,9 @@
 #include "voxelize/embedding.hpp"
 
 #include "core/error.hpp"
+#include "core/parallel.hpp"
 #include "voxelize/brick_index.hpp"
 #include "voxelize/nearest_voxel.hpp"
-
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -60,7 +59,7 @@ Embedding embed(const VoxelGrid& grid, In<double> points) {
   const BrickIndex index(grid.voxel_coord);
   const NearestVoxel nearest(grid.voxel_coord);
   Embedding embedding = {Array<int32_t>(points.rows), Array<double>(points.rows, 8)};
-  tbb::parallel_for(int64_t{0}, points.rows, [&](int64_t p) {
+  for_each(points.rows, [&](int64_t p) {
     Vec3 t;
     Coord cell;
     bool on_lattice = true;
@@ -84,7 +83,7 @@ void deform_asset(const VoxelGrid& grid, const Embedding& embedding, In<double> 
   ELASTOGEN_CHECK(x.is(grid.node_count(), 3), "x must be (nodes, 3), got ", x);
   ELASTOGEN_CHECK(displacement.is(points, 3), "displacement must be (points, 3), got ",
                   displacement);
-  tbb::parallel_for(int64_t{0}, points, [&](int64_t p) {
+  for_each(points, [&](int64_t p) {
     double sum[3] = {};
     for (int c = 0; c < 8; ++c) {
       const int32_t node = grid.corners(embedding.voxel(p), c);
@@ -100,7 +99,7 @@ void deformation_gradient(const VoxelGrid& grid, const Embedding& embedding, In<
   const int64_t points = embedding.voxel.rows();
   ELASTOGEN_CHECK(x.is(grid.node_count(), 3), "x must be (nodes, 3), got ", x);
   ELASTOGEN_CHECK(gradient.is(points, 9), "gradient must be (points, 9), got ", gradient);
-  tbb::parallel_for(int64_t{0}, points, [&](int64_t p) {
+  for_each(points, [&](int64_t p) {
     // the weights carry linear functions exactly, hence the point's own place
     Vec3 t = {};
     for (int c = 0; c < 8; ++c)

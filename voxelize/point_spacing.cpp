@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "voxelize/point_spacing.hpp"
 
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
+#include "core/parallel.hpp"
+#include "core/parallel_sort.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,6 +13,7 @@ namespace {
 
 constexpr int kNeighbours = 8;
 constexpr size_t kSample = 20'000;
+constexpr int64_t kTask = 64;  // points of one task
 
 /// A balanced tree of points: the middle of each range splits it along its longest axis.
 class PointTree {
@@ -113,15 +114,17 @@ class CellClusters {
 
 double point_spacing(const std::vector<Vec3>& points) {
   std::vector<Vec3> places = points;
-  tbb::parallel_sort(places.begin(), places.end());
+  parallel_sort(places.begin(), places.end());
   places.erase(std::unique(places.begin(), places.end()), places.end());
   if (places.size() < 2) return 0;
   const PointTree tree(std::move(places));
   const size_t count = std::min(tree.size(), kSample);
   const int n = int(std::min<size_t>(kNeighbours, tree.size() - 1));
   std::vector<double> distance(count);
-  tbb::parallel_for(size_t{0}, count,
-                    [&](size_t k) { distance[k] = tree.distance(k * tree.size() / count, n); });
+  for_each(
+      int64_t(count),
+      [&](int64_t k) { distance[size_t(k)] = tree.distance(size_t(k) * tree.size() / count, n); },
+      kTask);
   std::nth_element(distance.begin(), distance.begin() + int64_t(count / 2), distance.end());
   return distance[count / 2];
 }
@@ -138,7 +141,7 @@ std::vector<Vec3> thinned(const std::vector<Vec3>& points, double edge) {
     for (size_t d = 0; d < 3; ++d)
       placed[i].cell[d] = int64_t(std::clamp(std::floor(points[i][d] / edge), -0x1p61, 0x1p61));
   }
-  tbb::parallel_sort(placed.begin(), placed.end());
+  parallel_sort(placed.begin(), placed.end());
   std::vector<Vec3> result;
   for (size_t first = 0, last = 0; first < placed.size(); first = last) {
     // about the cell's first point, so that no digits are lost far from the origin
@@ -158,7 +161,7 @@ std::vector<uint8_t> large_clusters(const std::vector<Vec3>& points, double reac
     for (size_t d = 0; d < 3; ++d)  // what lies beyond a lattice of 2^61 lies apart anyway
       cell_of[i][d] = int64_t(std::clamp(std::floor(points[i][d] / reach), -0x1p61, 0x1p61));
   std::vector<Cell> cells = cell_of;
-  tbb::parallel_sort(cells.begin(), cells.end());
+  parallel_sort(cells.begin(), cells.end());
   cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
 
   CellClusters clusters(cells);

@@ -2,9 +2,8 @@
 #include "voxelize/regions.hpp"
 
 #include "core/error.hpp"
+#include "core/parallel.hpp"
 #include "io/units.hpp"
-
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -137,7 +136,7 @@ bool contains(const Selection& selection, const Vec3& point, const Box& box) {
 
 Array<uint8_t> select_nodes(const VoxelGrid& grid, const Selection& selection, const Box& box) {
   Array<uint8_t> selected(grid.node_count());
-  tbb::parallel_for(int64_t{0}, grid.node_count(), [&](int64_t n) {
+  for_each(grid.node_count(), [&](int64_t n) {
     selected(n) = contains(selection, {grid.rest(n, 0), grid.rest(n, 1), grid.rest(n, 2)}, box);
   });
   return selected;

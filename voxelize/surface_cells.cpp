@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "voxelize/surface_cells.hpp"
 
+#include "core/parallel.hpp"
+#include "core/parallel_sort.hpp"
 #include "core/vec3.hpp"
-
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <cmath>
@@ -16,6 +14,7 @@ namespace {
 
 constexpr double kDeep = 1e-5;     // what lies closer to a face of the voxel does not touch it
 constexpr double kMinArea = 1e-6;  // of a part in a lattice plane that counts
+constexpr int64_t kTriangles = 8;  // of one task
 
 /// A convex part of a triangle: at most nine corners, with room for rounding.
 struct Polygon {
@@ -136,27 +135,27 @@ void split(const Polygon& polygon, const Emit& emit) {
 
 /// All parts, by voxel and triangle.
 std::vector<Part> find_parts(const LatticeMesh& mesh) {
-  tbb::enumerable_thread_specific<std::vector<Part>> lists;
-  tbb::parallel_for(
-      tbb::blocked_range<size_t>(0, mesh.triangles.size(), 8),
-      [&](const tbb::blocked_range<size_t>& range) {
-        std::vector<Part>& list = lists.local();
-        for (size_t t = range.begin(); t < range.end(); ++t) {
-          Polygon triangle;
-          for (const int32_t v : mesh.triangles[t]) triangle.add(mesh.vertices[v]);
-          split(triangle, [&](const Polygon& polygon, const Coord& cell) {
-            list.push_back(make_part(polygon, cell, static_cast<int32_t>(t), mesh.sheet[t]));
-          });
-        }
+  const auto triangles = int64_t(mesh.triangles.size());
+  std::vector<std::vector<Part>> lists(size_t((triangles + kTriangles - 1) / kTriangles));
+  const auto cut = [&](int64_t begin, int64_t end) {
+    std::vector<Part>& list = lists[size_t(begin / kTriangles)];
+    for (int64_t t = begin; t < end; ++t) {
+      Polygon triangle;
+      for (const int32_t v : mesh.triangles[size_t(t)]) triangle.add(mesh.vertices[v]);
+      split(triangle, [&](const Polygon& polygon, const Coord& cell) {
+        list.push_back(make_part(polygon, cell, static_cast<int32_t>(t), mesh.sheet[size_t(t)]));
       });
+    }
+  };
+  for_blocks(triangles, cut, kTriangles);
   std::vector<const Part*> order;
-  for (const auto& list : lists)
+  for (const std::vector<Part>& list : lists)
     for (const Part& part : list) order.push_back(&part);
-  tbb::parallel_sort(order.begin(), order.end(), [](const Part* a, const Part* b) {
+  parallel_sort(order.begin(), order.end(), [](const Part* a, const Part* b) {
     return std::tie(a->key, a->triangle) < std::tie(b->key, b->triangle);
   });
   std::vector<Part> parts(order.size());
-  tbb::parallel_for(size_t{0}, order.size(), [&](size_t i) { parts[i] = *order[i]; });
+  for_each(int64_t(order.size()), [&](int64_t i) { parts[size_t(i)] = *order[size_t(i)]; });
   return parts;
 }
 
@@ -181,7 +180,7 @@ SurfaceCells cut_surface(const LatticeMesh& mesh) {
   cells.touched.assign(count, 0);
   cells.side.assign(count, 0);
   cells.sheet.assign(count, 0);
-  tbb::parallel_for(int64_t{0}, count, [&](int64_t c) {
+  for_each(count, [&](int64_t c) {
     for (int64_t i = cells.first[c]; i < cells.first[c + 1]; ++i) {
       for (int k = 0; k < 8; ++k) cells.ahead(c, k) += parts[i].ahead[k];
       for (int k = 0; k < 4; ++k) cells.flux(c, k) += parts[i].flux[k];

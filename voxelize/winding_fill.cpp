@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/error.hpp"
+#include "core/parallel.hpp"
 #include "core/vec3.hpp"
 #include "voxelize/fill_fraction.hpp"
 #include "voxelize/winding_number.hpp"
 
 #include <openvdb/openvdb.h>
 #include <openvdb/tree/ValueAccessor.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -15,7 +15,8 @@
 namespace elastogen {
 namespace {
 
-constexpr int kLines = 8;  // lines across a voxel
+constexpr int kLines = 8;       // lines across a voxel
+constexpr int64_t kCells = 16;  // of one task
 
 using Triangle = WindingNumber::Triangle;
 
@@ -151,9 +152,11 @@ std::vector<Run> flood(const SurfaceCells& cells, const WindingNumber& winding_n
         next.push_back(n);
       }
     std::vector<uint8_t> keep(next.size());
-    tbb::parallel_for(size_t{0}, next.size(), [&](size_t i) {
-      keep[i] = is_inside(winding_number({next[i][0] + 0.5, next[i][1] + 0.5, next[i][2] + 0.5}));
-    });
+    const auto ask = [&](int64_t i) {
+      const Coord& c = next[size_t(i)];
+      keep[size_t(i)] = is_inside(winding_number({c[0] + 0.5, c[1] + 0.5, c[2] + 0.5}));
+    };
+    for_each(int64_t(next.size()), ask, kCells);
     front.clear();
     for (size_t i = 0; i < next.size(); ++i)
       if (keep[i]) front.push_back(next[i]);
@@ -183,13 +186,14 @@ Fill winding_fill(const LatticeMesh& mesh, const SurfaceCells& cells, int64_t ma
 
   Fill fill;
   fill.moment = Array<double>(cells.count(), 8);
-  tbb::parallel_for(int64_t{0}, cells.count(), [&](int64_t c) {
+  const auto sample = [&](int64_t c) {
     std::vector<Triangle> local;
     for (int64_t i = cells.first[c]; i < cells.first[c + 1]; ++i)
       if (!mesh.sheet[cells.triangle[i]])
         local.push_back(triangle_at(mesh, cells.triangle[i], cells.coord[c]));
     sample_cell(local, cells.coord[c], winding_number, fill.moment.row(c));
-  });
+  };
+  for_each(cells.count(), sample, kCells);
   fill.full = flood(cells, winding_number, max_voxels);
   fill.volume = static_cast<double>(fill.full.size());
   for (int64_t i = 0; i < fill.moment.size(); ++i) fill.volume += fill.moment.data()[i];
