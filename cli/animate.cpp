@@ -18,6 +18,12 @@ int animate(const AnimateOptions& options) {
   }
   watch_signals();
   const Stopwatch watch;
+  if (options.fem && is_tet_file(options.input)) {
+    const TetAsset tets = read_tet_asset(options.input);
+    RunHooks hooks;
+    hooks.set_up = [&](RunReport& report) { return set_up(tets, options, report); };
+    return run_animation(tets.asset, options, watch.seconds(), hooks).code;
+  }
   const Asset asset = read_asset(options.input);
   return run_animation(asset, options, watch.seconds()).code;
 }

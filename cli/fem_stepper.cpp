@@ -24,8 +24,11 @@ fem::ElementMesh mesh_of(const Scene& scene, fem::Element element) {
   return mesh;
 }
 
-/// The points of the voxels' surface, carried by the tetrahedra of their voxel.
-fem::ContactPoints contact_of(const Scene& scene, const fem::ElementMesh& mesh) {
+/// The points of the voxels' surface, carried by the tetrahedra of their voxel, or the nodes of
+/// the surface of tetrahedra.
+fem::ContactPoints contact_of(const Setup& setup, const fem::ElementMesh& mesh) {
+  const Scene& scene = setup.scene;
+  if (setup.tets) return fem::node_contact(scene, mesh, setup.node_of);
   fem::ContactPoints points = fem::voxel_contact(scene);
   if (!is_tets(mesh.element)) return points;
   const int64_t per_voxel = mesh.elements.rows() / scene.grid.voxel_count();
@@ -147,17 +150,17 @@ fem::FemScene fem_scene(const Setup& setup, const AnimateOptions& options) {
   const Scene& scene = setup.scene;
   const FemOptions& fem = *options.fem;
   fem::FemScene result;
-  result.mesh = mesh_of(scene, fem.element);
-  result.materials = materials_of(scene);
+  result.mesh = setup.tets ? *setup.tets : mesh_of(scene, fem.element);
+  result.materials = setup.tets ? scene.materials : materials_of(scene);
   result.gravity = scene.gravity;
   add_boundary(setup, options, result);
   result.dt = scene.dt;
   result.scheme = scheme_of(scene, fem);
   result.mass_kind = fem.mass;
   const bool lumped = fem.mass == fem::Mass::kLumped;
-  if (lumped && !is_tets(fem.element)) result.mass = scene.mass;
+  if (lumped && !is_tets(result.mesh.element)) result.mass = scene.mass;
   result.colliders = scene.colliders;
-  if (!scene.colliders.empty()) result.contact = contact_of(scene, result.mesh);
+  if (!scene.colliders.empty()) result.contact = contact_of(setup, result.mesh);
   return result;
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A voxel scene stepped by finite elements on its voxels, or on tetrahedra that they are cut into.
+// A voxel scene stepped by finite elements on its voxels, or on tetrahedra that they are cut into;
+// or the tetrahedra of a file.
 
 #pragma once
 

@@ -5,6 +5,7 @@
 #include "cli/exit_code.hpp"
 #include "cli/option_groups.hpp"
 #include "cli/scene_options.hpp"
+#include "cli/tet_asset.hpp"
 #include "cli/version.hpp"
 #include "core/error.hpp"
 #include "io/read_asset.hpp"
@@ -85,9 +86,11 @@ AnimateOptions& finish_resolved(AnimateOptions& o) {
   return o;
 }
 
-void add_run(CLI::App& app, Verb& verb, const char* name, const char* text) {
+/// @param formats  endings of what it reads.
+void add_run(CLI::App& app, Verb& verb, const char* name, const char* text,
+             const std::string& formats) {
   verb.app = app.add_subcommand(name, text);
-  verb.app->add_option("INPUT", verb.scene.input, std::string("asset: ") + kReadFormats);
+  verb.app->add_option("INPUT", verb.scene.input, "asset: " + formats);
   verb.app->add_option("--scene", verb.scene_file,
                        "scene file (.toml, .json): what holds for options that are not given");
   verb.app->add_flag("--print-resolved", verb.scene.print_resolved,
@@ -98,10 +101,12 @@ void add_run(CLI::App& app, Verb& verb, const char* name, const char* text) {
 void add_simulate(CLI::App& app, Verb& verb) {
   verb.scene.fem.emplace();
   verb.scene.solver.tolerance = 1e-8;
-  add_run(app, verb, "simulate", "the same on finite elements, in float64");
+  add_run(app, verb, "simulate", "the same on finite elements, in float64",
+          std::string(kReadFormats) + kTetFormats);
   verb.app
       ->add_option("--element", verb.typed.element,
-                   "voxel (the network's), hex, hex-bbar, tet4, tet10 or tet10-bbar")
+                   "voxel (the network's), hex, hex-bbar, tet4, tet10 or tet10-bbar; auto: voxel, "
+                   "or as a mesh of tetrahedra has it")
       ->capture_default_str();
   verb.app->add_option("--mass", verb.typed.mass, "lumped or consistent")->capture_default_str();
   verb.app->add_flag("--static", verb.scene.fem->statics,
@@ -274,7 +279,7 @@ void add_verbs(CLI::App& app, Verbs& verbs, const std::string& command) {
                      &verbs.doctor})
     verb->scene.command = command;
   verbs.demo.command = command;
-  add_run(app, verbs.animate, "animate", "asset, material and pins to an animation");
+  add_run(app, verbs.animate, "animate", "asset, material and pins to an animation", kReadFormats);
   add_simulate(app, verbs.simulate);
   add_study(app, verbs.study, verbs.study_task, verbs.study_names);
   add_voxelize(app, verbs.voxelize, verbs.voxelize_task);

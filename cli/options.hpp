@@ -24,6 +24,7 @@ struct FloorOption {
 /// What `simulate` puts in the place of the network.
 struct FemOptions {
   fem::Element element = fem::Element::kVoxel;
+  bool named = false;  ///< by --element; else tetrahedra of a file keep their kind
   fem::Mass mass = fem::Mass::kLumped;
   bool newmark = false;  ///< instead of the time scheme
   bool statics = false;  ///< an equilibrium instead of time steps: one frame, one step of 1 s

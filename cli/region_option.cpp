@@ -137,6 +137,31 @@ void drop_unused(Scene& scene) {
   scene.materials = std::move(used);
 }
 
+using Holds = std::function<bool(int64_t)>;  ///< whether a region holds an element
+
+/// Gives the elements of each region its material.
+/// @param holds_of  Holds of a region and its text; what it looks at lasts until the next call.
+template <class HoldsOf>
+void give(const std::vector<std::string>& texts, const char* element, Scene& scene,
+          std::vector<std::string>& warnings, const HoldsOf& holds_of) {
+  for (const std::string& text : texts) {
+    const RegionOption region = parse_region(text);
+    const Holds holds = holds_of(region, text);
+    int64_t count = 0;
+    for (int64_t e = 0; e < scene.material.rows(); ++e) {
+      if (!holds(e)) continue;
+      scene.material(e) = int32_t(scene.materials.size());
+      ++count;
+    }
+    if (count > 0)
+      scene.materials.push_back(region.material);
+    else
+      warnings.push_back(
+          fmt::format("--region '{}' holds nothing: no {} lies in it", text, element));
+  }
+  drop_unused(scene);
+}
+
 }  // namespace
 
 RegionOption parse_region(std::string_view text) {
@@ -153,15 +178,14 @@ void apply_regions(const std::vector<std::string>& texts, const Asset& asset, co
                    Scene& scene, std::vector<std::string>& warnings) {
   const VoxelGrid& grid = scene.grid;
   Array<int32_t> nearest;
-  for (const std::string& text : texts) {
-    const RegionOption region = parse_region(text);
-    std::function<bool(int64_t)> holds = [&](int64_t v) {
+  std::vector<uint8_t> triangles;
+  give(texts, "voxel", scene, warnings, [&](const RegionOption& region, const std::string& text) {
+    Holds holds = [&](int64_t v) {
       const double* lower = grid.rest.row(grid.corners(v, 0));
       const double half = grid.h / 2;
       return contains(region.selection, {lower[0] + half, lower[1] + half, lower[2] + half},
                       body.surface.box);
     };
-    std::vector<uint8_t> triangles;
     if (region.kind != RegionOption::Kind::kPlace) {
       ELASTOGEN_CHECK(body.is_asset, "--region '", text,
                       "': an asset of points has no nodes and materials; select by place");
@@ -169,18 +193,31 @@ void apply_regions(const std::vector<std::string>& texts, const Asset& asset, co
       if (nearest.empty()) nearest = nearest_triangles(grid, body.surface);
       holds = [&](int64_t v) { return triangles[size_t(nearest(v))] != 0; };
     }
-    int64_t count = 0;
-    for (int64_t v = 0; v < grid.voxel_count(); ++v) {
-      if (!holds(v)) continue;
-      scene.material(v) = int32_t(scene.materials.size());
-      ++count;
-    }
-    if (count > 0)
-      scene.materials.push_back(region.material);
-    else
-      warnings.push_back(fmt::format("--region '{}' holds nothing: no voxel lies in it", text));
-  }
-  drop_unused(scene);
+    return holds;
+  });
+}
+
+void apply_regions(const std::vector<std::string>& texts, const fem::ElementMesh& mesh,
+                   In<int32_t> region_of, const std::vector<AssetMaterial>& regions, const Box& box,
+                   Scene& scene, std::vector<std::string>& warnings) {
+  std::vector<uint8_t> wanted;
+  give(texts, "tetrahedron", scene, warnings,
+       [&](const RegionOption& region, const std::string& text) {
+         ELASTOGEN_CHECK(
+             region.kind != RegionOption::Kind::kNode, "--region '", text,
+             "': tetrahedra have no nodes with names; select by place or material:NUMBER");
+         Holds holds = [&](int64_t e) {
+           Vec3 centre = {};
+           for (int c = 0; c < 4; ++c)
+             for (int d = 0; d < 3; ++d) centre[size_t(d)] += mesh.rest(mesh.elements(e, c), d) / 4;
+           return contains(region.selection, centre, box);
+         };
+         if (region.kind == RegionOption::Kind::kMaterial) {
+           wanted = named(regions, region, text);
+           holds = [&](int64_t e) { return wanted[size_t(region_of(e))] != 0; };
+         }
+         return holds;
+       });
 }
 
 }  // namespace elastogen

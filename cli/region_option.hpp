@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "core/scene.hpp"
+#include "mpm_fem/fem/element_mesh.hpp"
 #include "voxelize/body.hpp"
 #include "voxelize/regions.hpp"
 
@@ -35,6 +35,15 @@ RegionOption parse_region(std::string_view text);
 /// @param warnings  gets a sentence for each region that holds no voxel.
 /// @throws Error (usage) on a name that the asset does not have, listing those it has.
 void apply_regions(const std::vector<std::string>& texts, const Asset& asset, const Body& body,
+                   Scene& scene, std::vector<std::string>& warnings);
+
+/// The same for tetrahedra, by their centroids, or by the numbers of the file's regions in place of
+/// the names of materials.
+/// @param region   index into regions of each, (elements, 1).
+/// @param regions  whose names are the numbers.
+/// @param box      of the surface [m].
+void apply_regions(const std::vector<std::string>& texts, const fem::ElementMesh& mesh,
+                   In<int32_t> region, const std::vector<AssetMaterial>& regions, const Box& box,
                    Scene& scene, std::vector<std::string>& warnings);
 
 }  // namespace elastogen

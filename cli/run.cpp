@@ -38,6 +38,7 @@ std::unique_ptr<AnimationWriter> open_animation(const std::string& path, const A
   options.commit = build_commit();
   options.root = root_matrix(setup.body.surface.scale, setup.up);
   options.scene = &setup.scene;
+  if (setup.tets) options.tets = &setup.tets->elements;
   return AnimationWriter::create(path, asset, setup.body.surface, options);
 }
 
@@ -51,6 +52,12 @@ std::unique_ptr<StateWriter> open_state(const Scene& scene, const AnimateOptions
   return std::make_unique<StateWriter>(o.state, scene, header, state);
 }
 
+/// Whether animations, which are in single precision, can hold these.
+bool fits_single(const Array<double>& x) {
+  const auto fits = [](double value) { return std::abs(value) < 1e37; };
+  return std::all_of(x.data(), x.data() + x.size(), fits);
+}
+
 /// Steps the clip and collects what the report says of it.
 class Clip {
  public:
@@ -59,7 +66,7 @@ class Clip {
       : o_(options), hooks_(hooks), setup_(setup), result_(result), report_(result.report) {
     for (const std::string& path : options.outputs)
       outputs_.animations.push_back(open_animation(path, asset, setup, options));
-    embedding_ = embed(setup.scene.grid, setup.body.carried);
+    if (!setup.tets) embedding_ = embed(setup.scene.grid, setup.body.carried);
     const Stopwatch watch;
     stepper_ = make_stepper(setup, options, [this] { return stopped(); });
     state_ = stepper_->start(options.motion);
@@ -133,11 +140,13 @@ class Clip {
         say_why();
         return false;
       }
-      if (!r.finite) {
+      if (!r.finite || !fits_single(state_.x)) {
         result_.code = kExitDiverged;
-        report_.warnings.push_back(
-            fmt::format("frame {}: step {}: {}; the clip ends before it", frame, r.step,
-                        r.refusal.empty() ? "it has no finite result" : r.refusal));
+        report_.warnings.push_back(fmt::format("frame {}: step {}: {}; the clip ends before it",
+                                               frame, r.step,
+                                               r.finite ? "it goes beyond single precision"
+                                               : r.refusal.empty() ? "it has no finite result"
+                                                                   : r.refusal));
         return false;
       }
       take(frame, r, certificate);
@@ -171,10 +180,23 @@ class Clip {
     return grid_state_;
   }
 
+  /// Moves the carried points with the grid, or as nodes of the tetrahedra.
+  void carry(const State& state) {
+    if (!setup_.tets) {
+      deform_asset(setup_.scene.grid, embedding_, state.x, displacement_);
+      return;
+    }
+    for (int64_t p = 0; p < displacement_.rows(); ++p)
+      for (int d = 0; d < 3; ++d) {
+        const int32_t node = setup_.node_of(p);
+        displacement_(p, d) = state.x(node, d) - setup_.tets->rest(node, d);
+      }
+  }
+
   void write_frame(const FrameCertificate& certificate) {
     const Stopwatch watch;
     const State& state = grid_state();
-    deform_asset(setup_.scene.grid, embedding_, state.x, displacement_);
+    carry(state);
     for (int64_t k = 0; k < displacement_.size(); ++k)
       largest_motion_ = std::max(largest_motion_, std::abs(displacement_.data()[k]));
     if (!gradient_.empty()) deformation_gradient(setup_.scene.grid, embedding_, state.x, gradient_);
@@ -234,7 +256,8 @@ RunResult run_animation(const Asset& asset, const AnimateOptions& options, doubl
   report.commit = build_commit();
   report.stage_seconds.read = read_seconds;
 
-  Setup setup = set_up(asset, options, hooks.materials, hooks.regions, report);
+  Setup setup = hooks.set_up ? hooks.set_up(report)
+                             : set_up(asset, options, hooks.materials, hooks.regions, report);
   if (!options.quiet) print_setup(setup, report.asset, options);
   warn(report.warnings);
   ELASTOGEN_CHECK(!options.strict || report.warnings.empty(), "--strict: ", report.warnings[0]);

@@ -5,6 +5,7 @@
 
 #include "cli/exit_code.hpp"
 #include "cli/options.hpp"
+#include "cli/scene_setup.hpp"
 #include "io/report_file.hpp"
 
 #include <functional>
@@ -16,6 +17,8 @@ struct RunHooks {
   /// Materials and the one of each voxel; empty: the one of the options everywhere.
   std::vector<Material> materials;
   std::function<Array<int32_t>(const VoxelGrid&)> regions;
+  /// The scene in place of the voxelised asset, which is then only its surface.
+  std::function<Setup(RunReport&)> set_up;
   /// Called with each frame, the first included: positions of the surface [m], (vertices, 3).
   std::function<void(const Array<double>& positions)> on_frame;
   std::function<void(const StepReport&)> on_step;

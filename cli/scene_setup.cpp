@@ -8,6 +8,8 @@
 #include "cli/stopwatch.hpp"
 #include "core/error.hpp"
 #include "core/time_scheme.hpp"
+#include "core/vec3.hpp"
+#include "mpm_fem/fem/tet_surface.hpp"
 #include "network/contact.hpp"
 #include "voxelize/regions.hpp"
 #include "voxelize/voxelize.hpp"
@@ -120,19 +122,38 @@ int automatic_substeps(const Scene& scene, double frame_seconds) {
   return int(std::clamp(std::ceil(wanted - 1e-9), 1.0, 16.0));
 }
 
-/// Body, grid and colliders; fills the asset's part of the report.
-void add_grid(const Asset& asset, const AnimateOptions& o, Setup& setup, RunReport& report) {
-  setup.body = make_body(asset, o.size, resolution(o));
-  const Box& box = setup.body.surface.box;
+/// Size, up and colliders of a setup that has its body; fills the asset's part of the report.
+void add_asset(const Asset& asset, const AnimateOptions& o, Setup& setup, RunReport& report) {
   report.asset = summary_of(asset, setup.body, o);
   if (!report.asset.size.warning.empty()) report.warnings.push_back(report.asset.size.warning);
   setup.longest_edge = report.asset.size.longest_edge;
   setup.up = report.asset.up.up;
-  setup.scene.colliders = make_colliders(o, setup.up, box);
-  Voxelized voxelized =
-      voxelize(setup.body.surface, voxelize_options(o, setup.scene.colliders, box));
+  setup.scene.colliders = make_colliders(o, setup.up, setup.body.surface.box);
+}
+
+/// Body, grid and colliders; fills the asset's part of the report.
+void add_grid(const Asset& asset, const AnimateOptions& o, Setup& setup, RunReport& report) {
+  setup.body = make_body(asset, o.size, resolution(o));
+  add_asset(asset, o, setup, report);
+  const Surface& surface = setup.body.surface;
+  Voxelized voxelized = voxelize(surface, voxelize_options(o, setup.scene.colliders, surface.box));
   setup.scene.grid = std::move(voxelized.grid);
   add_findings(voxelized.report, report);
+}
+
+/// The same of tetrahedra, which take the place of the grid.
+void add_tets(const TetAsset& tets, const AnimateOptions& o, Setup& setup, RunReport& report) {
+  setup.body.surface = pose_surface(tets.asset, o.size);
+  setup.body.carried = setup.body.surface.vertices;
+  add_asset(tets.asset, o, setup, report);
+  report.asset.closed = true;
+  setup.tets = tets.mesh;
+  setup.tets->element = element_of(tets, *o.fem);
+  for (int64_t k = 0; k < setup.tets->rest.size(); ++k)
+    setup.tets->rest.data()[k] *= setup.body.surface.scale;
+  setup.node_of = tets.node_of;
+  setup.scene.grid.rest = setup.tets->rest;
+  setup.scene.grid.h = fem::mean_edge(*setup.tets);
 }
 
 /// Gravity, time step and scheme.
@@ -155,6 +176,32 @@ bool falls_freely(const AnimateOptions& o, const Scene& scene) {
   return !held && scene.colliders.empty() && scene.gravity != Vec3{};
 }
 
+/// The vertices of a surface, each for a third of its triangles; nothing carries them yet.
+SurfacePoints vertex_points(const Surface& surface) {
+  SurfacePoints points;
+  points.position = surface.vertices;
+  points.area = Array<double>(surface.vertices.rows());
+  for (int64_t t = 0; t < surface.triangles.rows(); ++t) {
+    Vec3 x[3];
+    for (int c = 0; c < 3; ++c)
+      std::copy_n(surface.vertices.row(surface.triangles(t, c)), 3, x[c].begin());
+    const double area = norm(cross(minus(x[1], x[0]), minus(x[2], x[0]))) / 2;
+    for (int c = 0; c < 3; ++c) points.area(surface.triangles(t, c)) += area / 3;
+  }
+  return points;
+}
+
+/// What the report says of the scene, and a warning where nothing holds it.
+void add_summary(const AnimateOptions& o, const Scene& scene, RunReport& report) {
+  if (falls_freely(o, scene))
+    report.warnings.push_back(
+        "nothing holds the asset (no --pin, no --floor, no --collider): it falls freely");
+  report.voxels = scene.grid.voxel_count();
+  report.nodes = scene.grid.node_count();
+  report.h = scene.grid.h;
+  report.materials = scene.materials;
+}
+
 }  // namespace
 
 Setup set_up(const Asset& asset, const AnimateOptions& o, const std::vector<Material>& materials,
@@ -173,14 +220,27 @@ Setup set_up(const Asset& asset, const AnimateOptions& o, const std::vector<Mate
   for (const Collider& collider : scene.colliders) check_clear(scene, collider);
   add_time(o, setup);
   finish_scene(scene);
-  if (falls_freely(o, scene))
-    report.warnings.push_back(
-        "nothing holds the asset (no --pin, no --floor, no --collider): it falls freely");
+  add_summary(o, scene, report);
   report.stage_seconds.setup = watch.seconds() - report.stage_seconds.voxelize;
-  report.voxels = scene.grid.voxel_count();
-  report.nodes = scene.grid.node_count();
-  report.h = scene.grid.h;
-  report.materials = scene.materials;
+  return setup;
+}
+
+Setup set_up(const TetAsset& tets, const AnimateOptions& o, RunReport& report) {
+  Setup setup;
+  Scene& scene = setup.scene;
+  const Stopwatch watch;
+  add_tets(tets, o, setup, report);
+  scene.materials = {o.material};
+  scene.material = Array<int32_t>(setup.tets->elements.rows());
+  apply_regions(o.regions, *setup.tets, tets.region, tets.regions, setup.body.surface.box, scene,
+                report.warnings);
+  setup.tets->material = scene.material;
+  pin(o, setup.body.surface.box, scene, report.warnings);
+  scene.surface = vertex_points(setup.body.surface);
+  for (const Collider& collider : scene.colliders) check_clear(scene, collider);
+  add_time(o, setup);
+  add_summary(o, scene, report);
+  report.stage_seconds.setup = watch.seconds();
   return setup;
 }
 
@@ -188,9 +248,13 @@ void print_setup(const Setup& setup, const AssetSummary& asset, const AnimateOpt
   const Scene& scene = setup.scene;
   fmt::print("longest edge {:.4g} m ({}), {} up ({})\n", asset.size.longest_edge,
              asset.size.from.reason, up_name(asset.up.up), asset.up.from.reason);
-  fmt::print("{} voxels of {:.4g} m, {} nodes, {} piece{}\n", scene.grid.voxel_count(),
-             scene.grid.h, scene.grid.node_count(), scene.grid.pieces,
-             scene.grid.pieces == 1 ? "" : "s");
+  if (setup.tets)
+    fmt::print("{} tetrahedra ({}) of {:.4g} m, {} nodes\n", setup.tets->elements.rows(),
+               fem::element_name(setup.tets->element), scene.grid.h, scene.grid.node_count());
+  else
+    fmt::print("{} voxels of {:.4g} m, {} nodes, {} piece{}\n", scene.grid.voxel_count(),
+               scene.grid.h, scene.grid.node_count(), scene.grid.pieces,
+               scene.grid.pieces == 1 ? "" : "s");
   for (const Material& m : scene.materials)
     fmt::print("{}: {}, E {:.4g} Pa, nu {:.4g}, rho {:.4g} kg/m^3\n", m.name, law_name(m.law),
                m.young, m.poisson, m.density);

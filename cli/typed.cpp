@@ -79,7 +79,8 @@ void resolve_scheme(const Typed& t, AnimateOptions& o) {
   const int scheme = choice("--time-scheme", t.scheme, {"euler", "bdf2", "newmark"});
   o.fem->newmark = scheme == 2;
   o.scheme = scheme == 1 ? TimeScheme::kBdf2 : TimeScheme::kEuler;
-  o.fem->element = fem::element_from_name(t.element);
+  o.fem->named = t.element != "auto";
+  if (o.fem->named) o.fem->element = fem::element_from_name(t.element);
   o.fem->mass = fem::Mass(choice("--mass", t.mass, {"lumped", "consistent"}));
 }
 

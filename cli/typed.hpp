@@ -16,7 +16,7 @@ struct Typed {
   bool has_floor = false;
   std::string up = "auto", scheme = "euler", solver = "auto", hourglass = "auto", profile = "modal";
   std::string device = "cpu";
-  std::string element = "voxel", mass = "lumped";  ///< of simulate
+  std::string element = "auto", mass = "lumped";  ///< of simulate
   bool no_skip = false;
 };
 

@@ -21,6 +21,7 @@ from typing import Any
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tests" / "scenes"))
 from definitions import definitions_hash  # noqa: E402
+from paper_tables import TABLES as PAPER_TABLES  # noqa: E402
 
 RESULTS = ROOT / "docs" / "results"
 STUDIES = ("beam", "twist", "torus", "knot")
@@ -111,10 +112,20 @@ def discretisation() -> str:
                   for r in read("discretisation")["rows"]])
 
 
+def assets() -> str:
+    """What became of each file of a folder of real assets."""
+    result = read("assets")
+    lines = [[re.sub(r"read are \..*", "read are (the list of formats)", cell) for cell in row]
+             for row in result["rows"]]
+    return table(result["head"], lines)
+
+
 TABLES: dict[str, Callable[[], str]] = {"accuracy": accuracy, "peers": peers,
+                                    "assets": assets,
                                     "discretisation": discretisation,
                                     "time to error": time_to_error, "sweeps": sweeps} | {
-    f"study {name}": (lambda n=name: study(n)) for name in STUDIES}
+    f"study {name}": (lambda n=name: study(n)) for name in STUDIES} | {
+    name: (lambda lines=lines: table(*lines())) for name, lines in PAPER_TABLES.items()}
 
 
 def rendered(text: str, place: str) -> str:

@@ -39,6 +39,9 @@ struct AnimationOptions {
   std::string commit = "";     ///< of the program
   Matrix4 root = kIdentity4;   ///< scale of --size and turn of --up, applied above all scene roots
   const Scene* scene = nullptr;  ///< for the writers of voxel data; outlives the writer
+  /// Nodes of tetrahedra in place of the scene's voxels, (tetrahedra, 4 or 10), the material of
+  /// each in scene->material; outlives the writer.
+  const Array<int32_t>* tets = nullptr;
 };
 
 /// Writes an animation frame by frame; the first frame is the start. Frames wait in an unnamed

@@ -81,6 +81,8 @@ struct Advice {
 constexpr std::string_view kSplatAdvice =
     "SuperSplat and splat-transform turn it into a .ply of splats; ";
 constexpr std::string_view kSceneAdvice = "Blender exports it as .glb; ";
+constexpr std::string_view kTetAdvice =
+    "simulate takes its tetrahedra, Gmsh and meshio turn its surface into .stl; ";
 constexpr std::string_view kSolidAdvice = "its program exports it as .stl or .obj; ";
 constexpr Advice kAdvice[] = {
     {"ksplat", kSplatAdvice},
@@ -94,7 +96,9 @@ constexpr Advice kAdvice[] = {
     {"usdz", kSceneAdvice},
     {"blend", kSceneAdvice},
     {"abc", kSceneAdvice},
-    {"msh", "Gmsh and meshio turn its surface into .stl; "},
+    {"msh", kTetAdvice},
+    {"vtk", kTetAdvice},
+    {"vtu", kTetAdvice},
     {"step", kSolidAdvice},
     {"stp", kSolidAdvice},
     {"iges", kSolidAdvice},

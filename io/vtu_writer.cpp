@@ -6,6 +6,7 @@
 #include "core/hex8.hpp"
 #include "core/parallel.hpp"
 #include "core/principal.hpp"
+#include "core/vec3.hpp"
 #include "io/frame_files.hpp"
 #include "io/safe_file.hpp"
 
@@ -32,6 +33,30 @@ Mat3<double> mean_gradient(const VoxelGrid& grid, int64_t voxel, const Array<dou
     hex8::gradient<true>(u, M, slope);
     for (int d = 0; d < 3; ++d) F(i, d) += slope[d] / (4 * grid.h);
   }
+  return F;
+}
+
+/// Deformation gradient at the centroid of a tetrahedron. The shape function 4 l_i l_j of the
+/// middle of an edge has the slope of l_i + l_j there, those of the corners of quadratic tetrahedra
+/// none: the sum of the three middles beside a corner stands in for it.
+Mat3<double> centroid_gradient(const int32_t* node, int64_t nodes, const Array<double>& rest,
+                               const Array<double>& x) {
+  constexpr int kMiddles[4][3] = {{4, 6, 7}, {4, 5, 8}, {5, 6, 9}, {7, 8, 9}};
+  Vec3 X[4] = {}, now[4] = {};
+  for (size_t c = 0; c < 4; ++c)
+    for (size_t k = 0; k < (nodes == 4 ? 1 : 3); ++k) {
+      const int32_t n = nodes == 4 ? node[c] : node[kMiddles[c][k]];
+      X[c] = plus(X[c], {rest(n, 0), rest(n, 1), rest(n, 2)});
+      now[c] = plus(now[c], {x(n, 0), x(n, 1), x(n, 2)});
+    }
+  const Vec3 a = minus(X[1], X[0]), b = minus(X[2], X[0]), c = minus(X[3], X[0]);
+  const Vec3 slope[3] = {cross(b, c), cross(c, a), cross(a, b)};  // times the volume
+  const double volume = dot(a, slope[0]);
+  Mat3<double> F = {};
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      for (size_t k = 0; k < 3; ++k)
+        F(i, j) += (now[k + 1][size_t(i)] - now[0][size_t(i)]) * slope[k][size_t(j)] / volume;
   return F;
 }
 
@@ -87,7 +112,7 @@ std::vector<float> to_floats(const double* values, int64_t count) {
 class VtuWriter : public AnimationWriter {
  public:
   VtuWriter(const std::string& path, const AnimationOptions& options)
-      : path_(path), scene_(options.scene) {
+      : path_(path), scene_(options.scene), tets_(options.tets) {
     ELASTOGEN_CHECK(scene_, path, ": voxel data need a scene");
     SafeFile probe(path);  // refuses a folder at once
   }
@@ -98,7 +123,7 @@ class VtuWriter : public AnimationWriter {
                     path_, ": a frame must come with the state of the scene");
     VtuFile file;
     file.section(concat("<UnstructuredGrid>\n<Piece NumberOfPoints=\"", grid.node_count(),
-                        "\" NumberOfCells=\"", grid.voxel_count(), "\">\n"));
+                        "\" NumberOfCells=\"", cell_count(), "\">\n"));
     add_points(frame, file);
     add_cells(file);
     add_strain(frame.state->x, file);
@@ -118,6 +143,13 @@ class VtuWriter : public AnimationWriter {
   }
 
  private:
+  int64_t cell_count() const { return tets_ ? tets_->rows() : scene_->grid.voxel_count(); }
+
+  Mat3<double> gradient(int64_t cell, const Array<double>& x) const {
+    if (!tets_) return mean_gradient(scene_->grid, cell, x);
+    return centroid_gradient(tets_->row(cell), tets_->cols(), scene_->grid.rest, x);
+  }
+
   /// The name without its folder, as an XML attribute.
   static std::string escaped(const std::string& path) {
     std::string text;
@@ -153,37 +185,39 @@ class VtuWriter : public AnimationWriter {
 
   void add_cells(VtuFile& file) const {
     constexpr int kOrder[8] = {0, 1, 3, 2, 4, 5, 7, 6};  // VTK goes around the faces below, above
-    constexpr uint8_t kHexahedron = 12;
-    const VoxelGrid& grid = scene_->grid;
+    constexpr uint8_t kHexahedron = 12, kTetrahedron = 10, kQuadraticTetrahedron = 24;
+    const Array<int32_t>& cells = tets_ ? *tets_ : scene_->grid.corners;
+    const uint8_t type = !tets_              ? kHexahedron
+                         : cells.cols() == 4 ? kTetrahedron
+                                             : kQuadraticTetrahedron;
     std::vector<int32_t> corners;
     std::vector<int64_t> ends;
-    for (int64_t v = 0; v < grid.voxel_count(); ++v) {
-      for (const int c : kOrder) corners.push_back(grid.corners(v, c));
-      ends.push_back(8 * (v + 1));
+    for (int64_t v = 0; v < cells.rows(); ++v) {
+      for (int c = 0; c < cells.cols(); ++c) corners.push_back(cells(v, tets_ ? c : kOrder[c]));
+      ends.push_back(cells.cols() * (v + 1));
     }
     file.section("<Cells>\n");
     file.array("connectivity", "Int32", corners);
     file.array("offsets", "Int64", ends);
-    file.array("types", "UInt8", std::vector<uint8_t>(ends.size(), kHexahedron));
+    file.array("types", "UInt8", std::vector<uint8_t>(ends.size(), type));
     file.section("</Cells>\n");
   }
 
   void add_strain(const Array<double>& x, VtuFile& file) const {
-    const VoxelGrid& grid = scene_->grid;
-    const auto voxels = size_t(grid.voxel_count());
-    std::vector<float> gradient(9 * voxels), stress(6 * voxels), J(voxels);
-    for_each(grid.voxel_count(), [&](int64_t v) {
-      const Mat3<double> F = mean_gradient(grid, v, x);
-      std::copy(F.m, F.m + 9, gradient.begin() + 9 * v);
+    const auto cells = size_t(cell_count());
+    std::vector<float> gradients(9 * cells), stress(6 * cells), J(cells);
+    for_each(cell_count(), [&](int64_t v) {
+      const Mat3<double> F = gradient(v, x);
+      std::copy(F.m, F.m + 9, gradients.begin() + 9 * v);
       J[size_t(v)] = float(determinant(F));
       cauchy_stress(scene_->materials[size_t(scene_->material(v))], F, stress.data() + 6 * v);
     });
     const int32_t* material = scene_->material.data();
     file.section("<CellData>\n");
-    file.array("F", "Float32", gradient, 9);
+    file.array("F", "Float32", gradients, 9);
     file.array("J", "Float32", J);
     file.array("cauchy_stress", "Float32", stress, 6);
-    file.array("fill", "Float32", to_floats(grid.fill.data(), grid.voxel_count()));
+    if (!tets_) file.array("fill", "Float32", to_floats(scene_->grid.fill.data(), cell_count()));
     file.array("material", "Int32",
                std::vector<int32_t>(material, material + scene_->material.size()));
     file.section("</CellData>\n");
@@ -191,6 +225,7 @@ class VtuWriter : public AnimationWriter {
 
   std::string path_, entries_;
   const Scene* scene_;
+  const Array<int32_t>* tets_;
   int64_t frames_ = 0;
 };
 

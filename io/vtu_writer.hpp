@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Voxels with strain and stress for ParaView: a PVD collection and one VTU file a frame.
+// Voxels or tetrahedra with strain and stress for ParaView: a PVD collection and one VTU file a
+// frame.
 
 #pragma once
 
@@ -8,11 +9,12 @@
 namespace elastogen {
 
 /// A writer of NAME.pvd, written by finish(), and NAME_00000.vtu, ... beside it, each whole as soon
-/// as its frame has come. Voxels are hexahedra at their deformed corners [m]. Appended raw data,
-/// float32:
+/// as its frame has come. Voxels are hexahedra at their deformed corners [m], tetrahedra are linear
+/// or quadratic. Appended raw data, float32:
 ///
 /// - cells: `F` (9, row-major), `J`, `cauchy_stress` [Pa] (xx yy zz xy yz xz; NaN where J <= 0),
-///   `fill`, `material`; F is the mean gradient over the filled part of the voxel;
+///   `fill` (voxels only), `material`; F is the mean gradient over the filled part of the voxel, of
+///   tetrahedra that at the centroid;
 /// - points: `displacement` [m], `velocity` [m/s], `residual` [N] where the frame has one.
 ///
 /// @throws Error (usage) without options.scene, and from frame without a state of the scene; others

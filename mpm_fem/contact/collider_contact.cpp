@@ -18,27 +18,56 @@ Vec3 between(const Vec3& a, const Vec3& b, double share) {
   return {a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1]), a[2] + share * (b[2] - a[2])};
 }
 
+/// Points of the scene's surface without what carries them and how stiff they are.
+ContactPoints points_of(const Scene& scene, int carriers) {
+  const SurfacePoints& s = scene.surface;
+  const double h = scene.grid.h;
+  ContactPoints points;
+  points.area = s.area;
+  points.position = s.position;
+  points.layer = h / 4;
+  points.nodes = Array<int32_t>(s.position.rows(), carriers);
+  points.stiffness = Array<double>(s.position.rows());
+  Box box;
+  for (int64_t p = 0; p < s.position.rows(); ++p)
+    box.add({s.position(p, 0), s.position(p, 1), s.position(p, 2)});
+  const double size = std::max({box.extent(0), box.extent(1), box.extent(2), h});
+  points.slip_range = 1e-3 * std::sqrt(kGravity * size) * scene.dt;
+  return points;
+}
+
+double stiffness(double young, const Scene& scene, const ContactPoints& points) {
+  return young * points.layer * points.layer / scene.grid.h;
+}
+
 }  // namespace
 
 ContactPoints voxel_contact(const Scene& scene) {
   const SurfacePoints& s = scene.surface;
-  const double h = scene.grid.h;
-  ContactPoints points;
+  ContactPoints points = points_of(scene, 8);
   points.weights = s.weights;
-  points.area = s.area;
-  points.position = s.position;
-  points.layer = h / 4;
-  points.nodes = Array<int32_t>(s.voxel.rows(), 8);
-  points.stiffness = Array<double>(s.voxel.rows());
-  Box box;
   for (int64_t p = 0; p < s.voxel.rows(); ++p) {
     std::copy_n(scene.grid.corners.row(s.voxel(p)), 8, points.nodes.row(p));
     const Material& m = scene.materials[size_t(scene.material(s.voxel(p)))];
-    points.stiffness(p) = m.young * points.layer * points.layer / h;
-    box.add({s.position(p, 0), s.position(p, 1), s.position(p, 2)});
+    points.stiffness(p) = stiffness(m.young, scene, points);
   }
-  const double size = std::max({box.extent(0), box.extent(1), box.extent(2), h});
-  points.slip_range = 1e-3 * std::sqrt(kGravity * size) * scene.dt;
+  return points;
+}
+
+ContactPoints node_contact(const Scene& scene, const ElementMesh& mesh, In<int32_t> nodes) {
+  std::vector<double> young(size_t(mesh.rest.rows()));
+  for (int64_t e = 0; e < mesh.elements.rows(); ++e)
+    for (int64_t c = 0; c < mesh.elements.cols(); ++c) {
+      double& largest = young[size_t(mesh.elements(e, c))];
+      largest = std::max(largest, scene.materials[size_t(mesh.material(e))].young);
+    }
+  ContactPoints points = points_of(scene, 1);
+  points.weights = Array<double>(nodes.rows);
+  points.weights.fill(1);
+  for (int64_t p = 0; p < nodes.rows; ++p) {
+    points.nodes(p) = nodes(p);
+    points.stiffness(p) = stiffness(young[size_t(nodes(p))], scene, points);
+  }
   return points;
 }
 

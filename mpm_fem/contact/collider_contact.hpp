@@ -10,7 +10,7 @@
 
 #pragma once
 
-#include "core/scene.hpp"
+#include "mpm_fem/fem/element_mesh.hpp"
 
 #include <functional>
 #include <vector>
@@ -31,6 +31,12 @@ struct ContactPoints {
 /// The points of a voxel scene with its layer h/4 and its slip range, a thousandth of the body's
 /// free-fall speed times dt; each carried by the corners of its voxel.
 ContactPoints voxel_contact(const Scene& scene);
+
+/// Nodes of a mesh as points, each stiff as the stiffest of its elements; h of layer and slip range
+/// is the scene's.
+/// @param scene  with materials, grid.h, dt, and area and position of the points in its surface.
+/// @param nodes  of each point, (points, 1).
+ContactPoints node_contact(const Scene& scene, const ElementMesh& mesh, In<int32_t> nodes);
 
 class ColliderContact {
  public:

@@ -3,16 +3,18 @@
 """Feeds the fuzz harnesses and judges them: a table of executions, coverage, crashes, slow inputs.
 
     cmake --preset fuzz && cmake --build --preset fuzz --target fuzz_all
-    tests/fuzz/run.py [--seconds 60 | --smoke] [--jobs 2] [HARNESS ...]
+    tests/fuzz/run.py [--seconds 60 | --smoke] [--jobs 2] [--json FILE] [HARNESS ...]
 
 Inputs that were found stay in build/fuzz/corpus/HARNESS and begin the next run; those that crash
 lie in build/fuzz/crashes/HARNESS. Small real files of the folder ELASTOGEN_ASSETS are seeds too.
 Exit status 1 if a harness of ours crashed, ran out of time or out of memory; what the harnesses of
-libraries that only run in elastogen-reader find is printed, not counted."""
+libraries that only run in elastogen-reader find is printed, not counted. --json keeps the results, each
+with its seconds, commit and day, beside those of other harnesses that the file has already."""
 
 from __future__ import annotations
 
 import argparse
+import json
 import os
 import re
 import shutil
@@ -25,6 +27,9 @@ from pathlib import Path
 from seeds import write_dictionary, write_seeds
 
 ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tests" / "scenes"))
+from definitions import run_header  # noqa: E402
+
 LIBRARIES = {"assimp", "vdb"}  # read foreign files in a process of their own
 SLOW = 2  # seconds from which libFuzzer reports an input as slow
 ENVIRONMENT = os.environ | {"ASAN_OPTIONS": "detect_leaks=0",
@@ -101,6 +106,17 @@ def fuzz(binary: Path, seconds: int, assets: str | None) -> Result:
                   log.count("Slowest unit"), done.returncode == 0, reason_of(log))
 
 
+def keep(path: Path, results: list[Result], seconds: int) -> None:
+    """Takes results into a file, in the place of older ones of the same harness."""
+    rows = json.loads(path.read_text())["rows"] if path.exists() else {}
+    header = run_header() | {"seconds": seconds}
+    for r in results:
+        rows[r.harness] = header | {"seeds": r.seeds, "executions": r.executions, "edges": r.edges,
+                                    "crashes": len(r.crashes), "slow": r.slow,
+                                    "finished": r.finished}
+    path.write_text(json.dumps({"rows": dict(sorted(rows.items()))}, indent=1) + "\n")
+
+
 def main() -> int:
     """Runs what is asked for."""
     options = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
@@ -109,6 +125,7 @@ def main() -> int:
     options.add_argument("--seconds", type=int, default=60, help="of each harness")
     options.add_argument("--smoke", action="store_true", help="2 seconds each")
     options.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
+    options.add_argument("--json", type=Path, help="results, for the table of the documentation")
     chosen = options.parse_args()
 
     binaries = [f for f in sorted(chosen.build.glob("fuzz_*")) if os.access(f, os.X_OK)]
@@ -128,6 +145,8 @@ def main() -> int:
     for r in results:
         print(f"| {r.harness} | {r.seeds} | {r.executions} | {r.edges} | {len(r.crashes)} | "
               f"{r.slow} |")
+    if chosen.json:
+        keep(chosen.json, results, seconds)
     for r in results:
         if r.crashes or not r.finished:
             whose = "a library in elastogen-reader" if r.harness in LIBRARIES else "ours"

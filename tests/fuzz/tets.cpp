@@ -4,6 +4,7 @@
 
 #include "core/vec3.hpp"
 #include "mpm_fem/fem/tet_reader.hpp"
+#include "mpm_fem/fem/tet_surface.hpp"
 #include "tests/fuzz/harness.hpp"
 
 #include <cmath>
@@ -36,6 +37,10 @@ void check_mesh_of(const TetFile& file) {
             "volumes are positive");
   }
   for (const bool is_used : used) require(is_used, "nodes are used");
+  const Array<int32_t> surface = outer_triangles(mesh);
+  for (int64_t k = 0; k < surface.size(); ++k)
+    require(size_t(surface.data()[k]) < used.size(), "the surface has nodes that are there");
+  require(mean_edge(mesh) > 0, "tetrahedra have a mean edge");
 }
 
 /// The mesh as one text, or the reason why there is none.

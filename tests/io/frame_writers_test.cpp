@@ -223,7 +223,8 @@ class VtuWriterTest : public ::testing::Test {
   }
 
   void write(const AnimationFrame& extra = {}) {
-    const auto writer = AnimationWriter::create(folder.path("out.pvd"), {}, {}, {.scene = &scene});
+    const auto writer =
+        AnimationWriter::create(folder.path("out.pvd"), {}, {}, {.scene = &scene, .tets = tets});
     AnimationFrame frame = extra;
     frame.state = &state;
     state.time = 0.25;
@@ -244,6 +245,7 @@ class VtuWriterTest : public ::testing::Test {
 
   test::TempFolder folder;
   Scene scene;
+  const Array<int32_t>* tets = nullptr;
   State state;
   std::string bytes;
   size_t data = 0;
@@ -308,6 +310,34 @@ TEST_F(VtuWriterTest, HexahedraAreInTheOrderOfVtk) {
     for (size_t d = 0; d < 3; ++d)
       EXPECT_EQ(x[3 * size_t(nodes[c]) + d],
                 x[3 * size_t(nodes[c / 8 * 8]) + d] + 0.5f * order[c % 8][d]);
+}
+
+TEST_F(VtuWriterTest, TetrahedraHaveTheGradientAtTheirCentroid) {
+  // x = X + X_0 X_1 e_0, which linear elements do not see at the corners
+  Array<int32_t> cell(1, 10);
+  scene.grid.rest = Array<double>(10, 3);
+  for (int c = 0; c < 4; ++c)
+    for (int d = 0; d < 3; ++d) scene.grid.rest(c, d) = c == d + 1;
+  constexpr int kEdges[6][2] = {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}};
+  for (int64_t n = 0; n < 10; ++n) cell(0, n) = int32_t(n);
+  for (int64_t n = 4; n < 10; ++n)
+    for (int d = 0; d < 3; ++d)
+      for (const int end : kEdges[n - 4]) scene.grid.rest(n, d) += scene.grid.rest(end, d) / 2;
+  state.x = scene.grid.rest;
+  for (int64_t n = 0; n < 10; ++n) state.x(n, 0) += state.x(n, 0) * state.x(n, 1);
+  Array<int32_t> linear(1, 4);
+  std::copy_n(cell.data(), 4, linear.data());
+  for (const int nodes : {10, 4}) {
+    tets = nodes == 10 ? &cell : &linear;
+    write();
+    const float bent = nodes == 10 ? 0.25f : 0;
+    const float F[9] = {1 + bent, bent, 0, 0, 1, 0, 0, 0, 1};
+    const std::vector<float> gradient = array("F");
+    ASSERT_EQ(gradient.size(), 9u);
+    for (size_t k = 0; k < 9; ++k) EXPECT_NEAR(gradient[k], F[k], 1e-7);
+    EXPECT_EQ(array("connectivity").size(), size_t(nodes));
+    EXPECT_EQ(bytes.find("fill"), std::string::npos);
+  }
 }
 
 TEST_F(VtuWriterTest, RefusesToWriteWithoutSceneOrState) {

@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Animates every file of a folder (ELASTOGEN_ASSETS) and checks what comes out against the file.
 
-The table is printed and, where ELASTOGEN_ASSET_TABLE names a file, written to it as Markdown."""
+The table is printed and, where ELASTOGEN_ASSET_RESULTS names a file, written to it as JSON with date,
+commit and machine (docs/results/assets.json, of which docs/generate.py makes the table)."""
 
 from __future__ import annotations
 
+import datetime
 import json
 import os
 import re
@@ -22,6 +24,7 @@ import numpy as np
 import glb_check
 import kept
 from command import Run, animate
+from command import run as run_command
 from glb_file import GlbError, frame_count, read_document
 
 READ = {".obj", ".ply", ".stl", ".glb", ".gltf", ".off", ".xyz", ".pcd", ".las", ".splat", ".spz",
@@ -62,6 +65,16 @@ def table(rows: Iterable[Row]) -> str:
     lines = ["| " + " | ".join(cells) + " |" for cells in (
         HEAD, ["---"] * len(HEAD), *(row.cells() for row in rows))]
     return "\n".join(lines) + "\n"
+
+
+def as_json(rows: list[Row], commit: str) -> str:
+    """What the table is made of, and of what run it is."""
+    cpu = re.search(r"model name\s*: (.*)", Path("/proc/cpuinfo").read_text())
+    header = {"commit": commit, "date": datetime.date.today().isoformat(),
+              "cpu": cpu[1] if cpu else "unknown", "at_once": AT_ONCE,
+              "options": " ".join(map(str, OPTIONS))}
+    return json.dumps({"header": header, "head": HEAD, "rows": [row.cells() for row in rows]},
+                      indent=1, ensure_ascii=False) + "\n"
 
 
 def last_line(done: Run, name: str) -> str:
@@ -157,8 +170,9 @@ class Assets(unittest.TestCase):
         with ThreadPoolExecutor(AT_ONCE) as pool:
             rows = list(pool.map(judge, sources, [str(p.relative_to(root)) for p in sources]))
         print(table(rows))
-        if target := os.environ.get("ELASTOGEN_ASSET_TABLE"):
-            Path(target).write_text(table(rows))
+        if target := os.environ.get("ELASTOGEN_ASSET_RESULTS"):
+            commit = run_command("--version").out.split()[-1].strip("()")
+            Path(target).write_text(as_json(rows, commit))
         for row in rows:
             with self.subTest(row.name):
                 self.assertEqual(row.fault, "")

@@ -195,6 +195,18 @@ class Endings(Command):
             self.assertTrue(any("interrupted" in w for w in self.check_whole(1)["warnings"]))
             log.unlink()
 
+    def test_a_step_beyond_single_precision_ends_the_clip_before_it(self) -> None:
+        # the published recipe diverges here within two steps; the second is finite in float64 alone
+        write_obj(self.source, *turned_box((0.9375, 0.125, 0.125), (0, 0, 1), 0))
+        done = animate(self.source, self.output, "--h", 0.0625, "--up", "y", "--pin", "x<0%",
+                       "--gravity", "0,0,0", "--spin", "48,0,0", "--law", "stvk", "--young", 2.5e6,
+                       "--poisson", 0.49, "--density", 1000, "--fps", 1000, "--substeps", 1,
+                       "--frames", 6, "--solver", "paper", "--hourglass", "off", "--outer", 5,
+                       "--inner", 22, "--modes", 18, *self.outputs())
+        self.assertEqual(done.code, 5, done.err)
+        self.assertIn("frame 2: step 2: it goes beyond single precision", done.err)
+        self.assertEqual(self.check_whole(1)["frames"], 1)
+
     def test_a_step_above_the_tolerance_is_a_draft_everywhere(self) -> None:
         done = animate(self.source, self.output, *SMALL, "--tolerance", "1e-14", *self.outputs())
         self.assertEqual(done.code, 4, done.err)

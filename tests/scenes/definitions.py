@@ -3,7 +3,10 @@
 
 from __future__ import annotations
 
+import datetime
 import hashlib
+import re
+import subprocess
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -27,3 +30,12 @@ def scene_files(stems: Sequence[str]) -> list[str]:
         paths.append(f"{folder}/{stem}.toml")
         paths.append(f"{folder}/" + text.partition('file = "')[2].partition('"')[0])
     return sorted(set(paths))
+
+
+def run_header() -> dict[str, str]:
+    """Commit, day and processor of a run that begins now."""
+    commit = subprocess.run(["git", "rev-parse", "--short=12", "HEAD"], capture_output=True,
+                            text=True, check=True, cwd=ROOT).stdout.strip()
+    cpu = re.search(r"model name\s*: (.*)", Path("/proc/cpuinfo").read_text())
+    return {"commit": commit, "date": datetime.date.today().isoformat(),
+            "cpu": cpu[1] if cpu else "unknown"}

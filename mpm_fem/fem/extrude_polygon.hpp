@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// Body-fitted tetrahedra of polygons extruded along z.
+
+#pragma once
+
+#include "mpm_fem/fem/extrude.hpp"
+
+#include <vector>
+
+namespace elastogen::fem {
+
+/// A simple polygon, convex or not, cut into triangles by its ears (Meisters 1975), the one of
+/// largest least angle first, each of which is cut into 4^refinements alike. @return triangles
+/// counterclockwise, (triangles, 3), and their points [m], the first of which are the corners.
+struct PolygonMesh {
+  std::vector<Vec2> points;
+  std::vector<std::array<int32_t, 3>> triangles;
+};
+/// @param corners  [m], either way round.
+/// @throws Error naming the place: fewer than three corners, one that is not finite, edges without
+///         length, edges that touch or cross; refinements beyond 0 ... 10.
+PolygonMesh polygon_mesh(const std::vector<Vec2>& corners, int refinements);
+
+/// The same extruded over 0 <= z <= thickness: each prism of a layer is cut into three tetrahedra
+/// by diagonals that rise from the lower to the higher number of a point, so that all conform;
+/// material 0. Node p + points k lies above point p at the share k / layers; quadratic elements
+/// have straight edges, their further nodes come behind.
+/// @param element  kTet4, kTet10 or kTet10Bbar.
+/// @throws Error as polygon_mesh, and unless the thickness is positive and there is a layer.
+ElementMesh extruded_polygon(const std::vector<Vec2>& corners, double thickness, int refinements,
+                             int layers, Element element);
+
+}  // namespace elastogen::fem

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mpm_fem/fem/tet_surface.hpp"
+
+#include "core/error.hpp"
+#include "core/vec3.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace elastogen::fem {
+namespace {
+
+/// Corners of the faces seen from outside, and the middles behind each of them.
+constexpr int kFaces[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
+constexpr int kMiddles[4][3] = {{5, 9, 8}, {7, 9, 6}, {4, 8, 7}, {6, 5, 4}};
+
+struct Face {
+  std::array<int32_t, 3> nodes;  ///< in ascending order
+  int64_t element;
+  int side;
+};
+
+/// Faces that no other tetrahedron has, in the order of their tetrahedra.
+std::vector<Face> outer_faces(const ElementMesh& mesh) {
+  std::vector<Face> faces;
+  for (int64_t e = 0; e < mesh.elements.rows(); ++e)
+    for (int side = 0; side < 4; ++side) {
+      Face face{{}, e, side};
+      for (size_t c = 0; c < 3; ++c) face.nodes[c] = mesh.elements(e, kFaces[side][c]);
+      std::sort(face.nodes.begin(), face.nodes.end());
+      faces.push_back(face);
+    }
+  std::stable_sort(faces.begin(), faces.end(),
+                   [](const Face& a, const Face& b) { return a.nodes < b.nodes; });
+  std::vector<Face> outer;
+  for (size_t k = 0; k < faces.size(); ++k) {
+    const bool before = k > 0 && faces[k - 1].nodes == faces[k].nodes;
+    const bool after = k + 1 < faces.size() && faces[k + 1].nodes == faces[k].nodes;
+    if (!before && !after) outer.push_back(faces[k]);
+  }
+  std::sort(outer.begin(), outer.end(), [](const Face& a, const Face& b) {
+    return a.element != b.element ? a.element < b.element : a.side < b.side;
+  });
+  return outer;
+}
+
+void check_tets(const ElementMesh& mesh) {
+  const int64_t nodes = mesh.elements.cols();
+  ELASTOGEN_CHECK(nodes == 4 || nodes == 10, "tetrahedra of 4 or 10 nodes are expected, got ",
+                  nodes, " columns");
+}
+
+}  // namespace
+
+Array<int32_t> outer_triangles(const ElementMesh& mesh) {
+  check_tets(mesh);
+  const bool quadratic = mesh.elements.cols() == 10;
+  std::vector<int32_t> corners;
+  for (const Face& face : outer_faces(mesh)) {
+    const int32_t* node = mesh.elements.row(face.element);
+    int32_t a[3], m[3] = {};  // m[k] between a[k] and the next
+    for (int k = 0; k < 3; ++k) {
+      a[k] = node[kFaces[face.side][k]];
+      if (quadratic) m[k] = node[kMiddles[face.side][k]];
+    }
+    if (quadratic)
+      corners.insert(corners.end(),
+                     {a[0], m[0], m[2], m[0], a[1], m[1], m[2], m[1], a[2], m[0], m[1], m[2]});
+    else
+      corners.insert(corners.end(), a, a + 3);
+  }
+  Array<int32_t> triangles(int64_t(corners.size() / 3), 3);
+  std::copy(corners.begin(), corners.end(), triangles.data());
+  return triangles;
+}
+
+double mean_edge(const ElementMesh& mesh) {
+  check_tets(mesh);
+  double six_volumes = 0;
+  for (int64_t e = 0; e < mesh.elements.rows(); ++e) {
+    Vec3 x[4];
+    for (int c = 0; c < 4; ++c)
+      for (int d = 0; d < 3; ++d) x[c][size_t(d)] = mesh.rest(mesh.elements(e, c), d);
+    six_volumes += dot(minus(x[1], x[0]), cross(minus(x[2], x[0]), minus(x[3], x[0])));
+  }
+  return std::cbrt(six_volumes / double(mesh.elements.rows()));
+}
+
+}  // namespace elastogen::fem
