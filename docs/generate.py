@@ -120,10 +120,54 @@ def assets() -> str:
     return table(result["head"], lines)
 
 
+def values(numbers: list[float]) -> str:
+    """Numbers in one cell."""
+    return " / ".join(f"{number:.4g}" for number in numbers)
+
+
+def ladder() -> str:
+    """Every row of the ladder: reference, tolerance, what came out."""
+    lines = []
+    for r in read("ladder")["rows"]:
+        allowed = f"{100 * r['tolerance']:g} %" if r["relative"] else f"{r['tolerance']:g}"
+        lines.append([r["key"], f"{r['name']}: {r['quantity']}".replace("|", "\\|"),
+                      f"`{r['command']}` {r['scene']}",
+                      ("at most " if r["bound"] else "") + values(r["reference"]), allowed,
+                      values(r["measured"]) or r["broken"],
+                      f"{r['worst']:.1e}" if r["passed"] else "**too far**"])
+    met = sum(r["passed"] for r in read("ladder")["rows"])
+    return table(["", "row", "run", "reference", "allowed", "measured", "off by"], lines) + (
+        f"\n\n**{met}/{len(lines)}** rows met.")
+
+
+def scene_stress() -> str:
+    """The stress scenes by their first word."""
+    result, lines = read("scene_stress"), []
+    rows = [r | {"verb": r["name"].split()[1], "group": re.split(r"[.-]", r["name"])[0]}
+            for r in result["rows"]]
+    for group in dict.fromkeys(r["group"] for r in rows):
+        mine = [r for r in rows if r["group"] == group]
+        ran = [r for r in mine if "steps" in r]
+        passed = ["/".join(str(sum(1 for r in mine if r["verb"] == verb and good(r)))
+                           for good in (lambda r: not r["faults"], lambda r: True))
+                  for verb in ("animate", "simulate")]
+        lines.append([group, *("" if cell == "0/0" else cell for cell in passed),
+                      ", ".join(map(str, sorted({r["code"] for r in mine}))),
+                      *([f"{sum(r['steps'] for r in ran)}", f"{sum(r['drafts'] for r in ran)}",
+                         f"{max(r['evaluations'][1] for r in ran)}",
+                         f"{max(r['mebibytes'] for r in ran)}"] if ran else [""] * 4)])
+    good = sum(not r["faults"] for r in rows)
+    failed = "; ".join(f"{r['name']}: {r['faults'][0]}" for r in rows if r["faults"])
+    return (table(["rows", "`animate`", "`simulate`", "exit codes", "steps", "drafts",
+                   "most evaluations in a step", "most MiB"], lines)
+            + f"\n\n**{good}/{len(rows)}** passed. Not passed: {failed or 'none'}.")
+
+
 TABLES: dict[str, Callable[[], str]] = {"accuracy": accuracy, "peers": peers,
                                     "assets": assets,
                                     "discretisation": discretisation,
-                                    "time to error": time_to_error, "sweeps": sweeps} | {
+                                    "time to error": time_to_error, "sweeps": sweeps,
+                                    "ladder": ladder, "scene stress": scene_stress} | {
     f"study {name}": (lambda n=name: study(n)) for name in STUDIES} | {
     name: (lambda lines=lines: table(*lines())) for name, lines in PAPER_TABLES.items()}
 

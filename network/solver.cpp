@@ -138,6 +138,8 @@ struct Solver::Impl {
     return solver->solve(u.data(), target, options.max_outer, first, options.interrupted);
   }
   IterationResult newton(double target);
+  IterationResult retreat(const State& state, double target);
+  std::vector<double> displacement(const State& state) const;
   const Collider* start(const State& state);
   void balance();
   void certify(const State& state, StepReport& report);
@@ -165,15 +167,19 @@ struct Solver::Impl {
   Array<double> x;  // of the new state
 };
 
+std::vector<double> Solver::Impl::displacement(const State& state) const {
+  std::vector<double> now(u.size());
+  for (size_t k = 0; k < u.size(); ++k) now[k] = state.x.data()[k] - scene.grid.rest.data()[k];
+  return now;
+}
+
 /// The predictor, cut where it would carry a surface point through the floor, or the state before
 /// where a predictor that leaves it by more than a voxel has the higher potential (a small pinned
 /// body falls many times its size in a step). What a collider would run over moves along with it;
 /// gives the collider that a point lies in all the same, else null.
 const Collider* Solver::Impl::start(const State& state) {
   predictor.start(state, potential.predictor(), u.data());
-  const Array<double>& X = scene.grid.rest;
-  std::vector<double> now(u.size());
-  for (size_t k = 0; k < u.size(); ++k) now[k] = state.x.data()[k] - X.data()[k];
+  std::vector<double> now = displacement(state);
   double farthest = 0;
   for (size_t k = 0; k < u.size(); ++k) farthest = std::max(farthest, std::abs(u[k] - now[k]));
   if (potential.contact().exists()) {
@@ -255,6 +261,17 @@ void Solver::Impl::balance() {
   if (!touches()) return;
   u.swap(u_before_shift);
   in_flight = false;
+}
+
+/// Where the iterations ended above the potential of the state before, they begin there once more:
+/// a step that ends at or below it, converged or not, brings no energy (Phi there is the energy at
+/// the start of the step, and no less than that at its end).
+IterationResult Solver::Impl::retreat(const State& state, double target) {
+  const std::vector<double> now = displacement(state);
+  const double here = potential.evaluate<double>(now.data(), gradient.data()).total();
+  if (!(here < potential.evaluate<double>(u.data(), gradient.data()).total())) return {};
+  u = now;
+  return newton(target);
 }
 
 /// x from u, and the residual of the true equations in float64 on that x.
@@ -351,6 +368,8 @@ StepReport Solver::step(State& state) {
   // a margin, because the state that is written is rounded once more
   const double target = 0.95 * s.options.tolerance * s.force;
   IterationResult result = s.choose(target, report);
+  if (!result.converged && !s.paper && !s.options.interrupted())
+    result = sum(result, s.retreat(state, target));
   report.interrupted = s.options.interrupted();
   if (report.interrupted) return report;
   s.certify(state, report);

@@ -166,6 +166,26 @@ std::vector<double> slide(double friction, int steps, double& size) {
   return speed;
 }
 
+TEST(Contact, AnImpactBeyondWhatConvergesBringsNoEnergy) {
+  // drafts end no higher than they began, and the body is found again
+  Scene scene = box_on_floor(4, 4, 4, 0.05, 0.1, 0.5, solid(1e6, 0.3));
+  scene.dt = 1.0 / 240;
+  finish_scene(scene);
+  Solver solver(scene, {});
+  State state = initial_state(scene, {.velocity = {0, -3e4, 0}});
+  const double start = 0.5 * (1000 * 0.2 * 0.2 * 0.2) * 9e8;
+  int drafts = 0;
+  StepReport report;
+  for (int k = 0; k < 12; ++k) {
+    report = solver.step(state);
+    ASSERT_TRUE(report.finite) << k;
+    drafts += !report.converged;
+    ASSERT_LT(report.energy.kinetic + report.energy.elastic + report.energy.hourglass, start) << k;
+  }
+  EXPECT_GT(drafts, 0);  // else this asks for nothing
+  EXPECT_TRUE(report.converged);
+}
+
 TEST(Contact, ABlockSlidesWhereFrictionIsTooSmall) {
   double size;
   const std::vector<double> speed = slide(0.49, 120, size);
