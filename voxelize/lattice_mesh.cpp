@@ -195,6 +195,8 @@ Lattice choose_lattice(const Box& box, const VoxelizeOptions& options) {
   ELASTOGEN_CHECK(options.h >= 0 && std::isfinite(options.h), "h must be positive, got ",
                   options.h);
   ELASTOGEN_CHECK_ASSET(longest > 0 && std::isfinite(longest), "the surface has no extent");
+  ELASTOGEN_CHECK(options.h <= longest * (1 + 1e-6), "h = ", options.h,
+                  " m is more than the body's longest edge, ", longest, " m");
   Lattice lattice;
   lattice.h = options.h > 0 ? options.h : longest / options.voxels;
   for (int d = 0; d < 3; ++d) {

@@ -359,6 +359,8 @@ TEST(Voxelize, RefusesWhatIsNoSurface) {
   Soup soup = sphere(1, {}, 2);
   EXPECT_THROW(voxelize(soup.surface(), {.voxels = 0}), Error);
   EXPECT_THROW(voxelize(soup.surface(), {.h = -1}), Error);
+  EXPECT_THROW(voxelize(soup.surface(), {.h = 2.01}), Error);  // beyond the sphere of radius 1
+  EXPECT_NO_THROW(voxelize(soup.surface(), {.h = 2}));
   EXPECT_THROW(voxelize(soup.surface(), {.max_voxels = 0}), Error);
   Surface bad = soup.surface();
   bad.triangles(3, 1) = 1000;
