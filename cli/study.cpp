@@ -23,7 +23,9 @@ void print(const StudyResult& result) {
       fmt::print("   solver {:.2e} a step, {:.2e} free", run.solver_error->step.max,
                  run.solver_error->free_run.max);
     if (run.discretisation_error)
-      fmt::print("   grid {:.2e}", run.discretisation_error->free_run.max);
+      fmt::print("   grid {:.2e} (reference's own change {:.2e})",
+                 run.discretisation_error->free_run.max,
+                 run.discretisation_error->reference_change.value_or(0));
     fmt::print("\n");
   }
 }

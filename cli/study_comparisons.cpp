@@ -70,7 +70,19 @@ void Study::compare_paper() {
   }
 }
 
-/// Elements on the voxels of the scene against another element on a finer grid.
+/// A run of an element on the voxels of the scene.
+void Study::add_element(fem::Element element) {
+  Trajectory run;
+  StudyRun& entry = add_run(fmt::format("fem {}", fem::element_name(element)), stage_,
+                            fem_options(element), &run);
+  // the reference's own element: what refining it changed bounds what it is off
+  if (element == task_.reference)
+    reference_change_ =
+        errors_between(stage_.setup.scene, run, fine_->setup.scene, grid_reference_.run).max;
+  entry.discretisation_error = grid_errors(stage_, run);
+}
+
+/// Elements on the voxels of the scene against another element on a finer grid, its own first.
 void Study::compare_elements() {
   AnimateOptions fine = task_.scene;
   fine.h = stage_.setup.scene.grid.h / task_.refine;
@@ -79,16 +91,19 @@ void Study::compare_elements() {
       fmt::format("fem {} h/{}", fem::element_name(task_.reference), task_.refine);
   add_run(grid_reference_.name, *fine_, fem_options(task_.reference), &grid_reference_.run);
   add_overlay(grid_reference_.name, *fine_, grid_reference_.run);
+  const bool is_voxel = task_.reference == fem::Element::kVoxel;
+  if (is_voxel)
+    reference_change_ = errors_between(stage_.setup.scene, solver_reference_.run,
+                                       fine_->setup.scene, grid_reference_.run)
+                            .max;
+  else
+    add_element(task_.reference);
   for (StudyRun& run : result_.runs)
     if (run.name == solver_reference_.name)
       run.discretisation_error = grid_errors(stage_, solver_reference_.run);
   for (const fem::Element element :
-       {fem::Element::kHex, fem::Element::kHexBbar, fem::Element::kTet4, fem::Element::kTet10}) {
-    Trajectory run;
-    StudyRun& entry = add_run(fmt::format("fem {}", fem::element_name(element)), stage_,
-                              fem_options(element), &run);
-    entry.discretisation_error = grid_errors(stage_, run);
-  }
+       {fem::Element::kHex, fem::Element::kHexBbar, fem::Element::kTet4, fem::Element::kTet10})
+    if (element != task_.reference) add_element(element);
 }
 
 void Study::sweep_tolerance() {

@@ -140,6 +140,7 @@ StudyErrors Study::grid_errors(const Stage& stage, const Trajectory& run) const 
       stage.setup.body.surface, surface_at(stage.setup.body, scene, run.states.back()),
       surface_at(fine_->setup.body, fine, grid_reference_.run.states.back()), fine.grid.h);
   errors.energy_drift = energy_drift(run, grid_reference_.run);
+  errors.reference_change = reference_change_;
   return errors;
 }
 

@@ -48,6 +48,7 @@ class Study {
   void compare_solvers();
   void compare_paper();
   void compare_elements();
+  void add_element(fem::Element element);
   void sweep_tolerance();
   void sweep_resolution();
   void sweep_time_step();
@@ -60,6 +61,7 @@ class Study {
   Stage stage_;                // as the scene has it
   std::optional<Stage> fine_;  // of the reference of discretisation errors
   Reference solver_reference_, grid_reference_;
+  double reference_change_ = 0;  // of grid_reference_ from the grid of the scene
   StudyResult result_;
 };
 

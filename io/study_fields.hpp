@@ -60,6 +60,7 @@ void each_field(S& s, const Field& field) {
   field("step", s.step), field("free_run", s.free_run);
   field("iou", s.iou);
   field("energy_drift", s.energy_drift);
+  field("reference_change", s.reference_change);
 }
 
 template <SameStruct<StudyRun> S, class Field>

@@ -62,6 +62,9 @@ struct StudyErrors {
   ErrorSeries free_run;     ///< the run on its own
   double iou = 0;           ///< volume of the common part over that of the union, last frame [-]
   double energy_drift = 0;  ///< of total energies, over the reference's largest kinetic one [-]
+  /// free_run of the reference's own element on the grid before its refinement: no error below this
+  /// is known to be one of the run. Of discretisation errors only [-].
+  std::optional<double> reference_change = {};
 };
 
 struct StudyRun {

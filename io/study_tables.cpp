@@ -105,14 +105,17 @@ std::vector<std::string> error_row(const StudyRun& run) {
       number_cell(t.median / 1000 * run.state_copies_per_second)};
   for (const ErrorFamily family : {ErrorFamily::kSolver, ErrorFamily::kDiscretisation}) {
     const std::optional<StudyErrors>& errors = errors_of(run, family);
+    const bool grid = family == ErrorFamily::kDiscretisation;
     if (!errors) {
-      row.insert(row.end(), 5, kNoCell);
+      row.insert(row.end(), grid ? 6 : 5, kNoCell);
       continue;
     }
     for (const double value :
          {errors->step.max, errors->free_run.max, errors->iou, errors->energy_drift})
       row.push_back(number_cell(value));
     row.push_back(errors->reference);
+    if (grid)
+      row.push_back(errors->reference_change ? number_cell(*errors->reference_change) : kNoCell);
   }
   return row;
 }
@@ -176,12 +179,13 @@ std::string error_table(const std::vector<StudyRun>& runs) {
   HtmlTable table;
   table.caption = "Runs: time and errors";
   table.groups = {
-      {"", 1}, {"time of a step and state", 5}, {"solver error", 5}, {"discretisation error", 5}};
+      {"", 1}, {"time of a step and state", 5}, {"solver error", 5}, {"discretisation error", 6}};
   table.heads = {"run",        "median [ms]",        "quartiles [ms]",
                  "state [MB]", "state copies [1/s]", "step [state copies]"};
   for (int family = 0; family < 2; ++family)
     table.heads.insert(table.heads.end(), {"each step, max [-]", "free run, max [-]", "IoU [-]",
                                            "energy drift [-]", "reference"});
+  table.heads.push_back("its own change [-]");
   for (const StudyRun& run : runs) table.rows.push_back(error_row(run));
   return table.rows.empty() ? "" : html_table(table);
 }

@@ -96,6 +96,10 @@ void add_error_columns(std::vector<Column>& columns, ErrorFamily family) {
   add("free_run.max [-]", [](const StudyErrors& e) { return exact_number(e.free_run.max); });
   add("iou [-]", [](const StudyErrors& e) { return exact_number(e.iou); });
   add("energy_drift [-]", [](const StudyErrors& e) { return exact_number(e.energy_drift); });
+  if (family == ErrorFamily::kDiscretisation)
+    add("reference_change [-]", [](const StudyErrors& e) {
+      return e.reference_change ? exact_number(*e.reference_change) : "";
+    });
 }
 
 std::vector<Column> csv_columns() {

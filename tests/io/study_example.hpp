@@ -49,6 +49,7 @@ inline StudyRun example_run(const std::string& name, const std::string& solver, 
   run.energy = {{1, 2}, {3, 4}, {5, 6}, {7, 8}, {9, 10}, {25, 30}};
   run.solver_error = example_errors("newton 1e-12", scale);
   run.discretisation_error = example_errors("tet10 fine", 16 * scale);
+  run.discretisation_error->reference_change = 0.0625;
   return run;
 }
 

@@ -92,12 +92,18 @@ class Study(unittest.TestCase):
         self.assertGreater(found[0], 0.1)
 
     def test_families_have_their_own_references(self) -> None:
+        # how far the reference has come from its own element on the grid of the scene
+        change = self.runs["fem hex-bbar"]["discretisation_error"]["free_run"]["max"]
+        self.assertGreater(change, 0)
         for r in self.result["runs"]:
             if r["solver_error"]:
                 self.assertIn(r["solver_error"]["reference"], ("fem voxel", "fem voxel, variance"))
             if r["discretisation_error"]:
                 self.assertEqual(r["discretisation_error"]["reference"], "fem hex-bbar h/2")
                 self.assertEqual(r["discretisation_error"]["step"]["steps"], [])
+                self.assertEqual(r["discretisation_error"]["reference_change"], change)
+            if r["solver_error"]:
+                self.assertIsNone(r["solver_error"]["reference_change"])
         linear = self.runs["fem tet4"]["discretisation_error"]["free_run"]["max"]
         quadratic = self.runs["fem tet10"]["discretisation_error"]["free_run"]["max"]
         self.assertLess(quadratic, linear)
