@@ -8,6 +8,7 @@
 #include "mpm_fem/integrators/implicit_fem.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace elastogen {
 namespace {
@@ -81,7 +82,7 @@ class FemStepper : public Stepper {
         options_(options),
         interrupted_(std::move(interrupted)),
         scene_(fem_scene(setup, options)),
-        solver_(scene_, {.tolerance = options.solver.tolerance}) {}
+        solver_(scene_, {.tolerance = fem_tolerance(setup, options)}) {}
 
   State start(const StartMotion& motion) const override;
   StepReport step(State& state) override;
@@ -164,10 +165,19 @@ fem::FemScene fem_scene(const Setup& setup, const AnimateOptions& options) {
   return result;
 }
 
+double fem_tolerance(const Setup& setup, const AnimateOptions& options) {
+  if (options.solver.tolerance > 0) return options.solver.tolerance;
+  double stiffest = 0;  // 3 K / rho
+  for (const Material& m : setup.scene.materials)
+    stiffest = std::max(stiffest, (2 * m.mu() + 3 * m.lambda()) / m.density);
+  const double rounding = 1.5 * std::exp2(-52) * stiffest / (9.81 * setup.scene.grid.h);
+  return std::clamp(8 * rounding, 1e-8, 1e-3);
+}
+
 void describe_fem(const Setup& setup, const AnimateOptions& options, const fem::FemScene& scene,
                   StateHeader& header) {
   header.solver = "fem";
-  header.tolerance = options.solver.tolerance;
+  header.tolerance = fem_tolerance(setup, options);
   header.element = fem::element_name(scene.mesh.element);
   if (!options.holds.empty() || !options.moves.empty()) header.fixed = scene.fixed;
   header.traction = scene.traction;

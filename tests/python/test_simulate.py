@@ -49,7 +49,8 @@ class Simulate(unittest.TestCase):
 
     def simulate(self, *options: object, element: str = "voxel",
                  material: tuple[object, ...] = MATERIAL) -> Run:
-        return run("simulate", self.source, "--h", 0.1, "--gravity", "0,0,0", *material,
+        gravity = () if "--gravity" in options else ("--gravity", "0,0,0")
+        return run("simulate", self.source, "--h", 0.1, *gravity, *material,
                    "--element", element, "--state", self.state, "-o", self.folder / "a.glb",
                    "--report", self.folder / "report.json", "--log-json", self.folder / "log.json",
                    "--quiet", *options)
@@ -173,6 +174,19 @@ class Moves(Simulate):
         self.assertEqual(done.code, 0, done.err)
         self.assertIn("--hold 'x>9: y' holds nothing", done.err)
         self.assertIn("--move 'x>9: shift 0:0,0,0' holds nothing", done.err)
+
+
+class Tolerance(Simulate):
+    def test_it_is_1e8_unless_rounding_leaves_more(self) -> None:
+        for young, least, most in (("1e5", 1e-8, 1e-8), ("2e11", 2e-8, 1e-5)):
+            for element in ("voxel", "hex-bbar", "tet10"):
+                with self.subTest(young=young, element=element):
+                    done = self.simulate("--gravity", "0,-9.81,0", "--pin", "x<0%", "--frames", 2,
+                                         element=element, material=("--young", young, "--density",
+                                                                    7850, "--poisson", 0.3))
+                    self.assertEqual(done.code, 0, done.err)
+                    with h5py.File(self.state) as file:
+                        self.assertTrue(least <= file.attrs["tolerance"] <= most)
 
 
 class Network(Simulate):
