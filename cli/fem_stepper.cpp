@@ -166,12 +166,13 @@ fem::FemScene fem_scene(const Setup& setup, const AnimateOptions& options) {
 }
 
 double fem_tolerance(const Setup& setup, const AnimateOptions& options) {
-  if (options.solver.tolerance > 0) return options.solver.tolerance;
+  const double asked = options.solver.tolerance;
+  if (!options.fem->any_rounding) return asked;
   double stiffest = 0;  // 3 K / rho
   for (const Material& m : setup.scene.materials)
     stiffest = std::max(stiffest, (2 * m.mu() + 3 * m.lambda()) / m.density);
   const double rounding = 1.5 * std::exp2(-52) * stiffest / (9.81 * setup.scene.grid.h);
-  return std::clamp(8 * rounding, 1e-8, 1e-3);
+  return std::clamp(8 * rounding, asked, 1e-3);
 }
 
 void describe_fem(const Setup& setup, const AnimateOptions& options, const fem::FemScene& scene,

@@ -13,9 +13,9 @@ namespace elastogen {
 /// @throws Error as add_boundary.
 fem::FemScene fem_scene(const Setup& setup, const AnimateOptions& options);
 
-/// What is asked of the residual of a run on that scene: --tolerance or, where that is 0, 1e-8 or
-/// eight times 1.5 2^-52 3K/(rho g_ref h), which the rounding of stretches leaves at the least
-/// (docs/physics.md, section 8).
+/// What is asked of the residual of a run on that scene: --tolerance or, where that is not given,
+/// 1e-8 or eight times 1.5 2^-52 3K/(rho g_ref h), which the rounding of stretches leaves at the
+/// least (docs/physics.md, section 8).
 double fem_tolerance(const Setup& setup, const AnimateOptions& options);
 
 /// What a state file says of a run on that scene, but for its time scheme.

@@ -76,6 +76,7 @@ void fill_from_scene(Verb& verb) {
 void resolve(Verb& verb) {
   if (!verb.scene_file.empty()) fill_from_scene(verb);
   verb.typed.has_floor = given(*verb.app, "--floor");
+  if (verb.scene.fem) verb.scene.fem->any_rounding = !given(*verb.app, "--tolerance");
   resolve(verb.typed, verb.scene);
 }
 
@@ -100,10 +101,10 @@ void add_run(CLI::App& app, Verb& verb, const char* name, const char* text,
 
 void add_simulate(CLI::App& app, Verb& verb) {
   verb.scene.fem.emplace();
-  verb.scene.solver.tolerance = 0;
+  verb.scene.solver.tolerance = 1e-8;
   add_run(app, verb, "simulate", "the same on finite elements, in float64",
           std::string(kReadFormats) + kTetFormats);
-  verb.app->get_option("--tolerance")->default_str("0: 1e-8, or above the rounding of doubles");
+  verb.app->get_option("--tolerance")->default_str("1e-8, or above the rounding of doubles");
   verb.app
       ->add_option("--element", verb.typed.element,
                    "voxel (the network's), hex, hex-bbar, tet4, tet10 or tet10-bbar; auto: voxel, "

@@ -26,8 +26,9 @@ struct FemOptions {
   fem::Element element = fem::Element::kVoxel;
   bool named = false;  ///< by --element; else tetrahedra of a file keep their kind
   fem::Mass mass = fem::Mass::kLumped;
-  bool newmark = false;  ///< instead of the time scheme
-  bool statics = false;  ///< an equilibrium instead of time steps: one frame, one step of 1 s
+  bool any_rounding = false;  ///< the tolerance rises above the rounding of doubles
+  bool newmark = false;       ///< instead of the time scheme
+  bool statics = false;       ///< an equilibrium instead of time steps: one frame, one step of 1 s
 };
 
 struct AnimateOptions {

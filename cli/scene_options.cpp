@@ -188,7 +188,7 @@ SceneValue time_table(const AnimateOptions& o) {
 SceneValue solver_table(const AnimateOptions& o) {
   SceneValue t;
   t.set("mode", scene_text(std::string(solver_name(o.solver.mode))));
-  if (o.solver.tolerance > 0) t.set("tolerance", scene_number(o.solver.tolerance));
+  if (!o.fem || !o.fem->any_rounding) t.set("tolerance", scene_number(o.solver.tolerance));
   t.set("hourglass", scene_text(find_scene_key("solver", "hourglass")->words[size_t(o.hourglass)]));
   t.set("outer", scene_number(o.solver.paper.outer));
   t.set("inner", scene_number(o.solver.paper.inner));

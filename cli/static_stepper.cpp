@@ -40,7 +40,8 @@ class StaticStepper : public Stepper {
 
 StepReport StaticStepper::step(State& state) {
   const Stopwatch watch;
-  fem::StaticResult result = fem::solve_static(scene_, {.tolerance = fem_tolerance(setup_, options_)});
+  fem::StaticResult result =
+      fem::solve_static(scene_, {.tolerance = fem_tolerance(setup_, options_)});
   for (int64_t k = 0; k < state.x.size(); ++k)
     state.x.data()[k] = scene_.mesh.rest.data()[k] + result.u.data()[k];
   state.time = result.load_factor;

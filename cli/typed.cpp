@@ -145,9 +145,8 @@ void check_ranges(const Typed& t, const AnimateOptions& o) {
   ELASTOGEN_CHECK(o.fps > 0 && std::isfinite(o.fps), "--fps must be positive, got ", o.fps);
   ELASTOGEN_CHECK(o.friction >= 0 && std::isfinite(o.friction), "--friction must not be negative, ",
                   "got ", o.friction);
-  const bool positive = o.solver.tolerance > 0 || (o.fem && o.solver.tolerance == 0);
-  ELASTOGEN_CHECK(positive && o.solver.tolerance < 1, "--tolerance must lie between 0 and 1, got ",
-                  o.solver.tolerance);
+  ELASTOGEN_CHECK(o.solver.tolerance > 0 && o.solver.tolerance < 1, "--tolerance must lie between ",
+                  "0 and 1, got ", o.solver.tolerance);
   ELASTOGEN_CHECK(o.threads >= 0, "--threads must not be negative, got ", o.threads);
   ELASTOGEN_CHECK(o.max_voxels >= 1, "--max-voxels must be positive, got ", o.max_voxels);
   ELASTOGEN_CHECK(t.max_memory == "none" || o.max_memory > 0,

@@ -157,6 +157,9 @@ Surface pose_surface(const Asset& asset, double size) {
   ELASTOGEN_CHECK_ASSET(longest > 1 / kMaxLength && longest < kMaxLength, asset.path,
                         ": its longest edge of ", longest, " is out of range");
   surface.scale = size > 0 ? size / longest : asset.unit > 0 ? asset.unit : 1;
+  const double edge = longest * surface.scale;
+  ELASTOGEN_CHECK_ASSET(edge > 1 / kMaxLength && edge < kMaxLength, asset.path,
+                        ": its longest edge of ", edge, " m is out of range");
   for (int64_t k = 0; k < surface.vertices.size(); ++k) {
     double& x = surface.vertices.data()[k];
     x *= surface.scale;

@@ -112,6 +112,14 @@ TEST(AssetCheck, RefusesWhatCannotBeSimulated) {
   }
 }
 
+TEST(AssetCheck, RefusesAUnitThatTakesTheSizeOutOfRange) {
+  for (const double unit : {5e-324, 1e-200, 1e200}) {
+    Asset asset = cube();
+    asset.unit = unit;
+    expect_says(error_of([&] { check_asset(asset); }), "out of range");
+  }
+}
+
 TEST(AssetCheck, CountsWhatIsWrong) {
   Asset asset = cube();
   corners(asset).insert(corners(asset).end(), {0, 0, 1, 5, 5, 5});
