@@ -189,9 +189,21 @@ def curved() -> str:
                   "from first to last", "reference's own error [%]"], lines)
 
 
+def real_shape() -> str:
+    """The network on a real mesh against tetrahedra of the same surface."""
+    r = read("real_shape")["rows"][0]
+    orders = ["", *(f"{order:.2f}" for order in r["orders"])]
+    return table(["voxels along it", "error of the deformation [%]", "of the motion [%]", "order"],
+                 [[str(g["voxels"]), f"{100 * g['deformation']:.2g}", f"{100 * g['motion']:.2g}", o]
+                  for g, o in zip(r["grids"], orders)]) + (
+        f"\n\n{' and '.join(map(str, r['cells']))} tetrahedra of {r['asset']}; the second differ from "
+        f"the first by {100 * r['reference_change']:.1g} % of the deformation.")
+
+
 TABLES: dict[str, Callable[[], str]] = {"accuracy": accuracy, "peers": peers,
                                     "assets": assets,
                                     "discretisation": discretisation, "curved": curved,
+                                    "real shape": real_shape,
                                     "time to error": time_to_error, "sweeps": sweeps,
                                     "ladder": ladder, "scene stress": scene_stress} | {
     f"study {name}": (lambda n=name: study(n)) for name in STUDIES} | {

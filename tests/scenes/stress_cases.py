@@ -280,7 +280,7 @@ def shapes() -> list[Case]:
     hinge = says("hinges")
     cases = [
         Case("shape.single", "shape", extra=falls),
-        Case("shape.coarse", "shape", ("--h", "1")),
+        Case("shape.coarse", "shape", ("--h", "1"), codes=frozenset({2})),
         Case("shape.edge", "shape", ("edge.obj", *COLUMN), extra=hinge),
         Case("shape.corner", "shape", ("corner.obj", *COLUMN), extra=hinge),
         Case("shape.checkerboard", "shape", ("checkerboard.obj", *COLUMN), extra=hinge),
