@@ -200,6 +200,12 @@ def real_shape() -> str:
         f"the first by {100 * r['reference_change']:.1g} % of the deformation.")
 
 
+def bench(name: str) -> str:
+    """A table of bench/results.py."""
+    result = read("benchmarks")["tables"][name]
+    return table(result["head"], result["rows"])
+
+
 TABLES: dict[str, Callable[[], str]] = {"accuracy": accuracy, "peers": peers,
                                     "assets": assets,
                                     "discretisation": discretisation, "curved": curved,
@@ -207,6 +213,7 @@ TABLES: dict[str, Callable[[], str]] = {"accuracy": accuracy, "peers": peers,
                                     "time to error": time_to_error, "sweeps": sweeps,
                                     "ladder": ladder, "scene stress": scene_stress} | {
     f"study {name}": (lambda n=name: study(n)) for name in STUDIES} | {
+    f"bench {name}": (lambda n=name: bench(n)) for name in ("error time", "kernels", "start")} | {
     name: (lambda lines=lines: table(*lines())) for name, lines in PAPER_TABLES.items()}
 
 
