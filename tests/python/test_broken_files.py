@@ -26,7 +26,7 @@ ENDINGS = ("obj", "ply", "stl", "off", "glb", "gltf", "xyz", "pts", "pcd", "las"
 
 
 def tearDownModule() -> None:
-    """Prints what docs/verification.md quotes."""
+    """Prints what docs/tests.md quotes."""
     every = [outcome for outcomes in OUTCOMES.values() for outcome in outcomes]
     for title, outcomes in [*OUTCOMES.items(), ("all", every)]:
         refused = sum(outcome.code != 0 for outcome in outcomes)

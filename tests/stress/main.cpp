@@ -21,7 +21,7 @@ constexpr const char* kConcave =
 constexpr const char* kRows =
     "rows of eight voxels are mostly empty in needles and sheets: more memory a voxel than a solid";
 
-/// Cases that fail, and why; of the random starts those of the short set (docs/verification.md,
+/// Cases that fail, and why; of the random starts those of the short set (docs/tests.md,
 /// stress catalogue).
 const std::map<std::string, const char*> kKnownFailures = {
     {"start.random.stable.1", kTorsion},
