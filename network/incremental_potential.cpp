@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "network/incremental_potential.hpp"
 
+#include "core/error.hpp"
 #include "core/polar.hpp"
 #include "core/reduce.hpp"
 
@@ -68,18 +69,28 @@ PotentialValue total(const std::vector<Sums>& sums) {
     value.hourglass += lane_sum(s.hourglass);
     value.min_j = std::min(value.min_j, lane_min(s.min_j));
     value.min_corner_j = std::min(value.min_corner_j, lane_min(s.min_corner_j));
+    value.outside += int64_t(lane_sum(s.outside));
   }
   return value;
 }
 
 }  // namespace
 
-IncrementalPotential::IncrementalPotential(const Scene& scene)
+IncrementalPotential::IncrementalPotential(const Scene& scene, LearnedLaws learned)
     : scene_(scene),
+      learned_(std::move(learned)),
       rows_(make_brick_rows(scene.grid, scene.material)),
       contact_(scene),
       scratch_float_(rows_),
       scratch_double_(rows_) {
+  learned_.resize(scene.materials.size());
+  for (size_t m = 0; m < learned_.size(); ++m) {
+    const Material& material = scene.materials[m];
+    const LearnedLaw* net = learned_[m].get();
+    ELASTOGEN_CHECK(!net || (net->law() == material.law && net->poisson() == material.poisson),
+                    "the net of material '", material.name, "' was fitted to another law or ",
+                    "Poisson ratio");
+  }
   const VoxelGrid& grid = scene.grid;
   weights_.resize(size_t(rows_.row_count()) * 5 * kLanes);
   for (int64_t v = 0; v < grid.voxel_count(); ++v) {
@@ -106,6 +117,7 @@ void IncrementalPotential::read_voxel_data(int64_t row, VoxelData<Pack<T>>& data
   const VoxelRow& r = rows_.rows[size_t(row)];
   const Material& m = scene_.materials[size_t(r.material)];
   data.law = {m.law, T(m.mu()), T(m.lambda())};
+  data.learned = learned_[size_t(r.material)].get();
   data.h = T(scene_.grid.h);
   data.hourglass = scene_.hourglass;
   const double* w = weights_.data() + size_t(row) * 5 * kLanes;
@@ -221,6 +233,7 @@ PotentialValue IncrementalPotential::evaluate_all(const double* u, T* gradient) 
                                        : voxel_energy<false>(data, corner, f);
     sums.elastic += in_double(e.elastic);
     sums.hourglass += in_double(e.hourglass);
+    sums.outside += in_double(data.phi) > 0 ? in_double(e.outside) : Pack<double>{};
     sums.min_j = smaller(sums.min_j,
                          in_double(data.phi) > 0 ? in_double(e.J) : constant<Pack<double>>(1e300));
     if constexpr (kQuality)  // corners of border voxels may lie outside the body

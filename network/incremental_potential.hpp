@@ -24,12 +24,15 @@ struct PotentialValue {
   double min_j = 1e300;         ///< smallest det F of a voxel
   double min_corner_j = 1e300;  ///< smallest det F at a corner; only from residual()
   double deepest_overlap = 0;   ///< of a surface point with a collider [m]
+  int64_t outside = 0;          ///< voxels whose net was asked outside its box
   double total() const { return inertia + elastic + hourglass + contact; }
 };
 
 class IncrementalPotential {
  public:
-  explicit IncrementalPotential(const Scene& scene);
+  /// @param learned  nets of the scene's materials, by their index; missing or null: analytic.
+  /// @throws Error unless each is one of its material's law and Poisson ratio.
+  explicit IncrementalPotential(const Scene& scene, LearnedLaws learned = {});
 
   /// Sets the predictor, the frozen voxel rotations and the lagged normal forces of friction, all
   /// from the state at the start of the step.
@@ -84,6 +87,7 @@ class IncrementalPotential {
   struct Sums {
     Pack<double> elastic = {}, hourglass = {};
     Pack<double> min_j = constant<Pack<double>>(1e300), min_corner_j = min_j;
+    Pack<double> outside = {};
   };
   uint32_t full_lanes(int64_t row) const;
   template <class T, bool kQuality>
@@ -92,6 +96,7 @@ class IncrementalPotential {
   void deformation_gradients(const double* u, std::vector<double>& F);
 
   const Scene& scene_;
+  LearnedLaws learned_;
   BrickRows rows_;
   Contact contact_;
   StepScheme scheme_;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // RNN-1's local step: corner displacements of a voxel (or a row of eight) to its deformation
-// gradient, the response of its material, and the forces on its corners. A learned law takes the
-// place of elastic_response (core/elastic_law.hpp) with the same interface.
+// gradient, the response of its material (a law or a net), and the forces on its corners.
 
 #pragma once
 
 #include "core/hex8.hpp"
 #include "core/principal.hpp"
 #include "core/scene.hpp"
+#include "network/learned_law.hpp"
 
 namespace elastogen {
 
@@ -15,7 +15,8 @@ namespace elastogen {
 template <class T>
 struct VoxelData {
   LawParameters<Scalar<T>> law;
-  Scalar<T> h;  ///< edge [m]
+  const LearnedLaw* learned = nullptr;  ///< null: the law itself
+  Scalar<T> h;                          ///< edge [m]
   Hourglass hourglass = Hourglass::kFull;
   T phi;   ///< fill
   T c[4];  ///< variance weights [Pa]
@@ -57,10 +58,10 @@ ELASTOGEN_HD inline T hourglass_energy(const VoxelData<T>& v, const T g[3][8], T
   return energy * weight;
 }
 
-/// Energies of a voxel [J] and its det F.
+/// Energies of a voxel [J] and its det F; outside: 1 where F is out of the box of a net.
 template <class T>
 struct VoxelEnergy {
-  T elastic, hourglass, J;
+  T elastic, hourglass, J, outside;
 };
 
 /// Energy of a voxel and its derivative f [N] in the corner displacements u [m] (component,
@@ -74,10 +75,10 @@ ELASTOGEN_HD inline VoxelEnergy<T> voxel_energy(const VoxelData<T>& v, const T u
     hex8::to_patterns(g[i]);
   }
   const Svd3<T> F = svd3(deformation_gradient<kBorder>(v, g));
-  const Response<T> r = elastic_response<false>(v.law, F.sigma);
+  VoxelEnergy<T> energy;
+  const Response<T> r = material_response<false>(v.learned, v.law, F.sigma, energy.outside);
   const Mat3<T> P = first_piola(F, r.t);
 
-  VoxelEnergy<T> energy;
   energy.elastic = v.phi * (v.h * v.h * v.h) * r.psi;
   energy.J = F.sigma[0] * F.sigma[1] * F.sigma[2];
   const T weight = v.phi * (v.h * v.h * S(0.25));  // phi h^3 / (4 h)
@@ -105,7 +106,8 @@ ELASTOGEN_HD inline Tangent<T> voxel_tangent(const VoxelData<T>& v, const T u[3]
     hex8::to_patterns(g[i]);
   }
   const Svd3<T> F = svd3(deformation_gradient<kBorder>(v, g));
-  const Response<T> r = elastic_response<true>(v.law, F.sigma);
+  T outside;
+  const Response<T> r = material_response<true>(v.learned, v.law, F.sigma, outside);
   const PrincipalHessian<T> H = positive_part(principal_hessian(F.sigma, r));
   Tangent<T> result;
   for (int row = 0, k = 0; row < 9; ++row) {

@@ -10,8 +10,8 @@
 
 #pragma once
 
-#include "core/elastic_law.hpp"
 #include "core/svd3.hpp"
+#include "network/learned_law.hpp"
 
 namespace elastogen {
 
@@ -23,15 +23,16 @@ struct LaggedTarget {
   T largest_slope;  ///< max n_i^2
 };
 
-/// n_i of an analytic law without a net: the strain q_i = sigma_i n_i - 1 has the direction that is
-/// exact at rest and the length that gives the energy,
+/// n_i fitted to the energy of a law, or of its net: the strain q_i = sigma_i n_i - 1 has the
+/// direction that is exact at rest and the length that gives the energy,
 ///
 ///     q0_i = (a + b) e_i + b (e_j + e_k),  e = ln sigma,   q = q0 sqrt(2 psi/omega)/|q0|,
 ///     a = sqrt(2 mu/omega),   b = (sqrt(3K/omega) - a)/3.
 ///
 /// Stretches below 0.1 count as 0.1: n ~ 1/sigma would change its sign through collapse.
 template <class T>
-ELASTOGEN_HD inline void energy_fitted_stretches(const LawParameters<Scalar<T>>& law,
+ELASTOGEN_HD inline void energy_fitted_stretches(const LearnedLaw* learned,
+                                                 const LawParameters<Scalar<T>>& law,
                                                  const T sigma[3], T n[3]) {
   using S = Scalar<T>;
   const S omega = law.mu * (3 * law.lambda + 2 * law.mu) / (law.lambda + law.mu);
@@ -46,7 +47,8 @@ ELASTOGEN_HD inline void energy_fitted_stretches(const LawParameters<Scalar<T>>&
     q[i] = a * e[i] + b * (e[0] + e[1] + e[2]);
     length2 += q[i] * q[i];
   }
-  const T psi = larger(elastic_response<false>(law, s).psi, T{});
+  T outside;
+  const T psi = larger(material_response<false>(learned, law, s, outside).psi, T{});
   const T rest = constant<T>(S(1e-300));
   const T scale = length2 > rest ? square_root(T(2 * psi / (omega * larger(length2, rest)))) : T{};
   for (int i = 0; i < 3; ++i) n[i] = (1 + q[i] * scale) / s[i];
@@ -54,11 +56,12 @@ ELASTOGEN_HD inline void energy_fitted_stretches(const LawParameters<Scalar<T>>&
 
 /// The frozen quadratic of a voxel at F.
 template <class T>
-ELASTOGEN_HD inline LaggedTarget<T> lagged_target(const LawParameters<Scalar<T>>& law,
+ELASTOGEN_HD inline LaggedTarget<T> lagged_target(const LearnedLaw* learned,
+                                                  const LawParameters<Scalar<T>>& law,
                                                   const Mat3<T>& F) {
   const Svd3<T> s = svd3(F);
   T n[3];
-  energy_fitted_stretches(law, s.sigma, n);
+  energy_fitted_stretches(learned, law, s.sigma, n);
   LaggedTarget<T> target;
   target.largest_slope = T{};
   Mat3<T> Un, Vn;

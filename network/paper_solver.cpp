@@ -123,7 +123,7 @@ void PaperSolver::freeze(const double* u) {
         const Mat3<Pack<double>> F = rows.rows[size_t(r)].border >= 0
                                          ? deformation_gradient<true>(data, corner)
                                          : deformation_gradient<false>(data, corner);
-        const LaggedTarget<Pack<double>> target = lagged_target(data.law, F);
+        const LaggedTarget<Pack<double>> target = lagged_target(data.learned, data.law, F);
         double* to = lagged_.data() + size_t(r) * kFields * kLanes;
         for (int k = 0; k < 6; ++k) store(to + k * kLanes, target.NN[k]);
         for (int k = 0; k < 9; ++k) store(to + (6 + k) * kLanes, target.RN[k]);

@@ -89,7 +89,7 @@ struct Solver::Impl {
   Impl(const Scene& s, const SolverOptions& o)
       : scene(s),
         options(o),
-        potential(s),
+        potential(s, o.learned),
         predictor(s),
         flight(s),
         force(reference_force(s)),
@@ -295,6 +295,7 @@ void Solver::Impl::certify(const State& state, StepReport& report) {
   report.energy.elastic = value.elastic;
   report.energy.hourglass = value.hourglass;
   report.energy.contact = value.contact;
+  report.outside_fit = value.outside;
 }
 
 /// Takes from v what the rounding of positions brings into its mean.

@@ -6,6 +6,7 @@
 
 #include "core/report.hpp"
 #include "core/state.hpp"
+#include "network/learned_law.hpp"
 
 #include <functional>
 #include <memory>
@@ -32,11 +33,12 @@ struct PaperLoops {
 
 struct SolverOptions {
   SolverMode mode = SolverMode::kAuto;
-  double tolerance = 1e-3;  ///< of |grad Phi| / |M g_ref|
-  int max_outer = 400;      ///< L-BFGS iterations; a quarter of it for Newton steps
-  int max_inner = 400;      ///< PCG iterations of one Newton step
-  PaperLoops paper = {};    ///< loops and modes of the paper mode
-  bool skip = true;         ///< false: float64 and encoder always, whatever the scene needs
+  double tolerance = 1e-3;   ///< of |grad Phi| / |M g_ref|
+  int max_outer = 400;       ///< L-BFGS iterations; a quarter of it for Newton steps
+  int max_inner = 400;       ///< PCG iterations of one Newton step
+  PaperLoops paper = {};     ///< loops and modes of the paper mode
+  LearnedLaws learned = {};  ///< nets of the scene's materials; missing or null: analytic
+  bool skip = true;          ///< false: float64 and encoder always, whatever the scene needs
   /// Polled once an iteration; where it says true the step is given up and the state stays.
   std::function<bool()> interrupted = [] { return false; };
 };

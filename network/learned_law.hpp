@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+// The material of a voxel as the solvers see it: an analytic law, or a net that stands for it
+// inside the box that it was fitted in.
+//
+//     psi = w psi_theta + (1 - w) psi_law,     w = prod_i r(|e_i|; 0.9, 1.25) r(|tr e|; ln 2, 1.2),
+//
+// r falls from 1 to 0 as a polynomial of degree five, so psi is C2 everywhere; at rest it is
+// psi_theta, far away the law with its extension to inverted states.
+
+#pragma once
+
+#include "core/elastic_law.hpp"
+#include "network/mtl_table.hpp"
+#include "network/neural_mtl.hpp"
+
+#include <memory>
+#include <span>
+#include <string>
+
+namespace elastogen {
+
+/// The box that nets are fitted in, |e_i| and |tr e|, and where the law alone is left.
+inline constexpr double kFittedStretch = 0.9, kFittedTrace = 0.69314718055994530942;
+inline constexpr double kBlendedStretch = MtlTable::kReach, kBlendedTrace = 1.2;
+
+/// How psi_theta is evaluated: from the table of its difference to the law, or by the net itself in
+/// float64.
+enum class Evaluation : uint8_t { kTable, kNet };
+
+/// A net with what it is blended into; shared by the materials that use it, whatever their E.
+class LearnedLaw {
+ public:
+  /// @param weights  of the net; @param law, poisson  that it was fitted to.
+  /// @param hash     of its file, in hexadecimal.
+  /// @throws Error (asset) as NeuralMtl.
+  LearnedLaw(std::span<const float> weights, Law law, double poisson, std::string hash,
+             Evaluation evaluation = Evaluation::kTable);
+
+  const NeuralMtl& net() const { return net_; }
+  const MtlTable& table() const { return table_; }
+  Evaluation evaluation() const { return evaluation_; }
+  Law law() const { return law_; }
+  double poisson() const { return poisson_; }
+  const std::string& hash() const { return hash_; }
+
+  /// (psi - psi_law)/E and its derivatives at n log stretches, (n, 3), in float64 by the net: what
+  /// the table is made of.
+  template <bool kHessian>
+  void difference(const double* e, int64_t n, LogJet* result) const;
+
+ private:
+  NeuralMtl net_;
+  Law law_;
+  double poisson_;
+  std::string hash_;
+  Evaluation evaluation_;
+  MtlTable table_;
+};
+
+/// Laws of the scene's materials by their index; null or missing: analytic.
+using LearnedLaws = std::vector<std::shared_ptr<const LearnedLaw>>;
+
+/// Whether log stretches lie in the box that nets are fitted in.
+template <class T>
+ELASTOGEN_HD inline auto in_fitted_box(const T e[3]) {
+  using S = Scalar<T>;
+  const T largest = larger(larger(absolute(e[0]), absolute(e[1])), absolute(e[2]));
+  return decltype(largest < S(1))((largest <= S(kFittedStretch)) &
+                                  (absolute(T(e[0] + e[1] + e[2])) <= S(kFittedTrace)));
+}
+
+/// Response of a law with a net; the law's where the net has no say.
+/// @param outside  gets 1 where the stretches are out of the fitted box, else 0.
+template <bool kHessian, class T>
+Response<T> learned_response(const LearnedLaw& learned, const LawParameters<Scalar<T>>& law,
+                             const T s[3], T& outside);
+
+/// Response of a material: that of its net, or of its law.
+template <bool kHessian, class T>
+inline Response<T> material_response(const LearnedLaw* learned, const LawParameters<Scalar<T>>& law,
+                                     const T s[3], T& outside) {
+  if (learned) return learned_response<kHessian>(*learned, law, s, outside);
+  outside = T{};
+  return elastic_response<kHessian>(law, s);
+}
+
+}  // namespace elastogen

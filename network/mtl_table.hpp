@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a net adds to the law that it stands for, as a table: a C2 function D of the log stretches
+// e whose gradient and Hessian are its exact derivatives, a tricubic B-spline. D is symmetric in
+// its three arguments, has no value, slope and curvature at rest, and is 0 far from it.
+//
+//     psi = psi_law + E D(e),      D = w (psi_theta - psi_law)/E       (network/learned_law.hpp)
+//
+// The law is the stiff part (above all in volume) and is closed form, so a coarse table is enough.
+
+#pragma once
+
+#include "core/elastic_law.hpp"
+
+#include <functional>
+#include <vector>
+
+namespace elastogen {
+
+/// A function of log stretches and its derivatives.
+template <class T>
+struct LogResponse {
+  T psi, w[3], ww[6];
+};
+
+class MtlTable {
+ public:
+  /// D at log stretches e, (n, 3), which are within +-kReach.
+  using Source = std::function<void(const double* e, int64_t n, double* difference)>;
+
+  /// Log stretch beyond which D must be 0.
+  static constexpr double kReach = 1.25;
+
+  MtlTable() = default;
+  /// Tabulates a source that is symmetric in e, vanishes with slope and curvature at rest, and is 0
+  /// where some |e_i| >= kReach.
+  /// @param cells  in a unit of log stretch, 8 to 64.
+  MtlTable(const Source& source, int cells);
+
+  /// The spline at any log stretches; 0 a little beyond kReach.
+  template <bool kHessian, class T>
+  LogResponse<T> evaluate(const T e[3]) const;
+
+  int cells() const { return cells_; }
+  int64_t bytes() const { return int64_t(coefficients_.size() * sizeof(float)); }
+
+ private:
+  int points() const { return 2 * half_ + 3; }
+
+  int cells_ = 0, half_ = 0;  // half_: cells on each side of rest
+  std::vector<float> coefficients_;
+};
+
+namespace spline {
+
+/// The four cubic B-splines that reach a cell, with first and second derivative, at t in [0, 1].
+template <class T>
+struct Basis {
+  T value[4], first[4], second[4];
+};
+
+template <class T>
+ELASTOGEN_HD inline Basis<T> basis(const T& t, Scalar<T> cells) {
+  using S = Scalar<T>;
+  const T u = 1 - t, t2 = t * t;
+  const S c = cells, c2 = cells * cells;
+  Basis<T> b;
+  b.value[0] = u * u * u / 6;
+  b.value[1] = (t2 * (3 * t - 6) + 4) / 6;
+  b.value[3] = t2 * t / 6;
+  b.value[2] = 1 - b.value[0] - b.value[1] - b.value[3];
+  b.first[0] = -c / 2 * u * u;
+  b.first[1] = c / 2 * t * (3 * t - 4);
+  b.first[3] = c / 2 * t2;
+  b.first[2] = -b.first[0] - b.first[1] - b.first[3];
+  b.second[0] = c2 * u;
+  b.second[1] = c2 * (3 * t - 2);
+  b.second[2] = c2 * (1 - 3 * t);
+  b.second[3] = c2 * t;
+  return b;
+}
+
+/// The cell of a coordinate, y = index - half + t.
+template <class T>
+struct Cell {
+  int index[is_pack<T> ? kLanes : 1];
+  T t;
+};
+
+/// Coordinates beyond the table, and those that are not finite, count as its ends.
+template <class T>
+ELASTOGEN_HD inline Cell<T> cell(const T& y, int half) {
+  using S = Scalar<T>;
+  const S end = S(half);
+  const T inside = smaller(larger(y, constant<T>(-end)), constant<T>(end));
+  Cell<T> c;
+  const auto place = [half](S value, S& rest) {
+    int k = int(value);
+    if (value < S(k)) --k;
+    if (k > half - 1) k = half - 1;
+    rest = value - S(k);
+    return k + half;
+  };
+  if constexpr (is_pack<T>) {
+    for (int l = 0; l < kLanes; ++l) {
+      S rest;
+      c.index[l] = place(inside[l], rest);
+      c.t[l] = rest;
+    }
+  } else {
+    c.index[0] = place(inside, c.t);
+  }
+  return c;
+}
+
+/// Numbers at an offset from a place of each lane.
+template <class T>
+ELASTOGEN_HD inline T gather(const float* from, const int* place, int offset) {
+  if constexpr (is_pack<T>) {
+    T result;
+    for (int l = 0; l < kLanes; ++l) result[l] = Scalar<T>(from[place[l] + offset]);
+    return result;
+  } else {
+    return Scalar<T>(from[place[0] + offset]);
+  }
+}
+
+}  // namespace spline
+
+template <bool kHessian, class T>
+LogResponse<T> MtlTable::evaluate(const T e[3]) const {
+  using S = Scalar<T>;
+  constexpr int kCount = is_pack<T> ? kLanes : 1;
+  const int n = points();
+  spline::Cell<T> cells[3];
+  spline::Basis<T> b[3];
+  for (int i = 0; i < 3; ++i) {
+    cells[i] = spline::cell(T(e[i] * S(cells_)), half_);
+    b[i] = spline::basis(cells[i].t, S(cells_));
+  }
+  int corner[kCount];
+  for (int l = 0; l < kCount; ++l)
+    corner[l] = (cells[2].index[l] * n + cells[1].index[l]) * n + cells[0].index[l];
+
+  LogResponse<T> r{};
+  for (int z = 0; z < 4; ++z) {
+    T p{}, px{}, py{}, pxx{}, pyy{}, pxy{};  // of the plane z
+    for (int y = 0; y < 4; ++y) {
+      T q{}, qx{}, qxx{};  // of its row y
+      for (int x = 0; x < 4; ++x) {
+        const T c = spline::gather<T>(coefficients_.data(), corner, (z * n + y) * n + x);
+        q += c * b[0].value[x], qx += c * b[0].first[x];
+        if constexpr (kHessian) qxx += c * b[0].second[x];
+      }
+      p += q * b[1].value[y], px += qx * b[1].value[y], py += q * b[1].first[y];
+      if constexpr (kHessian)
+        pxx += qxx * b[1].value[y], pyy += q * b[1].second[y], pxy += qx * b[1].first[y];
+    }
+    r.psi += p * b[2].value[z];
+    r.w[0] += px * b[2].value[z], r.w[1] += py * b[2].value[z], r.w[2] += p * b[2].first[z];
+    if constexpr (kHessian) {
+      r.ww[0] += pxx * b[2].value[z], r.ww[1] += pyy * b[2].value[z];
+      r.ww[2] += p * b[2].second[z], r.ww[3] += pxy * b[2].value[z];
+      r.ww[4] += py * b[2].first[z], r.ww[5] += px * b[2].first[z];
+    }
+  }
+  return r;
+}
+
+}  // namespace elastogen
