@@ -85,6 +85,8 @@ void add_run_options(CLI::App& app, AnimateOptions& o, Typed& t) {
   app.add_option("--hourglass", t.hourglass,
                  "full, variance, off, or auto: variance for the paper solver, else full")
       ->capture_default_str();
+  app.add_option("--energy", t.energy, "analytic, or neural: by the nets of the materials")
+      ->capture_default_str();
   app.add_option("--device", t.device, "cpu")->capture_default_str();
   app.add_option("--threads", o.threads, "0: all")->capture_default_str();
   app.add_option("--max-memory", t.max_memory, "budget, e.g. '8 GB'");

@@ -53,6 +53,7 @@ struct AnimateOptions {
   TimeScheme scheme = TimeScheme::kEuler;
   SolverOptions solver;
   std::optional<FemOptions> fem;  ///< set: finite elements take the steps
+  bool neural = false;            ///< nets take the place of the laws
   Hourglass hourglass = Hourglass::kFull;
   bool keyframe = false;           ///< GLB profile; else modal
   std::string state, log, report;  ///< files, empty for none

@@ -3,15 +3,30 @@
 
 #include "cli/fem_stepper.hpp"
 #include "cli/static_stepper.hpp"
+#include "cli/weights.hpp"
 #include "network/contact.hpp"
 
 namespace elastogen {
 namespace {
 
+StateNet state_net(const LearnedLaw& net) {
+  StateNet result;
+  result.hash = net.hash();
+  result.weights = net.weights();
+  if (net.evaluation() == Evaluation::kTable) {
+    result.cells = net.table().cells();
+    result.table = net.table().coefficients();
+  }
+  return result;
+}
+
 class NetworkStepper : public Stepper {
  public:
   NetworkStepper(const Scene& scene, const SolverOptions& options)
-      : scene_(scene), tolerance_(options.tolerance), solver_(scene, options) {}
+      : scene_(scene),
+        nets_(options.learned),
+        tolerance_(options.tolerance),
+        solver_(scene, options) {}
 
   State start(const StartMotion& motion) const override { return initial_state(scene_, motion); }
   StepReport step(State& state) override { return solver_.step(state); }
@@ -20,12 +35,15 @@ class NetworkStepper : public Stepper {
   void describe(StateHeader& header) const override {
     header.solver = solver_name(solver_.mode());
     header.tolerance = tolerance_;
+    for (size_t m = 0; m < nets_.size(); ++m) header.nets.push_back(state_net(*nets_[m]));
+    if (!nets_.empty()) header.energy = "neural";
     if (!scene_.colliders.empty())
       header.contact = {{"layer", contact_layer(scene_)}, {"slip_range", slip_range(scene_)}};
   }
 
  private:
   const Scene& scene_;
+  LearnedLaws nets_;
   double tolerance_;
   Solver solver_;
 };
@@ -37,6 +55,7 @@ std::unique_ptr<Stepper> make_stepper(const Setup& setup, const AnimateOptions& 
   if (options.fem && options.fem->statics) return make_static_stepper(setup, options);
   if (options.fem) return make_fem_stepper(setup, options, std::move(interrupted));
   SolverOptions solver = options.solver;
+  solver.learned = scene_nets(setup.scene, options);
   solver.interrupted = std::move(interrupted);
   return std::make_unique<NetworkStepper>(setup.scene, solver);
 }

@@ -49,6 +49,10 @@ void Handle::close() {
 }
 
 template <>
+NumberType number_type<float>() {
+  return {H5T_NATIVE_FLOAT, H5T_IEEE_F32LE};
+}
+template <>
 NumberType number_type<double>() {
   return {H5T_NATIVE_DOUBLE, H5T_IEEE_F64LE};
 }
@@ -105,6 +109,7 @@ void write_dataset(hid_t parent, const char* name, Span<const T> values) {
 }
 
 template void write_dataset(hid_t, const char*, Span<const double>);
+template void write_dataset(hid_t, const char*, Span<const float>);
 template void write_dataset(hid_t, const char*, Span<const int32_t>);
 template void write_dataset(hid_t, const char*, Span<const uint8_t>);
 

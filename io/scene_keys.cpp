@@ -226,6 +226,15 @@ Keys solver_keys() {
        Q::kNumber,
        {},
        {"full", "variance", "off", "auto"}},
+      {"solver",
+       "energy",
+       T::kText,
+       "analytic",
+       "--energy",
+       "what gives the stress: the law, or the net that was fitted to it",
+       Q::kNumber,
+       {},
+       {"analytic", "neural"}},
   };
 }
 

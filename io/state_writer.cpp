@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 
 namespace elastogen {
@@ -82,6 +83,23 @@ void write_boundary(hid_t file, const StateHeader& header) {
   const hdf5::Handle group(H5Gopen2(file, "grid", H5P_DEFAULT), H5Gclose, "grid");
   if (!header.fixed.empty()) hdf5::write_dataset<uint8_t>(group, "fixed", header.fixed);
   if (!header.traction.empty()) hdf5::write_dataset<double>(group, "traction", header.traction);
+}
+
+/// /nets: a group for each material, by its number.
+void write_nets(hid_t file, const StateHeader& header) {
+  if (header.nets.empty()) return;
+  const hdf5::Handle group = hdf5::create_group(file, "nets");
+  for (size_t m = 0; m < header.nets.size(); ++m) {
+    const StateNet& net = header.nets[m];
+    const hdf5::Handle one = hdf5::create_group(group, std::to_string(m).c_str());
+    hdf5::write_attribute(one, "sha256", net.hash);
+    hdf5::write_attribute(one, "cells", net.cells);
+    hdf5::write_dataset<float>(one, "weights",
+                               {net.weights.data(), int64_t(net.weights.size()), 1});
+    if (net.cells == 0) continue;
+    const auto edge = int64_t(std::lround(std::cbrt(double(net.table.size()))));
+    hdf5::write_dataset<float>(one, "table", {net.table.data(), edge * edge, int(edge)});
+  }
 }
 
 /// Fixed-length text that holds the longest of some names.
@@ -283,6 +301,7 @@ void StateWriter::finish() {
   }
   write_boundary(file, header_);
   write_materials(file, scene_.materials);
+  write_nets(file, header_);
   write_contact(file, scene_, header_, time_);
   {
     const hdf5::Handle steps = hdf5::create_group(file, "steps");

@@ -28,6 +28,14 @@ struct StateMesh {
   Array<double> contact_weights;  ///< of each, (points, 4 or 10)
 };
 
+/// The net of a material: what gives its energy in place of the law.
+struct StateNet {
+  std::string hash;            ///< SHA-256 of its file
+  std::vector<float> weights;  ///< 17153
+  int cells = 0;               ///< of its table in a unit of log stretch; 0: by the net itself
+  std::vector<float> table;    ///< coefficients, a cube
+};
+
 /// What the file says of the run besides its scene.
 struct StateHeader {
   double fps = 60;
@@ -36,6 +44,7 @@ struct StateHeader {
   std::string scheme;               ///< "newmark", "static"; empty: that of the scene
   double tolerance = 1e-3;          ///< of the residual [-]
   std::string energy = "analytic";  ///< what gives the stress
+  std::vector<StateNet> nets = {};  ///< of each material; empty: analytic
   std::string commit;               ///< of the build
   /// parameters of the contact model, e.g. {"distance", 0.001}: attributes of /contact
   std::vector<std::pair<std::string, double>> contact;

@@ -120,7 +120,8 @@ void add(const LogResponse<T>& d, const T s[3], Scalar<T> young, Response<T>& r)
 
 LearnedLaw::LearnedLaw(std::span<const float> weights, Law law, double poisson, std::string hash,
                        Evaluation evaluation)
-    : net_(weights, poisson),
+    : weights_(weights.begin(), weights.end()),
+      net_(weights, poisson),
       law_(law),
       poisson_(poisson),
       hash_(std::move(hash)),

@@ -42,6 +42,7 @@ class LearnedLaw {
   Law law() const { return law_; }
   double poisson() const { return poisson_; }
   const std::string& hash() const { return hash_; }
+  const std::vector<float>& weights() const { return weights_; }
 
   /// (psi - psi_law)/E and its derivatives at n log stretches, (n, 3), in float64 by the net: what
   /// the table is made of.
@@ -49,6 +50,7 @@ class LearnedLaw {
   void difference(const double* e, int64_t n, LogJet* result) const;
 
  private:
+  std::vector<float> weights_;
   NeuralMtl net_;
   Law law_;
   double poisson_;

@@ -41,6 +41,8 @@ class MtlTable {
   LogResponse<T> evaluate(const T e[3]) const;
 
   int cells() const { return cells_; }
+  /// Of the B-splines, a cube, the first index the fastest; rest is in its middle.
+  const std::vector<float>& coefficients() const { return coefficients_; }
   int64_t bytes() const { return int64_t(coefficients_.size() * sizeof(float)); }
 
  private:

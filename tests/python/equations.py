@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from nets import neural_law
 from state_file import Floats, Ints, State
 
 BLOCK = 8192  # voxels treated at once
@@ -215,13 +216,16 @@ def make_body(state: State) -> Body:
     for index, material in enumerate(state.materials):
         mine = np.flatnonzero(grid["material"] == index)
         mu, lam = lame(material.young, material.poisson)
+        law = LAW[material.law]
+        if state.nets:
+            law = neural_law(state.nets[index], law, material.young, material.poisson)
         for start in range(0, len(mine), BLOCK):
             part = mine[start : start + BLOCK]
             mean = grid["shape_mean"][part]
             blocks.append(
                 Block(grid["corners"][part].astype(np.int64), mean_gradients(mean, state.h),
                       patterns(mean, state.h), grid["fill"][part] * state.h**3,
-                      grid["hourglass"][part], LAW[material.law], mu, lam))
+                      grid["hourglass"][part], law, mu, lam))
     none = np.zeros_like(grid["rest"])
     loose = (grid["pinned"][:, None] == 0) & (grid.get("fixed", none) == 0)
     return Body(grid["rest"], grid["mass"], loose.any(1), loose, grid.get("traction", none),

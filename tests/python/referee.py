@@ -29,11 +29,13 @@ import numpy as np
 import collision
 import equations
 from equations import Body, Motion, Potential
+from nets import table_error
 from state_file import Floats, LayoutError, State, read_state, require
 
 RESIDUAL_SHARE, RESIDUAL_FLOOR = 0.05, 1e-6
 VELOCITY_SHARE = 1e-5
 MASS_SHARE = 1e-6
+TABLE_SHARE = 2e-3
 ENERGY_SHARE, ENERGY_FLOOR = 0.01, 1e-6
 ROUND_OFF = 16 * float(np.finfo(float).eps)
 TABLE_ROWS = 10
@@ -141,6 +143,13 @@ def check_masses(state: State) -> tuple[Check, dict[str, float]]:
     return Check(-1, "mass", error, 0.0, MASS_SHARE), named
 
 
+def check_tables(state: State) -> list[Check]:
+    """Tables of nets against the nets: error of the stress over the local stress."""
+    return [Check(-1, f"table of net {m}", 0.0, table_error(net, equations.LAW[material.law],
+                                                            material.poisson), TABLE_SHARE)
+            for m, (net, material) in enumerate(zip(state.nets, state.materials)) if net.cells]
+
+
 def read_record(state: State, record: int) -> tuple[Floats, Floats]:
     """Positions [m] and velocities [m/s] of one record, (nodes, 3)."""
     x, v = state.x[record], state.v[record]
@@ -155,7 +164,7 @@ def judge(state: State, with_energies: bool) -> Verdict:
         return judge_static(state, with_energies)
     body = equations.make_body(state)
     mass_check, factors = check_masses(state)
-    checks, own_energies = [mass_check], []
+    checks, own_energies = [mass_check, *check_tables(state)], []
     x_before, v_before = None, None
     x, v = read_record(state, 0)
     for step, scheme in enumerate(state.steps["scheme"]):

@@ -73,7 +73,7 @@ WORDS: dict[str, tuple[str, ...] | None] = {
     "hourglass": ("full", "variance", "off"),
     "element": ("voxel",),
     "solver": ("quasi", "newton", "paper", "fem"),
-    "energy": ("analytic",),
+    "energy": ("analytic", "neural"),
     "commit": None,
 }
 POSITIVE = ("h", "dt", "g_ref", "fps", "tolerance")
@@ -97,6 +97,16 @@ class Material:
     density: float
 
 
+@dataclass(frozen=True)
+class Net:
+    """What gives a material's energy in place of its law."""
+
+    sha256: str  # of the file of its weights
+    weights: Floats  # (17153,)
+    cells: int  # of the table in a unit of log stretch; 0: the net itself was evaluated
+    table: Floats | None = None  # B-spline coefficients, (n, n, n), last index along e_0
+
+
 @dataclass
 class State:
     """What a state file says. `x` and `v` stay on disk and are read one record at a time."""
@@ -113,6 +123,7 @@ class State:
     x: h5py.Dataset  # (records, nodes, 3) [m]
     v: h5py.Dataset  # (records, nodes, 3) [m/s]
     contact: dict[str, NDArray[Any]] | None = None  # the datasets of CONTACT and LENGTHS [m]
+    nets: tuple[Net, ...] = ()  # one a material; none: analytic
 
 
 def require(condition: bool | np.bool_, *message: object) -> None:
@@ -180,7 +191,7 @@ def _check_names(names: set[str], wanted: set[str], place: str) -> None:
 def _check_layout(file: h5py.File) -> None:
     """Names, types and shapes of the groups `grid`, `steps` and, if it is there, `contact`."""
     contact = {"contact"} & set(file)
-    _check_names(set(file), {"grid", "materials", "steps"} | contact, "/")
+    _check_names(set(file), {"grid", "materials", "steps"} | contact | ({"nets"} & set(file)), "/")
     for place in ("grid", "steps", *contact):
         require(isinstance(file[place], h5py.Group), f"/{place} must be a group")
     energies = {name for name in file["steps"] if name.startswith("energy_")}
@@ -228,6 +239,29 @@ def _read_materials(file: h5py.File) -> list[Material]:
                 f"/materials: '{material.name}' has values out of range")
         materials.append(material)
     return materials
+
+
+def _read_nets(file: h5py.File, materials: int) -> tuple[Net, ...]:
+    """/nets: one group a material; none where the energy is analytic."""
+    neural = text(file.attrs["energy"]) == "neural"
+    require(neural == ("nets" in file), "/nets must be there where, and only where, energy is neural")
+    nets = []
+    for m in range(materials if neural else 0):
+        place = f"/nets/{m}"
+        require(str(m) in file["nets"], place, " is missing")
+        group = file["nets"][str(m)]
+        weights = group["weights"][()].astype(float)
+        require(weights.shape == (17153,) and np.isfinite(weights).all(),
+                place, "/weights must be 17153 finite numbers")
+        cells = int(number(group.attrs["cells"], f"{place} attribute 'cells'"))
+        table = group["table"][()].astype(float) if cells else None
+        if table is not None:
+            n = table.shape[1]
+            require(table.shape == (n * n, n) and n % 2 == 1 and np.isfinite(table).all(),
+                    place, "/table must be a cube of finite numbers")
+            table = table.reshape(n, n, n)
+        nets.append(Net(text(group.attrs["sha256"]), weights, cells, table))
+    return tuple(nets)
 
 
 def _check_voxels(grid: dict[str, NDArray[Any]], materials: int, h: float) -> None:
@@ -306,4 +340,5 @@ def read_state(file: h5py.File) -> State:
     _check_steps(steps, words["time_scheme"], numbers["dt"])
     return State(words, numbers["h"], numbers["dt"], gravity.astype(float), numbers["g_ref"],
                  numbers["tolerance"], materials, grid, steps, file["steps"]["x"],
-                 file["steps"]["v"], _read_contact(file, len(grid["corners"])))
+                 file["steps"]["v"], _read_contact(file, len(grid["corners"])),
+                 _read_nets(file, len(materials)))
