@@ -99,9 +99,16 @@ HoldOption parse_hold(std::string_view text) {
 }
 
 TractionOption parse_traction(std::string_view text) {
-  return quoted("--traction", text, "'SELECTION: x,y,z', e.g. 'x>99%: 0,-10,0 N'",
+  return quoted("--traction", text,
+                "'SELECTION: x,y,z', a force, e.g. 'x>99%: 0,-10,0 N', or 'SELECTION: p', a "
+                "pressure, e.g. 'x>99%: 2 kPa'",
                 [](const Parts& parts) {
-                  return TractionOption{parts.selection, parse_vec3(parts.rest, Quantity::kForce)};
+                  TractionOption traction{.selection = parts.selection};
+                  if (parts.rest.find(',') == parts.rest.npos)
+                    traction.pressure = parse_pressure(parts.rest);
+                  else
+                    traction.force = parse_vec3(parts.rest, Quantity::kForce);
+                  return traction;
                 });
 }
 

@@ -8,6 +8,7 @@
 #include "voxelize/regions.hpp"
 
 #include <array>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -21,8 +22,9 @@ struct HoldOption {
 
 /// A dead load.
 struct TractionOption {
-  Selection selection;  ///< of nodes whose faces carry it
-  Vec3 force = {};      ///< in all [N]
+  Selection selection;                  ///< of nodes whose faces carry it
+  Vec3 force = {};                      ///< in all [N]
+  std::optional<double> pressure = {};  ///< on each face against its normal [Pa], in place of force
 };
 
 /// A rigid motion, straight and uniform between keys, at rest before the first and after the last.
@@ -37,7 +39,7 @@ struct MoveOption {
 /// @throws Error (usage) naming the text and what is wrong; so do the others.
 HoldOption parse_hold(std::string_view text);
 
-/// Reads 'SELECTION: x,y,z [UNIT]', a force.
+/// Reads 'SELECTION: x,y,z [UNIT]', a force, or 'SELECTION: p [UNIT]', a pressure.
 TractionOption parse_traction(std::string_view text);
 
 /// Reads

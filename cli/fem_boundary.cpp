@@ -3,6 +3,7 @@
 
 #include "cli/boundary_option.hpp"
 #include "core/error.hpp"
+#include "mpm_fem/fem/mesh_pieces.hpp"
 #include "mpm_fem/fem/surface_load.hpp"
 
 #include <fmt/format.h>
@@ -133,7 +134,9 @@ void add_tractions(const Setup& setup, const AnimateOptions& o, fem::FemScene& s
     const TractionOption traction = parse_traction(text);
     const Array<uint8_t> nodes =
         with_middles(select_nodes(setup.scene.grid, traction.selection, box), scene.mesh);
-    const Array<double> load = fem::surface_load(scene.mesh, nodes, traction.force);
+    const Array<double> load = traction.pressure
+                                   ? fem::pressure_load(scene.mesh, nodes, *traction.pressure)
+                                   : fem::surface_load(scene.mesh, nodes, traction.force);
     if (load.empty())
       throw Error(fmt::format(
           "--traction '{}': no face of the body has all its nodes in the selection; the asset "
@@ -161,6 +164,27 @@ void add_moves(const Setup& setup, const AnimateOptions& o, fem::FemScene& scene
   };
 }
 
+/// A piece of the mesh.
+struct Piece {
+  int64_t nodes = 0;
+  Box box;                        // at rest [m]
+  std::array<bool, 3> held = {};  // along x, y, z
+};
+
+std::vector<Piece> pieces_of(const fem::FemScene& scene) {
+  const Array<int32_t> piece = fem::mesh_pieces(scene.mesh);
+  std::vector<Piece> pieces;
+  for (int64_t n = 0; n < piece.rows(); ++n) {
+    if (piece(n) < 0) continue;
+    pieces.resize(std::max(pieces.size(), size_t(piece(n)) + 1));
+    Piece& own = pieces[size_t(piece(n))];
+    ++own.nodes;
+    own.box.add({scene.mesh.rest(n, 0), scene.mesh.rest(n, 1), scene.mesh.rest(n, 2)});
+    for (int d = 0; d < 3; ++d) own.held[size_t(d)] |= scene.fixed(n, d) != 0;
+  }
+  return pieces;
+}
+
 }  // namespace
 
 Array<uint8_t> pinned_nodes(const Scene& scene, const fem::ElementMesh& mesh) {
@@ -172,6 +196,30 @@ void add_boundary(const Setup& setup, const AnimateOptions& options, fem::FemSce
   add_holds(setup, options, scene);
   add_moves(setup, options, scene);
   add_tractions(setup, options, scene);
+}
+
+std::vector<std::string> unheld_pieces(const fem::FemScene& scene) {
+  constexpr size_t kMost = 4;
+  std::vector<std::string> sentences;
+  size_t more = 0;
+  for (const Piece& piece : pieces_of(scene)) {
+    std::string free;
+    for (size_t d = 0; d < 3; ++d)
+      if (!piece.held[d]) free += fmt::format("{}{}", free.empty() ? "" : ", ", "xyz"[d]);
+    if (free.empty()) continue;
+    const Box& box = piece.box;
+    if (sentences.size() < kMost)
+      sentences.push_back(fmt::format(
+          "--static: nothing holds the piece of {} nodes in {:.4g}..{:.4g}, {:.4g}..{:.4g}, "
+          "{:.4g}..{:.4g} m along {}",
+          piece.nodes, box.lower[0], box.upper[0], box.lower[1], box.upper[1], box.lower[2],
+          box.upper[2], free));
+    else
+      ++more;
+  }
+  if (more > 0)
+    sentences.push_back(fmt::format("--static: nor {} more piece{}", more, more == 1 ? "" : "s"));
+  return sentences;
 }
 
 }  // namespace elastogen

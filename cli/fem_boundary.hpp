@@ -17,4 +17,9 @@ Array<uint8_t> pinned_nodes(const Scene& scene, const fem::ElementMesh& mesh);
 ///         where no face lies in that of a traction.
 void add_boundary(const Setup& setup, const AnimateOptions& options, fem::FemScene& scene);
 
+/// A sentence for each piece of the mesh of which no component of the displacement is prescribed
+/// along some axis: statics have no equilibrium for it unless its loads cancel. The first few
+/// pieces, and how many there are besides.
+std::vector<std::string> unheld_pieces(const fem::FemScene& scene);
+
 }  // namespace elastogen

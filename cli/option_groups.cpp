@@ -37,8 +37,8 @@ void add_constraint_options(CLI::App& app, AnimateOptions& o) {
   add_texts("--hold", o.holds,
             "simulate: hold a part along some axes only: 'x<1%: x', 'all: yz'; repeatable");
   add_texts("--traction", o.tractions,
-            "simulate: a force [N] spread over a part of the surface: 'x>99%: 0,-10,0'; "
-            "repeatable");
+            "simulate: a force [N] spread over a part of the surface: 'x>99%: 0,-10,0', or a "
+            "pressure [Pa] on it: 'x>99%: 2e3'; repeatable");
   add_texts("--move", o.moves,
             "simulate: move a part: 'x>99%: shift T:x,y,z; T:x,y,z' or 'x>99%: turn(x,y,z, "
             "ax,ay,az) T:ANGLE; T:ANGLE' about a point and an axis; repeatable");

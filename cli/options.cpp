@@ -76,7 +76,10 @@ void fill_from_scene(Verb& verb) {
 void resolve(Verb& verb) {
   if (!verb.scene_file.empty()) fill_from_scene(verb);
   verb.typed.has_floor = given(*verb.app, "--floor");
-  if (verb.scene.fem) verb.scene.fem->any_rounding = !given(*verb.app, "--tolerance");
+  if (verb.scene.fem) {
+    verb.scene.fem->any_rounding = !given(*verb.app, "--tolerance");
+    verb.scene.fem->resolution = given(*verb.app, "--voxels") || given(*verb.app, "--h");
+  }
   resolve(verb.typed, verb.scene);
 }
 

@@ -28,6 +28,7 @@ struct FemOptions {
   fem::Mass mass = fem::Mass::kLumped;
   bool any_rounding = false;  ///< the tolerance rises above the rounding of doubles
   bool newmark = false;       ///< instead of the time scheme
+  bool resolution = false;    ///< --voxels or --h was given: tetrahedra of a file have their own
   bool statics = false;       ///< an equilibrium instead of time steps: one frame, one step of 1 s
 };
 

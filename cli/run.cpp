@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/run.hpp"
 
+#include "cli/fem_boundary.hpp"
+#include "cli/fem_stepper.hpp"
 #include "cli/progress.hpp"
 #include "cli/signals.hpp"
 #include "cli/stepper.hpp"
@@ -258,6 +260,9 @@ RunResult run_animation(const Asset& asset, const AnimateOptions& options, doubl
 
   Setup setup = hooks.set_up ? hooks.set_up(report)
                              : set_up(asset, options, hooks.materials, hooks.regions, report);
+  if (options.fem && options.fem->statics)
+    for (std::string& text : unheld_pieces(fem_scene(setup, options)))
+      report.warnings.push_back(std::move(text));
   if (!options.quiet) print_setup(setup, report.asset, options);
   warn(report.warnings);
   ELASTOGEN_CHECK(!options.strict || report.warnings.empty(), "--strict: ", report.warnings[0]);

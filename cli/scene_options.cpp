@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/scene_options.hpp"
 
+#include "cli/tet_asset.hpp"
 #include "io/scene_keys.hpp"
 
 #include <fmt/format.h>
@@ -79,7 +80,8 @@ std::string hold_text(const SceneValue& hold) {
 }
 
 std::string traction_text(const SceneValue& traction) {
-  return fmt::format("{}: {}", text_of(traction, "select", ""), text_of(traction, "force", ""));
+  return fmt::format("{}: {}", text_of(traction, "select", ""),
+                     text_of(traction, traction.find("force") ? "force" : "pressure", ""));
 }
 
 std::string move_text(const SceneValue& move) {
@@ -144,6 +146,7 @@ SceneValue asset_table(const AnimateOptions& o) {
   t.set("file", scene_text(o.input));
   t.set("size", quantity(o.size, "auto"));
   t.set("up", scene_text(o.up ? up_name(*o.up) : "auto"));
+  if (o.fem && is_tet_file(o.input)) return t;  // which have their own resolution
   t.set("voxels", scene_number(o.voxels));
   t.set("h", quantity(o.h, "auto"));
   return t;

@@ -147,6 +147,9 @@ void add_tets(const TetAsset& tets, const AnimateOptions& o, Setup& setup, RunRe
   setup.body.carried = setup.body.surface.vertices;
   add_asset(tets.asset, o, setup, report);
   report.asset.closed = true;
+  if (o.fem->resolution)
+    report.warnings.push_back(
+        concat("--voxels and --h mean nothing: ", tets.asset.path, " has tetrahedra of its own"));
   setup.tets = tets.mesh;
   setup.tets->element = element_of(tets, *o.fem);
   for (int64_t k = 0; k < setup.tets->rest.size(); ++k)

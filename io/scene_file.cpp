@@ -77,9 +77,10 @@ class Check {
                                      {"hold", "select"},
                                      {"hold", "axes"},
                                      {"traction", "select"},
-                                     {"traction", "force"},
                                      {"move", "select"}})
       if (name == owner && !table.find(key)) fail(line, concat('\'', name, "': needs ", key));
+    if (name == "traction" && !table.find("force") == !table.find("pressure"))
+      fail(line, "'traction': needs one of force and pressure");
     if (name == "move") check_move(table, line);
     if (name == "region") check_region(table, line);
     if (name == "collider") check_collider(table, line);

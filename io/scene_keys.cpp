@@ -315,7 +315,7 @@ std::span<const SceneTable> scene_tables() {
       {"region", true, "A part of another material: one of select, node, gltf_material."},
       {"pin", true, "A part that is held, as in `pins`."},
       {"hold", true, "simulate: a part that is held along some axes."},
-      {"traction", true, "simulate: a force on a part of the surface."},
+      {"traction", true, "simulate: a force or a pressure on a part of the surface."},
       {"move", true, "simulate: a part that is shifted along a path, or turned."},
       {"motion", false, "Motion at the start."},
       {"floor", false, "A floor; it is there when the table is."},

@@ -27,6 +27,8 @@ Keys boundary_keys() {
       {"traction", "select", T::kText, "", "", "a selection, as in a pin"},
       {"traction", "force", T::kVector, "", "", "in all, spread evenly over the surface in it",
        Q::kForce},
+      {"traction", "pressure", T::kNumber, "", "",
+       "in place of force: on every face in it, against its outward normal at rest", Q::kPressure},
       {"", "moves", T::kTexts, "[]", "--move", "simulate: moves as the option writes them"},
       {"move", "select", T::kText, "", "", "a selection, as in a pin"},
       {"move", "path", T::kPath, "", "",

@@ -85,9 +85,11 @@ Json table_schema(const SceneTable& table) {
                  {"description", table.text},
                  {"properties", properties_of(table.name)},
                  {"additionalProperties", false}};
-  if (table.name == "pin" || table.name == "move") schema["required"] = {"select"};
+  if (table.name == "pin" || table.name == "move" || table.name == "traction")
+    schema["required"] = {"select"};
   if (table.name == "hold") schema["required"] = {"select", "axes"};
-  if (table.name == "traction") schema["required"] = {"select", "force"};
+  if (table.name == "traction")
+    schema["oneOf"] = {Json{{"required", {"force"}}}, Json{{"required", {"pressure"}}}};
   if (table.name == "collider") schema["required"] = {"shape"};
   if (!table.many) return schema;
   return {{"type", "array"}, {"items", std::move(schema)}};

@@ -11,10 +11,6 @@
 namespace elastogen::fem {
 namespace {
 
-/// Corners of the faces seen from outside, and the middles behind each of them.
-constexpr int kFaces[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
-constexpr int kMiddles[4][3] = {{5, 9, 8}, {7, 9, 6}, {4, 8, 7}, {6, 5, 4}};
-
 struct Face {
   std::array<int32_t, 3> nodes;  ///< in ascending order
   int64_t element;
@@ -27,7 +23,7 @@ std::vector<Face> outer_faces(const ElementMesh& mesh) {
   for (int64_t e = 0; e < mesh.elements.rows(); ++e)
     for (int side = 0; side < 4; ++side) {
       Face face{{}, e, side};
-      for (size_t c = 0; c < 3; ++c) face.nodes[c] = mesh.elements(e, kFaces[side][c]);
+      for (size_t c = 0; c < 3; ++c) face.nodes[c] = mesh.elements(e, kTetFaces[side][c]);
       std::sort(face.nodes.begin(), face.nodes.end());
       faces.push_back(face);
     }
@@ -61,8 +57,8 @@ Array<int32_t> outer_triangles(const ElementMesh& mesh) {
     const int32_t* node = mesh.elements.row(face.element);
     int32_t a[3], m[3] = {};  // m[k] between a[k] and the next
     for (int k = 0; k < 3; ++k) {
-      a[k] = node[kFaces[face.side][k]];
-      if (quadratic) m[k] = node[kMiddles[face.side][k]];
+      a[k] = node[kTetFaces[face.side][k]];
+      if (quadratic) m[k] = node[kTetFaceMiddles[face.side][k]];
     }
     if (quadratic)
       corners.insert(corners.end(),

@@ -7,6 +7,11 @@
 
 namespace elastogen::fem {
 
+/// Corners of the faces of a tetrahedron, counterclockwise from outside, and the middles behind
+/// each of them: middle k lies between corners k and k + 1.
+inline constexpr int kTetFaces[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
+inline constexpr int kTetFaceMiddles[4][3] = {{5, 9, 8}, {7, 9, 6}, {4, 8, 7}, {6, 5, 4}};
+
 /// Faces with one tetrahedron as triangles of nodes, counterclockwise from outside, in the order of
 /// their tetrahedra; of quadratic ones four a face, between corners and middles.
 /// @return  (triangles, 3)

@@ -27,6 +27,15 @@ TEST(BoundaryOption, ATractionIsAForceWithAUnit) {
   EXPECT_EQ(parse_traction("sphere(0,0,0, 1cm): 1, 0, -2 kN").selection.radius, 0.01);
 }
 
+TEST(BoundaryOption, OrAPressure) {
+  EXPECT_FALSE(parse_traction("x>99%: 0,-10,0").pressure);
+  EXPECT_EQ(parse_traction("all: -3").pressure, -3);
+  const TractionOption traction = parse_traction("box(0,0,0, 1,1,1): 1 MPa");
+  EXPECT_EQ(traction.pressure, 1e6);
+  EXPECT_EQ(traction.force, Vec3{});
+  EXPECT_EQ(traction.selection.kind, Selection::Kind::kBox);
+}
+
 TEST(BoundaryOption, AMoveIsAShift) {
   const MoveOption move = parse_move("x>99%: shift 0s:0,0,0; 500 ms: 1cm,0,-2");
   EXPECT_FALSE(move.turns);
@@ -62,6 +71,9 @@ TEST(BoundaryOption, WhatCannotBeReadIsRefusedWithItsText) {
       {"--traction", "all: 1,2", "three numbers"},
       {"--traction", "all: 1,2,3 Pa", "known are N"},
       {"--traction", "0,0,1", "colon"},
+      {"--traction", "all: 1 N", "known are Pa"},
+      {"--traction", "all:", "number"},
+      {"--traction", "all: inf", "inf"},
       {"--move", "all", "colon"},
       {"--move", "all: 0:1,0,0", "neither shift nor turn"},
       {"--move", "all: shift", "TIME:x,y,z"},

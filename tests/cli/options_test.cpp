@@ -79,6 +79,9 @@ axes = "xz"
 [[traction]]
 select = "x>99%"
 force = [0, "-1 kN", 0]
+[[traction]]
+select = "z>99%"
+pressure = "-2 kPa"
 [[move]]
 select = "y<1%"
 path = [[0, 0, 0, 0], [1, 0, 0.5, 0]]
@@ -138,7 +141,7 @@ TEST(Options, ASceneSetsEveryOption) {
                 "box(0,-0.05,0, 1,0,1) friction 0.125 name step path 0:0,0,0; 1:0,0.5,0",
                 "plane(0,-1,0, 0,1,0)"}));
   EXPECT_EQ(o.holds, std::vector<std::string>{"x<1%: xz"});
-  EXPECT_EQ(o.tractions, std::vector<std::string>{"x>99%: 0,-1000,0"});
+  EXPECT_EQ(o.tractions, (std::vector<std::string>{"x>99%: 0,-1000,0", "z>99%: -2000"}));
   EXPECT_EQ(o.moves, (std::vector<std::string>{"y<1%: shift 0:0,0,0; 1:0,0.5,0",
                                                "y>99%: turn(0,1,0, 0,0,1) 0:0; 2:0.5"}));
   EXPECT_DOUBLE_EQ((*o.gravity)[2], -9.80665);

@@ -50,8 +50,11 @@ void boundary(std::string_view text) {
   const int kind = uint8_t(text[0]) % 3;
   text.remove_prefix(1);
   if (kind == 0) parse_hold(text);
-  if (kind == 1)
-    for (const double f : parse_traction(text).force) require_finite(f);
+  if (kind == 1) {
+    const TractionOption traction = parse_traction(text);
+    for (const double f : traction.force) require_finite(f);
+    require_finite(traction.pressure.value_or(0));
+  }
   if (kind == 2)
     for (const PathKey& key : parse_move(text).path)
       for (const double x : key.offset) require_finite(x);

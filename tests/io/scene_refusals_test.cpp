@@ -50,7 +50,12 @@ TEST(SceneFile, RefusesTablesThatContradictThemselves) {
   expect_says(refusal("[[hold]]\naxes = 'x'\n"), "'hold': needs select");
   expect_says(refusal("[[hold]]\nselect = 'all'\n"), "'hold': needs axes");
   expect_says(refusal("[[hold]]\nselect = 'all'\naxes = 'xw'\n"), "known are x, y, z, xy");
-  expect_says(refusal("[[traction]]\nselect = 'all'\n"), "'traction': needs force");
+  const std::string traction = "[[traction]]\nselect = 'all'\n";
+  expect_says(refusal("[[traction]]\npressure = 1\n"), "'traction': needs select");
+  expect_says(refusal(traction), "'traction': needs one of force and pressure");
+  expect_says(refusal(traction + "force = [0, 0, 1]\npressure = 1\n"), "one of force and pressure");
+  expect_says(refusal(traction + "pressure = '1 N'\n"), "known are Pa");
+  expect_says(refusal(traction + "pressure = [0, 0, 1]\n"), "'traction.pressure'");
   const std::string move = "[[move]]\nselect = 'all'\n", path = "path = [[0,0,0,0]]\n";
   const std::string axis = "turn_centre = [0,0,0]\nturn_axis = [0,0,1]\n";
   expect_says(refusal("[[move]]\n" + path), "'move': needs select");

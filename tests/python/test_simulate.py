@@ -89,6 +89,16 @@ class Static(Simulate):
                 expected = lower + (rest - lower) * [stretch, lateral, lateral]
                 np.testing.assert_allclose(x, expected, rtol=0, atol=1e-6 * EDGES[0])
 
+    def test_a_pressure_is_a_force_on_a_flat_face(self) -> None:
+        area, pressure = EDGES[1] * EDGES[2], -0.1 * YOUNG
+        for element in ("voxel", "tet10"):
+            ends = [self.done(*SYMMETRY, "--traction", f"x>100%: {load}", "--static",
+                              element=element)[1]
+                    for load in (f"{-pressure * area!r},0,0", f"{pressure / 1e3!r} kPa")]
+            np.testing.assert_allclose(ends[1], ends[0], rtol=0, atol=1e-9 * EDGES[0])
+        self.refused(self.simulate("--static", "--pin", "x<0%", "--traction", "x>100%: 1 N"),
+                     "--traction 'x>100%: 1 N'", "known are Pa")
+
     def test_its_files_say_what_it_was(self) -> None:
         rest, _ = self.done(*SYMMETRY, "--traction", "x>100%: 100,0,-3 N", "--static",
                             element="tet10")
@@ -120,6 +130,19 @@ class Static(Simulate):
         self.assertGreater(factor, 1 / np.e / 0.5 - 2e-3)
         with h5py.File(self.state) as file:
             self.assertAlmostEqual(file["steps/time"][1], factor, delta=1e-4)
+
+    def test_a_piece_that_nothing_holds_is_named(self) -> None:
+        corners, faces = turned_box(EDGES, (0, 0, 1), 0)
+        write_obj(self.source, np.concatenate([corners, corners + [0, 0, 1]]),
+                  faces + [[v + len(corners) for v in face] for face in faces])
+        held = ("--static", "--pin", "z<0%", "--hold", "z>100%: y")
+        done = self.simulate(*held)
+        self.assertEqual(done.code, 0, done.err)  # nothing pulls at it
+        self.assertIn("warning: --static: nothing holds the piece of 45 nodes in -0.2..0.2, "
+                      "-0.1..0.1, 0.9..1.1 m along x, z\n", done.err)
+        self.assertEqual(done.err.count("nothing holds"), 1)
+        self.refused(self.simulate(*held, "--strict"), "--strict", "nothing holds the piece")
+        self.assertNotIn("nothing holds", self.simulate(*held, "--hold", "z>100%: xyz").err)
 
     def test_what_statics_cannot_do_is_refused(self) -> None:
         self.refused(self.simulate("--static", "--pin", "x<0%", "--floor"), "--floor")

@@ -223,6 +223,21 @@ class Refusals(Tets):
         self.refused(self.simulate(source, "--static", "--pin", "x<0%"), 3, "bent.msh: ",
                      "element ")
 
+    def test_a_resolution_means_nothing_and_a_warning_says_so(self) -> None:
+        source, held = write_msh(self.folder / "bar.msh", bar()), ("--static", "--pin", "x<0%")
+        self.assertNotIn("mean nothing", self.simulate(source, *held).err)
+        for option in (("--h", 0.1), ("--voxels", 48)):
+            done = self.simulate(source, *held, *option)
+            self.assertEqual(done.code, 0, done.err)
+            self.assertIn(f"warning: --voxels and --h mean nothing: {source} has", done.err)
+            self.refused(self.simulate(source, *held, *option, "--strict"), 2, "mean nothing")
+        resolved = run("simulate", source, *held, "-o", self.folder / "a.glb", "--print-resolved")
+        scene = self.folder / "again.json"
+        scene.write_text(resolved.out)
+        again = run("simulate", "--scene", scene, "--static", "--quiet")
+        self.assertEqual(again.code, 0, again.err)
+        self.assertNotIn("mean nothing", again.err)
+
     def test_an_element_that_the_file_does_not_have_is_refused(self) -> None:
         linear = write_msh(self.folder / "linear.msh", bar())
         curved = write_msh(self.folder / "curved.msh", quadratic(bar((2, 1, 1))))

@@ -11,8 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from command import Floats
-
+Floats = NDArray[np.float64]
 EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))  # of the middles, in the order of VTK
 GMSH = (0, 1, 2, 3, 4, 5, 6, 7, 9, 8)  # Gmsh has the middles of 23 and 13 the other way round
 

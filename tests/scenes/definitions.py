@@ -28,7 +28,8 @@ def scene_files(stems: Sequence[str]) -> list[str]:
     for stem in stems:
         text = (ROOT / folder / f"{stem}.toml").read_text()
         paths.append(f"{folder}/{stem}.toml")
-        paths.append(f"{folder}/" + text.partition('file = "')[2].partition('"')[0])
+        if shape := text.partition('file = "')[2].partition('"')[0]:
+            paths.append(f"{folder}/{shape}")
     return sorted(set(paths))
 
 

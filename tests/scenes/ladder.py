@@ -4,9 +4,9 @@
 
     tests/scenes/ladder.py --binary build/cpu/elastogen [--json FILE] [--short] [--only TEXT ...]
 
-Rows: ladder_statics.py, ladder_dynamics.py; scene files: tests/scenes/verification. A line a row:
-what it reads from the state files, how far that is from the reference, and what is allowed. Ends
-with n/m and the rows that failed; exit status 1 if there is one."""
+Rows: ladder_statics.py, ladder_dynamics.py, ladder_classics.py; scene files:
+tests/scenes/verification. A line a row: what it reads from the state files, how far that is from
+the reference, and what is allowed. Ends with n/m and the rows that failed; exit status 1 if there is one."""
 
 from __future__ import annotations
 
@@ -17,14 +17,17 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
+from classic_meshes import written
 from definitions import definitions_hash, scene_files
+from ladder_classics import CLASSICS
 from ladder_dynamics import DYNAMICS
 from ladder_row import Row, scene_path
 from ladder_statics import STATICS
 from runs import Finished, run_scene
 
-ROWS = [*STATICS, *DYNAMICS]
-MODULES = ("ladder", "ladder_row", "ladder_statics", "ladder_dynamics", "runs")
+ROWS = [*STATICS, *DYNAMICS, *CLASSICS]
+MODULES = ("classic_meshes", "ladder", "ladder_classics", "ladder_dynamics", "ladder_row",
+           "ladder_statics", "runs")
 PAST = 5400  # [s] after which a run is killed
 
 
@@ -41,9 +44,20 @@ class Runs:
         words = (row.verb, row.scene, *row.options, *options)
         if words not in self.made:
             folder = self.folder / str(len(self.made))
-            self.made[words] = run_scene(self.binary, verb, scene_path(row.scene),
-                                         [*flags, *row.options, *options], folder, PAST)
+            folder.mkdir()
+            given = self.with_meshes([*flags, *row.options, *options], folder)
+            self.made[words] = run_scene(self.binary, verb, scene_path(row.scene), given, folder,
+                                         PAST)
         return self.made[words]
+
+    @staticmethod
+    def with_meshes(options: list[str], folder: Path) -> list[str]:
+        """The same with "mesh:NAME" written to the folder, and the words that belong to it."""
+        given: list[str] = []
+        for word in options:
+            name = word.removeprefix("mesh:")
+            given += [word] if name == word else written(name, folder / "body.msh")
+        return given
 
 
 def judge(row: Row, runs: list[Finished]) -> dict[str, Any]:
@@ -90,7 +104,7 @@ def main() -> int:
             entries.append(judge(row, made))
             print(line(entries[-1], sum(run.seconds for run in made)), flush=True)
     if chosen.json:
-        files = [f"tests/scenes/{name}.py" for name in MODULES]
+        files = ["tests/python/tet_mesh.py", *(f"tests/scenes/{name}.py" for name in MODULES)]
         files += scene_files(sorted({row.scene for row in ROWS}))
         stamp = {"files": files, "sha256": definitions_hash(files)}
         chosen.json.write_text(json.dumps({"definitions": stamp, "rows": entries}, indent=1) + "\n")

@@ -19,7 +19,8 @@ Options = tuple[str, ...]
 class Row:
     """A quantity with its references; one number a run unless `measure` says otherwise.
 
-    `sweep` holds the options that differ from run to run, `reference` numbers as `measure` gives
+    `sweep` holds the options that differ from run to run ("mesh:NAME" stands for a body of
+    classic_meshes.py and the options that select its faces), `reference` numbers as `measure` gives
     them, which must agree within `tolerance`, an absolute difference, or a relative one where
     `relative`. `bound`: the reference may not be exceeded by more than the tolerance, that is all.
     """
