@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""Writes the tables of docs/*.md that come from docs/results/*.json, in place.
+"""Writes the tables of docs/*.md that come from docs/results/*.json and from the model cards of
+network/weights, in place.
 
     docs/generate.py            writes them
     docs/generate.py --check    exit status 1, naming the place, if a table is not what the results
@@ -21,6 +22,7 @@ from typing import Any
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tests" / "scenes"))
 from definitions import definitions_hash  # noqa: E402
+from fit_tables import fits  # noqa: E402
 from paper_tables import TABLES as PAPER_TABLES  # noqa: E402
 
 RESULTS = ROOT / "docs" / "results"
@@ -211,7 +213,8 @@ TABLES: dict[str, Callable[[], str]] = {"accuracy": accuracy, "peers": peers,
                                     "discretisation": discretisation, "curved": curved,
                                     "real shape": real_shape,
                                     "time to error": time_to_error, "sweeps": sweeps,
-                                    "ladder": ladder, "scene stress": scene_stress} | {
+                                    "ladder": ladder, "scene stress": scene_stress,
+                                    "fits": lambda: table(*fits())} | {
     f"study {name}": (lambda n=name: study(n)) for name in STUDIES} | {
     f"bench {name}": (lambda n=name: bench(n)) for name in ("error time", "kernels", "start")} | {
     name: (lambda lines=lines: table(*lines())) for name, lines in PAPER_TABLES.items()}

@@ -41,7 +41,7 @@ struct StateHeader {
   double fps = 60;
   std::string solver;               ///< "quasi", "newton", "paper" or "fem"
   std::string element = "voxel";    ///< of finite elements
-  std::string scheme;               ///< "newmark", "static"; empty: that of the scene
+  std::string scheme = {};          ///< "newmark", "static"; empty: that of the scene
   double tolerance = 1e-3;          ///< of the residual [-]
   std::string energy = "analytic";  ///< what gives the stress
   std::vector<StateNet> nets = {};  ///< of each material; empty: analytic

@@ -100,8 +100,8 @@ std::shared_ptr<const LearnedLaw> read_weights(std::string_view bytes, const std
   ELASTOGEN_CHECK_ASSET(fitted == poisson, place, ": weights of Poisson ratio ", fitted, ", not ",
                         poisson);
   const FitErrors errors{
-      card_number(file, "error.stress_median", place), card_number(file, "error.stress_p99", place),
-      card_number(file, "error.stress_max", place), card_number(file, "error.tangent_p99", place)};
+      card_number(file, "error.stress.median", place), card_number(file, "error.stress.p99", place),
+      card_number(file, "error.stress.max", place), card_number(file, "error.tangent.p99", place)};
   ELASTOGEN_CHECK_ASSET(within(errors), place, ": the fit is not good enough: stress errors ",
                         errors.stress_median, " / ", errors.stress_p99, " / ", errors.stress_max,
                         ", tangent ", errors.tangent_p99);

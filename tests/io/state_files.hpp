@@ -134,8 +134,11 @@ class StateWriterTest : public testing::Test {
   }
 
   fs::path folder, path;
-  StateHeader header = {30,   "quasi",    "voxel",  "",
-                        2e-3, "analytic", "abc123", {{"distance", 0.0625}}};
+  StateHeader header = {.fps = 30,
+                        .solver = "quasi",
+                        .tolerance = 2e-3,
+                        .commit = "abc123",
+                        .contact = {{"distance", 0.0625}}};
   hid_t file = -1;
 };
 

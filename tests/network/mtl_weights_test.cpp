@@ -16,10 +16,10 @@ TensorFile sample() {
   TensorFile file;
   file.text = {{"law", "hencky"},
                {"poisson", "0.3"},
-               {"error.stress_median", "1e-4"},
-               {"error.stress_p99", "1e-3"},
-               {"error.stress_max", "0.01"},
-               {"error.tangent_p99", "0.002"}};
+               {"error.stress.median", "1e-4"},
+               {"error.stress.p99", "1e-3"},
+               {"error.stress.max", "0.01"},
+               {"error.tangent.p99", "0.002"}};
   file.tensors.push_back({"neural_mtl",
                           {NeuralMtl::kParameters},
                           std::vector<float>(size_t(NeuralMtl::kParameters), 0.0f)});
@@ -58,14 +58,14 @@ TEST(MtlWeights, RefusesWhatIsOfAnotherMaterialOrNotGoodEnough) {
   file.text["poisson"] = "0.31";
   expect_words(file, "Poisson ratio 0.31");
   file = sample();
-  file.text["error.stress_max"] = "0.03";
+  file.text["error.stress.max"] = "0.03";
   expect_words(file, "not good enough");
-  file.text["error.stress_max"] = "nan";
+  file.text["error.stress.max"] = "nan";
   expect_words(file, "not good enough");
-  file.text["error.stress_max"] = "small";
+  file.text["error.stress.max"] = "small";
   expect_words(file, "no number");
-  file.text.erase("error.stress_max");
-  expect_words(file, "has no 'error.stress_max'");
+  file.text.erase("error.stress.max");
+  expect_words(file, "has no 'error.stress.max'");
   file = sample();
   file.tensors[0].shape = {NeuralMtl::kParameters - 1};
   file.tensors[0].values.pop_back();

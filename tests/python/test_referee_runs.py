@@ -46,6 +46,14 @@ def cases() -> Case:
     paper = ("--law", "neo-hookean", *SOFT, "--solver", "paper", "--modes", "18", *HELD)
     result["paper"] = paper  # drafts, whose residuals must be right all the same
     result["paper as printed"] = (*paper, "--hourglass", "off", "--fps", "2000")
+    learned = ("--energy", "neural", "--young", "1e5", "--poisson", "0.4", "--density", "1000")
+    result["net"] = ("--law", "neo-hookean", *learned, "--solver", "newton", *HELD)
+    result["net bdf2"] = ("--law", "hencky", *learned, "--time-scheme", "bdf2", *THROWN)
+    result["net without table"] = ("--law", "stable-neo-hookean", *learned, "--no-skip", *HELD)
+    result["net, paper"] = ("--law", "fixed-corotated", *learned, "--solver", "paper",
+                            "--modes", "18", *HELD)
+    result["net far from rest"] = ("--law", "neo-hookean", *learned, "--pin", "x<8%",
+                                   "--gravity", "3000,0,0", "--fps", "240")
     result["without shortcuts"] = ("--law", "stable-neo-hookean", *SOFT, "--no-skip", *THROWN)
     return result
 

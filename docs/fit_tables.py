@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The table of fits, read from the model cards of network/weights (docs/formats.md, weights)."""
+
+from __future__ import annotations
+
+import hashlib
+import struct
+from pathlib import Path
+
+WEIGHTS = Path(__file__).resolve().parents[1] / "network" / "weights"
+
+
+def model_card(path: Path) -> dict[str, str]:
+    """The texts of a file of tensors, whose seal is checked."""
+    data = path.read_bytes()
+    if data[:16] != b"elastogen-tensor" or hashlib.sha256(data[:-32]).digest() != data[-32:]:
+        raise SystemExit(f"{path}: not a file of tensors, or changed")
+    at, card = 24, {}
+
+    def text() -> str:
+        nonlocal at
+        size = struct.unpack_from("<I", data, at)[0]
+        at += 4 + size
+        return data[at - size:at].decode()
+
+    for _ in range(struct.unpack_from("<I", data, 20)[0]):
+        name = text()
+        card[name] = text()
+    return card
+
+
+def fits() -> tuple[list[str], list[list[str]]]:
+    """Head and rows: a law and Poisson ratio each, errors in per cent."""
+    cards = [model_card(path) for path in WEIGHTS.glob("*.weights")]
+    cards.sort(key=lambda card: (card["law"], float(card["poisson"])))
+    errors = ("stress.median", "stress.p99", "stress.max", "tangent.p99")
+    rows = [[card["law"], card["poisson"],
+             *(f"{100 * float(card['error.' + name]):.3f}" for name in errors)] for card in cards]
+    return ["law", "nu", "stress, median [%]", "p99 [%]", "largest [%]", "tangent, p99 [%]"], rows
