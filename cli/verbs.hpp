@@ -28,6 +28,9 @@ int doctor(const DoctorTask& task);
 /// study.html (docs/study.md), of the runs so far after a signal. @return the exit code.
 int study(const StudyTask& task);
 
+/// Fits NeuralMTLs by the library elastogen_learn and writes their weights. @return the exit code.
+int train(const TrainTask& task);
+
 /// Prints the presets. @return the exit code.
 int materials(const MaterialsTask& task);
 

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "training/fit_neural_mtl.hpp"
+
+#include "core/elastic_law.hpp"
+#include "core/error.hpp"
+#include "tests/training/scalar_mtl.hpp"
+#include "training/fit_report.hpp"
+#include "training/strain_sampler.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+
+namespace elastogen {
+namespace {
+
+const std::vector<FitMaterial> kTwo = {fit_material("neo-hookean", 0.3), fit_material("stvk", 0.1)};
+
+FitOptions small_fit(int64_t steps) {
+  FitOptions options;
+  options.steps = steps;
+  options.samples = 48;
+  options.warm_up = 20;
+  return options;
+}
+
+Array<float> start(size_t nets) {
+  const std::vector<float> one = initial_weights(FitOptions().seed);
+  Array<float> weights(int64_t(nets), kMtlParameters);
+  for (size_t n = 0; n < nets; ++n) std::copy(one.begin(), one.end(), weights.row(int64_t(n)));
+  return weights;
+}
+
+class FitNeuralMtl : public testing::Test {
+ protected:
+  const std::string checkpoint = testing::TempDir() + "fit_neural_mtl_test.part";
+  void SetUp() override { std::filesystem::remove(checkpoint); }
+  void TearDown() override { std::filesystem::remove(checkpoint); }
+};
+
+TEST_F(FitNeuralMtl, ShrinksTheErrorsOfTheStart) {
+  ReportOptions few;
+  few.strains = 500;
+  const auto before = fit_reports(kTwo, start(2), few);
+  const FitOutcome outcome = fit_neural_mtl(kTwo, small_fit(250));
+  const auto after = fit_reports(kTwo, outcome.weights, few);
+  EXPECT_EQ(outcome.steps, 250);
+  for (size_t n = 0; n < 2; ++n) {
+    EXPECT_LT(after[n].stress_median, before[n].stress_median / 10);
+    EXPECT_LT(after[n].stress_p99, before[n].stress_p99 / 5);
+    EXPECT_LT(after[n].tangent_p99, before[n].tangent_p99 / 5);
+    EXPECT_FALSE(before[n].passes());
+  }
+}
+
+TEST_F(FitNeuralMtl, RepeatsItsBits) {
+  const Array<float> first = fit_neural_mtl(kTwo, small_fit(25)).weights;
+  EXPECT_EQ(fit_neural_mtl(kTwo, small_fit(25)).weights, first);
+  FitOptions other = small_fit(25);
+  other.seed = 2;
+  EXPECT_NE(fit_neural_mtl(kTwo, other).weights, first);
+}
+
+TEST_F(FitNeuralMtl, GoesOnAfterAStopWithTheSameBits) {
+  FitOptions options = small_fit(25);
+  const Array<float> whole = fit_neural_mtl(kTwo, options).weights;
+  options.checkpoint = checkpoint;
+  options.resume = true;
+  for (const int64_t until : {7, 18, 25}) {
+    int64_t asked = 0;
+    FitHooks hooks;
+    const int64_t begin = until == 7 ? 0 : until == 18 ? 7 : 18;
+    hooks.stopped = [&] { return begin + asked++ == until; };
+    const FitOutcome part = fit_neural_mtl(kTwo, options, hooks);
+    EXPECT_EQ(part.steps, until);
+    if (until == 25) EXPECT_EQ(part.weights, whole);
+  }
+}
+
+TEST_F(FitNeuralMtl, RefusesTheCheckpointOfAnotherFit) {
+  FitOptions options = small_fit(3);
+  options.checkpoint = checkpoint;
+  fit_neural_mtl(kTwo, options);
+  options.resume = true;
+  FitOptions other = options;
+  other.seed = 9;
+  EXPECT_THROW(fit_neural_mtl(kTwo, other), Error);
+  EXPECT_THROW(fit_neural_mtl({kTwo[0]}, options), Error);
+  std::filesystem::resize_file(checkpoint, std::filesystem::file_size(checkpoint) / 2);
+  EXPECT_THROW(fit_neural_mtl(kTwo, options), Error);
+}
+
+TEST_F(FitNeuralMtl, RejectsWhatItsDocumentationForbids) {
+  EXPECT_THROW(fit_neural_mtl({}, small_fit(3)), Error);
+  EXPECT_THROW(fit_neural_mtl(kTwo, small_fit(0)), Error);
+  FitOptions options = small_fit(3);
+  options.device = "tpu";
+  EXPECT_THROW(fit_neural_mtl(kTwo, options), Error);
+}
+
+TEST(FitReport, StatesTheErrorsOfTheFormulas) {
+  // random weights, few strains: the energy and the stress by differences in double
+  const std::vector<FitMaterial> material = {fit_material("neo-hookean", 0.4)};
+  const FitMaterial& m = material[0];
+  const std::vector<float> weights = initial_weights(FitOptions().seed);
+  ReportOptions options;
+  options.strains = 40;
+  const Array<double> e = sample_strains(kDeclaredBox, options.seed, 0, options.strains);
+  const LawParameters<double> law{Law::kNeoHookean, m.mu(), m.lambda()};
+  const double modulus = 2 * m.mu() + m.lambda();
+  std::vector<double> stress;
+  double energy = 0;
+  for (int64_t n = 0; n < options.strains; ++n) {
+    const Vec3 s = {std::exp(e(n, 0)), std::exp(e(n, 1)), std::exp(e(n, 2))};
+    const Response<double> r = elastic_response<false>(law, s.data());
+    double miss = 0, size = 0;
+    for (int i = 0; i < 3; ++i) {
+      miss += std::pow(test::stress(weights, m.poisson, s, i) - r.t[i], 2);
+      size += r.t[i] * r.t[i];
+    }
+    stress.push_back(std::sqrt(miss) / (std::sqrt(size) + 1e-4 * modulus));
+    energy = std::max(
+        energy, std::abs(test::psi(weights, m.poisson, s) - r.psi) / (r.psi + 1e-6 * modulus));
+  }
+  std::sort(stress.begin(), stress.end());
+  const FitReport report = fit_reports(material, start(1), options)[0];
+  EXPECT_NEAR(report.stress_median, stress[19], 1e-3 * stress[19]);
+  EXPECT_NEAR(report.stress_max, stress[39], 1e-3 * stress[39]);
+  EXPECT_NEAR(report.stress_p99, stress[39], 1e-3 * stress[39]);
+  EXPECT_NEAR(report.energy_max, energy, 1e-3 * energy);
+  EXPECT_EQ(report.strains, 40);
+}
+
+TEST(FitReport, CountsWhatIsNoNumberAsInfinite) {
+  Array<float> weights = start(1);
+  weights(0, 500) = std::nanf("");
+  ReportOptions options;
+  options.strains = 10;
+  const FitReport report = fit_reports({kTwo[0]}, weights, options)[0];
+  EXPECT_EQ(report.stress_median, std::numeric_limits<double>::infinity());
+  EXPECT_FALSE(report.passes());
+}
+
+TEST(FitReport, NeedsARowOfWeightsAMaterial) {
+  EXPECT_THROW(fit_reports(kTwo, start(1)), Error);
+}
+
+}  // namespace
+}  // namespace elastogen

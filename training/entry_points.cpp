@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "training/entry_points.hpp"
+
+#include "training/train_mtl.hpp"
+
+#include <cstdio>
+#include <exception>
+#include <new>
+
+namespace elastogen {
+namespace {
+
+void fail(LearnReply& reply, ErrorKind kind, const char* message) {
+  reply.failed = 1;
+  reply.kind = kind;
+  std::snprintf(reply.error, sizeof reply.error, "%s", message);
+}
+
+/// Runs a task; what it throws goes into the reply.
+template <class Task>
+int guarded(LearnReply& reply, const Task& task) {
+  try {
+    return int(task());
+  } catch (const Error& error) {
+    fail(reply, error.kind(), error.what());
+  } catch (const std::bad_alloc&) {
+    fail(reply, ErrorKind::kResources, "out of memory; fewer materials or samples need less");
+  } catch (const std::exception& error) {  // libtorch's errors end in the place they came from
+    fail(reply, ErrorKind::kResources, error.what());
+  }
+  return 0;
+}
+
+TrainMtl from(const TrainMtlTask& task) {
+  TrainMtl result;
+  result.law = task.law, result.poisson = task.poisson;
+  result.list = task.list, result.out = task.out;
+  result.fit.steps = task.steps, result.fit.samples = task.samples;
+  result.fit.seed = task.seed, result.fit.rate = task.rate;
+  result.fit.device = task.device;
+  result.fit.resume = task.resume != 0;
+  return result;
+}
+
+}  // namespace
+}  // namespace elastogen
+
+extern "C" {
+
+[[gnu::visibility("default")]] int elastogen_learn_version() {
+  return elastogen::kLearnVersion;
+}
+
+[[gnu::visibility("default")]] int elastogen_train_mtl(const elastogen::TrainMtlTask* task,
+                                                       elastogen::LearnReply* reply) {
+  using namespace elastogen;
+  return guarded(*reply, [&] {
+    FitHooks hooks;
+    hooks.say = [&](const std::string& line) { reply->say(reply->self, line.c_str()); };
+    hooks.stopped = [&] { return reply->stopped(reply->self) != 0; };
+    return train_mtl(from(*task), hooks);
+  });
+}
+}

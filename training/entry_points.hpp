@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the shared library elastogen_learn exports: C functions, no type of libtorch, no exception.
+
+#pragma once
+
+#include "network/learn_library.hpp"
+
+extern "C" {
+
+/// Version of the tasks that this library takes: kLearnVersion of its build.
+int elastogen_learn_version();
+
+/// The task of `elastogen train mtl` (training/train_mtl.hpp).
+int elastogen_train_mtl(const elastogen::TrainMtlTask* task, elastogen::LearnReply* reply);
+}

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a NeuralMTL is fitted to: a weighted sum of laws at one Poisson ratio. Stiffness scales out,
+// so Young's modulus is 1; all terms share mu and lambda, and the weights sum to 1.
+
+#pragma once
+
+#include "core/elastic_law.hpp"
+
+#include <string>
+#include <vector>
+
+namespace elastogen {
+
+inline constexpr int kMtlParameters = 17153;  ///< 3 -> 128 -> 128 -> 1 with biases
+inline constexpr int kMaxLawTerms = 5;
+
+struct LawTerm {
+  Law law = Law::kNeoHookean;
+  double weight = 1;
+};
+
+struct FitMaterial {
+  std::string name;
+  std::vector<LawTerm> terms;
+  double poisson = 0;
+
+  double mu() const { return 1 / (2 * (1 + poisson)); }                            ///< [E]
+  double lambda() const { return poisson / ((1 + poisson) * (1 - 2 * poisson)); }  ///< [E]
+};
+
+/// The same, as the loops over strains take it.
+struct TargetLaw {
+  LawParameters<double> law[kMaxLawTerms];
+  double weight[kMaxLawTerms];
+  int terms;
+};
+
+TargetLaw target_law(const FitMaterial& material);
+
+/// Terms of a text like "neo-hookean" or "0.3*neo-hookean+0.7*stvk".
+/// @throws Error on unknown laws, more than 5 terms, weights not above 0 or not of sum 1.
+std::vector<LawTerm> law_terms(const std::string& text);
+
+/// The text of which law_terms makes these terms.
+std::string law_text(const std::vector<LawTerm>& terms);
+
+/// Materials of a text of lines "name, law, nu"; # starts a comment.
+/// @param source  name for messages. @throws Error (asset) naming the line; names occur once.
+std::vector<FitMaterial> read_fit_materials(const std::string& text, const std::string& source);
+
+/// One material, named after its law and Poisson ratio. @throws Error unless 0 <= nu <= 0.499.
+FitMaterial fit_material(const std::string& law, double poisson);
+
+}  // namespace elastogen

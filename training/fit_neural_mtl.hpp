@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// Fits NeuralMTLs to laws, many at once, all from one random start on the same strains, so that
+// weights of like materials are alike. Per net, with the errors of fit_problem_torch.hpp:
+//
+//   mean stress^2 + 0.1 mean tangent^2 + 0.1 mean clip(energy, -3, 3)^2
+//
+// by SOAP (soap_torch.hpp), whose rate rises over the first steps and falls to 0 as a cosine.
+
+#pragma once
+
+#include "core/array.hpp"
+#include "training/fit_material.hpp"
+
+#include <functional>
+#include <span>
+
+namespace elastogen {
+
+struct FitOptions {
+  int64_t steps = 3000;
+  int64_t samples = 512;  ///< strains a step; the tangent is fitted on a third of them
+  uint64_t seed = 1;      ///< of the start and of the strains
+  double rate = 3e-3;     ///< the largest
+  int64_t warm_up = 200;  ///< steps over which it rises
+  std::string device = "cpu";
+  std::string checkpoint;           ///< file; empty: none
+  int64_t checkpoint_steps = 1000;  ///< between two of them
+  bool resume = false;              ///< from the checkpoint, where there is one
+};
+
+/// What a long run tells and asks.
+struct FitHooks {
+  std::function<void(const std::string&)> say = [](const std::string&) {};
+  std::function<bool()> stopped = [] { return false; };
+};
+
+struct FitOutcome {
+  Array<float> weights;  ///< (materials, 17153): W1 b1 W2 b2 w3 b3, row-major
+  int64_t steps = 0;     ///< done, of all steps; fewer when stopped
+  double seconds = 0;    ///< of this run
+};
+
+/// On CPUs the same bits in every run with the same number of threads, resumed or not.
+/// @throws Error (usage) on empty lists and counts that are not positive, (asset) on a checkpoint
+///         of other materials or options, (resources) when files cannot be written.
+FitOutcome fit_neural_mtl(const std::vector<FitMaterial>& materials, const FitOptions& options,
+                          const FitHooks& hooks = {});
+
+/// The random start of a seed, (17153): uniform within 1/sqrt(inputs) of each layer, b3 = 0.
+std::vector<float> initial_weights(uint64_t seed);
+
+}  // namespace elastogen

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// How far nets are from the laws they stand for, relative and without a scale: what fits make small
+// and what reports state.
+
+#pragma once
+
+#include "training/neural_mtl_torch.hpp"
+
+namespace elastogen {
+
+/// Errors of nets at strains, with M = 2 mu + lambda.
+struct StrainErrors {
+  at::Tensor stress;   ///< [ |t_theta - t| / (|t| + 1e-4 M) ]^2, (nets, strains)
+  at::Tensor tangent;  ///< [ |H_theta - H| / |H| ]^2, Frobenius, (nets, second)
+  at::Tensor energy;   ///< (psi_theta - psi) / (psi + 1e-6 M), (nets, strains)
+};
+
+/// Materials on a device, one net each.
+class FitProblem {
+ public:
+  FitProblem(const std::vector<FitMaterial>& materials, at::Device device);
+
+  /// Errors at principal log stretches e, (strains, 3), of the first `second` also in the tangent.
+  StrainErrors errors(const MtlNets& nets, const Array<double>& e, int64_t second) const;
+
+ private:
+  MtlResponse targets(const Array<double>& e, int64_t second) const;
+
+  at::Device device_;
+  int64_t count_;
+  MtlAnchors anchors_;
+  at::Tensor laws_;     // the bytes of TargetLaw
+  at::Tensor modulus_;  // M, (nets, 1)
+};
+
+/// The device of that name, "cpu" or "cuda". @throws Error unless it is here.
+at::Device fit_device(const std::string& name);
+
+}  // namespace elastogen

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// Errors of fitted weights on strains that no fit has seen, in the declared box.
+
+#pragma once
+
+#include "core/array.hpp"
+#include "training/fit_material.hpp"
+
+#include <string>
+
+namespace elastogen {
+
+/// Relative errors with M = 2 mu + lambda. The moduli at rest are exact for any weights.
+struct FitReport {
+  double stress_median = 0;  ///< |t_theta - t| / (|t| + 1e-4 M)
+  double stress_p99 = 0, stress_max = 0;
+  double tangent_p99 = 0;  ///< |H_theta - H|_F / |H|_F
+  double energy_max = 0;   ///< |psi_theta - psi| / (psi + 1e-6 M)
+  int64_t strains = 0;
+
+  /// Whether the fit may stand for the law: stress within 0.1 % (median), 0.5 % (99 of 100 strains)
+  /// and 2 % (all), tangent within 2 % (99 of 100).
+  bool passes() const {
+    return stress_median <= 1e-3 && stress_p99 <= 5e-3 && stress_max <= 2e-2 && tangent_p99 <= 2e-2;
+  }
+};
+
+struct ReportOptions {
+  int64_t strains = 20000;
+  uint64_t seed = 0x6865'6c64'6f75'7421;  ///< of no fit
+  std::string device = "cpu";
+};
+
+/// Reports of weights (materials, 17153), one a material. Errors that are no numbers count as
+/// infinite. @throws Error unless there is a row of weights a material.
+std::vector<FitReport> fit_reports(const std::vector<FitMaterial>& materials,
+                                   const Array<float>& weights, const ReportOptions& options = {});
+
+}  // namespace elastogen
