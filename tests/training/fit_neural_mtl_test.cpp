@@ -74,7 +74,9 @@ TEST_F(FitNeuralMtl, GoesOnAfterAStopWithTheSameBits) {
     hooks.stopped = [&] { return begin + asked++ == until; };
     const FitOutcome part = fit_neural_mtl(kTwo, options, hooks);
     EXPECT_EQ(part.steps, until);
-    if (until == 25) EXPECT_EQ(part.weights, whole);
+    if (until == 25) {
+      EXPECT_EQ(part.weights, whole);
+    }
   }
 }
 
