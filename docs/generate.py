@@ -202,6 +202,15 @@ def real_shape() -> str:
         f"the first by {100 * r['reference_change']:.1g} % of the deformation.")
 
 
+def neural() -> str:
+    """Nets in the place of laws, beside the law and beside finite elements."""
+    return table(["scene", "law", "nu", "table to law", "net to law", "table to finite elements",
+                  "Newton steps, law", "table"],
+                 [[r["scene"], r["law"], str(r["poisson"]), f"{r['to_law']:.1e}",
+                   f"{r['net_to_law']:.1e}", f"{r['to_fem']:.1e}", str(r["steps_law"]),
+                   str(r["steps_net"])] for r in read("neural")["rows"]])
+
+
 def bench(name: str) -> str:
     """A table of bench/results.py."""
     result = read("benchmarks")["tables"][name]
@@ -214,7 +223,7 @@ TABLES: dict[str, Callable[[], str]] = {"accuracy": accuracy, "peers": peers,
                                     "real shape": real_shape,
                                     "time to error": time_to_error, "sweeps": sweeps,
                                     "ladder": ladder, "scene stress": scene_stress,
-                                    "fits": lambda: table(*fits())} | {
+                                    "fits": lambda: table(*fits()), "neural": neural} | {
     f"study {name}": (lambda n=name: study(n)) for name in STUDIES} | {
     f"bench {name}": (lambda n=name: bench(n)) for name in ("error time", "kernels", "start")} | {
     name: (lambda lines=lines: table(*lines())) for name, lines in PAPER_TABLES.items()}

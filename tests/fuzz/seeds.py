@@ -272,6 +272,17 @@ def law_seeds() -> list[bytes]:
     return [np.asarray(F, "<f8").tobytes() + bytes([k % 4]) for k, F in enumerate(matrices)]
 
 
+def tensor_seeds() -> list[bytes]:
+    """A text and two tensors, without the seal, which the harness adds."""
+    def text(words: bytes) -> bytes:
+        return struct.pack("<I", len(words)) + words
+
+    matrix = text(b"matrix") + struct.pack("<IQQ6f", 2, 2, 3, *range(6))
+    number = text(b"number") + struct.pack("<If", 0, 7.5)
+    return [b"elastogen-tensor" + struct.pack("<II", 1, 1) + text(b"law") + text(b"hencky")
+            + struct.pack("<I", 2) + matrix + number]
+
+
 def voxelize_seeds() -> list[bytes]:
     corners = bytes(b for v in POSITION for x in v
                     for b in int(32768 + 100000 * x).to_bytes(2, "big"))
@@ -303,7 +314,7 @@ def seeds_of(harness: str) -> list[bytes]:
         "assimp": lambda: [b"\3" + X_FILE, b"\4" + AC_FILE],
         "asset_stream": lambda: [stream_seed()], "tets": tet_seeds,
         "scene_toml": lambda: [TOML], "scene_json": lambda: [JSON],
-        "grammar": lambda: GRAMMAR, "law": law_seeds, "voxelize": voxelize_seeds,
+        "grammar": lambda: GRAMMAR, "law": law_seeds, "tensors": tensor_seeds, "voxelize": voxelize_seeds,
     }
     return makers[harness]() if harness in makers else []
 

@@ -45,7 +45,7 @@ class Train(unittest.TestCase):
         self.assertEqual((done.code, done.out), (4, ""), done.err)
         self.assertEqual(sorted(path.name for path in out.iterdir()),
                          ["mix.weights", "report.csv", "soft.weights"])
-        rows = list(csv.DictReader((out / "report.csv").open()))
+        rows = list(csv.DictReader((out / "report.csv").read_text().splitlines()))
         self.assertEqual([row["name"] for row in rows], ["soft", "mix"])
         for row in rows:
             self.assertGreater(float(row["stress_p99"]), float(row["stress_median"]))

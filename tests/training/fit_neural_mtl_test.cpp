@@ -39,19 +39,18 @@ class FitNeuralMtl : public testing::Test {
   void TearDown() override { std::filesystem::remove(checkpoint); }
 };
 
-TEST_F(FitNeuralMtl, ShrinksTheErrorsOfTheStart) {
-  ReportOptions few;
-  few.strains = 500;
-  const auto before = fit_reports(kTwo, start(2), few);
-  const FitOutcome outcome = fit_neural_mtl(kTwo, small_fit(250));
-  const auto after = fit_reports(kTwo, outcome.weights, few);
-  EXPECT_EQ(outcome.steps, 250);
-  for (size_t n = 0; n < 2; ++n) {
-    EXPECT_LT(after[n].stress_median, before[n].stress_median / 10);
-    EXPECT_LT(after[n].stress_p99, before[n].stress_p99 / 5);
-    EXPECT_LT(after[n].tangent_p99, before[n].tangent_p99 / 5);
-    EXPECT_FALSE(before[n].passes());
-  }
+TEST_F(FitNeuralMtl, ReachesTheLimitsFromARandomStart) {
+  const std::vector<FitMaterial> one = {fit_material("neo-hookean", 0.3)};
+  ReportOptions some;
+  some.strains = 2000;
+  EXPECT_FALSE(fit_reports(one, start(1), some)[0].passes());
+  FitOptions options = small_fit(400);
+  options.rate = 1e-2, options.warm_up = 200;
+  const FitOutcome outcome = fit_neural_mtl(one, options);
+  EXPECT_EQ(outcome.steps, 400);
+  const FitReport report = fit_reports(one, outcome.weights, some)[0];
+  EXPECT_TRUE(report.passes()) << report.stress_median << ' ' << report.stress_p99 << ' '
+                               << report.stress_max << ' ' << report.tangent_p99;
 }
 
 TEST_F(FitNeuralMtl, RepeatsItsBits) {
