@@ -274,6 +274,7 @@ CLI::App* add_train(CLI::App& app, TrainTask& task) {
       ->capture_default_str();
   mtl->add_option("--poisson", task.poisson, "Poisson's ratio, 0 to 0.499")->capture_default_str();
   mtl->add_option("--list", task.list, "file of materials instead, lines: name, law, nu");
+  mtl->add_option("--start", task.start, "weight file of a like material to begin from");
   mtl->add_option("-o,--out", task.out, "weight file; of a list a folder")->required();
   mtl->add_option("--steps", task.steps, "of the optimiser")->capture_default_str();
   mtl->add_option("--samples", task.samples, "strains a step")->capture_default_str();

@@ -112,8 +112,9 @@ struct DemoOptions {
 struct TrainTask {
   std::string law = "neo-hookean";  ///< or a sum "0.3*stvk+0.7*hencky"
   double poisson = 0.45;
-  std::string list;  ///< file of materials instead
-  std::string out;   ///< file of a single material, folder of a list
+  std::string list;   ///< file of materials instead
+  std::string start;  ///< weight file to begin from
+  std::string out;    ///< file of a single material, folder of a list
   int64_t steps = 3000, samples = 512;
   uint64_t seed = 1;
   double rate = 3e-3;

@@ -13,7 +13,7 @@ namespace elastogen {
 int train(const TrainTask& task) {
   TrainMtlTask mtl;
   mtl.law = task.law.c_str(), mtl.poisson = task.poisson;
-  mtl.list = task.list.c_str(), mtl.out = task.out.c_str();
+  mtl.list = task.list.c_str(), mtl.start = task.start.c_str(), mtl.out = task.out.c_str();
   mtl.steps = task.steps, mtl.samples = task.samples;
   mtl.seed = task.seed, mtl.rate = task.rate;
   mtl.device = task.device.c_str();

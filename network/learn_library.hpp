@@ -14,14 +14,15 @@
 namespace elastogen {
 
 /// Changes with TrainMtlTask, LearnReply and the functions.
-inline constexpr int kLearnVersion = 1;
+inline constexpr int kLearnVersion = 2;
 
 /// What `elastogen train mtl` asks of the library; texts end with a zero.
 struct TrainMtlTask {
   const char* law = "neo-hookean";  ///< of a single material, or a sum "0.3*stvk+0.7*hencky"
   double poisson = 0.45;
-  const char* list = "";  ///< file of materials instead
-  const char* out = "";   ///< file of a single material, folder of a list
+  const char* list = "";   ///< file of materials instead
+  const char* start = "";  ///< weight file to begin from
+  const char* out = "";    ///< file of a single material, folder of a list
   int64_t steps = 0, samples = 0;
   uint64_t seed = 0;
   double rate = 0;          ///< largest one of the optimiser

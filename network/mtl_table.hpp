@@ -126,6 +126,31 @@ ELASTOGEN_HD inline T gather(const float* from, const int* place, int offset) {
   }
 }
 
+/// A plane of the spline with its derivatives in x and y: the sum over 16 coefficients.
+template <class T>
+struct Plane {
+  T value, x, y, xx, yy, xy;
+};
+
+/// @param place  of each lane's first coefficient; @param row  between two rows of them.
+template <bool kHessian, class T>
+ELASTOGEN_HD inline Plane<T> plane(const float* from, const int* place, int row, const Basis<T>& bx,
+                                   const Basis<T>& by) {
+  Plane<T> p{};
+  for (int y = 0; y < 4; ++y) {
+    T q{}, qx{}, qxx{};
+    for (int x = 0; x < 4; ++x) {
+      const T c = gather<T>(from, place, y * row + x);
+      q += c * bx.value[x], qx += c * bx.first[x];
+      if constexpr (kHessian) qxx += c * bx.second[x];
+    }
+    p.value += q * by.value[y], p.x += qx * by.value[y], p.y += q * by.first[y];
+    if constexpr (kHessian)
+      p.xx += qxx * by.value[y], p.yy += q * by.second[y], p.xy += qx * by.first[y];
+  }
+  return p;
+}
+
 }  // namespace spline
 
 template <bool kHessian, class T>
@@ -145,24 +170,14 @@ LogResponse<T> MtlTable::evaluate(const T e[3]) const {
 
   LogResponse<T> r{};
   for (int z = 0; z < 4; ++z) {
-    T p{}, px{}, py{}, pxx{}, pyy{}, pxy{};  // of the plane z
-    for (int y = 0; y < 4; ++y) {
-      T q{}, qx{}, qxx{};  // of its row y
-      for (int x = 0; x < 4; ++x) {
-        const T c = spline::gather<T>(coefficients_.data(), corner, (z * n + y) * n + x);
-        q += c * b[0].value[x], qx += c * b[0].first[x];
-        if constexpr (kHessian) qxx += c * b[0].second[x];
-      }
-      p += q * b[1].value[y], px += qx * b[1].value[y], py += q * b[1].first[y];
-      if constexpr (kHessian)
-        pxx += qxx * b[1].value[y], pyy += q * b[1].second[y], pxy += qx * b[1].first[y];
-    }
-    r.psi += p * b[2].value[z];
-    r.w[0] += px * b[2].value[z], r.w[1] += py * b[2].value[z], r.w[2] += p * b[2].first[z];
+    const float* from = coefficients_.data() + size_t(z) * size_t(n) * size_t(n);
+    const spline::Plane<T> p = spline::plane<kHessian>(from, corner, n, b[0], b[1]);
+    const T bz = b[2].value[z], dz = b[2].first[z];
+    r.psi += p.value * bz;
+    r.w[0] += p.x * bz, r.w[1] += p.y * bz, r.w[2] += p.value * dz;
     if constexpr (kHessian) {
-      r.ww[0] += pxx * b[2].value[z], r.ww[1] += pyy * b[2].value[z];
-      r.ww[2] += p * b[2].second[z], r.ww[3] += pxy * b[2].value[z];
-      r.ww[4] += py * b[2].first[z], r.ww[5] += px * b[2].first[z];
+      r.ww[0] += p.xx * bz, r.ww[1] += p.yy * bz, r.ww[2] += p.value * b[2].second[z];
+      r.ww[3] += p.xy * bz, r.ww[4] += p.y * dz, r.ww[5] += p.x * dz;
     }
   }
   return r;

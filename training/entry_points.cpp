@@ -34,7 +34,7 @@ int guarded(LearnReply& reply, const Task& task) {
 TrainMtl from(const TrainMtlTask& task) {
   TrainMtl result;
   result.law = task.law, result.poisson = task.poisson;
-  result.list = task.list, result.out = task.out;
+  result.list = task.list, result.start = task.start, result.out = task.out;
   result.fit.steps = task.steps, result.fit.samples = task.samples;
   result.fit.seed = task.seed, result.fit.rate = task.rate;
   result.fit.device = task.device;

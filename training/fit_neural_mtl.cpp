@@ -2,6 +2,7 @@
 #include "training/fit_neural_mtl.hpp"
 
 #include "core/error.hpp"
+#include "core/hash.hpp"
 #include "training/fit_checkpoint.hpp"
 #include "training/fit_problem_torch.hpp"
 #include "training/soap_torch.hpp"
@@ -22,8 +23,7 @@ constexpr double kTangentWeight = 0.1, kEnergyWeight = 0.1, kEnergyClip = 3;
 constexpr int64_t kStepsOfLine = 200;  // between two lines of progress
 
 /// The start of a seed for each net.
-at::Tensor initial_block(int64_t nets, uint64_t seed, at::Device device) {
-  const std::vector<float> one = initial_weights(seed);
+at::Tensor initial_block(int64_t nets, const std::vector<float>& one, at::Device device) {
   Array<float> weights(nets, kMtlParameters);
   for (int64_t n = 0; n < nets; ++n) std::copy(one.begin(), one.end(), weights.row(n));
   return block_of_weights(weights, device);
@@ -31,8 +31,8 @@ at::Tensor initial_block(int64_t nets, uint64_t seed, at::Device device) {
 
 /// Weights of all nets and SOAP on [W1 b1], [W2 b2], w3.
 struct Optimiser {
-  Optimiser(int64_t nets, uint64_t seed, at::Device device)
-      : block(initial_block(nets, seed, device)),
+  Optimiser(int64_t nets, const std::vector<float>& start, at::Device device)
+      : block(initial_block(nets, start, device)),
         parts{Soap(nets, kMtlWidth, 4, device), Soap(nets, kMtlWidth, kMtlWidth + 1, device),
               Soap(nets, 1, kMtlWidth, device)} {}
 
@@ -101,7 +101,8 @@ class Run {
         hooks_(hooks),
         device_(fit_device(options.device)),
         problem_(materials, device_),
-        optimiser_(int64_t(materials.size()), options.seed, device_) {
+        optimiser_(int64_t(materials.size()),
+                   options.start.empty() ? initial_weights(options.seed) : options.start, device_) {
     if (options.resume) load();
   }
 
@@ -180,6 +181,12 @@ class Run {
 
 }  // namespace
 
+std::string start_name(const FitOptions& options) {
+  if (options.start.empty()) return "random";
+  const auto* bytes = reinterpret_cast<const char*>(options.start.data());
+  return hex(sha256({bytes, options.start.size() * sizeof(float)}));
+}
+
 std::vector<float> initial_weights(uint64_t seed) {
   constexpr uint64_t kStream = 0x5eed;  // numbers that no strain of the seed uses
   std::vector<float> weights;
@@ -204,6 +211,8 @@ FitOutcome fit_neural_mtl(const std::vector<FitMaterial>& materials, const FitOp
                       options.checkpoint_steps > 0,
                   "steps and samples must be positive, got ", options.steps, " and ",
                   options.samples);
+  ELASTOGEN_CHECK(options.start.empty() || int64_t(options.start.size()) == kMtlParameters,
+                  "a start has ", kMtlParameters, " weights, got ", options.start.size());
   at::globalContext().setFloat32MatmulPrecision("highest");  // no TF32: it has 11 bits
   return Run(materials, options, hooks).run();
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fits NeuralMTLs to laws, many at once, all from one random start on the same strains, so that
+// Fits NeuralMTLs to laws, many at once, all from one start on the same strains, so that
 // weights of like materials are alike. Per net, with the errors of fit_problem_torch.hpp:
 //
 //   mean stress^2 + 0.1 mean tangent^2 + 0.1 mean clip(energy, -3, 3)^2
@@ -18,10 +18,11 @@ namespace elastogen {
 
 struct FitOptions {
   int64_t steps = 3000;
-  int64_t samples = 512;  ///< strains a step; the tangent is fitted on a third of them
-  uint64_t seed = 1;      ///< of the start and of the strains
-  double rate = 3e-3;     ///< the largest
-  int64_t warm_up = 200;  ///< steps over which it rises
+  int64_t samples = 512;     ///< strains a step; the tangent is fitted on a third of them
+  uint64_t seed = 1;         ///< of the start and of the strains
+  std::vector<float> start;  ///< weights that all nets begin from, (17153); empty: random
+  double rate = 3e-3;        ///< the largest
+  int64_t warm_up = 200;     ///< steps over which it rises
   std::string device = "cpu";
   std::string checkpoint;           ///< file; empty: none
   int64_t checkpoint_steps = 1000;  ///< between two of them
@@ -41,10 +42,14 @@ struct FitOutcome {
 };
 
 /// On CPUs the same bits in every run with the same number of threads, resumed or not.
-/// @throws Error (usage) on empty lists and counts that are not positive, (asset) on a checkpoint
+/// @throws Error (usage) on empty lists, a start of another size and counts that are not positive,
+/// (asset) on a checkpoint
 ///         of other materials or options, (resources) when files cannot be written.
 FitOutcome fit_neural_mtl(const std::vector<FitMaterial>& materials, const FitOptions& options,
                           const FitHooks& hooks = {});
+
+/// "random", or the SHA-256 of the weights that a fit begins from.
+std::string start_name(const FitOptions& options);
 
 /// The random start of a seed, (17153): uniform within 1/sqrt(inputs) of each layer, b3 = 0.
 std::vector<float> initial_weights(uint64_t seed);

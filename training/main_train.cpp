@@ -27,6 +27,7 @@ void read(const std::string& text, Number& value) {
 void set(TrainMtl& task, const std::string& option, const std::string& text) {
   if (option == "--law") return void(task.law = text);
   if (option == "--poisson") return read(text, task.poisson);
+  if (option == "--start") return void(task.start = text);
   if (option == "--list") return void(task.list = text);
   if (option == "--out") return void(task.out = text);
   if (option == "--steps") return read(text, task.fit.steps);

@@ -30,7 +30,8 @@ TensorFile mtl_file(const FitMaterial& material, std::span<const float> weights,
                {"trainer.steps", text_of(options.steps)},
                {"trainer.samples", text_of(options.samples)},
                {"trainer.rate", text_of(options.rate)},
-               {"trainer.seed", text_of(options.seed)}};
+               {"trainer.seed", text_of(options.seed)},
+               {"trainer.start", start_name(options)}};
   file.tensors = {{"neural_mtl", {kMtlParameters}, {weights.begin(), weights.end()}}};
   return file;
 }

@@ -53,6 +53,10 @@ TrainEnd train_mtl(const TrainMtl& task, const FitHooks& hooks) {
   const bool many = !task.list.empty();
   if (many) make_folder(task.out);
   FitOptions options = task.fit;
+  if (!task.start.empty()) {
+    const TensorFile file = decode_tensors(read_file(task.start, 1 << 24), task.start);
+    options.start = file.get("neural_mtl", {kMtlParameters}).values;
+  }
   options.checkpoint = many ? task.out + "/checkpoint.part" : task.out + ".part";
 
   const FitOutcome outcome = fit_neural_mtl(materials, options, hooks);

@@ -11,8 +11,9 @@ namespace elastogen {
 struct TrainMtl {
   std::string law = "neo-hookean";  ///< of a single material, with `poisson`
   double poisson = 0.45;
-  std::string list;  ///< file of materials instead (read_fit_materials)
-  std::string out;   ///< file of a single material, folder of a list
+  std::string list;   ///< file of materials instead (read_fit_materials)
+  std::string start;  ///< weight file that all nets begin from; empty: random
+  std::string out;    ///< file of a single material, folder of a list
   FitOptions fit;
 };
 
