@@ -277,10 +277,13 @@ CLI::App* add_train(CLI::App& app, TrainTask& task) {
   mtl->add_option("--start", task.start, "weight file of a like material to begin from");
   mtl->add_option("-o,--out", task.out, "weight file; of a list a folder")->required();
   mtl->add_option("--steps", task.steps, "of the optimiser")->capture_default_str();
+  mtl->add_option("--last-layer", task.last_layer, "iterations on the last layer after that")
+      ->capture_default_str();
   mtl->add_option("--samples", task.samples, "strains a step")->capture_default_str();
   mtl->add_option("--rate", task.rate, "largest rate of the optimiser")->capture_default_str();
   mtl->add_option("--seed", task.seed, "of start and strains")->capture_default_str();
   mtl->add_option("--device", task.device, "cpu or cuda")->capture_default_str();
+  mtl->add_flag("--shared-hidden", task.shared, "one pair of hidden layers for all of a list");
   mtl->add_flag("--resume", task.resume, "go on from the checkpoint beside the output");
   mtl->add_flag("--quiet", task.quiet, "print errors only");
   return verb;

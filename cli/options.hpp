@@ -119,7 +119,8 @@ struct TrainTask {
   uint64_t seed = 1;
   double rate = 3e-3;
   std::string device = "cpu";
-  bool resume = false, quiet = false;
+  int last_layer = 80;
+  bool shared = false, resume = false, quiet = false;
 };
 
 /// What was asked for: at most one verb is set; with none, `code` is the exit code (help, version,

@@ -17,6 +17,7 @@ int train(const TrainTask& task) {
   mtl.steps = task.steps, mtl.samples = task.samples;
   mtl.seed = task.seed, mtl.rate = task.rate;
   mtl.device = task.device.c_str();
+  mtl.last_layer = task.last_layer, mtl.shared = task.shared ? 1 : 0;
   mtl.resume = task.resume ? 1 : 0;
 
   watch_signals();

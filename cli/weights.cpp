@@ -4,11 +4,12 @@
 #include "core/error.hpp"
 #include "io/safe_file.hpp"
 #include "network/mtl_weights.hpp"
+#include "training/last_layer_fit.hpp"
+#include "training/mtl_files.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cstdlib>
 #include <filesystem>
 
@@ -17,37 +18,74 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kHiddenLayers = "hidden.tensors";
+
 std::string variable(const char* name) {
   const char* value = std::getenv(name);
   return value ? value : "";
 }
 
-/// Poisson ratios that a law has weights for, in order.
-std::string known_ratios(Law law) {
-  const std::string start = std::string(law_name(law)) + '-', end = ".weights";
-  std::vector<double> ratios;
-  for (const std::string& folder : weight_folders()) {
-    std::error_code error;
-    for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
-      const std::string name = entry.path().filename().string();
-      if (!name.starts_with(start) || !name.ends_with(end)) continue;
-      double ratio = 0;
-      const char *from = name.data() + start.size(), *to = name.data() + name.size() - end.size();
-      if (std::from_chars(from, to, ratio).ptr == to) ratios.push_back(ratio);
-    }
-  }
-  std::sort(ratios.begin(), ratios.end());
-  ratios.erase(std::unique(ratios.begin(), ratios.end()), ratios.end());
-  return ratios.empty() ? "none" : fmt::format("{}", fmt::join(ratios, ", "));
+constexpr int64_t kMostBytes = 1 << 24;
+
+/// Folder of the user's cache, "" where there is no home.
+std::string cache_folder() {
+  std::string cache = variable("XDG_CACHE_HOME");
+  if (cache.empty() && !variable("HOME").empty()) cache = variable("HOME") + "/.cache";
+  return cache.empty() ? "" : cache + "/elastogen/weights";
 }
 
-std::shared_ptr<const LearnedLaw> net_of(const Material& m, Evaluation evaluation) {
-  const std::string path = find_weights(m.law, m.poisson);
+/// Path of a file in the first folder that has it, "" if none has.
+std::string find_file(const std::string& name) {
+  for (const std::string& folder : weight_folders()) {
+    const std::string path = folder + '/' + name;
+    std::error_code error;
+    if (fs::is_regular_file(path, error)) return path;
+  }
+  return "";
+}
+
+/// The bytes of a weight file for a material, fitted on hidden layers.
+std::string fitted_weights(const Material& m, const TensorFile& hidden, const std::string& hash) {
+  const FitMaterial material = fit_material(std::string(law_name(m.law)), m.poisson);
+  LastLayerOptions options;
+  options.enough = 1e-4;  // a twentieth of the limits, in half the time
+  const LastLayer layer(hidden.get("neural_mtl", {kMtlParameters}).values, options);
+  const LastLayerFit fit = layer.fit(material);
+  const FitReport report = fit_report(material, fit.weights);
+  ELASTOGEN_CHECK(report.passes(), "--energy neural: the net of material '", m.name, "', ",
+                  law_name(m.law), " with Poisson ratio ", m.poisson,
+                  ", misses its limits: stress errors ", report.stress_median, " / ",
+                  report.stress_p99, " / ", report.stress_max, ", tangent ", report.tangent_p99,
+                  ". Take another Poisson ratio, or --energy analytic");
+  const TrainerCard trainer = {{"trainer.hidden", hash},
+                               {"trainer.last_layer", std::to_string(fit.iterations)}};
+  return encode_tensors(mtl_file(material, fit.weights, report, trainer));
+}
+
+/// Bytes of a fitted net, of the cache or made now.
+std::shared_ptr<const LearnedLaw> fitted_net(const Material& m, Evaluation evaluation) {
+  const std::string path = find_file(kHiddenLayers);
   ELASTOGEN_CHECK(!path.empty(), "--energy neural: there is no net of material '", m.name, "', ",
-                  law_name(m.law), " with Poisson ratio ", m.poisson, "; there are those of ",
-                  known_ratios(m.law), ". Choose one of them, or --energy analytic");
-  constexpr int64_t kMostBytes = 1 << 24;
-  return read_weights(read_file(path, kMostBytes), path, m.law, m.poisson, evaluation);
+                  law_name(m.law), " with Poisson ratio ", m.poisson, ", and no ", kHiddenLayers,
+                  " to fit one on in ", fmt::format("{}", fmt::join(weight_folders(), ", ")));
+  const std::string bytes = read_file(path, kMostBytes);
+  const std::string hash = hex(sha256(bytes));
+  std::string cached = cache_folder();
+  if (!cached.empty())
+    cached += '/' + hash.substr(0, 16) + '-' + weight_file_name(m.law, m.poisson);
+  std::error_code error;
+  try {
+    if (fs::is_regular_file(cached, error))
+      return read_weights(read_file(cached, kMostBytes), cached, m.law, m.poisson, evaluation);
+  } catch (const Error&) {  // damaged: made again
+  }
+  const std::string made = fitted_weights(m, decode_tensors(bytes, path), hash);
+  try {
+    fs::create_directories(cache_folder(), error);
+    if (!cached.empty()) write_file(cached, made);
+  } catch (const Error&) {  // the next run fits again
+  }
+  return read_weights(made, weight_file_name(m.law, m.poisson), m.law, m.poisson, evaluation);
 }
 
 }  // namespace
@@ -56,9 +94,7 @@ std::vector<std::string> weight_folders() {
   std::vector<std::string> folders;
   if (const std::string named = variable("ELASTOGEN_WEIGHTS"); !named.empty())
     folders.push_back(named);
-  std::string cache = variable("XDG_CACHE_HOME");
-  if (cache.empty() && !variable("HOME").empty()) cache = variable("HOME") + "/.cache";
-  if (!cache.empty()) folders.push_back(cache + "/elastogen/weights");
+  if (const std::string cache = cache_folder(); !cache.empty()) folders.push_back(cache);
   std::error_code error;
   const fs::path self = fs::read_symlink("/proc/self/exe", error);
   if (!error)
@@ -68,12 +104,13 @@ std::vector<std::string> weight_folders() {
 }
 
 std::string find_weights(Law law, double poisson) {
-  for (const std::string& folder : weight_folders()) {
-    const std::string path = folder + '/' + weight_file_name(law, poisson);
-    std::error_code error;
-    if (fs::is_regular_file(path, error)) return path;
-  }
-  return "";
+  return find_file(weight_file_name(law, poisson));
+}
+
+std::shared_ptr<const LearnedLaw> net_of(const Material& m, Evaluation evaluation) {
+  const std::string path = find_weights(m.law, m.poisson);
+  if (path.empty()) return fitted_net(m, evaluation);
+  return read_weights(read_file(path, kMostBytes), path, m.law, m.poisson, evaluation);
 }
 
 LearnedLaws scene_nets(const Scene& scene, const AnimateOptions& options) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the weights of nets are found, and those of a scene.
+// Where the weights of nets are found, how those that are nowhere are made, and those of a scene.
 
 #pragma once
 
@@ -18,9 +18,16 @@ std::vector<std::string> weight_folders();
 /// Path of the weight file of a law at a Poisson ratio, "" if no folder has one.
 std::string find_weights(Law law, double poisson);
 
+/// The net of a material. One that no folder has is fitted in about a second, its last layer by
+/// Levenberg-Marquardt on the shipped hidden layers, and kept in the user's cache under the hash of
+/// these layers; a cache that cannot be written or read is done without.
+/// @throws Error (usage) naming the material whose fit misses its limits, or where there are no
+/// hidden
+///         layers to fit on; (asset) for a file that read_weights refuses.
+std::shared_ptr<const LearnedLaw> net_of(const Material& material, Evaluation evaluation);
+
 /// The nets of a scene's materials where the options ask for them, else none.
-/// @throws Error (usage) naming the material that has none, with the Poisson ratios that there are;
-///         (asset) for a file that read_weights refuses.
+/// @throws Error as net_of.
 LearnedLaws scene_nets(const Scene& scene, const AnimateOptions& options);
 
 }  // namespace elastogen

@@ -14,7 +14,7 @@
 namespace elastogen {
 
 /// Changes with TrainMtlTask, LearnReply and the functions.
-inline constexpr int kLearnVersion = 2;
+inline constexpr int kLearnVersion = 3;
 
 /// What `elastogen train mtl` asks of the library; texts end with a zero.
 struct TrainMtlTask {
@@ -27,6 +27,8 @@ struct TrainMtlTask {
   uint64_t seed = 0;
   double rate = 0;          ///< largest one of the optimiser
   const char* device = "";  ///< "cpu" or "cuda"
+  int last_layer = 0;       ///< iterations on the last layer
+  int shared = 0;           ///< 1: one pair of hidden layers for a list
   int resume = 0;           ///< 1: from the checkpoint, where there is one
 };
 

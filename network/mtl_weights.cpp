@@ -93,6 +93,9 @@ std::string weight_file_name(Law law, double poisson) {
 std::shared_ptr<const LearnedLaw> read_weights(std::string_view bytes, const std::string& place,
                                                Law law, double poisson, Evaluation evaluation) {
   const TensorFile file = decode_tensors(bytes, place);
+  const auto form = file.text.find("form");
+  ELASTOGEN_CHECK_ASSET(form != file.text.end() && form->second == kMtlForm, place,
+                        ": the weights are of another form of NeuralMTL than '", kMtlForm, "'");
   const auto name = file.text.find("law");
   ELASTOGEN_CHECK_ASSET(name != file.text.end() && name->second == law_name(law), place,
                         ": not the weights of ", law_name(law));

@@ -69,7 +69,9 @@ NeuralMtl::NeuralMtl(std::span<const float> weights, double poisson) {
   take(w3_, kWidth);
   b3_ = double(*next);
   const double rest[3] = {};
-  jets<4>(rest, 1, f0_);
+  double jet[4];
+  jets<4>(rest, 1, jet);
+  std::copy_n(jet, 3, f0_);
 }
 
 /// f and its derivatives in x at inputs x, (count, 3), count <= kBlock: f, (channels, count).
@@ -111,13 +113,12 @@ struct Strain {
 };
 
 template <bool kHessian>
-Strain strain(const double e[3], int i, const double f[10], const double f0[4], double a,
+Strain strain(const double e[3], int i, const double f[10], const double f0[3], double a,
               double b) {
   const int j = (i + 1) % 3, k = (i + 2) % 3;
-  const double fa = f[1] - f0[1] + a + b, fb = f[2] - f0[2] + b, fc = f[3] - f0[3];
+  const double fa = f[1] - f0[1] + a + b, fb = f[2] - f0[2] + b, fc = f[3];
   Strain s;
-  s.q = (a + b) * e[i] + b * (e[j] + e[k]) + f[0] - f0[0] - f0[1] * e[i] - f0[2] * (e[j] + e[k]) -
-        f0[3] * e[j] * e[k];
+  s.q = (a + b) * e[i] + b * (e[j] + e[k]) + f[0] - f0[0] - f0[1] * e[i] - f0[2] * (e[j] + e[k]);
   s.d[i] = fa;
   s.d[j] = fb + e[k] * fc;
   s.d[k] = fb + e[j] * fc;

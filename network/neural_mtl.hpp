@@ -3,11 +3,15 @@
 // once for each axis,
 //
 //     psi_theta = omega/2 sum_i (sigma_i n_i - 1)^2 = omega/2 sum_i q_i^2,     omega = 3K,
-//     q_i = (a+b) e_i + b (e_j + e_k) + f(x_i) - f(0) - grad f(0).x_i,   e = ln sigma,
-//     x_i = (e_i, e_j + e_k, e_j e_k),   a = sqrt(2 mu/omega),   b = (1 - a)/3.
+//     q_i = (a+b) e_i + b (e_j + e_k) + f(x_i) - f(0) - f_0 e_i - f_1 (e_j + e_k),   e = ln sigma,
+//     x_i = (e_i, e_j + e_k, e_j e_k),   a = sqrt(2 mu/omega),   b = (1 - a)/3,
 //
-// The inputs do not tell j from k, so the law is isotropic exactly; the two terms of f that are
-// taken off make psi = 0, t = 0 and H = 2 mu I + lambda 1 1^T at rest exact for any weights.
+// with f_0, f_1 the derivatives of f at 0 in its first two inputs.
+//
+// The inputs do not tell j from k, so the law is isotropic exactly; the terms of f that are taken
+// off make psi = 0, t = 0 and H = 2 mu I + lambda 1 1^T at rest exact for any weights. The slope in
+// e_j e_k stays: it is of second order in e, changes none of the three, and without it q could not
+// have such a term (docs/papers.md).
 // Stress and Hessian are the exact derivatives, by jets through the net. Energies in units of E.
 
 #pragma once
@@ -18,6 +22,9 @@
 #include <vector>
 
 namespace elastogen {
+
+/// Names the formula of psi_theta in model cards; weights of another one are of no use.
+inline constexpr const char* kMtlForm = "log stretches 2";
 
 /// Energy density and its derivatives in the log stretches e, over E.
 struct LogJet {
@@ -52,7 +59,7 @@ class NeuralMtl {
 
   double mu_, lambda_;
   std::vector<double> w1_, b1_, w2_, b2_, w3_;  // w1_ column-major, w2_ row-major
-  double b3_ = 0, f0_[4] = {};                  // f0_: f and grad f at rest
+  double b3_ = 0, f0_[3] = {};                  // f0_: f, f_0 and f_1 at rest
 };
 
 }  // namespace elastogen

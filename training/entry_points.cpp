@@ -39,6 +39,8 @@ TrainMtl from(const TrainMtlTask& task) {
   result.fit.seed = task.seed, result.fit.rate = task.rate;
   result.fit.device = task.device;
   result.fit.resume = task.resume != 0;
+  result.fit.shared = task.shared != 0;
+  result.last_layer = task.last_layer;
   return result;
 }
 

@@ -15,7 +15,8 @@ std::string identity(const std::vector<FitMaterial>& materials, const FitOptions
   std::ostringstream text;
   text.precision(17);
   text << "steps " << o.steps << " samples " << o.samples << " seed " << o.seed << " rate "
-       << o.rate << " warm-up " << o.warm_up << " start " << start_name(o) << '\n';
+       << o.rate << " warm-up " << o.warm_up << " start " << start_name(o)
+       << (o.shared ? " shared" : "") << '\n';
   for (const FitMaterial& m : materials)
     text << m.name << ", " << law_text(m.terms) << ", " << m.poisson << '\n';
   return text.str();

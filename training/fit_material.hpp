@@ -12,6 +12,7 @@
 namespace elastogen {
 
 inline constexpr int kMtlParameters = 17153;  ///< 3 -> 128 -> 128 -> 1 with biases
+inline constexpr int kMtlLast = 129;          ///< those of the last layer, w3 and b3
 inline constexpr int kMaxLawTerms = 5;
 
 struct LawTerm {

@@ -20,6 +20,7 @@ namespace elastogen {
 namespace {
 
 constexpr double kTangentWeight = 0.1, kEnergyWeight = 0.1, kEnergyClip = 3;
+constexpr double kFloor = 1e-8;        // of a loss whose logarithm is taken
 constexpr int64_t kStepsOfLine = 200;  // between two lines of progress
 
 /// The start of a seed for each net.
@@ -29,11 +30,14 @@ at::Tensor initial_block(int64_t nets, const std::vector<float>& one, at::Device
   return block_of_weights(weights, device);
 }
 
-/// Weights of all nets and SOAP on [W1 b1], [W2 b2], w3.
+/// Weights of all nets and SOAP on [W1 b1], [W2 b2], w3; of shared hidden layers each net has a
+/// copy.
 struct Optimiser {
-  Optimiser(int64_t nets, const std::vector<float>& start, at::Device device)
-      : block(initial_block(nets, start, device)),
-        parts{Soap(nets, kMtlWidth, 4, device), Soap(nets, kMtlWidth, kMtlWidth + 1, device),
+  Optimiser(int64_t nets, bool shared_layers, const std::vector<float>& start, at::Device device)
+      : shared(shared_layers),
+        block(initial_block(nets, start, device)),
+        parts{Soap(shared ? 1 : nets, kMtlWidth, 4, device),
+              Soap(shared ? 1 : nets, kMtlWidth, kMtlWidth + 1, device),
               Soap(nets, 1, kMtlWidth, device)} {}
 
   /// @param gradient  with respect to the weights, of their shapes
@@ -43,7 +47,9 @@ struct Optimiser {
     const auto layer = [&](Soap& soap, const at::Tensor& W, const at::Tensor& b,
                            const at::Tensor& dW, const at::Tensor& db) {
       const int64_t inputs = W.size(2);
-      const at::Tensor d = soap.update(at::cat({dW, db.unsqueeze(2)}, 2), rate, step);
+      at::Tensor g = at::cat({dW, db.unsqueeze(2)}, 2);
+      if (shared) g = g.sum(0, true);
+      const at::Tensor d = soap.update(g, rate, step);
       W.sub_(d.narrow(2, 0, inputs));
       b.sub_(d.select(2, inputs));
     };
@@ -60,6 +66,7 @@ struct Optimiser {
     return all;
   }
 
+  bool shared;
   at::Tensor block;  ///< as nets_of_block takes it
   std::array<Soap, 3> parts;
   int64_t step = 0;
@@ -78,9 +85,10 @@ at::Tensor losses(const StrainErrors& errors) {
          kEnergyWeight * (energy * energy).mean(1);
 }
 
-/// Gradient of the summed losses with respect to the weights; `loss` is that of each net.
+/// Gradient of the summed losses, or of their logarithms, with respect to the weights; `loss` is
+/// that of each net.
 MtlNets loss_gradient(const FitProblem& problem, const at::Tensor& block, const Array<double>& e,
-                      int64_t second, at::Tensor& loss) {
+                      int64_t second, bool logarithms, at::Tensor& loss) {
   MtlNets nets = nets_of_block(block);
   std::vector<at::Tensor> leaves;
   for (at::Tensor* part : {&nets.W1, &nets.b1, &nets.W2, &nets.b2, &nets.w3}) {
@@ -88,7 +96,8 @@ MtlNets loss_gradient(const FitProblem& problem, const at::Tensor& block, const 
     leaves.push_back(*part);
   }
   const at::Tensor all = losses(problem.errors(nets, e, second));
-  const std::vector<at::Tensor> g = torch::autograd::grad({all.sum()}, leaves);
+  const at::Tensor sum = logarithms ? (all + kFloor).log().sum() : all.sum();
+  const std::vector<at::Tensor> g = torch::autograd::grad({sum}, leaves);
   loss = all.detach();
   return {g[0], g[1], g[2], g[3], g[4]};
 }
@@ -101,7 +110,7 @@ class Run {
         hooks_(hooks),
         device_(fit_device(options.device)),
         problem_(materials, device_),
-        optimiser_(int64_t(materials.size()),
+        optimiser_(int64_t(materials.size()), options.shared,
                    options.start.empty() ? initial_weights(options.seed) : options.start, device_) {
     if (options.resume) load();
   }
@@ -124,7 +133,8 @@ class Run {
     const Array<double> e = sample_strains(kFitBox, options_.seed, first, options_.samples);
     const int64_t second = (options_.samples + 2) / 3;
     const double rate = rate_at(options_, optimiser_.step);
-    optimiser_.descend(loss_gradient(problem_, optimiser_.block, e, second, loss_), rate);
+    optimiser_.descend(loss_gradient(problem_, optimiser_.block, e, second, options_.shared, loss_),
+                       rate);
   }
 
   double seconds() const {

@@ -4,7 +4,9 @@
 //
 //   mean stress^2 + 0.1 mean tangent^2 + 0.1 mean clip(energy, -3, 3)^2
 //
-// by SOAP (soap_torch.hpp), whose rate rises over the first steps and falls to 0 as a cosine.
+// by SOAP (soap_torch.hpp), whose rate rises over the first steps and falls to 0 as a cosine. With
+// shared hidden layers all nets have the same ones, and the mean of the losses' logarithms is made
+// small, so that the layers serve every material alike; last_layer_fit.hpp then fits the rest.
 
 #pragma once
 
@@ -21,6 +23,7 @@ struct FitOptions {
   int64_t samples = 512;     ///< strains a step; the tangent is fitted on a third of them
   uint64_t seed = 1;         ///< of the start and of the strains
   std::vector<float> start;  ///< weights that all nets begin from, (17153); empty: random
+  bool shared = false;       ///< one pair of hidden layers for all nets
   double rate = 3e-3;        ///< the largest
   int64_t warm_up = 200;     ///< steps over which it rises
   std::string device = "cpu";

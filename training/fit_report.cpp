@@ -2,11 +2,10 @@
 #include "training/fit_report.hpp"
 
 #include "core/error.hpp"
-#include "training/fit_problem_torch.hpp"
+#include "core/parallel.hpp"
+#include "network/neural_mtl.hpp"
+#include "training/law_targets.hpp"
 #include "training/strain_sampler.hpp"
-
-#include <ATen/ATen.h>
-#include <c10/core/GradMode.h>
 
 #include <algorithm>
 #include <cmath>
@@ -15,54 +14,85 @@
 namespace elastogen {
 namespace {
 
-constexpr int64_t kChunk = 1000;  // strains at once
-
-/// Rows (nets, strains) on the host, each sorted; what is no number counts as infinite.
-at::Tensor sorted_rows(const std::vector<at::Tensor>& chunks) {
-  const at::Tensor rows = at::cat(chunks, 1);
-  const double infinity = std::numeric_limits<double>::infinity();
-  return std::get<0>(rows.nan_to_num(infinity, infinity).sort(1)).to(at::kCPU, at::kDouble);
+/// |H|_F of six entries.
+double matrix_norm(const double H[6]) {
+  double sum = 0;
+  for (int c = 0; c < 6; ++c) sum += (c < 3 ? 1 : 2) * H[c] * H[c];
+  return std::sqrt(sum);
 }
 
-/// Smallest entry of a sorted row that a share of the row does not exceed.
-double at_share(const at::Tensor& row, double share) {
-  const int64_t n = row.size(0);
-  const auto rank = int64_t(std::ceil(share * double(n)));
-  return row.data_ptr<double>()[std::clamp<int64_t>(rank - 1, 0, n - 1)];
+/// Errors at each strain; what is no number counts as infinite.
+struct Errors {
+  explicit Errors(int64_t strains)
+      : stress(size_t(strains)), tangent(size_t(strains)), energy(size_t(strains)) {}
+
+  std::vector<double> stress, tangent, energy;
+};
+
+double finite(double error) {
+  return std::isfinite(error) ? error : std::numeric_limits<double>::infinity();
+}
+
+/// Errors of a net's jet at log stretches e, with M = 2 mu + lambda.
+void write_errors(const LogJet& jet, const TargetLaw& law, const double* e, double modulus,
+                  size_t s, Errors& to) {
+  constexpr int kFirst[6] = {0, 1, 2, 0, 1, 2}, kSecond[6] = {0, 1, 2, 1, 2, 0};
+  const Response<double> exact = target_response(law, e);
+  double dt = 0, t = 0, dH[6];
+  for (int m = 0; m < 3; ++m) {
+    const double difference = jet.w[m] * std::exp(-e[m]) - exact.t[m];
+    dt += difference * difference, t += exact.t[m] * exact.t[m];
+  }
+  for (int c = 0; c < 6; ++c) {
+    const double h = (jet.ww[c] - (c < 3 ? jet.w[c] : 0)) * std::exp(-e[kFirst[c]] - e[kSecond[c]]);
+    dH[c] = h - exact.H[c];
+  }
+  to.stress[s] = finite(std::sqrt(dt) / (std::sqrt(t) + 1e-4 * modulus));
+  to.tangent[s] = finite(matrix_norm(dH) / matrix_norm(exact.H));
+  to.energy[s] = finite(std::abs(jet.psi - exact.psi) / (exact.psi + 1e-6 * modulus));
+}
+
+/// Smallest entry that a share of them does not exceed.
+double at_share(std::vector<double>& values, double share) {
+  const auto n = int64_t(values.size());
+  const int64_t rank = std::clamp<int64_t>(int64_t(std::ceil(share * double(n))), 1, n);
+  std::nth_element(values.begin(), values.begin() + (rank - 1), values.end());
+  return values[size_t(rank - 1)];
 }
 
 }  // namespace
 
-std::vector<FitReport> fit_reports(const std::vector<FitMaterial>& materials,
-                                   const Array<float>& weights, const ReportOptions& options) {
-  ELASTOGEN_CHECK(!materials.empty() && weights.rows() == int64_t(materials.size()),
-                  "one row of weights is needed a material, got ", weights.rows(), " for ",
-                  materials.size());
+FitReport fit_report(const FitMaterial& material, std::span<const float> weights,
+                     const ReportOptions& options) {
   ELASTOGEN_CHECK(options.strains > 0, "strains must be positive, got ", options.strains);
-  const c10::NoGradGuard no_gradients;
-  at::globalContext().setFloat32MatmulPrecision("highest");
-  const at::Device device = fit_device(options.device);
-  const FitProblem problem(materials, device);
-  const MtlNets nets = nets_of_block(block_of_weights(weights, device));
-
-  std::vector<at::Tensor> stress, tangent, energy;
-  for (int64_t begin = 0; begin < options.strains; begin += kChunk) {
-    const int64_t count = std::min(kChunk, options.strains - begin);
-    const Array<double> e = sample_strains(kDeclaredBox, options.seed, uint64_t(begin), count);
-    const StrainErrors errors = problem.errors(nets, e, count);
-    stress.push_back(errors.stress.sqrt());
-    tangent.push_back(errors.tangent.sqrt());
-    energy.push_back(errors.energy.abs());
+  FitReport report;
+  report.strains = options.strains;
+  const double infinity = std::numeric_limits<double>::infinity();
+  if (!std::all_of(weights.begin(), weights.end(), [](float w) { return std::isfinite(w); })) {
+    report.stress_median = report.stress_p99 = report.stress_max = infinity;
+    report.tangent_p99 = report.energy_max = infinity;
+    return report;
   }
-
-  const at::Tensor stresses = sorted_rows(stress), tangents = sorted_rows(tangent),
-                   energies = sorted_rows(energy);
-  std::vector<FitReport> reports;
-  for (int64_t n = 0; n < weights.rows(); ++n)
-    reports.push_back({at_share(stresses[n], 0.5), at_share(stresses[n], 0.99),
-                       at_share(stresses[n], 1), at_share(tangents[n], 0.99),
-                       at_share(energies[n], 1), options.strains});
-  return reports;
+  const NeuralMtl net(weights, material.poisson);
+  const TargetLaw law = target_law(material);
+  const double modulus = 2 * material.mu() + material.lambda();
+  const Array<double> e = sample_strains(kDeclaredBox, options.seed, 0, options.strains);
+  Errors errors(options.strains);
+  for_blocks(
+      options.strains,
+      [&](int64_t begin, int64_t end) {
+        std::vector<LogJet> jets(size_t(end - begin));
+        net.evaluate<true>(e.row(begin), end - begin, jets.data());
+        for (int64_t s = begin; s < end; ++s)
+          write_errors(jets[size_t(s - begin)], law, e.row(s), modulus, size_t(s), errors);
+      },
+      256);
+  report.stress_median = at_share(errors.stress, 0.5);
+  report.stress_p99 = at_share(errors.stress, 0.99);
+  report.stress_max = at_share(errors.stress, 1);
+  report.tangent_p99 = at_share(errors.tangent, 0.99);
+  report.energy_max = at_share(errors.energy, 1);
+  return report;
 }
 
 }  // namespace elastogen

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Errors of fitted weights on strains that no fit has seen, in the declared box.
+// Errors of fitted weights on strains that no fit has seen, in the declared box, in double.
 
 #pragma once
 
-#include "core/array.hpp"
 #include "training/fit_material.hpp"
 
-#include <string>
+#include <span>
 
 namespace elastogen {
 
@@ -28,12 +27,11 @@ struct FitReport {
 struct ReportOptions {
   int64_t strains = 20000;
   uint64_t seed = 0x6865'6c64'6f75'7421;  ///< of no fit
-  std::string device = "cpu";
 };
 
-/// Reports of weights (materials, 17153), one a material. Errors that are no numbers count as
-/// infinite. @throws Error unless there is a row of weights a material.
-std::vector<FitReport> fit_reports(const std::vector<FitMaterial>& materials,
-                                   const Array<float>& weights, const ReportOptions& options = {});
+/// Report of the weights of a material, (17153). Errors that are no numbers count as infinite.
+/// @throws Error (asset) for another number of weights.
+FitReport fit_report(const FitMaterial& material, std::span<const float> weights,
+                     const ReportOptions& options = {});
 
 }  // namespace elastogen

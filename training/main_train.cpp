@@ -34,6 +34,7 @@ void set(TrainMtl& task, const std::string& option, const std::string& text) {
   if (option == "--samples") return read(text, task.fit.samples);
   if (option == "--seed") return read(text, task.fit.seed);
   if (option == "--rate") return read(text, task.fit.rate);
+  if (option == "--last-layer") return read(text, task.last_layer);
   if (option == "--device") return void(task.fit.device = text);
   throw Error(concat("unknown option '", option, "'"));
 }
@@ -42,8 +43,8 @@ TrainMtl task_of(int argc, char** argv) {
   TrainMtl task;
   for (int k = 1; k < argc; ++k) {
     const std::string option = argv[k];
-    if (option == "--resume") {
-      task.fit.resume = true;
+    if (option == "--resume" || option == "--shared-hidden") {
+      (option == "--resume" ? task.fit.resume : task.fit.shared) = true;
       continue;
     }
     ELASTOGEN_CHECK(k + 1 < argc, option, " needs a value");

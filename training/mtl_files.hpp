@@ -5,17 +5,30 @@
 #pragma once
 
 #include "core/tensor_file.hpp"
-#include "training/fit_neural_mtl.hpp"
 #include "training/fit_report.hpp"
+
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
 
 namespace elastogen {
 
-/// Weights of a material with their card: law, poisson, error.*, trainer.*.
+/// How weights came to be: texts "trainer.*" of a model card.
+using TrainerCard = std::map<std::string, std::string>;
+
+/// Weights of a material with their card: form, law, poisson, error.*, trainer.*.
 TensorFile mtl_file(const FitMaterial& material, std::span<const float> weights,
-                    const FitReport& report, const FitOptions& options);
+                    const FitReport& report, const TrainerCard& trainer);
+
+/// Hidden layers for many materials: weights whose last layer is 0, with form and trainer.*.
+TensorFile hidden_file(std::span<const float> weights, const TrainerCard& trainer);
 
 /// Reports as CSV with a head line, one line a material.
 std::string report_table(const std::vector<FitMaterial>& materials,
                          const std::vector<FitReport>& reports);
+
+/// The shortest text that reads back as the same number.
+std::string shortest_text(double value);
 
 }  // namespace elastogen

@@ -57,9 +57,9 @@ AnchoredJets anchored_jets(const MtlNets& nets, const MtlAnchors& anchors,
   const at::Tensor f = net_jets(nets, points);
   const at::Tensor rest = f.narrow(1, split, 4 * plain).view({n, 4, plain}).select(2, plain - 1);
   // the anchor is linear in x, and so are its jets in those of x
-  const at::Tensor slope = anchors.slope - rest.narrow(1, 1, 3);
+  const at::Tensor slope = anchors.slope - rest.narrow(1, 1, 2);
   const at::Tensor value = rest.narrow(1, 0, 1).unsqueeze(2);
-  const at::Tensor q = f + at::matmul(slope, points.jets.t());
+  const at::Tensor q = f + at::matmul(slope, points.jets.narrow(1, 0, 2).t());
 
   const at::Tensor second = q.narrow(1, 0, split).view({n, 10, 3, points.second});
   const at::Tensor first = q.narrow(1, split, 4 * plain)
@@ -128,7 +128,7 @@ Array<float> weights_of_block(const at::Tensor& block) {
 
 MtlAnchors mtl_anchors(const std::vector<FitMaterial>& materials, at::Device device) {
   const auto nets = int64_t(materials.size());
-  at::Tensor slope = at::zeros({nets, 3}), omega = at::zeros({nets, 1});
+  at::Tensor slope = at::zeros({nets, 2}), omega = at::zeros({nets, 1});
   for (int64_t n = 0; n < nets; ++n) {
     const double mu = materials[size_t(n)].mu(), lambda = materials[size_t(n)].lambda();
     const double a = std::sqrt(2 * mu / (3 * lambda + 2 * mu)), b = (1 - a) / 3;

@@ -3,13 +3,13 @@
 // SiLU, one net a material, in log stretches e_i = ln sigma_i:
 //
 //   x_i = (e_i, e_j + e_k, e_j e_k)
-//   q_i = (a + b) e_i + b (e_j + e_k) + f(x_i) - f(0) - grad f(0).x_i
+//   q_i = (a + b) e_i + b (e_j + e_k) + f(x_i) - f(0) - f_0 e_i - f_1 (e_j + e_k)
 //   psi = omega/2 sum_i q_i^2,   omega = 3 lambda + 2 mu,  a = sqrt(2 mu/omega),  b = (1 - a)/3
 //
-// so that psi, stress and tangent at rest are those of the material whatever the weights. All nets
-// see the same strains. The jets run in e_0, e_1, e_2: w_m = dpsi/de_m = omega sum_i q_i q_i,m and
-// w_mn = omega sum_i (q_i,m q_i,n + q_i q_i,mn), then t_m = w_m/sigma_m and
-// H_mn = (w_mn - delta_mn w_m)/(sigma_m sigma_n).
+// with f_0, f_1 the slopes of f at 0 in its first two inputs, so that psi, stress and tangent at
+// rest are those of the material whatever the weights. All nets see the same strains. The jets run
+// in e_0, e_1, e_2: w_m = dpsi/de_m = omega sum_i q_i q_i,m and w_mn = omega sum_i (q_i,m q_i,n +
+// q_i q_i,mn), then t_m = w_m/sigma_m and H_mn = (w_mn - delta_mn w_m)/(sigma_m sigma_n).
 
 #pragma once
 
@@ -47,7 +47,7 @@ Array<float> weights_of_block(const at::Tensor& block);
 
 /// What the formulas know of the materials.
 struct MtlAnchors {
-  at::Tensor slope;  ///< (nets, 3): a + b, b, 0
+  at::Tensor slope;  ///< (nets, 2): a + b, b
   at::Tensor omega;  ///< (nets, 1)
 };
 MtlAnchors mtl_anchors(const std::vector<FitMaterial>& materials, at::Device device);

@@ -3,11 +3,15 @@
 
 #include "core/error.hpp"
 #include "io/safe_file.hpp"
+#include "training/last_layer_fit.hpp"
 #include "training/mtl_files.hpp"
 
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <optional>
+#include <ranges>
+#include <span>
 
 namespace elastogen {
 namespace {
@@ -45,11 +49,52 @@ int64_t say_reports(const std::vector<FitMaterial>& materials,
   return passing;
 }
 
+/// How the weights of a task come to be.
+TrainerCard trainer_card(const TrainMtl& task, const FitOptions& options) {
+  return {{"trainer.steps", std::to_string(options.steps)},
+          {"trainer.samples", std::to_string(options.samples)},
+          {"trainer.rate", shortest_text(options.rate)},
+          {"trainer.seed", std::to_string(options.seed)},
+          {"trainer.start", start_name(options)},
+          {"trainer.hidden", options.shared || options.steps == 0 ? "shared" : "own"},
+          {"trainer.last_layer", std::to_string(task.last_layer)}};
+}
+
+std::span<const float> row(const Array<float>& weights, size_t n) {
+  return {weights.row(int64_t(n)), size_t(kMtlParameters)};
+}
+
+/// The start for each of some materials.
+Array<float> copies(const std::vector<float>& start, size_t count) {
+  ELASTOGEN_CHECK(!start.empty(), "without steps the hidden layers need a start (--start)");
+  Array<float> weights(int64_t(count), kMtlParameters);
+  for (size_t n = 0; n < count; ++n) std::copy(start.begin(), start.end(), weights.row(int64_t(n)));
+  return weights;
+}
+
+/// Fits the last layers; features of like hidden layers are made once.
+void fit_last_layers(const std::vector<FitMaterial>& materials, int iterations,
+                     Array<float>& weights) {
+  LastLayerOptions options;
+  options.iterations = iterations;
+  std::optional<LastLayer> layer;
+  for (size_t n = 0; n < materials.size(); ++n) {
+    const auto now = row(weights, n);
+    const auto hidden = [](std::span<const float> w) { return w.first(w.size() - kMtlLast); };
+    if (n == 0 || !std::ranges::equal(hidden(now), hidden(row(weights, n - 1))))
+      layer.emplace(now, options);
+    const LastLayerFit fit = layer->fit(materials[n], now.last(kMtlLast).first(kMtlLast - 1));
+    std::copy(fit.weights.begin(), fit.weights.end(), weights.row(int64_t(n)));
+  }
+}
+
 }  // namespace
 
 TrainEnd train_mtl(const TrainMtl& task, const FitHooks& hooks) {
   const std::vector<FitMaterial> materials = materials_of(task);
   ELASTOGEN_CHECK(!task.out.empty(), "name an output");
+  ELASTOGEN_CHECK(task.fit.steps >= 0 && task.last_layer >= 0, "steps must not be negative, got ",
+                  task.fit.steps, " and ", task.last_layer);
   const bool many = !task.list.empty();
   if (many) make_folder(task.out);
   FitOptions options = task.fit;
@@ -59,24 +104,32 @@ TrainEnd train_mtl(const TrainMtl& task, const FitHooks& hooks) {
   }
   options.checkpoint = many ? task.out + "/checkpoint.part" : task.out + ".part";
 
-  const FitOutcome outcome = fit_neural_mtl(materials, options, hooks);
-  if (outcome.steps < options.steps) {
-    hooks.say(concat("stopped at step ", outcome.steps, "; --resume goes on"));
-    return TrainEnd::kStopped;
+  Array<float> weights;
+  if (options.steps > 0) {
+    FitOutcome outcome = fit_neural_mtl(materials, options, hooks);
+    if (outcome.steps < options.steps) {
+      hooks.say(concat("stopped at step ", outcome.steps, "; --resume goes on"));
+      return TrainEnd::kStopped;
+    }
+    weights = std::move(outcome.weights);
+  } else {
+    weights = copies(options.start, materials.size());
   }
-  ReportOptions on_device;
-  on_device.device = options.device;
-  const std::vector<FitReport> reports = fit_reports(materials, outcome.weights, on_device);
+  if (task.last_layer > 0) fit_last_layers(materials, task.last_layer, weights);
+  std::vector<FitReport> reports;
+  for (size_t n = 0; n < materials.size(); ++n)
+    reports.push_back(fit_report(materials[n], row(weights, n)));
   const int64_t passing = say_reports(materials, reports, hooks);
 
+  const TrainerCard trainer = trainer_card(task, options);
   for (size_t n = 0; n < materials.size(); ++n) {
-    const float* row = outcome.weights.row(int64_t(n));
-    const TensorFile file =
-        mtl_file(materials[n], {row, size_t(kMtlParameters)}, reports[n], options);
+    const TensorFile file = mtl_file(materials[n], row(weights, n), reports[n], trainer);
     const std::string path = many ? task.out + '/' + materials[n].name + ".weights" : task.out;
     write_file(path, encode_tensors(file));
   }
   if (many) write_file(task.out + "/report.csv", report_table(materials, reports));
+  if (many && options.shared)
+    write_file(task.out + "/hidden.tensors", encode_tensors(hidden_file(row(weights, 0), trainer)));
   std::error_code ignored;
   fs::remove(options.checkpoint, ignored);
   return passing == int64_t(reports.size()) ? TrainEnd::kPassing : TrainEnd::kFailing;

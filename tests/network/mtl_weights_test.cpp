@@ -14,7 +14,8 @@ namespace {
 
 TensorFile sample() {
   TensorFile file;
-  file.text = {{"law", "hencky"},
+  file.text = {{"form", kMtlForm},
+               {"law", "hencky"},
                {"poisson", "0.3"},
                {"error.stress.median", "1e-4"},
                {"error.stress.p99", "1e-3"},
@@ -54,6 +55,9 @@ TEST(MtlWeights, RefusesWhatIsOfAnotherMaterialOrNotGoodEnough) {
   TensorFile file = sample();
   file.text["law"] = "stvk";
   expect_words(file, "not the weights of hencky");
+  file = sample();
+  file.text["form"] = "log stretches";
+  expect_words(file, "another form of NeuralMTL");
   file = sample();
   file.text["poisson"] = "0.31";
   expect_words(file, "Poisson ratio 0.31");

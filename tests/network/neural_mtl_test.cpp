@@ -32,12 +32,12 @@ double net(const std::vector<float>& w, const double x[3]) {
   return f;
 }
 
-/// psi_theta/E from the formula, the slope of f at rest by central differences.
+/// psi_theta/E from the formula, the slopes of f at rest by central differences.
 double energy(const std::vector<float>& w, double nu, const double e[3]) {
   const double omega = 1 / (1 - 2 * nu), a = std::sqrt((1 - 2 * nu) / (1 + nu)), b = (1 - a) / 3;
   const double rest[3] = {};
-  double slope[3], sum = 0;
-  for (int m = 0; m < 3; ++m) {
+  double slope[2], sum = 0;
+  for (int m = 0; m < 2; ++m) {
     constexpr double kStep = 1e-5;
     double up[3] = {}, down[3] = {};
     up[m] = kStep, down[m] = -kStep;
@@ -47,7 +47,7 @@ double energy(const std::vector<float>& w, double nu, const double e[3]) {
     const int j = (i + 1) % 3, k = (i + 2) % 3;
     const double x[3] = {e[i], e[j] + e[k], e[j] * e[k]};
     double q = (a + b) * e[i] + b * (e[j] + e[k]) + net(w, x) - net(w, rest);
-    for (int m = 0; m < 3; ++m) q -= slope[m] * x[m];
+    for (int m = 0; m < 2; ++m) q -= slope[m] * x[m];
     sum += omega / 2 * q * q;
   }
   return sum;

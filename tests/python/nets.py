@@ -3,7 +3,8 @@
 
     psi = psi_law + E D(e),   D = w (psi_theta - psi_law)/E,   e = ln sigma
     psi_theta/E = omega/2 sum_i q_i^2,   omega = 1/(1 - 2 nu)  (3K/E)
-    q_i = (a+b) e_i + b (e_j+e_k) + f(x_i) - f(0) - grad f(0).x_i,   x_i = (e_i, e_j+e_k, e_j e_k)
+    q_i = (a+b) e_i + b (e_j+e_k) + f(x_i) - f(0) - f_0 e_i - f_1 (e_j+e_k)
+    x_i = (e_i, e_j+e_k, e_j e_k),   f_0, f_1 the slopes of f at 0 in its first two inputs
 
 D is evaluated by the net, or by the tricubic B-spline that the program says it used.
 """
@@ -72,6 +73,7 @@ def net_energy(net: Net, poisson: float, e: Floats) -> tuple[Floats, Floats]:
     b = (1 - a) / 3
     mlp = Mlp.of(net.weights)
     f0, g0 = mlp(np.zeros((1, 3)))
+    g0[:, 2] = 0  # the slope in e_j e_k is of second order in e and stays
     psi, slope = np.zeros(len(e)), np.zeros_like(e)
     for i, (j, k) in enumerate(OTHERS):
         x = np.stack([e[:, i], e[:, j] + e[:, k], e[:, j] * e[:, k]], 1)

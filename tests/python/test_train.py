@@ -15,7 +15,7 @@ from pathlib import Path
 
 from command import BINARY, run
 
-SHORT = ("--steps", 12, "--samples", 12)
+SHORT = ("--steps", 12, "--samples", 12, "--last-layer", 0)
 LIST = "# two\nsoft, neo-hookean, 0.1\nmix, 0.5*stvk+0.5*hencky, 0.4\n"
 
 
@@ -51,9 +51,23 @@ class Train(unittest.TestCase):
             self.assertGreater(float(row["stress_p99"]), float(row["stress_median"]))
             self.assertEqual(row["passes"], "no")
 
+    def test_shares_hidden_layers_and_fits_the_last_on_them(self) -> None:
+        names = self.folder / "list.csv"
+        names.write_text(LIST)
+        done = run("train", "mtl", "--list", names, "-o", self.folder / "out", "--quiet",
+                   "--shared-hidden", *SHORT)
+        self.assertEqual(done.code, 4, done.err)
+        hidden = self.folder / "out/hidden.tensors"
+        self.assertIn(b"log stretches 2", hidden.read_bytes())
+        mix = self.folder / "mix.weights"
+        done = run("train", "mtl", "--law", "0.5*stvk+0.5*hencky", "--poisson", 0.46, "-o", mix,
+                   "--start", hidden, "--steps", 0)
+        self.assertEqual(done.code, 0, done.out + done.err)  # on layers hardly trained
+        self.assertIn("1 of 1 inside all limits", done.out)
+
     def test_goes_on_after_an_interruption(self) -> None:
         whole, parts = self.folder / "whole", self.folder / "parts"
-        options = ["train", "mtl", "--steps", "120", "--samples", "48", "-o"]
+        options = ["train", "mtl", "--steps", "120", "--samples", "48", "--last-layer", "0", "-o"]
         self.assertEqual(run(*options, whole).code, 4)
         process = subprocess.Popen([BINARY, *options, str(parts)], stdout=subprocess.PIPE)
         time.sleep(1.5)
@@ -70,7 +84,8 @@ class Train(unittest.TestCase):
         out = self.folder / "a"
         names = self.folder / "list.csv"
         names.write_text("soft, jam, 0.1\n")
-        for code, words in ((2, ("--law", "jam")), (2, ("--poisson", 0.5)), (2, ("--steps", 0)),
+        for code, words in ((2, ("--law", "jam")), (2, ("--poisson", 0.5)), (2, ("--steps", 0)), (2, ("--steps", -1)),
+                            (2, ("--last-layer", -1)),
                             (2, ("--device", "tpu")), (3, ("--list", names)),
                             (3, ("--list", self.folder / "none"))):
             with self.subTest(words=words):

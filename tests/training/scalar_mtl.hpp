@@ -55,7 +55,7 @@ inline double psi(const std::vector<float>& w, double poisson, const Vec3& s) {
     const double ej = e[(i + 1) % 3], ek = e[(i + 2) % 3];
     const Vec3 x = {e[i], ej + ek, ej * ek};
     double q = (a + b) * e[i] + b * (ej + ek) + net_value(w, x).f - rest.f;
-    for (int m = 0; m < 3; ++m) q -= rest.gradient[m] * x[m];
+    for (int m = 0; m < 2; ++m) q -= rest.gradient[m] * x[m];
     sum += q * q;
   }
   return omega / 2 * sum;

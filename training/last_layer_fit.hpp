@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// Fits the last layer of a NeuralMTL to a material, its hidden layers given. In the 128 weights w
+// of that layer the strains are linear, q = q_0 + Phi w, so stress, tangent and energy are
+// quadratic in w, and Levenberg-Marquardt takes tens of milliseconds where a gradient method on all
+// weights takes minutes. The residuals at a strain, ten of them, are relative and without a scale,
+// M = 2 mu + lambda:
+//
+//   (t_theta - t) / (|t| + 1e-4 M)     sqrt(0.1) (H_theta - H)_mn / |H|     sqrt(0.1) (psi_theta -
+//   psi) / (psi + 1e-6 M)
+//
+// with each entry of H beside the diagonal sqrt(2) times, so that their squares sum to the loss of
+// fit_neural_mtl.hpp. In double; the hidden layers do not change, so that weights of all materials
+// with the same ones lie in one space of 128 dimensions.
+
+#pragma once
+
+#include "core/array.hpp"
+#include "training/fit_material.hpp"
+
+#include <span>
+#include <vector>
+
+namespace elastogen {
+
+struct LastLayerOptions {
+  int iterations = 80;     ///< at most; it ends when ten together gain less than 2 %
+  double enough = 0;       ///< it ends below this error
+  int64_t strains = 2048;  ///< of kFitBox
+  uint64_t seed = 2;       ///< of the strains
+};
+
+struct LastLayerFit {
+  std::vector<float> weights;  ///< (17153), the hidden layers those given
+  double error = 0;            ///< root of the mean over strains of the sum of squares
+  int iterations = 0;
+};
+
+class LastLayer {
+ public:
+  /// @param weights  of a NeuralMTL, (17153); the hidden layers are fixed, the last is ignored.
+  /// @throws Error (usage) unless there are 17153 weights, and iterations and strains are positive.
+  LastLayer(std::span<const float> weights, const LastLayerOptions& options = {});
+
+  /// @param start  last layer to begin from, (128); empty: zeros, where q is linear in the log
+  ///               stretches, Hencky's law.
+  /// @throws Error (usage) for a start of another size.
+  LastLayerFit fit(const FitMaterial& material, std::span<const float> start = {}) const;
+
+  /// q of material's net at the strains of the fit for a last layer w, with derivatives in e, as
+  /// the residuals take them: (strains, 30), entry 3 c + i is channel c of axis i; channels are the
+  /// value, 3 first and 6 second derivatives 00 11 22 01 12 20.
+  Array<double> strains(const FitMaterial& material, std::span<const double> w) const;
+  const Array<double>& points() const { return e_; }  ///< log stretches, (strains, 3)
+
+ private:
+  LastLayerOptions options_;
+  std::vector<float> weights_;
+  Array<double> e_;         // (strains, 3)
+  Array<double> inputs_;    // (strains, 30 * 2): derivatives of the first two inputs in e
+  Array<double> features_;  // Phi, (strains * 30, 128)
+};
+
+}  // namespace elastogen
