@@ -62,7 +62,7 @@ std::string fitted_weights(const Material& m, const TensorFile& hidden, const st
   return encode_tensors(mtl_file(material, fit.weights, report, trainer));
 }
 
-/// Bytes of a fitted net, of the cache or made now.
+/// A net that no file is shipped for, of the cache or fitted now.
 std::shared_ptr<const LearnedLaw> fitted_net(const Material& m, Evaluation evaluation) {
   const std::string path = find_file(kHiddenLayers);
   ELASTOGEN_CHECK(!path.empty(), "--energy neural: there is no net of material '", m.name, "', ",

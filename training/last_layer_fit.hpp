@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // Fits the last layer of a NeuralMTL to a material, its hidden layers given. In the 128 weights w
 // of that layer the strains are linear, q = q_0 + Phi w, so stress, tangent and energy are
-// quadratic in w, and Levenberg-Marquardt takes tens of milliseconds where a gradient method on all
-// weights takes minutes. The residuals at a strain, ten of them, are relative and without a scale,
+// quadratic in w, and Levenberg-Marquardt takes less than a second where a gradient method on all
+// weights takes minutes. The ten residuals at a strain are relative and without a scale, with
 // M = 2 mu + lambda:
 //
-//   (t_theta - t) / (|t| + 1e-4 M)     sqrt(0.1) (H_theta - H)_mn / |H|     sqrt(0.1) (psi_theta -
-//   psi) / (psi + 1e-6 M)
+//   (t_theta - t)_m / (|t| + 1e-4 M)
+//   sqrt(0.1) (H_theta - H)_mn / |H|, sqrt(2) times beside the diagonal
+//   sqrt(0.1) (psi_theta - psi) / (psi + 1e-6 M)
 //
-// with each entry of H beside the diagonal sqrt(2) times, so that their squares sum to the loss of
-// fit_neural_mtl.hpp. In double; the hidden layers do not change, so that weights of all materials
-// with the same ones lie in one space of 128 dimensions.
+// so that their squares sum to the loss of fit_neural_mtl.hpp. In double. The hidden layers do not
+// change: weights of all materials with the same ones lie in one space of 128 dimensions.
 
 #pragma once
 
@@ -56,7 +56,7 @@ class LastLayer {
   LastLayerOptions options_;
   std::vector<float> weights_;
   Array<double> e_;         // (strains, 3)
-  Array<double> inputs_;    // (strains, 30 * 2): derivatives of the first two inputs in e
+  Array<double> inputs_;    // (strains, 30 * 2): the first two inputs, derivatives in e
   Array<double> features_;  // Phi, (strains * 30, 128)
 };
 
