@@ -105,6 +105,12 @@ class Clip {
       report_.warnings.push_back(fmt::format("a voxel is inverted: min J = {:.3g}", report_.min_j));
       raise(kExitDraft);
     }
+    if (report_.outside_fit > 0)
+      report_.warnings.push_back(fmt::format(
+          "--energy neural: in {} of {} steps voxels were strained beyond what their nets were "
+          "fitted to, {} a step on average; the law gave their stress",
+          steps_outside_, report_.steps,
+          (report_.outside_fit + steps_outside_ - 1) / steps_outside_));
     const bool still = largest_motion_ < 1e-6 * setup_.longest_edge;
     if (still && report_.frames > 0 && converged_ == report_.steps)
       report_.warnings.push_back(nothing_moved(setup_.scene, o_));
@@ -164,6 +170,8 @@ class Clip {
     converged_ += r.converged;
     report_.worst_residual = std::max(report_.worst_residual, r.residual);
     report_.min_j = std::min(report_.min_j, r.min_j);
+    report_.outside_fit += r.outside_fit;
+    steps_outside_ += r.outside_fit > 0;
     report_.step_ms.push_back(r.ms);
     if (!r.converged && !r.refusal.empty()) report_.warnings.push_back(r.refusal);
     if (outputs_.log) outputs_.log->write(frame, r);
@@ -229,6 +237,7 @@ class Clip {
   Array<double> displacement_;
   Array<double> gradient_;  ///< of the carried points; empty where no writer needs it
   int64_t converged_ = 0;
+  int64_t steps_outside_ = 0;  // in which voxels lay outside the box of their nets
   double largest_motion_ = 0;
   Stopwatch watch_;  ///< of the steps
 };

@@ -39,6 +39,7 @@ struct RunReport {
   double converged_share = 0;  ///< of the steps, 0 ... 1
   double worst_residual = 0;   ///< largest of all steps
   double min_j = 1;            ///< smallest det F of all steps
+  int64_t outside_fit = 0;     ///< voxels outside the box of their nets, summed over the steps
   StageSeconds stage_seconds;
   std::vector<double> step_ms;  ///< wall time of each step; the file has median and p95
   int64_t peak_memory_bytes = 0;

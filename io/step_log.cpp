@@ -22,6 +22,7 @@ std::string step_log_line(int64_t frame, const StepReport& report) {
       {"finite", report.finite},
       {"min_j", report.min_j},
       {"min_corner_j", report.min_corner_j},
+      {"outside_fit", report.outside_fit},
       {"energies",
        {{"kinetic", energy.kinetic},
         {"elastic", energy.elastic},

@@ -26,6 +26,7 @@ StepReport example() {
   report.float64 = true;
   report.min_j = 0.875;
   report.min_corner_j = 0.5;
+  report.outside_fit = 9;
   report.energy = {1, 2, 3, 4, 5};
   report.active_share = 0.75;
   report.deepest_overlap = 0.0625;
@@ -36,7 +37,7 @@ StepReport example() {
 TEST(StepLog, LineHasEveryFieldOfTheDocumentation) {
   const Json expected = Json::parse(R"({"frame": 3, "step": 7, "time": 0.25, "converged": true,
       "residual": 3.5e-4, "outer": 12, "inner": 14, "scheme": "bdf2", "float64": true,
-      "finite": true, "min_j": 0.875, "min_corner_j": 0.5,
+      "finite": true, "min_j": 0.875, "min_corner_j": 0.5, "outside_fit": 9,
       "energies": {"kinetic": 1, "elastic": 2, "hourglass": 3, "gravity": 4, "contact": 5},
       "active_share": 0.75, "deepest_overlap": 0.0625, "ms": 41.5})");
   EXPECT_EQ(Json::parse(step_log_line(3, example())), expected);

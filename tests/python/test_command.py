@@ -229,7 +229,8 @@ class Outputs(Command):
                          [(1, 1), (1, 2), (2, 3), (2, 4), (3, 5), (3, 6)])
         for line in lines:
             self.assertLessEqual({"frame", "step", "time", "converged", "residual", "outer",
-                                  "inner", "min_j", "energies", "active_share", "ms"}, set(line))
+                                  "inner", "min_j", "outside_fit", "energies", "active_share",
+                                  "ms"}, set(line))
             self.assertEqual(set(line["energies"]),
                              {"kinetic", "elastic", "hourglass", "gravity", "contact"})
             self.assertAlmostEqual(line["time"], line["step"] / 60, 12)

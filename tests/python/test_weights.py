@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import hashlib
+import json
 import os
 import subprocess
 import tempfile
@@ -26,9 +27,9 @@ class Weights(unittest.TestCase):
         self.cache = self.folder / "cache"
 
     def animate(self, out: str, *words: str, **variables: str) -> Run:
-        """Two frames of the bar by a net."""
+        """Six frames of the bar by a net."""
         command = [BINARY, "animate", self.bar, "-o", self.folder / out, "--energy", "neural",
-                   "--young", "1e5", "--voxels", "8", "--frames", "2", "--pin", "x<5%", "--quiet",
+                   "--young", "1e5", "--voxels", "8", "--frames", "6", "--pin", "x<5%", "--quiet",
                    *words]
         environment = os.environ | {"XDG_CACHE_HOME": str(self.cache)} | variables
         done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120,
@@ -83,6 +84,23 @@ class Weights(unittest.TestCase):
         done = self.animate("a.glb", *UNSHIPPED, ELASTOGEN_WEIGHTS=str(own))
         self.assertEqual(done.code, 3, done.err)
         self.assertIn("hidden.tensors", done.err)
+
+    def test_counts_voxels_beyond_the_fit(self) -> None:
+        material = ("--law", "neo-hookean", "--poisson", "0.4")
+        for gravity, beyond in (("0,-9.81,0", False), ("3000,0,0", True)):
+            log, report = self.folder / "l.json", self.folder / "r.json"
+            done = self.animate("a.glb", *material, "--gravity", gravity, "--fps", "240",
+                                "--log-json", str(log), "--report", str(report))
+            self.assertIn(done.code, (0, 4), done.err)
+            counts = [json.loads(line)["outside_fit"] for line in log.read_text().splitlines()]
+            told = json.loads(report.read_text())
+            self.assertEqual(told["outside_fit"], sum(counts))
+            self.assertEqual(sum(counts) > 0, beyond)
+            warned = [w for w in told["warnings"] if "beyond what their nets were fitted" in w]
+            self.assertEqual(len(warned), int(beyond))
+            if beyond:
+                steps = sum(count > 0 for count in counts)
+                self.assertIn(f"in {steps} of {len(counts)} steps", warned[0])
 
     def test_opens_no_libtorch(self) -> None:
         for material in (("--law", "neo-hookean", "--poisson", "0.4"), UNSHIPPED):
