@@ -66,7 +66,6 @@ std::span<const float> row(const Array<float>& weights, size_t n) {
 
 /// The start for each of some materials.
 Array<float> copies(const std::vector<float>& start, size_t count) {
-  ELASTOGEN_CHECK(!start.empty(), "without steps the hidden layers need a start (--start)");
   Array<float> weights(int64_t(count), kMtlParameters);
   for (size_t n = 0; n < count; ++n) std::copy(start.begin(), start.end(), weights.row(int64_t(n)));
   return weights;
@@ -88,6 +87,33 @@ void fit_last_layers(const std::vector<FitMaterial>& materials, int iterations,
   }
 }
 
+/// Weights of all layers, those of the start where there are no steps; none when stopped before the
+/// last step.
+Array<float> all_layers(const std::vector<FitMaterial>& materials, const FitOptions& options,
+                        const FitHooks& hooks) {
+  if (options.steps == 0) return copies(options.start, materials.size());
+  FitOutcome outcome = fit_neural_mtl(materials, options, hooks);
+  if (outcome.steps == options.steps) return std::move(outcome.weights);
+  hooks.say(concat("stopped at step ", outcome.steps, "; --resume goes on"));
+  return {};
+}
+
+/// Writes the weights of each material and what belongs to a list.
+void write_all(const TrainMtl& task, const std::vector<FitMaterial>& materials,
+               const Array<float>& weights, const std::vector<FitReport>& reports,
+               const TrainerCard& trainer) {
+  const bool many = !task.list.empty();
+  for (size_t n = 0; n < materials.size(); ++n) {
+    const TensorFile file = mtl_file(materials[n], row(weights, n), reports[n], trainer);
+    const std::string path = many ? task.out + '/' + materials[n].name + ".weights" : task.out;
+    write_file(path, encode_tensors(file));
+  }
+  if (!many) return;
+  write_file(task.out + "/report.csv", report_table(materials, reports));
+  if (task.fit.shared)
+    write_file(task.out + "/hidden.tensors", encode_tensors(hidden_file(row(weights, 0), trainer)));
+}
+
 }  // namespace
 
 TrainEnd train_mtl(const TrainMtl& task, const FitHooks& hooks) {
@@ -95,6 +121,8 @@ TrainEnd train_mtl(const TrainMtl& task, const FitHooks& hooks) {
   ELASTOGEN_CHECK(!task.out.empty(), "name an output");
   ELASTOGEN_CHECK(task.fit.steps >= 0 && task.last_layer >= 0, "steps must not be negative, got ",
                   task.fit.steps, " and ", task.last_layer);
+  ELASTOGEN_CHECK(task.fit.steps > 0 || !task.start.empty(),
+                  "without steps the hidden layers need a start (--start)");
   const bool many = !task.list.empty();
   if (many) make_folder(task.out);
   FitOptions options = task.fit;
@@ -104,32 +132,15 @@ TrainEnd train_mtl(const TrainMtl& task, const FitHooks& hooks) {
   }
   options.checkpoint = many ? task.out + "/checkpoint.part" : task.out + ".part";
 
-  Array<float> weights;
-  if (options.steps > 0) {
-    FitOutcome outcome = fit_neural_mtl(materials, options, hooks);
-    if (outcome.steps < options.steps) {
-      hooks.say(concat("stopped at step ", outcome.steps, "; --resume goes on"));
-      return TrainEnd::kStopped;
-    }
-    weights = std::move(outcome.weights);
-  } else {
-    weights = copies(options.start, materials.size());
-  }
+  Array<float> weights = all_layers(materials, options, hooks);
+  if (weights.empty()) return TrainEnd::kStopped;
   if (task.last_layer > 0) fit_last_layers(materials, task.last_layer, weights);
   std::vector<FitReport> reports;
   for (size_t n = 0; n < materials.size(); ++n)
     reports.push_back(fit_report(materials[n], row(weights, n)));
   const int64_t passing = say_reports(materials, reports, hooks);
 
-  const TrainerCard trainer = trainer_card(task, options);
-  for (size_t n = 0; n < materials.size(); ++n) {
-    const TensorFile file = mtl_file(materials[n], row(weights, n), reports[n], trainer);
-    const std::string path = many ? task.out + '/' + materials[n].name + ".weights" : task.out;
-    write_file(path, encode_tensors(file));
-  }
-  if (many) write_file(task.out + "/report.csv", report_table(materials, reports));
-  if (many && options.shared)
-    write_file(task.out + "/hidden.tensors", encode_tensors(hidden_file(row(weights, 0), trainer)));
+  write_all(task, materials, weights, reports, trainer_card(task, options));
   std::error_code ignored;
   fs::remove(options.checkpoint, ignored);
   return passing == int64_t(reports.size()) ? TrainEnd::kPassing : TrainEnd::kFailing;
