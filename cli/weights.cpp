@@ -48,7 +48,7 @@ std::string find_file(const std::string& name) {
 std::string fitted_weights(const Material& m, const TensorFile& hidden, const std::string& hash) {
   const FitMaterial material = fit_material(std::string(law_name(m.law)), m.poisson);
   LastLayerOptions options;
-  options.enough = 1e-4;  // a twentieth of the limits, in half the time
+  options.enough = 1e-4;  // rms; the limits are on the median, p99 and largest error
   const LastLayer layer(hidden.get("neural_mtl", {kMtlParameters}).values, options);
   const LastLayerFit fit = layer.fit(material);
   const FitReport report = fit_report(material, fit.weights);
