@@ -63,7 +63,7 @@ FitMaterial random_material(std::mt19937_64& random) {
 /// Where a material lies among others: weights of the laws, and sqrt(2 mu/(3K)).
 std::array<double, 6> features(const FitMaterial& material) {
   std::array<double, 6> x{};
-  for (const LawTerm& term : material.terms) x[size_t(term.law)] += term.weight;
+  for (const LawTerm& term : material.terms) x[size_t(term.law.kind)] += term.weight;
   x[5] = std::sqrt((1 - 2 * material.poisson) / (1 + material.poisson));
   return x;
 }

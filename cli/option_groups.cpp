@@ -9,7 +9,9 @@ namespace {
 void add_material_options(CLI::App& app, AnimateOptions& o, Typed& t) {
   app.add_option("--material", t.material, "preset: rubber, soft-rubber, jelly, foam, ...")
       ->group("Material");
-  app.add_option("--law", t.law, "fixed-corotated, neo-hookean, stable-neo-hookean, stvk or hencky")
+  app.add_option("--law", t.law,
+                 "fixed-corotated, neo-hookean, stable-neo-hookean, stvk, hencky, ogden=EXPONENT, "
+                 "mooney-rivlin=SHARE or gent=LIMIT")
       ->group("Material");
   app.add_option("--young", t.young, "Young's modulus, e.g. 1e6 or '1 MPa'")->group("Material");
   app.add_option("--poisson", t.poisson, "Poisson's ratio, 0 <= nu < 0.5")->group("Material");

@@ -155,7 +155,7 @@ SceneValue asset_table(const AnimateOptions& o) {
 SceneValue material_table(const Material& m) {
   SceneValue t;
   t.set("preset", scene_text(m.name == "custom" ? "rubber" : m.name));
-  t.set("law", scene_text(std::string(law_name(m.law))));
+  t.set("law", scene_text(law_name(m.law)));
   t.set("young", scene_number(m.young));
   t.set("poisson", scene_number(m.poisson));
   t.set("density", scene_number(m.density));

@@ -46,7 +46,7 @@ std::string find_file(const std::string& name) {
 
 /// The bytes of a weight file for a material, fitted on hidden layers.
 std::string fitted_weights(const Material& m, const TensorFile& hidden, const std::string& hash) {
-  const FitMaterial material = fit_material(std::string(law_name(m.law)), m.poisson);
+  const FitMaterial material = fit_material(law_name(m.law), m.poisson);
   LastLayerOptions options;
   options.enough = 1e-4;  // rms; the limits are on the median, p99 and largest error
   const LastLayer layer(hidden.get("neural_mtl", {kMtlParameters}).values, options);

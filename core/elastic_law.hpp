@@ -9,9 +9,17 @@
 //                        2018), mu' = 4 mu/3, lambda' = lambda + 5 mu/6, a = 1 + 3 mu'/(4 lambda')
 //   StVK                 mu sum e^2 + lambda/2 (sum e)^2,   e = (s^2-1)/2
 //   Hencky               the same with e = ln s, continued below s = 0.1
+//   Ogden                2 mu/a^2 sum (exp(a e'_i) - 1) + K/2 (sum e)^2,  a = shape; a = 0: Hencky
+//   Mooney-Rivlin        mu/2 [(1 - r) (I1 - 3) + r (I2 - 3)] + K/2 (sum e)^2,  r = shape
+//   Gent                 -mu L/2 ln(1 - (I1 - 3)/L) + K/2 (sum e)^2,  L = shape, the logarithm
+//                        continued where I1 - 3 is above 0.9 L
 //
-// with I = sum s^2 and J = s_0 s_1 s_2. The continuation of ln is the C2 quadratic
-// ln y0 + d - d^2/2, d = (y - y0)/y0, so every law has a finite force in every state.
+// with I = sum s^2, J = s_0 s_1 s_2, K = lambda + 2 mu/3, and for the last three the e of Hencky,
+// e'_i = e_i - sum e/3, I1 = sum exp(2 e'_i), I2 = sum exp(-2 e'_i): the invariants of C without
+// its volume, J^(-2/3) I and J^(-4/3) times the second of C (Holzapfel, Nonlinear Solid
+// Mechanics, 6.5). The continuation of ln is the C2 quadratic ln y0 + d - d^2/2, d = (y - y0)/y0,
+// that of exp exp(x0) (1 + d + d^2/2), d = x - x0, above x0 = 12, so every law has a finite force
+// in every state.
 //
 // Written in s - 1, so that no digits are lost near rest (docs/physics.md). A learned law has the
 // same interface: a function from stretches to Response.
@@ -26,7 +34,7 @@ namespace elastogen {
 /// Law and moduli [Pa] as the kernels take them.
 template <class S>
 struct LawParameters {
-  Law law = Law::kNeoHookean;
+  Law law = {};
   S mu = 0, lambda = 0;
 };
 
@@ -162,6 +170,119 @@ ELASTOGEN_HD inline Response<T> quadratic(const T e[3], const T first[3], const 
   return r;
 }
 
+/// E(x) = exp(x) - 1 - x and its derivatives, exp continued above 12; accurate relative to x near
+/// 0.
+template <class T>
+struct Exponential {
+  T value, first, second;
+};
+
+template <class T>
+ELASTOGEN_HD inline Exponential<T> continued_exp(const T& x) {
+  using S = Scalar<T>;
+  constexpr S kEnd = 12, kAtEnd = S(162754.79141900392);  // exp(12)
+  const auto inside = x < kEnd;
+  const T safe = inside ? x : constant<T>(kEnd), d = x - safe;
+  // by its series where exp(x) - 1 - x loses digits
+  constexpr int kTerms = sizeof(S) == 4 ? 10 : 17;
+  T sum = constant<T>(1);
+  for (int k = kTerms; k >= 3; --k) sum = 1 + safe / S(k) * sum;
+  const auto small = absolute(safe) < 1;
+  const T whole = exponential(safe);
+  const T rest = small ? safe * safe / 2 * sum : whole - 1 - safe;
+  Exponential<T> e;
+  e.value = rest + d * (kAtEnd - 1 + kAtEnd / 2 * d);
+  e.first = rest + safe + kAtEnd * d;
+  e.second = inside ? whole : constant<T>(kAtEnd);
+  return e;
+}
+
+/// Derivatives of an energy in log stretches.
+template <class T>
+struct LogDerivatives {
+  T w[3], ww[6];  ///< 00, 11, 22, 01, 12, 20
+};
+
+/// Of f(e') + K/2 tr^2 from f's own a_i = df/de'_i and b_i = d2f/de'_i^2, which has no others:
+/// w = P a + K tr, ww = P diag(b) P + K 1 1^T, P = I - 1 1^T/3.
+template <class T>
+ELASTOGEN_HD inline LogDerivatives<T> with_volume(const T a[3], const T b[3], const T& trace,
+                                                  Scalar<T> bulk) {
+  const T mean = (a[0] + a[1] + a[2]) / 3, sum = (b[0] + b[1] + b[2]) / 9;
+  LogDerivatives<T> d;
+  for (int i = 0; i < 3; ++i) {
+    d.w[i] = a[i] - mean + bulk * trace;
+    d.ww[i] = b[i] / 3 + sum + bulk;
+    d.ww[3 + i] = bulk + sum - (b[i] + b[(i + 1) % 3]) / 3;
+  }
+  return d;
+}
+
+/// Adds (2 mu/power^2) sum E(power e'_i) and its derivatives a_i, b_i.
+template <class T>
+ELASTOGEN_HD inline void add_ogden(const T dev[3], Scalar<T> mu, Scalar<T> power, T& psi, T a[3],
+                                   T b[3]) {
+  for (int i = 0; i < 3; ++i) {
+    const Exponential<T> e = continued_exp(T(power * dev[i]));
+    psi += 2 * mu / power / power * e.value;
+    a[i] += 2 * mu / power * e.first;
+    b[i] += 2 * mu * e.second;
+  }
+}
+
+template <class T>
+ELASTOGEN_HD inline LogDerivatives<T> gent(const T dev[3], const T& trace, Scalar<T> mu,
+                                           Scalar<T> bulk, Scalar<T> limit, T& psi) {
+  using S = Scalar<T>;
+  T excess{}, a[3] = {}, b[3] = {};  // I1 - 3
+  add_ogden(dev, S(2), S(2), excess, a, b);
+  const Logarithm<T> l = continued_log(T(-excess / limit));
+  psi -= mu * limit / 2 * l.value;
+  const T factor = mu / 2 * l.first, slope = -mu / (2 * limit) * l.second;
+  const T mean = (a[0] + a[1] + a[2]) / 3, dI[3] = {a[0] - mean, a[1] - mean, a[2] - mean};
+  for (int i = 0; i < 3; ++i) a[i] *= factor, b[i] *= factor;
+  LogDerivatives<T> d = with_volume(a, b, trace, bulk);
+  for (int i = 0; i < 3; ++i) {
+    d.ww[i] += slope * dI[i] * dI[i];
+    d.ww[3 + i] += slope * dI[i] * dI[(i + 1) % 3];
+  }
+  return d;
+}
+
+/// Ogden, Mooney-Rivlin and Gent from e = l(s), with the derivatives of l.
+template <bool kHessian, class T>
+ELASTOGEN_HD inline Response<T> deviatoric(const Law& law, const T e[3], const T first[3],
+                                           const T second[3], Scalar<T> mu, Scalar<T> lambda) {
+  using S = Scalar<T>;
+  constexpr S kLeast = S(1e-6);  // of Ogden's exponent; nearer to 0 it is Hencky's law to the digit
+  const S shape = S(law.shape), bulk = lambda + 2 * mu / 3;
+  const T trace = e[0] + e[1] + e[2], third = trace / 3;
+  const T dev[3] = {e[0] - third, e[1] - third, e[2] - third};
+  Response<T> r;
+  r.psi = bulk / 2 * trace * trace;
+  LogDerivatives<T> d;
+  if (law.kind == Law::Kind::kGent) {
+    d = gent(dev, trace, mu, bulk, shape, r.psi);
+  } else {
+    T a[3] = {}, b[3] = {};
+    if (law.kind == Law::Kind::kOgden) {
+      add_ogden(dev, mu, shape < kLeast && shape > -kLeast ? kLeast : shape, r.psi, a, b);
+    } else {
+      add_ogden(dev, S(mu * (1 - shape)), S(2), r.psi, a, b);
+      add_ogden(dev, S(mu * shape), S(-2), r.psi, a, b);
+    }
+    d = with_volume(a, b, trace, bulk);
+  }
+  for (int i = 0; i < 3; ++i) {
+    r.t[i] = d.w[i] * first[i];
+    if constexpr (kHessian) {
+      r.H[i] = d.ww[i] * first[i] * first[i] + d.w[i] * second[i];
+      r.H[3 + i] = d.ww[3 + i] * first[i] * first[(i + 1) % 3];
+    }
+  }
+  return r;
+}
+
 }  // namespace law
 
 /// Response of a law to stretches of any sign.
@@ -171,27 +292,29 @@ ELASTOGEN_HD inline Response<T> elastic_response(const LawParameters<Scalar<T>>&
   const T e[3] = {s[0] - 1, s[1] - 1, s[2] - 1};
   const T pairs = e[0] * e[1] + e[1] * e[2] + e[2] * e[0];
   const T J_minus_1 = e[0] + e[1] + e[2] + pairs + e[0] * e[1] * e[2];
-  switch (p.law) {
-    case Law::kFixedCorotated:
+  switch (p.law.kind) {
+    case Law::Kind::kFixedCorotated:
       return law::fixed_corotated<kHessian>(e, s, J_minus_1, p.mu, p.lambda);
-    case Law::kNeoHookean:
+    case Law::Kind::kNeoHookean:
       return law::neo_hookean<kHessian>(e, s, J_minus_1, p.mu, p.lambda);
-    case Law::kStableNeoHookean:
+    case Law::Kind::kStableNeoHookean:
       return law::stable_neo_hookean<kHessian>(e, s, J_minus_1, p.mu, p.lambda);
-    case Law::kStvk: {
+    case Law::Kind::kStvk: {
       const T green[3] = {e[0] * (1 + e[0] / 2), e[1] * (1 + e[1] / 2), e[2] * (1 + e[2] / 2)};
       const T one[3] = {constant<T>(1), constant<T>(1), constant<T>(1)};
       return law::quadratic<kHessian>(green, s, one, p.mu, p.lambda);
     }
-    case Law::kHencky:
+    default:
       break;
   }
-  T hencky[3], first[3], second[3];
+  T logs[3], first[3], second[3];
   for (int i = 0; i < 3; ++i) {
     const law::Logarithm<T> l = law::continued_log(e[i]);
-    hencky[i] = l.value, first[i] = l.first, second[i] = l.second;
+    logs[i] = l.value, first[i] = l.first, second[i] = l.second;
   }
-  return law::quadratic<kHessian>(hencky, first, second, p.mu, p.lambda);
+  if (p.law.kind == Law::Kind::kHencky)
+    return law::quadratic<kHessian>(logs, first, second, p.mu, p.lambda);
+  return law::deviatoric<kHessian>(p.law, logs, first, second, p.mu, p.lambda);
 }
 
 }  // namespace elastogen

@@ -5,20 +5,37 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
-#include <utility>
-#include <vector>
 
 namespace elastogen {
 namespace {
 
-constexpr std::array<std::pair<Law, std::string_view>, 5> kLaws = {{
-    {Law::kFixedCorotated, "fixed-corotated"},
-    {Law::kNeoHookean, "neo-hookean"},
-    {Law::kStableNeoHookean, "stable-neo-hookean"},
-    {Law::kStvk, "stvk"},
-    {Law::kHencky, "hencky"},
+/// What a law is called, and between what its shape parameter lies; no range: it has none.
+struct LawEntry {
+  Law::Kind kind;
+  std::string_view name;
+  double least = 0, most = 0;
+
+  bool family() const { return least < most; }
+};
+
+constexpr std::array<LawEntry, 8> kLaws = {{
+    {Law::Kind::kFixedCorotated, "fixed-corotated"},
+    {Law::Kind::kNeoHookean, "neo-hookean"},
+    {Law::Kind::kStableNeoHookean, "stable-neo-hookean"},
+    {Law::Kind::kStvk, "stvk"},
+    {Law::Kind::kHencky, "hencky"},
+    {Law::Kind::kOgden, "ogden", -20, 20},
+    {Law::Kind::kMooneyRivlin, "mooney-rivlin", 0, 1},
+    {Law::Kind::kGent, "gent", 0.1, 1e6},
 }};
+
+const LawEntry& entry_of(const Law& law) {
+  for (const LawEntry& entry : kLaws)
+    if (entry.kind == law.kind) return entry;
+  throw Error("unknown law");
+}
 
 // moduli at small strain and room temperature; engineering handbooks give ranges, these lie inside
 const std::array<MaterialPreset, 8> kPresets = {{
@@ -48,19 +65,40 @@ const std::array<MaterialPreset, 8> kPresets = {{
 
 }  // namespace
 
-std::string_view law_name(Law law) {
-  for (const auto& [value, name] : kLaws)
-    if (value == law) return name;
-  throw Error("unknown law");
+std::string law_name(const Law& law) {
+  const LawEntry& entry = entry_of(law);
+  if (!entry.family()) return std::string(entry.name);
+  char digits[32];
+  const auto end = std::to_chars(digits, digits + sizeof digits, law.shape).ptr;
+  return concat(entry.name, '=', std::string_view(digits, end));
 }
 
-Law law_from_name(std::string_view name) {
+std::vector<std::string> law_names() {
+  std::vector<std::string> names;
+  for (const LawEntry& entry : kLaws)
+    names.push_back(std::string(entry.name) + (entry.family() ? "=NUMBER" : ""));
+  return names;
+}
+
+Law law_from_name(std::string_view text) {
+  const size_t equals = text.find('=');
+  const std::string_view name = text.substr(0, equals);
   std::string known;
-  for (const auto& [law, text] : kLaws) {
-    if (text == name) return law;
-    known += (known.empty() ? "" : ", ") + std::string(text);
-  }
-  throw Error(concat("unknown law '", name, "'; known are ", known));
+  for (const LawEntry& entry : kLaws)
+    if (entry.name == name && entry.family() == (equals != text.npos)) {
+      if (!entry.family()) return {entry.kind};
+      const std::string_view number = text.substr(equals + 1);
+      double shape = 0;
+      const auto [end, error] =
+          std::from_chars(number.data(), number.data() + number.size(), shape);
+      ELASTOGEN_CHECK(error == std::errc() && end == number.data() + number.size() &&
+                          shape >= entry.least && shape <= entry.most,
+                      "law '", text, "': ", name, "=NUMBER takes a number from ", entry.least,
+                      " to ", entry.most);
+      return {entry.kind, shape};
+    }
+  for (const std::string& other : law_names()) known += (known.empty() ? "" : ", ") + other;
+  throw Error(concat("unknown law '", text, "'; known are ", known));
 }
 
 std::span<const MaterialPreset> material_presets() {
@@ -83,6 +121,10 @@ void check_material(const Material& m) {
                   "': Poisson's ratio must lie in [0, 0.5), got ", m.poisson);
   ELASTOGEN_CHECK(std::isfinite(m.density) && m.density > 0, "material '", m.name,
                   "': density must be positive, got ", m.density, " kg/m^3");
+  const LawEntry& entry = entry_of(m.law);
+  ELASTOGEN_CHECK(m.law.shape >= entry.least && m.law.shape <= entry.most, "material '", m.name,
+                  "': the shape parameter of ", entry.name, " lies between ", entry.least, " and ",
+                  entry.most, ", got ", m.law.shape);
 }
 
 }  // namespace elastogen

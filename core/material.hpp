@@ -3,20 +3,52 @@
 
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace elastogen {
 
-/// The isotropic laws of core/elastic_law.hpp.
-enum class Law { kFixedCorotated, kNeoHookean, kStableNeoHookean, kStvk, kHencky };
+/// An isotropic law of core/elastic_law.hpp; three are families with a shape parameter.
+struct Law {
+  enum class Kind : uint8_t {
+    kFixedCorotated,
+    kNeoHookean,
+    kStableNeoHookean,
+    kStvk,
+    kHencky,
+    kOgden,         ///< shape: the exponent
+    kMooneyRivlin,  ///< shape: c01/(c10 + c01)
+    kGent,          ///< shape: limit of I1 - 3
+  };
+  Kind kind = Kind::kNeoHookean;
+  double shape = 0;
 
-/// Name of a law as the command and the files spell it, e.g. "neo-hookean".
-std::string_view law_name(Law law);
+  static const Law kFixedCorotated, kNeoHookean, kStableNeoHookean, kStvk, kHencky;
+  static constexpr Law ogden(double exponent) { return {Kind::kOgden, exponent}; }
+  static constexpr Law mooney_rivlin(double share) { return {Kind::kMooneyRivlin, share}; }
+  static constexpr Law gent(double limit) { return {Kind::kGent, limit}; }
 
-/// The law of that name. @throws Error naming the known laws.
+  friend bool operator==(const Law&, const Law&) = default;
+};
+
+inline constexpr Law Law::kFixedCorotated{Kind::kFixedCorotated};
+inline constexpr Law Law::kNeoHookean{Kind::kNeoHookean};
+inline constexpr Law Law::kStableNeoHookean{Kind::kStableNeoHookean};
+inline constexpr Law Law::kStvk{Kind::kStvk};
+inline constexpr Law Law::kHencky{Kind::kHencky};
+
+/// Name of a law as the command and the files spell it, e.g. "neo-hookean", "ogden=4".
+std::string law_name(const Law& law);
+
+/// The law of that name. @throws Error naming the known laws, or the range of a shape parameter:
+/// Ogden -20 ... 20, Mooney-Rivlin 0 ... 1, Gent 0.1 ... 1e6.
 Law law_from_name(std::string_view name);
+
+/// Names as law_from_name takes them, "ogden=NUMBER" for a family.
+std::vector<std::string> law_names();
 
 /// An elastic solid. Lame constants follow from Young's modulus and Poisson's ratio.
 struct Material {
@@ -44,7 +76,8 @@ std::span<const MaterialPreset> material_presets();
 /// The preset of that name. @throws Error naming the known ones.
 const MaterialPreset& material_preset(std::string_view name);
 
-/// @throws Error unless E, rho are positive and finite and 0 <= nu < 0.5.
+/// @throws Error unless E, rho are positive and finite, 0 <= nu < 0.5, and the shape parameter is
+/// in the range of law_from_name.
 void check_material(const Material& material);
 
 }  // namespace elastogen

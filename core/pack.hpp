@@ -150,4 +150,35 @@ ELASTOGEN_HD inline T log_1p(const T& x) {
   }
 }
 
+/// exp(x) for x up to 80; packs: within 4 eps of the exact value, 0 or so below -80.
+///
+/// Packs: x = k ln 2 + r with |r| <= ln(2)/2, and exp(r) by its series.
+template <class T>
+ELASTOGEN_HD inline T exponential(const T& x) {
+  if constexpr (!is_pack<T>) {
+    return std::exp(x);
+  } else {
+    using S = Scalar<T>;
+    using Bits = PackMask<S>;
+    constexpr bool kSingle = sizeof(S) == 4;
+    // ln 2 in two parts, the first with few bits, so that k times it is exact
+    constexpr S kHigh = kSingle ? S(0.693359375) : S(0.693147180369123816490);
+    constexpr S kLow = kSingle ? S(-2.12194440054690583e-4) : S(1.90821492927058770002e-10);
+    const T bounded = larger(x, constant<T>(S(-80)));
+    const T scaled = bounded * S(1.44269504088896340736);
+    const Bits k = __builtin_convertvector(
+        scaled + (scaled < 0 ? constant<T>(S(-0.5)) : constant<T>(S(0.5))), Bits);
+    const T whole = __builtin_convertvector(k, T);
+    const T r = (bounded - whole * kHigh) - whole * kLow;
+    constexpr int kTerms = kSingle ? 7 : 13;
+    T sum = constant<T>(1);
+    for (int n = kTerms; n >= 1; --n) sum = 1 + r / S(n) * sum;
+    Bits bits;
+    std::memcpy(&bits, &sum, sizeof sum);
+    bits += k << (kSingle ? 23 : 52);
+    std::memcpy(&sum, &bits, sizeof sum);
+    return sum;
+  }
+}
+
 }  // namespace elastogen

@@ -2,6 +2,7 @@
 #include "io/scene_file.hpp"
 
 #include "core/error.hpp"
+#include "core/material.hpp"
 #include "io/safe_file.hpp"
 #include "io/scene_keys.hpp"
 #include "io/scene_text.hpp"
@@ -155,8 +156,10 @@ class Check {
   }
 
   static bool is_word(const SceneValue& v, const SceneKey& key) {
-    return v.kind == Kind::kText &&
-           std::find(key.words.begin(), key.words.end(), v.text) != key.words.end();
+    if (v.kind != Kind::kText) return false;
+    const size_t equals = v.text.find('=');
+    const std::string word = equals == v.text.npos ? v.text : v.text.substr(0, equals) + "=NUMBER";
+    return std::find(key.words.begin(), key.words.end(), word) != key.words.end();
   }
 
   static std::string words_text(const SceneKey& key) {
@@ -172,6 +175,8 @@ class Check {
     if (!key.words.empty() && !is_word(v, key))
       fail(member.value.line, concat('\'', key.path(), "': '", v.text.substr(0, 100),
                                      "' is not known; known are ", words_text(key)));
+    if (!key.words.empty() && v.text.find('=') != v.text.npos)
+      located(member.value.line, key.path(), [&] { return law_from_name(v.text); });
   }
 
   void number(const SceneMember& member, SceneValue& v, const SceneKey& key, Quantity quantity) {

@@ -28,14 +28,6 @@ std::vector<std::string> preset_names() {
   return names;
 }
 
-std::vector<std::string> law_names() {
-  std::vector<std::string> names;
-  for (const Law law :
-       {Law::kFixedCorotated, Law::kNeoHookean, Law::kStableNeoHookean, Law::kStvk, Law::kHencky})
-    names.emplace_back(law_name(law));
-  return names;
-}
-
 Keys asset_keys() {
   return {
       {"asset", "file", T::kText, "", "INPUT", "the asset, from the folder of the scene file"},

@@ -18,7 +18,7 @@ enum class SceneType {
   kWhole,   ///< a whole number, or one of the words
   kNumber,  ///< a number in SI, a text with a unit, or one of the words
   kVector,  ///< three of them
-  kText,    ///< one of the words; any text where there are none
+  kText,    ///< one of the words; any text where there are none; "a=NUMBER" stands for any number
   kTexts,   ///< a list of texts
   kPath,    ///< a list of [t, x, y, z]: time, place
   kTurn,    ///< a list of [t, angle]

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The table of io/scene_keys.hpp as a JSON schema and as the table of docs/scene.md.
 
+#include "core/error.hpp"
 #include "io/scene_keys.hpp"
 
 #include <nlohmann/json.hpp>
@@ -32,13 +33,28 @@ Json list_schema(Json items, int count) {
   return {{"type", "array"}, {"items", std::move(items)}, {"minItems", count}, {"maxItems", count}};
 }
 
+/// Words of which one that ends in =NUMBER stands for a pattern.
+Json text_schema(const SceneKey& key) {
+  if (key.words.empty()) return {{"type", "string"}};
+  constexpr std::string_view kNumber = "=NUMBER";
+  Json words = Json::array();
+  std::string families;
+  for (const std::string& word : key.words)
+    if (word.ends_with(kNumber))
+      families += concat(families.empty() ? "" : "|", word.substr(0, word.size() - kNumber.size()));
+    else
+      words.push_back(word);
+  if (families.empty()) return {{"enum", words}};
+  const std::string pattern = concat("^(", families, ")=-?[0-9.]+(e[+-]?[0-9]+)?$");
+  return {{"anyOf", Json::array({{{"enum", words}}, {{"type", "string"}, {"pattern", pattern}}})}};
+}
+
 Json value_schema(const SceneKey& key) {
   switch (key.type) {
     case SceneType::kFlag:
       return {{"type", "boolean"}};
     case SceneType::kText:
-      if (key.words.empty()) return {{"type", "string"}};
-      return {{"enum", key.words}};
+      return text_schema(key);
     case SceneType::kTexts:
       return {{"type", "array"}, {"items", {{"type", "string"}}}};
     case SceneType::kPath:

@@ -119,7 +119,7 @@ std::vector<char> material_rows(const std::vector<Material>& materials, size_t t
     const double numbers[3] = {material.young, material.poisson, material.density};
     char* at = rows.data() + row * m;
     std::copy(material.name.begin(), material.name.end(), at);
-    const std::string_view law = law_name(material.law);
+    const std::string law = law_name(material.law);
     std::copy(law.begin(), law.end(), at + text);
     std::memcpy(at + 2 * text, numbers, sizeof(numbers));
   }

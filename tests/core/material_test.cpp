@@ -13,22 +13,38 @@ namespace elastogen {
 namespace {
 
 TEST(Material, LawNamesGoThereAndBack) {
-  std::set<std::string_view> names;
-  for (const Law law : test::kLaws) {
+  std::set<std::string> names;
+  for (const Law& law : test::kLaws) {
     EXPECT_EQ(law_from_name(law_name(law)), law);
     names.insert(law_name(law));
   }
-  EXPECT_EQ(names, (std::set<std::string_view>{"fixed-corotated", "neo-hookean",
-                                               "stable-neo-hookean", "stvk", "hencky"}));
+  EXPECT_EQ(names, (std::set<std::string>{"fixed-corotated", "neo-hookean", "stable-neo-hookean",
+                                          "stvk", "hencky", "ogden=5.5", "ogden=-3",
+                                          "mooney-rivlin=0.25", "gent=12"}));
+}
+
+TEST(Material, ShapeParametersAreReadToTheLastDigitAndKeptInRange) {
+  for (const double shape : {0.1 + 0.2, -1e-7, 7.0})
+    EXPECT_EQ(law_from_name(law_name(Law::ogden(shape))).shape, shape);
+  for (const char* bad : {"ogden", "ogden=", "ogden=4x", "ogden=nan", "ogden=21", "gent=0",
+                          "mooney-rivlin=1.1", "stvk=1", "ogden=4=4"}) {
+    try {
+      law_from_name(bad);
+      ADD_FAILURE() << bad;
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find(concat("'", bad, "'")), std::string::npos);
+      EXPECT_NE(std::string(error.what()).find("=NUMBER"), std::string::npos);
+    }
+  }
 }
 
 TEST(Material, UnknownNamesAreRejectedWithTheKnownOnes) {
   try {
-    law_from_name("ogden");
+    law_from_name("arruda");
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::kUsage);
-    EXPECT_NE(std::string(error.what()).find("'ogden'"), std::string::npos);
+    EXPECT_NE(std::string(error.what()).find("'arruda'"), std::string::npos);
     EXPECT_NE(std::string(error.what()).find("stable-neo-hookean"), std::string::npos);
   }
   try {
@@ -77,6 +93,9 @@ TEST(Material, NumbersOutsideTheirRangeAreRejected) {
   }
   for (const double bad : {-1e-9, 0.5, 1.0, kNan})
     EXPECT_THROW(check_material(with(1, bad, 1)), Error);
+  for (const Law& bad : {Law::ogden(kNan), Law::ogden(-21), Law::gent(0), Law::gent(kInfinity),
+                         Law::mooney_rivlin(-0.1)})
+    EXPECT_THROW(check_material({"m", bad, 1, 0.3, 1}), Error);
 }
 
 }  // namespace

@@ -131,7 +131,7 @@ TEST(Elastica, EveryLawExceedsItByMoreThanShearAndStretch) {
               {Law::kHencky, 0.0223}};
   for (const auto& [law, excess] : rows) {
     const double measured = excess_of_solid(10, 2, law);
-    printf("%s: %+.3f %%\n", std::string(law_name(law)).c_str(), 100 * measured);
+    printf("%s: %+.3f %%\n", law_name(law).c_str(), 100 * measured);
     EXPECT_NEAR(measured, excess, 3e-4);
   }
 }

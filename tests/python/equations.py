@@ -4,7 +4,8 @@
     Phi(x) = a0/(2 dt^2) sum_c m_c |x_c - xhat_c|^2 + sum_v W_v psi(F_v) + E_variance + E_torsion
     F_v    = I + sum_c u_c (x) dN_c/dX,                u = x - X,  W_v = phi_v h^3
 
-Stresses come from closed matrix formulas in F; only Hencky uses a singular value decomposition.
+Stresses come from closed matrix formulas in F; laws in log stretches use a singular value
+decomposition.
 Corner c of a voxel lies on the + side of axis d when bit d of c is set; s_c are its signs.
 """
 
@@ -115,21 +116,88 @@ def stvk(F: Floats, mu: float, lam: float) -> tuple[Floats, Floats]:
     return psi, F @ (2 * mu * E + lam * trace[:, None, None] * np.eye(3))
 
 
-def hencky(F: Floats, mu: float, lam: float) -> tuple[Floats, Floats]:
-    """psi = mu sum e^2 + lambda/2 (sum e)^2,  P = U diag((2mu e + lambda sum e) l') V^T.
-
-    e = l(sigma) is the continued logarithm; the smallest stretch carries the sign of det F.
-    """
+def signed_svd(F: Floats) -> tuple[Floats, Floats, Floats]:
+    """F = U diag(sigma) V^T of rotations: the smallest stretch carries the sign of det F."""
     U, sigma, Vt = np.linalg.svd(F)
     sign = np.sign(np.linalg.det(U) * np.linalg.det(Vt))
     U[:, :, 2] *= sign[:, None]
     sigma[:, 2] *= sign
+    return U, sigma, Vt
+
+
+def hencky(F: Floats, mu: float, lam: float) -> tuple[Floats, Floats]:
+    """psi = mu sum e^2 + lambda/2 (sum e)^2,  P = U diag((2mu e + lambda sum e) l') V^T.
+
+    e = l(sigma) is the continued logarithm.
+    """
+    U, sigma, Vt = signed_svd(F)
     e, de = continued_log(sigma)
     total = e.sum(1)
     psi = mu * (e * e).sum(1) + lam / 2 * total**2
     return psi, (U * ((2 * mu * e + lam * total[:, None]) * de)[:, None, :]) @ Vt
 
 
+def continued_exp(x: Floats) -> tuple[Floats, Floats]:
+    """exp(x) - 1 - x and the slope of exp, which is a parabola of the same curvature above 12."""
+    inside = np.minimum(x, 12)
+    d, e = x - inside, np.exp(inside)
+    return np.expm1(inside) - inside + e * (d + d * d / 2) - d, e * (1 + d)
+
+
+def isochoric_sum(F: Floats, power: float) -> tuple[Floats, Floats, tuple[Floats, ...]]:
+    """S = sum exp(a e'_i) - 3, its slope in F, and ln J with its own; e' = e - ln J/3."""
+    U, sigma, Vt = signed_svd(F)
+    e, de = continued_log(sigma)
+    log_J = e.sum(1)
+    y, dy = continued_exp(power * (e - log_J[:, None] / 3))
+    slope = power * (dy - dy.mean(1)[:, None])
+    return y.sum(1), (U * (slope * de)[:, None, :]) @ Vt, (log_J, (U * de[:, None, :]) @ Vt)
+
+
+def with_volume(psi: Floats, P: Floats, volume: tuple[Floats, ...], bulk: float
+                ) -> tuple[Floats, Floats]:
+    """Adds K/2 (ln J)^2."""
+    log_J, slope = volume
+    return psi + bulk / 2 * log_J**2, P + bulk * log_J[:, None, None] * slope
+
+
+def ogden(power: float) -> Law:
+    """psi = 2 mu/a^2 (sum exp(a e'_i) - 3) + K/2 (ln J)^2."""
+    def law(F: Floats, mu: float, lam: float) -> tuple[Floats, Floats]:
+        S, dS, volume = isochoric_sum(F, power)
+        c = 2 * mu / power**2
+        return with_volume(c * S, c * dS, volume, lam + 2 * mu / 3)
+    return law
+
+
+def mooney_rivlin(share: float) -> Law:
+    """psi = mu/2 [(1-r) (I1-3) + r (I2-3)] + K/2 (ln J)^2."""
+    def law(F: Floats, mu: float, lam: float) -> tuple[Floats, Floats]:
+        (I1, dI1, volume), (I2, dI2, _) = isochoric_sum(F, 2), isochoric_sum(F, -2)
+        c1, c2 = mu / 2 * (1 - share), mu / 2 * share
+        return with_volume(c1 * I1 + c2 * I2, c1 * dI1 + c2 * dI2, volume, lam + 2 * mu / 3)
+    return law
+
+
+def gent(limit: float) -> Law:
+    """psi = -mu L/2 l(1 - (I1-3)/L) + K/2 (ln J)^2."""
+    def law(F: Floats, mu: float, lam: float) -> tuple[Floats, Floats]:
+        I1, dI1, volume = isochoric_sum(F, 2)
+        value, slope = continued_log(1 - I1 / limit)
+        return with_volume(-mu * limit / 2 * value, (mu / 2 * slope)[:, None, None] * dI1, volume,
+                           lam + 2 * mu / 3)
+    return law
+
+
+def law_of(name: str) -> Law:
+    """The law of a name as files spell it: "hencky", "ogden=4"."""
+    family, _, shape = name.partition("=")
+    return FAMILY[family](float(shape)) if shape else LAW[name]
+
+
+FAMILY: dict[str, Callable[[float], Law]] = {
+    "ogden": ogden, "mooney-rivlin": mooney_rivlin, "gent": gent,
+}
 LAW: dict[str, Law] = {
     "fixed-corotated": fixed_corotated,
     "neo-hookean": neo_hookean,
@@ -216,7 +284,7 @@ def make_body(state: State) -> Body:
     for index, material in enumerate(state.materials):
         mine = np.flatnonzero(grid["material"] == index)
         mu, lam = lame(material.young, material.poisson)
-        law = LAW[material.law]
+        law = law_of(material.law)
         if state.nets:
             law = neural_law(state.nets[index], law, material.young, material.poisson)
         for start in range(0, len(mine), BLOCK):

@@ -22,7 +22,9 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Shape = tuple[Any, ...]
 
-LAWS = ("fixed-corotated", "neo-hookean", "stable-neo-hookean", "stvk", "hencky")
+LAWS = ("fixed-corotated", "neo-hookean", "stable-neo-hookean", "stvk", "hencky", "ogden=4.5",
+        "mooney-rivlin=0.3", "gent=15")  # the families with one of their members
+FAMILIES = ("ogden", "mooney-rivlin", "gent")
 
 # name -> (type, shape); a type of one letter is a numpy kind of any width
 GRID: dict[str, tuple[str, Shape]] = {
@@ -234,7 +236,8 @@ def _read_materials(file: h5py.File) -> list[Material]:
         young, poisson, density = (number(columns[c][i], f"/materials {c}") for c in FIELDS[2:])
         material = Material(text(columns["name"][i]), text(columns["law"][i]), young, poisson,
                             density)
-        require(material.law in LAWS, f"/materials: unknown law '{material.law}'")
+        require(material.law in LAWS or material.law.partition("=")[0] in FAMILIES,
+                f"/materials: unknown law '{material.law}'")
         require(young > 0 and density > 0 and -1 < poisson < 0.5,
                 f"/materials: '{material.name}' has values out of range")
         materials.append(material)

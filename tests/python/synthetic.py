@@ -54,7 +54,7 @@ def ragged_grid(seed: int, cells: list[tuple[int, int, int]], materials: list[Ma
 def make_state(seed: int = 1, laws: tuple[str, ...] = LAWS, hourglass: str = "full",
                cells: list[tuple[int, int, int]] = CELLS, full: int = 2) -> State:
     """A state without steps: one material a law, in turn over the voxels."""
-    materials = [Material(f"solid {i}", law, 2e4 * (1 + i), 0.1 + 0.08 * i, 900.0 + 100 * i)
+    materials = [Material(f"solid {i}", law, 2e4 * (1 + i), 0.1 + 0.04 * i, 900.0 + 100 * i)
                  for i, law in enumerate(laws)]
     words = {"format": "elastogen-state", "time_scheme": "bdf2", "hourglass": hourglass,
              "element": "voxel", "solver": "newton", "energy": "analytic", "commit": "none"}

@@ -29,7 +29,7 @@ Case = dict[str, tuple[str, ...]]
 
 
 def cases() -> Case:
-    """20 runs for every law with every solver and time scheme, and six special ones."""
+    """A run for every law with every solver and time scheme, and special ones."""
     result: Case = {}
     for i, law in enumerate(LAWS):
         for s, solver in enumerate(("quasi", "newton")):

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The five laws, and their response as functions of F.
+// The laws, three of the families, and their response as functions of F.
 
 #pragma once
 
@@ -7,8 +7,9 @@
 
 namespace elastogen::test {
 
-inline constexpr Law kLaws[5] = {Law::kFixedCorotated, Law::kNeoHookean, Law::kStableNeoHookean,
-                                 Law::kStvk, Law::kHencky};
+inline constexpr Law kLaws[] = {
+    Law::kFixedCorotated, Law::kNeoHookean, Law::kStableNeoHookean,   Law::kStvk,   Law::kHencky,
+    Law::ogden(5.5),      Law::ogden(-3),   Law::mooney_rivlin(0.25), Law::gent(12)};
 
 /// Parameters from Young's modulus [Pa] and Poisson's ratio.
 template <class S>
