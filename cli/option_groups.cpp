@@ -87,8 +87,12 @@ void add_run_options(CLI::App& app, AnimateOptions& o, Typed& t) {
   app.add_option("--hourglass", t.hourglass,
                  "full, variance, off, or auto: variance for the paper solver, else full")
       ->capture_default_str();
-  app.add_option("--energy", t.energy, "analytic, or neural: by the nets of the materials")
+  app.add_option("--energy", t.energy,
+                 "auto: by the nets of the materials, by the law where none keeps its limits; "
+                 "neural: by nets or not at all; analytic: by the laws")
       ->capture_default_str();
+  app.add_flag_callback(
+      "--analytic", [&t] { t.energy = "analytic"; }, "the same as --energy analytic");
   app.add_option("--device", t.device, "cpu")->capture_default_str();
   app.add_option("--threads", o.threads, "0: all")->capture_default_str();
   app.add_option("--max-memory", t.max_memory, "budget, e.g. '8 GB'");

@@ -32,6 +32,9 @@ struct FemOptions {
   bool statics = false;       ///< an equilibrium instead of time steps: one frame, one step of 1 s
 };
 
+/// What gives the stress of a material: its law, its net, or its net where one keeps the limits.
+enum class EnergySource : uint8_t { kAuto, kAnalytic, kNeural };
+
 struct AnimateOptions {
   std::string input;
   std::vector<std::string> outputs;                  ///< animations, each by its ending
@@ -54,7 +57,7 @@ struct AnimateOptions {
   TimeScheme scheme = TimeScheme::kEuler;
   SolverOptions solver;
   std::optional<FemOptions> fem;  ///< set: finite elements take the steps
-  bool neural = false;            ///< nets take the place of the laws
+  EnergySource energy = EnergySource::kAuto;
   Hourglass hourglass = Hourglass::kFull;
   bool keyframe = false;           ///< GLB profile; else modal
   std::string state, log, report;  ///< files, empty for none

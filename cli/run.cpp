@@ -70,7 +70,13 @@ class Clip {
       outputs_.animations.push_back(open_animation(path, asset, setup, options));
     if (!setup.tets) embedding_ = embed(setup.scene.grid, setup.body.carried);
     const Stopwatch watch;
-    stepper_ = make_stepper(setup, options, [this] { return stopped(); });
+    stepper_ = make_stepper(
+        setup, options, [this] { return stopped(); }, report_.notes);
+    StateHeader header;
+    stepper_->describe(header);
+    for (const StateNet& net : header.nets) report_.nets.push_back(net.hash);
+    if (!options.quiet)
+      for (const std::string& note : report_.notes) fmt::print("{}\n", note);
     state_ = stepper_->start(options.motion);
     report_.stage_seconds.setup += watch.seconds();
     if (!o_.log.empty()) outputs_.log = std::make_unique<StepLog>(o_.log);
@@ -106,11 +112,12 @@ class Clip {
       raise(kExitDraft);
     }
     if (report_.outside_fit > 0)
-      report_.warnings.push_back(fmt::format(
-          "--energy neural: in {} of {} steps voxels were strained beyond what their nets were "
-          "fitted to, {} a step on average; the law gave their stress",
-          steps_outside_, report_.steps,
-          (report_.outside_fit + steps_outside_ - 1) / steps_outside_));
+      (o_.energy == EnergySource::kNeural ? report_.warnings : report_.notes)
+          .push_back(fmt::format("in {} of {} steps voxels were strained beyond what their nets "
+                                 "were fitted to, {} a step "
+                                 "on average; the law gave their stress",
+                                 steps_outside_, report_.steps,
+                                 (report_.outside_fit + steps_outside_ - 1) / steps_outside_));
     const bool still = largest_motion_ < 1e-6 * setup_.longest_edge;
     if (still && report_.frames > 0 && converged_ == report_.steps)
       report_.warnings.push_back(nothing_moved(setup_.scene, o_));

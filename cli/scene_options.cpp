@@ -193,7 +193,7 @@ SceneValue solver_table(const AnimateOptions& o) {
   t.set("mode", scene_text(std::string(solver_name(o.solver.mode))));
   if (!o.fem || !o.fem->any_rounding) t.set("tolerance", scene_number(o.solver.tolerance));
   t.set("hourglass", scene_text(find_scene_key("solver", "hourglass")->words[size_t(o.hourglass)]));
-  t.set("energy", scene_text(o.neural ? "neural" : "analytic"));
+  t.set("energy", scene_text(find_scene_key("solver", "energy")->words[size_t(o.energy)]));
   t.set("outer", scene_number(o.solver.paper.outer));
   t.set("inner", scene_number(o.solver.paper.inner));
   t.set("modes", scene_number(o.solver.paper.modes));

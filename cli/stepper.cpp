@@ -35,7 +35,7 @@ class NetworkStepper : public Stepper {
   void describe(StateHeader& header) const override {
     header.solver = solver_name(solver_.mode());
     header.tolerance = tolerance_;
-    for (size_t m = 0; m < nets_.size(); ++m) header.nets.push_back(state_net(*nets_[m]));
+    for (const auto& net : nets_) header.nets.push_back(net ? state_net(*net) : StateNet());
     if (!nets_.empty()) header.energy = "neural";
     if (!scene_.colliders.empty())
       header.contact = {{"layer", contact_layer(scene_)}, {"slip_range", slip_range(scene_)}};
@@ -51,11 +51,12 @@ class NetworkStepper : public Stepper {
 }  // namespace
 
 std::unique_ptr<Stepper> make_stepper(const Setup& setup, const AnimateOptions& options,
-                                      std::function<bool()> interrupted) {
+                                      std::function<bool()> interrupted,
+                                      std::vector<std::string>& notes) {
   if (options.fem && options.fem->statics) return make_static_stepper(setup, options);
   if (options.fem) return make_fem_stepper(setup, options, std::move(interrupted));
   SolverOptions solver = options.solver;
-  solver.learned = scene_nets(setup.scene, options);
+  solver.learned = scene_nets(setup.scene, options, notes);
   solver.interrupted = std::move(interrupted);
   return std::make_unique<NetworkStepper>(setup.scene, solver);
 }

@@ -27,8 +27,10 @@ class Stepper {
 
 /// The stepper that the options ask for. Setup and options must outlive it.
 /// @param interrupted  polled while it steps.
+/// @param notes        gets a sentence for each material whose law stands in for a net.
 /// @throws Error (usage) where the scene asks for what the stepper cannot do.
 std::unique_ptr<Stepper> make_stepper(const Setup& setup, const AnimateOptions& options,
-                                      std::function<bool()> interrupted);
+                                      std::function<bool()> interrupted,
+                                      std::vector<std::string>& notes);
 
 }  // namespace elastogen

@@ -82,8 +82,9 @@ StudyRun& Study::add_run(const std::string& name, const Stage& stage, const Anim
   if (!options.quiet) fmt::print("{} ...\n", name);
   std::fflush(stdout);
   const Scene& scene = stage.setup.scene;
-  const std::unique_ptr<Stepper> stepper =
-      make_stepper(stage.setup, options, [] { return pending_signal() != 0; });
+  std::vector<std::string> notes;  // none: energy is never auto here
+  const std::unique_ptr<Stepper> stepper = make_stepper(
+      stage.setup, options, [] { return pending_signal() != 0; }, notes);
   Trajectory trajectory;
   std::vector<double> ms;
   const int repeats = options.fem ? 1 : task_.repeats;
@@ -120,7 +121,9 @@ StudyErrors Study::solver_errors(const Stage& stage, const AnimateOptions& optio
                                  const Trajectory& run, const Reference& reference) const {
   const Scene& scene = stage.setup.scene;
   const Body& body = stage.setup.body;
-  const std::unique_ptr<Stepper> stepper = make_stepper(stage.setup, options, [] { return false; });
+  std::vector<std::string> notes;
+  const std::unique_ptr<Stepper> stepper = make_stepper(
+      stage.setup, options, [] { return false; }, notes);
   StudyErrors errors;
   errors.reference = reference.name;
   errors.step = step_errors(*stepper, scene, reference.run);

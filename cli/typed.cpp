@@ -109,8 +109,8 @@ void convert(const Typed& t, AnimateOptions& o) {
   o.hourglass = hourglass < 3 ? Hourglass(hourglass)
                 : paper       ? Hourglass::kVariance
                               : Hourglass::kFull;
-  o.neural = choice("--energy", t.energy, {"analytic", "neural"}) == 1;
-  ELASTOGEN_CHECK(!o.neural || !o.fem,
+  o.energy = EnergySource(choice("--energy", t.energy, {"auto", "analytic", "neural"}));
+  ELASTOGEN_CHECK(o.energy != EnergySource::kNeural || !o.fem,
                   "simulate has the laws themselves: leave out --energy neural");
   o.keyframe = choice("--glb-profile", t.profile, {"modal", "keyframe"}) == 1;
   choice("--device", t.device, {"cpu"});

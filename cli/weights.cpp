@@ -44,6 +44,18 @@ std::string find_file(const std::string& name) {
   return "";
 }
 
+/// @throws Error for what no fit has kept its limits for (docs/materials.md).
+void check_has_net(const Material& m) {
+  ELASTOGEN_CHECK(m.poisson <= 0.499, "no net: Poisson's ratio of '", m.name, "' is ", m.poisson,
+                  ", nets are made up to 0.499");
+  const double shape = m.law.shape;
+  ELASTOGEN_CHECK(m.law.kind != Law::Kind::kOgden || (shape >= -4 && shape <= 8),
+                  "no net: the exponent of '", m.name, "' is ", shape,
+                  ", nets are made from -4 to 8");
+  ELASTOGEN_CHECK(m.law.kind != Law::Kind::kGent || shape >= 12, "no net: the limit of '", m.name,
+                  "' is ", shape, ", nets are made from 12 on");
+}
+
 /// The bytes of a weight file for a material, fitted on hidden layers.
 std::string fitted_weights(const Material& m, const TensorFile& hidden, const std::string& hash) {
   const FitMaterial material = fit_material(law_name(m.law), m.poisson);
@@ -52,11 +64,10 @@ std::string fitted_weights(const Material& m, const TensorFile& hidden, const st
   const LastLayer layer(hidden.get("neural_mtl", {kMtlParameters}).values, options);
   const LastLayerFit fit = layer.fit(material);
   const FitReport report = fit_report(material, fit.weights);
-  ELASTOGEN_CHECK(report.passes(), "--energy neural: the net of material '", m.name, "', ",
-                  law_name(m.law), " with Poisson ratio ", m.poisson,
-                  ", misses its limits: stress errors ", report.stress_median, " / ",
-                  report.stress_p99, " / ", report.stress_max, ", tangent ", report.tangent_p99,
-                  ". Take another Poisson ratio, or --energy analytic");
+  ELASTOGEN_CHECK(report.passes(), "no net: the fit to material '", m.name, "', ", law_name(m.law),
+                  " with Poisson ratio ", m.poisson, ", misses its limits: stress errors ",
+                  report.stress_median, " / ", report.stress_p99, " / ", report.stress_max,
+                  ", tangent ", report.tangent_p99);
   const TrainerCard trainer = {{"trainer.hidden", hash},
                                {"trainer.last_layer", std::to_string(fit.iterations)}};
   return encode_tensors(mtl_file(material, fit.weights, report, trainer));
@@ -65,7 +76,7 @@ std::string fitted_weights(const Material& m, const TensorFile& hidden, const st
 /// A net that no file is shipped for, of the cache or fitted now.
 std::shared_ptr<const LearnedLaw> fitted_net(const Material& m, Evaluation evaluation) {
   const std::string path = find_file(kHiddenLayers);
-  ELASTOGEN_CHECK(!path.empty(), "--energy neural: there is no net of material '", m.name, "', ",
+  ELASTOGEN_CHECK(!path.empty(), "no net: there is none of material '", m.name, "', ",
                   law_name(m.law), " with Poisson ratio ", m.poisson, ", and no ", kHiddenLayers,
                   " to fit one on in ", fmt::format("{}", fmt::join(weight_folders(), ", ")));
   const std::string bytes = read_file(path, kMostBytes);
@@ -108,22 +119,33 @@ std::string find_weights(Law law, double poisson) {
 }
 
 std::shared_ptr<const LearnedLaw> net_of(const Material& m, Evaluation evaluation) {
+  check_has_net(m);
   const std::string path = find_weights(m.law, m.poisson);
   if (path.empty()) return fitted_net(m, evaluation);
   return read_weights(read_file(path, kMostBytes), path, m.law, m.poisson, evaluation);
 }
 
-LearnedLaws scene_nets(const Scene& scene, const AnimateOptions& options) {
+LearnedLaws scene_nets(const Scene& scene, const AnimateOptions& options,
+                       std::vector<std::string>& notes) {
   LearnedLaws nets;
-  if (!options.neural) return nets;
-  const Evaluation evaluation = options.solver.skip ? Evaluation::kTable : Evaluation::kNet;
+  if (options.energy == EnergySource::kAnalytic) return nets;
+  const bool asked = options.energy == EnergySource::kNeural;
+  const Evaluation evaluation =
+      asked && !options.solver.skip ? Evaluation::kNet : Evaluation::kTable;
   for (const Material& material : scene.materials) {
     const auto same = std::find_if(nets.begin(), nets.end(), [&](const auto& net) {
-      return net->law() == material.law && net->poisson() == material.poisson;
+      return net && net->law() == material.law && net->poisson() == material.poisson;
     });
-    nets.push_back(same != nets.end() ? *same : net_of(material, evaluation));
+    try {
+      nets.push_back(same != nets.end() ? *same : net_of(material, evaluation));
+    } catch (const Error& error) {
+      if (asked) throw;
+      nets.push_back(nullptr);
+      notes.push_back(concat("material '", material.name, "' is taken by its law: ", error.what()));
+    }
   }
-  return nets;
+  const bool none = std::all_of(nets.begin(), nets.end(), [](const auto& net) { return !net; });
+  return none ? LearnedLaws() : nets;
 }
 
 }  // namespace elastogen

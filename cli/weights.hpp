@@ -18,16 +18,21 @@ std::vector<std::string> weight_folders();
 /// Path of the weight file of a law at a Poisson ratio, "" if no folder has one.
 std::string find_weights(Law law, double poisson);
 
-/// The net of a material. One that no folder has is fitted in about a second, its last layer by
-/// Levenberg-Marquardt on the shipped hidden layers, and kept in the user's cache under the hash of
-/// these layers; a cache that cannot be written or read is done without.
-/// @throws Error (usage) naming the material whose fit misses its limits, or where there are no
-/// hidden
-///         layers to fit on; (asset) for a file that read_weights refuses.
+/// The net of a material, for Poisson ratios to 0.499, exponents of Ogden from -4 to 8 and limits
+/// of Gent from 12 on: beyond, fits miss their limits. One that no folder has is fitted in about a
+/// second, its last layer by Levenberg-Marquardt on the shipped hidden layers, and kept in the
+/// user's cache under the hash of these layers; a cache that cannot be written or read is done
+/// without.
+/// @throws Error (usage) naming the material that is beyond, or whose fit misses its limits, or
+///         where there are no hidden layers to fit on; (asset) for a file that read_weights
+///         refuses.
 std::shared_ptr<const LearnedLaw> net_of(const Material& material, Evaluation evaluation);
 
-/// The nets of a scene's materials where the options ask for them, else none.
-/// @throws Error as net_of.
-LearnedLaws scene_nets(const Scene& scene, const AnimateOptions& options);
+/// The nets of a scene's materials; none where the options ask for the laws. With energy auto a
+/// material without a net is left to its law, null, if all are there are none.
+/// @param notes  gets a sentence for each such material.
+/// @throws Error as net_of, with energy neural.
+LearnedLaws scene_nets(const Scene& scene, const AnimateOptions& options,
+                       std::vector<std::string>& notes);
 
 }  // namespace elastogen

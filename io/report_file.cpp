@@ -34,14 +34,17 @@ Json to_json(const AssetSummary& asset) {
           {"findings", findings}};
 }
 
-Json to_json(const std::vector<Material>& materials) {
+Json to_json(const std::vector<Material>& materials, const std::vector<std::string>& nets) {
   Json list = Json::array();
-  for (const Material& material : materials)
+  for (size_t m = 0; m < materials.size(); ++m) {
+    const Material& material = materials[m];
     list.push_back({{"name", material.name},
                     {"law", law_name(material.law)},
                     {"young", material.young},
                     {"poisson", material.poisson},
                     {"density", material.density}});
+    if (m < nets.size() && !nets[m].empty()) list.back()["net"] = nets[m];
+  }
   return list;
 }
 
@@ -77,7 +80,7 @@ void write_report(const std::string& path, const RunReport& report) {
       {"voxels", report.voxels},
       {"nodes", report.nodes},
       {"h", report.h},
-      {"materials", to_json(report.materials)},
+      {"materials", to_json(report.materials, report.nets)},
       {"steps", report.steps},
       {"frames", report.frames},
       {"converged_share", report.converged_share},
@@ -88,6 +91,7 @@ void write_report(const std::string& path, const RunReport& report) {
       {"ms_per_step",
        {{"median", quantile(report.step_ms, 0.5)}, {"p95", quantile(report.step_ms, 0.95)}}},
       {"peak_memory_bytes", report.peak_memory_bytes},
+      {"notes", report.notes},
       {"warnings", report.warnings},
       {"command", report.command},
       {"commit", report.commit},

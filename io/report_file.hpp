@@ -34,15 +34,17 @@ struct RunReport {
   int64_t nodes = 0;
   double h = 0;  ///< voxel edge [m]
   std::vector<Material> materials;
-  int64_t steps = 0;           ///< taken
-  int64_t frames = 0;          ///< written, the rest frame not counted
-  double converged_share = 0;  ///< of the steps, 0 ... 1
-  double worst_residual = 0;   ///< largest of all steps
-  double min_j = 1;            ///< smallest det F of all steps
-  int64_t outside_fit = 0;     ///< voxels outside the box of their nets, summed over the steps
+  std::vector<std::string> nets;  ///< SHA-256 of the weights of each, "" for its law; empty: laws
+  int64_t steps = 0;              ///< taken
+  int64_t frames = 0;             ///< written, the rest frame not counted
+  double converged_share = 0;     ///< of the steps, 0 ... 1
+  double worst_residual = 0;      ///< largest of all steps
+  double min_j = 1;               ///< smallest det F of all steps
+  int64_t outside_fit = 0;        ///< voxels outside the box of their nets, summed over the steps
   StageSeconds stage_seconds;
   std::vector<double> step_ms;  ///< wall time of each step; the file has median and p95
   int64_t peak_memory_bytes = 0;
+  std::vector<std::string> notes;  ///< what is as it should be but worth knowing
   std::vector<std::string> warnings;
   std::string command;  ///< as it was typed
   std::string commit;   ///< of the build

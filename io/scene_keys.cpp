@@ -221,12 +221,13 @@ Keys solver_keys() {
       {"solver",
        "energy",
        T::kText,
-       "analytic",
+       "auto",
        "--energy",
-       "what gives the stress: the law, or the net that was fitted to it",
+       "what gives the stress: the law, or the net that was fitted to it; auto: the net where one "
+       "keeps its limits",
        Q::kNumber,
        {},
-       {"analytic", "neural"}},
+       {"auto", "analytic", "neural"}},
   };
 }
 

@@ -85,12 +85,13 @@ void write_boundary(hid_t file, const StateHeader& header) {
   if (!header.traction.empty()) hdf5::write_dataset<double>(group, "traction", header.traction);
 }
 
-/// /nets: a group for each material, by its number.
+/// /nets: a group for each material that has one, by its number.
 void write_nets(hid_t file, const StateHeader& header) {
   if (header.nets.empty()) return;
   const hdf5::Handle group = hdf5::create_group(file, "nets");
   for (size_t m = 0; m < header.nets.size(); ++m) {
     const StateNet& net = header.nets[m];
+    if (net.weights.empty()) continue;
     const hdf5::Handle one = hdf5::create_group(group, std::to_string(m).c_str());
     hdf5::write_attribute(one, "sha256", net.hash);
     hdf5::write_attribute(one, "cells", net.cells);

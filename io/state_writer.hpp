@@ -44,8 +44,9 @@ struct StateHeader {
   std::string scheme = {};          ///< "newmark", "static"; empty: that of the scene
   double tolerance = 1e-3;          ///< of the residual [-]
   std::string energy = "analytic";  ///< what gives the stress
-  std::vector<StateNet> nets = {};  ///< of each material; empty: analytic
-  std::string commit;               ///< of the build
+  std::vector<StateNet> nets =
+      {};              ///< of each material, without weights where its law holds; empty: analytic
+  std::string commit;  ///< of the build
   /// parameters of the contact model, e.g. {"distance", 0.001}: attributes of /contact
   std::vector<std::pair<std::string, double>> contact;
   std::optional<StateMesh> mesh = {};  ///< in place of the grid

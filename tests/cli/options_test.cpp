@@ -246,7 +246,9 @@ TEST(Options, EveryWordOfTheTableIsAnOptionsValue) {
   const TempFolder folder;
   for (const SceneKey& key : scene_keys()) {
     if (!*key.option || key.words.empty()) continue;
-    for (const std::string& word : key.words) {
+    for (std::string word : key.words) {
+      if (const size_t at = word.find("=NUMBER"); at != word.npos)
+        word.replace(at, word.npos, word.starts_with("gent") ? "=12.5" : "=1");
       const std::string head = key.table.empty() ? "" : '[' + key.table + "]\n";
       const std::string scene = folder.write("s.toml", head + key.name + " = \"" + word + "\"\n");
       EXPECT_NO_THROW(resolved(scene)) << key.path() << ' ' << word;

@@ -16,6 +16,7 @@ constexpr int kSteps = 6;
 AnimateOptions network(double tolerance) {
   AnimateOptions options;
   options.solver.mode = SolverMode::kNewton;
+  options.energy = EnergySource::kAnalytic;
   options.solver.tolerance = tolerance;
   return options;
 }
@@ -36,7 +37,10 @@ Setup setup_of(const Scene& scene) {
 /// Positions after some steps, each of which must converge.
 State end_of(const Scene& scene, const AnimateOptions& options, const StartMotion& motion) {
   const Setup setup = setup_of(scene);
-  const std::unique_ptr<Stepper> stepper = make_stepper(setup, options, [] { return false; });
+  std::vector<std::string> notes;
+  const std::unique_ptr<Stepper> stepper =
+      make_stepper(setup, options, [] { return false; }, notes);
+  EXPECT_TRUE(notes.empty());
   State state = stepper->start(motion);
   for (int n = 0; n < kSteps; ++n) {
     const StepReport report = stepper->step(state);

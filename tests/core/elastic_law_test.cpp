@@ -225,6 +225,35 @@ TEST(ElasticLaw, ContinuedLogarithmIsTwiceContinuouslyDifferentiableAndMonotone)
   }
 }
 
+TEST(ElasticLaw, ContinuedExponentialIsTwiceContinuouslyDifferentiableAndKeepsItsDigits) {
+  const auto at = [](double x) { return law::continued_exp(x); };
+  for (const double x : {-9.0, -1.0 - 1e-9, -1.0 + 1e-9, -0.3, 0.7, 1 - 1e-9, 1 + 1e-9, 11.9}) {
+    const long double exact = std::expm1(static_cast<long double>(x)) - x;
+    EXPECT_NEAR(at(x).value, double(exact), 4e-16 * double(std::abs(exact)) + 2e-16) << x;
+    EXPECT_NEAR(at(x).first, std::expm1(x), 4e-16 * (std::abs(x) + std::exp(x))) << x;
+    EXPECT_DOUBLE_EQ(at(x).second, std::exp(x)) << x;
+  }
+  for (const double x : {1e-12, -1e-8, 1e-4})  // x^2/2 + x^3/6
+    EXPECT_NEAR(at(x).value / (x * x / 2 * (1 + x / 3 * (1 + x / 4))), 1, 1e-12);
+  for (double x = 11; x < 16; x += 0.073) {
+    constexpr double d = 1e-5;
+    EXPECT_NEAR((at(x + d).value - at(x - d).value) / (2 * d), at(x).first, 1e-4) << x;
+    EXPECT_NEAR((at(x + d).first - at(x - d).first) / (2 * d), at(x).second, 2) << x;
+  }
+  EXPECT_EQ(at(13).second, at(12).second);
+}
+
+TEST(ElasticLaw, OgdenWithoutExponentIsHencky) {
+  for (const double exponent : {0.0, 1e-9, -1e-7}) {
+    const double s[3] = {1.4, 0.8, 0.95};
+    const auto hencky = elastic_response<true>(parameters<double>(Law::kHencky, 1, 0.3), s);
+    const auto ogden = elastic_response<true>(parameters<double>(Law::ogden(exponent), 1, 0.3), s);
+    EXPECT_NEAR(ogden.psi, hencky.psi, 1e-6 * hencky.psi);
+    for (int i = 0; i < 3; ++i) EXPECT_NEAR(ogden.t[i], hencky.t[i], 1e-6);
+    for (int i = 0; i < 6; ++i) EXPECT_NEAR(ogden.H[i], hencky.H[i], 2e-6);
+  }
+}
+
 TEST(ElasticLaw, PackOfFloatKeepsItsDigitsNearRest) {
   // the same stretches, given in float, in both formats: what is left is rounding in the law
   std::mt19937_64 random(2);

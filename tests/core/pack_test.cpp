@@ -56,6 +56,40 @@ TEST(Log1p, IsExactAtZeroAndKeepsTinyNumbers) {
   EXPECT_DOUBLE_EQ(y[7], -std::log(2.0));
 }
 
+/// Largest relative error of exponential on a pack over [-80, 80], in eps, the argument being exact.
+template <class S>
+double exponential_error() {
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<S> wide(-80, 80), near(-1e-3, 1e-3);
+  double worst = 0;
+  for (int n = 0; n < 5000; ++n) {
+    Pack<S> x;
+    for (int lane = 0; lane < kLanes; ++lane) x[lane] = lane % 2 ? wide(random) : near(random);
+    const Pack<S> y = exponential(x);
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const long double exact = std::exp(static_cast<long double>(x[lane]));
+      const long double error = std::abs(y[lane] - exact) / exact;
+      worst = std::max(worst, double(error / std::numeric_limits<S>::epsilon()));
+    }
+  }
+  return worst;
+}
+
+TEST(Exponential, HoldsFourEpsRelative) {
+  EXPECT_LE(exponential_error<double>(), 4);
+  EXPECT_LE(exponential_error<float>(), 4);
+}
+
+TEST(Exponential, IsOneAtZeroAndNothingFarBelow) {
+  const Pack<double> x = {0, -1e300, -1e3, -80, 1, -1, 80, -0.0};
+  const Pack<double> y = exponential(x);
+  EXPECT_EQ(y[0], 1);
+  EXPECT_EQ(y[7], 1);
+  for (int lane = 1; lane < 4; ++lane) EXPECT_LE(y[lane], 2e-35);
+  for (int lane = 1; lane < 4; ++lane) EXPECT_GE(y[lane], 0);
+  EXPECT_DOUBLE_EQ(y[4], std::exp(1.0));
+}
+
 TEST(Pack, FunctionsActLaneByLane) {
   const float from[kLanes] = {4, -9, 0.25f, 1, -0.0f, 16, -2, 3};
   const Pack<float> a = load(from), b = constant<Pack<float>>(1);

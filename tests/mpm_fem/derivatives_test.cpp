@@ -29,8 +29,9 @@ struct Slopes {
 constexpr double kSteps[3] = {1e-3, 1e-4, 1e-5};
 
 /// Adds the slopes of the remainders of energy and gradient about u along a random direction.
-void add_slopes(const ElasticBody& body, const Array<double>& u, Random& random, Slopes& of_energy,
-                Slopes& of_gradient) {
+/// @param unit  of the steps.
+void add_slopes(const ElasticBody& body, const Array<double>& u, double unit, Random& random,
+                Slopes& of_energy, Slopes& of_gradient) {
   std::normal_distribution<double> normal;
   const Eigen::VectorXd x = test::vector_of(u);
   const Eigen::VectorXd d = Eigen::VectorXd::NullaryExpr(x.size(), [&] { return normal(random); });
@@ -38,7 +39,7 @@ void add_slopes(const ElasticBody& body, const Array<double>& u, Random& random,
   const Eigen::VectorXd g = test::gradient(body, u), Hd = test::hessian(body, u) * d;
   double energy[3], gradient[3];
   for (int k = 0; k < 3; ++k) {
-    const double s = kSteps[k];
+    const double s = unit * kSteps[k];
     const Array<double> moved = test::array_of(x + s * d);
     energy[k] = std::abs(test::energy(body, moved) - E - s * g.dot(d));
     gradient[k] = (test::gradient(body, moved) - g - s * Hd).norm();
@@ -62,7 +63,9 @@ void expect_slopes(Element element, bool is_inverted) {
               ? test::inverted(body, random)
               : test::displaced(body.mesh(), test::stretched(1.4, 1, 0.7, random), 0.03, random);
       ASSERT_EQ(body.min_j(u) < 0, is_inverted);
-      add_slopes(body, u, random, of_energy, of_gradient);
+      // the families are stiffer by orders where they are continued
+      const double unit = is_inverted && law.shape != 0 ? 0.1 : 1;
+      add_slopes(body, u, unit, random, of_energy, of_gradient);
     }
   printf("%-10s %-8s slopes: energy %.3f to %.3f, gradient %.3f to %.3f\n",
          std::string(fem::element_name(element)).c_str(), is_inverted ? "inverted" : "regular",

@@ -256,7 +256,8 @@ TEST(ElasticBody, StressOfASmallStateIsHookesOfTheMeanStrain) {
 }
 
 TEST(ElasticBody, EnergyAlongAPathThatTurnsAnElementInsideOutIsTheWorkOnIt) {
-  // Simpson's rule over 2000 short steps: what is left is a jump
+  // Simpson's rule over short steps: what is left is a jump. The families climb to 1000 E in a
+  // small part of the path, with a kink of the second derivative there
   Random random(10);
   for (const Element element : test::kAllElements)
     for (const Law law : test::kLaws) {
@@ -264,16 +265,17 @@ TEST(ElasticBody, EnergyAlongAPathThatTurnsAnElementInsideOutIsTheWorkOnIt) {
       const Eigen::VectorXd end = test::vector_of(test::inverted(body, random));
       const Eigen::VectorXd start = test::vector_of(
           test::displaced(body.mesh(), test::stretched(1.2, 1, 0.8, random), 0, random));
-      constexpr int kSteps = 2000;
+      const int steps = law.shape == 0 ? 2000 : 40000;
       double work = 0;
-      for (int k = 0; k <= kSteps; ++k) {
-        const double share = double(k) / kSteps;
+      for (int k = 0; k <= steps; ++k) {
+        const double share = double(k) / steps;
         const Array<double> u = test::array_of((1 - share) * start + share * end);
-        const double weight = k == 0 || k == kSteps ? 1 : k % 2 ? 4 : 2;
-        work += weight / (3 * kSteps) * test::gradient(body, u).dot(end - start);
+        const double weight = k == 0 || k == steps ? 1 : k % 2 ? 4 : 2;
+        work += weight / (3 * steps) * test::gradient(body, u).dot(end - start);
       }
       const double E = test::energy(body, test::array_of(end));
-      EXPECT_NEAR(work, E - test::energy(body, test::array_of(start)), 1e-6 * E)
+      const double bound = law.shape == 0 ? 1e-6 : 1e-5;
+      EXPECT_NEAR(work, E - test::energy(body, test::array_of(start)), bound * E)
           << fem::element_name(element) << ' ' << law_name(law);
     }
 }

@@ -75,10 +75,10 @@ TEST(Patch, FinitePatchEndsInTheUniformGradientForEveryElementAndLaw) {
       const ElasticBody body(patch(element), {test::solid(law)});
       const Eigen::VectorXd exact = test::vector_of(test::displaced(body.mesh(), F, 0, random));
       std::map<int, double> held = hold_boundary(body.mesh(), exact);
-      // inner nodes start off their place
-      Eigen::VectorXd u = test::vector_of(test::displaced(body.mesh(), F, 0.02, random));
+      // inner nodes start off their place, near enough for Newton's method without a line search
+      Eigen::VectorXd u = test::vector_of(test::displaced(body.mesh(), F, 0.01, random));
       for (auto& [dof, value] : held) u(dof) = exact(dof), value = 0;
-      ASSERT_GE((u - exact).norm(), 0.01);
+      ASSERT_GE((u - exact).norm(), 0.005);
       for (int k = 0; k < 7; ++k)
         u -= test::solve(test::hessian(body, test::array_of(u)),
                          test::gradient(body, test::array_of(u)), held);

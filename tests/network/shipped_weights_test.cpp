@@ -113,6 +113,110 @@ TEST(ShippedWeights, TaylorRemaindersFallWithOrderTwo) {
   }
 }
 
+/// psi and P of a net in F.
+std::pair<double, Mat3<double>> energy_and_stress(const LearnedLaw& net,
+                                                  const LawParameters<double>& p,
+                                                  const Mat3<double>& F) {
+  double outside;
+  const Svd3<double> s = svd3(F);
+  const Response<double> r = learned_response<false>(net, p, s.sigma, outside);
+  return {r.psi, first_piola(s, r.t)};
+}
+
+TEST(ShippedWeights, RotationsCostNothing) {
+  std::mt19937_64 random(5);
+  const Shipped file = shipped().front();
+  const LawParameters<double> p = parameters<double>(file.law, 1, file.poisson);
+  for (const Evaluation evaluation : {Evaluation::kNet, Evaluation::kTable}) {
+    const auto net = read(file, evaluation);
+    for (int k = 0; k < 20000; ++k) {
+      const auto [psi, P] = energy_and_stress(*net, p, rotation(random));
+      ASSERT_NEAR(psi, 0, 1e-13);
+      ASSERT_LE(norm(P), 1e-13);
+    }
+  }
+}
+
+// psi(QF) = psi(F) = psi(FQ), P(QF) = Q P(F), P(FQ) = P(F) Q, and P F^T is symmetric
+TEST(ShippedWeights, AreObjectiveAndIsotropic) {
+  std::mt19937_64 random(6);
+  std::normal_distribution<double> normal;
+  for (const Shipped& file : shipped()) {
+    if (file.poisson != 0.3 && file.poisson != 0.49) continue;
+    const LawParameters<double> p = parameters<double>(file.law, 1, file.poisson);
+    for (const Evaluation evaluation : {Evaluation::kNet, Evaluation::kTable}) {
+      const auto net = read(file, evaluation);
+      for (int k = 0; k < 50; ++k) {
+        Mat3<double> F;
+        for (int m = 0; m < 9; ++m) F.m[m] = (m % 4 == 0) + 0.2 * normal(random);
+        const Mat3<double> Q = rotation(random);
+        const auto [psi, P] = energy_and_stress(*net, p, F);
+        const double scale = 1e-11 * (1 + psi + norm(P));
+        const auto [turned_psi, turned] = energy_and_stress(*net, p, Q * F);
+        EXPECT_NEAR(turned_psi, psi, scale) << file.name;
+        EXPECT_LE(distance(turned, Q * P), scale) << file.name;
+        const auto [other_psi, other] = energy_and_stress(*net, p, F * Q);
+        EXPECT_NEAR(other_psi, psi, scale) << file.name;
+        EXPECT_LE(distance(other, P * Q), scale) << file.name;
+        const Mat3<double> tau = times_transposed(P, F);
+        for (int i = 0; i < 3; ++i)
+          EXPECT_NEAR(tau(i, (i + 1) % 3), tau((i + 1) % 3, i), scale) << file.name;
+      }
+    }
+  }
+}
+
+TEST(ShippedWeights, StiffnessScalesOutAndTheProjectedHessianIsPositive) {
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> log_stretch(-0.8, 0.8);
+  for (const Shipped& file : shipped()) {
+    const auto net = read(file, Evaluation::kTable);
+    for (int k = 0; k < 20; ++k) {
+      double s[3], outside;
+      for (double& stretch : s) stretch = std::exp(log_stretch(random));
+      const auto soft =
+          learned_response<true>(*net, parameters<double>(file.law, 1, file.poisson), s, outside);
+      for (const double c : {1e-3, 1e6}) {
+        const auto stiff =
+            learned_response<true>(*net, parameters<double>(file.law, c, file.poisson), s, outside);
+        EXPECT_NEAR(stiff.psi, c * soft.psi, 1e-12 * c * (1 + soft.psi)) << file.name;
+        for (int i = 0; i < 6; ++i)
+          EXPECT_NEAR(stiff.H[i], c * soft.H[i], 1e-11 * c * (1 + std::abs(soft.H[i])));
+      }
+      const PrincipalHessian<double> h = positive_part(principal_hessian(s, soft));
+      double v[3], work = 0;
+      for (double& x : v) x = log_stretch(random);
+      for (int i = 0; i < 3; ++i) {
+        work += h.A.m[i] * v[i] * v[i];
+        work += 2 * h.A.m[3 + i] * v[i] * v[(i + 1) % 3];
+      }
+      EXPECT_GE(work, -1e-12 * (1 + std::abs(h.A.m[0]))) << file.name;
+      for (int i = 0; i < 3; ++i) EXPECT_TRUE(h.twist[i] >= 0 && h.flip[i] >= 0) << file.name;
+    }
+  }
+}
+
+// the stretches at which the sides are free are those of the law, within the net's error
+TEST(ShippedWeights, UniaxialStressIsThatOfTheLaw) {
+  for (const Shipped& file : shipped()) {
+    const auto net = read(file, Evaluation::kTable);
+    const LawParameters<double> p = parameters<double>(file.law, 1, file.poisson);
+    for (const double stretch : {0.8, 1.3, 2.0}) {
+      double P[2];
+      for (const bool by_net : {false, true}) {
+        double low = 0.5, high = 1.5, outside;
+        for (int k = 0; k < 60; ++k) {
+          const double side = (low + high) / 2, s[3] = {stretch, side, side};
+          const auto r = material_response<false>(by_net ? net.get() : nullptr, p, s, outside);
+          (r.t[2] < 0 ? low : high) = side;
+          P[by_net] = r.t[0];
+        }
+      }
+      EXPECT_NEAR(P[1], P[0], 3e-3 * std::abs(P[0])) << file.name << ' ' << stretch;
+    }
+  }
+}
+
 // the lagged loop with omega = E sees sqrt(omega k): volume sqrt(1-2nu), shear sqrt(1+nu)
 TEST(ShippedWeights, LaggedLoopHasThePublishedBias) {
   for (const Shipped& file : shipped()) {

@@ -285,8 +285,9 @@ def make_body(state: State) -> Body:
         mine = np.flatnonzero(grid["material"] == index)
         mu, lam = lame(material.young, material.poisson)
         law = law_of(material.law)
-        if state.nets:
-            law = neural_law(state.nets[index], law, material.young, material.poisson)
+        net = state.nets[index] if state.nets else None
+        if net:
+            law = neural_law(net, law, material.young, material.poisson)
         for start in range(0, len(mine), BLOCK):
             part = mine[start : start + BLOCK]
             mean = grid["shape_mean"][part]

@@ -147,7 +147,8 @@ def check_tables(state: State) -> list[Check]:
     """Tables of nets against the nets: error of the stress over the local stress."""
     return [Check(-1, f"table of net {m}", 0.0, table_error(net, equations.law_of(material.law),
                                                             material.poisson), TABLE_SHARE)
-            for m, (net, material) in enumerate(zip(state.nets, state.materials)) if net.cells]
+            for m, (net, material) in enumerate(zip(state.nets, state.materials))
+            if net and net.cells]
 
 
 def read_record(state: State, record: int) -> tuple[Floats, Floats]:

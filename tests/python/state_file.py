@@ -125,7 +125,7 @@ class State:
     x: h5py.Dataset  # (records, nodes, 3) [m]
     v: h5py.Dataset  # (records, nodes, 3) [m/s]
     contact: dict[str, NDArray[Any]] | None = None  # the datasets of CONTACT and LENGTHS [m]
-    nets: tuple[Net, ...] = ()  # one a material; none: analytic
+    nets: tuple[Net | None, ...] = ()  # of each material, None: its law; empty: analytic
 
 
 def require(condition: bool | np.bool_, *message: object) -> None:
@@ -244,14 +244,18 @@ def _read_materials(file: h5py.File) -> list[Material]:
     return materials
 
 
-def _read_nets(file: h5py.File, materials: int) -> tuple[Net, ...]:
-    """/nets: one group a material; none where the energy is analytic."""
+def _read_nets(file: h5py.File, materials: int) -> tuple[Net | None, ...]:
+    """/nets: a group for each material that has one; none where the energy is analytic."""
     neural = text(file.attrs["energy"]) == "neural"
     require(neural == ("nets" in file), "/nets must be there where, and only where, energy is neural")
-    nets = []
+    nets: list[Net | None] = []
+    require(not neural or 0 < len(set(file["nets"]) & {str(m) for m in range(materials)})
+            == len(file["nets"]), "/nets must hold one group or more, named by materials")
     for m in range(materials if neural else 0):
         place = f"/nets/{m}"
-        require(str(m) in file["nets"], place, " is missing")
+        if str(m) not in file["nets"]:
+            nets.append(None)
+            continue
         group = file["nets"][str(m)]
         weights = group["weights"][()].astype(float)
         require(weights.shape == (17153,) and np.isfinite(weights).all(),

@@ -7,7 +7,7 @@ three Poisson ratios, 60 steps.
 
 Prints a Markdown table: the largest displacement error of a step that starts at the reference's
 state, and of the run on its own (docs/study.md), at the default tolerance. Exit status 1 if an error
-of a step is above 1e-3."""
+of a step is above 1e-3 with the mode that `auto` takes (network/solver.hpp)."""
 
 from __future__ import annotations
 
@@ -25,6 +25,7 @@ HERE = Path(__file__).resolve().parent
 SCENES = ("beam", "twist", "torus", "knot")
 LAWS = ("neo-hookean", "stable-neo-hookean", "fixed-corotated")
 RATIOS = (0.3, 0.45, 0.49)
+NEWTON_ABOVE = 0.47  # Poisson ratio from which on `auto` takes newton; Courant numbers are below 100
 BOUND = 1e-3  # of the displacement error of a step at the default tolerance
 
 
@@ -78,9 +79,11 @@ def main() -> int:
         stamp = {"files": files, "sha256": definitions_hash(files)}
         chosen.json.write_text(json.dumps({"definitions": stamp, "bound": BOUND, "rows": rows},
                                           indent=1) + "\n")
-    worst = max(r[solver]["step"] for r in rows for solver in ("quasi", "newton"))
-    print(f"worst error of a step {worst:.2e}, bound {BOUND:.0e}")
-    return int(not worst <= BOUND)
+    worst = {solver: max(r[solver]["step"] for r in rows) for solver in ("quasi", "newton")}
+    taken = max(r["newton" if r["poisson"] > NEWTON_ABOVE else "quasi"]["step"] for r in rows)
+    print(f"worst error of a step: auto {taken:.2e} (bound {BOUND:.0e}), quasi {worst['quasi']:.2e}, "
+          f"newton {worst['newton']:.2e}")
+    return int(not taken <= BOUND)
 
 
 if __name__ == "__main__":
