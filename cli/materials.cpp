@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/exit_code.hpp"
+#include "cli/material_nets.hpp"
 #include "cli/verbs.hpp"
 
 #include <fmt/format.h>
@@ -57,22 +58,44 @@ void print_all(const MaterialPreset& preset) {
   fmt::print("  {}: {}\n", preset.kind, preset.source);
 }
 
+int list_presets(const MaterialsTask& task) {
+  Json list = Json::array();
+  for (const MaterialPreset& preset : material_presets()) {
+    if (task.json)
+      list.push_back(to_json(preset));
+    else
+      print_line(preset);
+  }
+  if (task.json) fmt::print("{}\n", list.dump(2));
+  return kExitDone;
+}
+
+int show_preset(const MaterialsTask& task) {
+  const MaterialPreset& preset = material_preset(task.name);
+  if (task.json)
+    fmt::print("{}\n", to_json(preset).dump(2));
+  else
+    print_all(preset);
+  return kExitDone;
+}
+
 }  // namespace
 
 int materials(const MaterialsTask& task) {
-  const bool all = task.name.empty();
-  if (!all && task.json) {
-    fmt::print("{}\n", to_json(material_preset(task.name)).dump(2));
-  } else if (!all) {
-    print_all(material_preset(task.name));
-  } else if (task.json) {
-    Json list = Json::array();
-    for (const MaterialPreset& preset : material_presets()) list.push_back(to_json(preset));
-    fmt::print("{}\n", list.dump(2));
-  } else {
-    for (const MaterialPreset& preset : material_presets()) print_line(preset);
+  using Action = MaterialsTask::Action;
+  switch (task.action) {
+    case Action::kList:
+      return list_presets(task);
+    case Action::kShow:
+      return show_preset(task);
+    case Action::kReport:
+      return report_material(task);
+    case Action::kGenerate:
+      return generate_material(task);
+    case Action::kFit:
+      break;
   }
-  return kExitDone;
+  return fit_material_test(task);
 }
 
 }  // namespace elastogen

@@ -87,9 +87,16 @@ struct DoctorTask {
   bool json = false;
 };
 
+/// The task of `elastogen materials`.
 struct MaterialsTask {
-  std::string name;  ///< empty: all of them
+  enum class Action { kList, kShow, kReport, kGenerate, kFit };
+  Action action = Action::kList;
+  std::string name;               ///< preset, law, sum of laws or file that it is about
+  std::optional<double> poisson;  ///< unset: the preset's, or the verb's own
+  std::vector<std::string> laws;  ///< to fit; none: all
+  std::string output;
   bool json = false;
+  std::string command;  ///< as typed
 };
 
 struct StudyTask {

@@ -31,7 +31,7 @@ int study(const StudyTask& task);
 /// Fits NeuralMTLs by the library elastogen_learn and writes their weights. @return the exit code.
 int train(const TrainTask& task);
 
-/// Prints the presets. @return the exit code.
+/// Prints presets, shows and makes nets of laws, fits laws to tests. @return the exit code.
 int materials(const MaterialsTask& task);
 
 }  // namespace elastogen

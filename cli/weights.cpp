@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/weights.hpp"
 
+#include "cli/stopwatch.hpp"
 #include "core/error.hpp"
 #include "io/safe_file.hpp"
 #include "network/mtl_weights.hpp"
@@ -56,47 +57,63 @@ void check_has_net(const Material& m) {
                   "' is ", shape, ", nets are made from 12 on");
 }
 
-/// The bytes of a weight file for a material, fitted on hidden layers.
-std::string fitted_weights(const Material& m, const TensorFile& hidden, const std::string& hash) {
-  const FitMaterial material = fit_material(law_name(m.law), m.poisson);
-  LastLayerOptions options;
-  options.enough = 1e-4;  // rms; the limits are on the median, p99 and largest error
-  const LastLayer layer(hidden.get("neural_mtl", {kMtlParameters}).values, options);
-  const LastLayerFit fit = layer.fit(material);
-  const FitReport report = fit_report(material, fit.weights);
-  ELASTOGEN_CHECK(report.passes(), "no net: the fit to material '", m.name, "', ", law_name(m.law),
-                  " with Poisson ratio ", m.poisson, ", misses its limits: stress errors ",
-                  report.stress_median, " / ", report.stress_p99, " / ", report.stress_max,
-                  ", tangent ", report.tangent_p99);
-  const TrainerCard trainer = {{"trainer.hidden", hash},
-                               {"trainer.last_layer", std::to_string(fit.iterations)}};
-  return encode_tensors(mtl_file(material, fit.weights, report, trainer));
+/// What nets without a file are fitted on.
+struct HiddenLayers {
+  TensorFile file;
+  std::string hash;
+};
+
+HiddenLayers hidden_layers(const FitMaterial& material) {
+  const std::string path = find_file(kHiddenLayers);
+  ELASTOGEN_CHECK(!path.empty(), "there are no weights of ", law_text(material.terms),
+                  " with Poisson ratio ", material.poisson, ", and no ", kHiddenLayers,
+                  " to fit them on in ", fmt::format("{}", fmt::join(weight_folders(), ", ")));
+  const std::string bytes = read_file(path, kMostBytes);
+  return {decode_tensors(bytes, path), hex(sha256(bytes))};
 }
 
-/// A net that no file is shipped for, of the cache or fitted now.
-std::shared_ptr<const LearnedLaw> fitted_net(const Material& m, Evaluation evaluation) {
-  const std::string path = find_file(kHiddenLayers);
-  ELASTOGEN_CHECK(!path.empty(), "no net: there is none of material '", m.name, "', ",
-                  law_name(m.law), " with Poisson ratio ", m.poisson, ", and no ", kHiddenLayers,
-                  " to fit one on in ", fmt::format("{}", fmt::join(weight_folders(), ", ")));
-  const std::string bytes = read_file(path, kMostBytes);
-  const std::string hash = hex(sha256(bytes));
-  std::string cached = cache_folder();
-  if (!cached.empty())
-    cached += '/' + hash.substr(0, 16) + '-' + weight_file_name(m.law, m.poisson);
+MadeWeights made_on(const HiddenLayers& hidden, const FitMaterial& material) {
+  const Stopwatch watch;
+  LastLayerOptions options;
+  options.enough = 1e-4;  // rms; the limits are on the median, p99 and largest error
+  const LastLayer layer(hidden.file.get("neural_mtl", {kMtlParameters}).values, options);
+  const LastLayerFit fit = layer.fit(material);
+  MadeWeights made;
+  made.report = fit_report(material, fit.weights);
+  const TrainerCard trainer = {{"trainer.hidden", hidden.hash},
+                               {"trainer.last_layer", std::to_string(fit.iterations)}};
+  made.bytes = encode_tensors(mtl_file(material, fit.weights, made.report, trainer));
+  made.iterations = fit.iterations;
+  made.seconds = watch.seconds();
+  return made;
+}
+
+std::string card_text(const TensorFile& weights, const std::string& key) {
+  const auto found = weights.text.find(key);
+  return found == weights.text.end() ? "" : found->second;
+}
+
+/// The bytes of a file of the cache, if it is whole and of this material.
+std::optional<std::string> kept_weights(const std::string& path, const FitMaterial& material) {
   std::error_code error;
+  if (path.empty() || !fs::is_regular_file(path, error)) return std::nullopt;
   try {
-    if (fs::is_regular_file(cached, error))
-      return read_weights(read_file(cached, kMostBytes), cached, m.law, m.poisson, evaluation);
+    std::string bytes = read_file(path, kMostBytes);
+    const TensorFile weights = decode_tensors(bytes, path);
+    if (is_of(weights, material) && card_text(weights, "error.passes") == "yes") return bytes;
   } catch (const Error&) {  // damaged: made again
   }
-  const std::string made = fitted_weights(m, decode_tensors(bytes, path), hash);
+  return std::nullopt;
+}
+
+void keep_weights(const std::string& path, const std::string& bytes) {
+  if (path.empty()) return;
+  std::error_code error;
+  fs::create_directories(fs::path(path).parent_path(), error);
   try {
-    fs::create_directories(cache_folder(), error);
-    if (!cached.empty()) write_file(cached, made);
+    write_file(path, bytes);
   } catch (const Error&) {  // the next run fits again
   }
-  return read_weights(made, weight_file_name(m.law, m.poisson), m.law, m.poisson, evaluation);
 }
 
 }  // namespace
@@ -114,15 +131,40 @@ std::vector<std::string> weight_folders() {
   return folders;
 }
 
-std::string find_weights(Law law, double poisson) {
-  return find_file(weight_file_name(law, poisson));
+bool is_of(const TensorFile& weights, const FitMaterial& material) {
+  return card_text(weights, "form") == kMtlForm &&
+         card_text(weights, "law") == law_text(material.terms) &&
+         card_text(weights, "poisson") == shortest_text(material.poisson);
+}
+
+MadeWeights made_weights(const FitMaterial& material) {
+  return made_on(hidden_layers(material), material);
+}
+
+WeightFile weights_of(const FitMaterial& material) {
+  const std::string name =
+      concat(law_text(material.terms), '-', shortest_text(material.poisson), ".weights");
+  if (const std::string path = find_file(name); !path.empty())
+    return {read_file(path, kMostBytes), path, {}};
+  const HiddenLayers hidden = hidden_layers(material);
+  std::string cached = cache_folder();
+  if (!cached.empty()) cached += '/' + hidden.hash.substr(0, 16) + '-' + name;
+  if (const auto bytes = kept_weights(cached, material)) return {*bytes, cached, {}};
+  const MadeWeights made = made_on(hidden, material);
+  if (made.report.passes()) keep_weights(cached, made.bytes);
+  return {made.bytes, name, made.report};
 }
 
 std::shared_ptr<const LearnedLaw> net_of(const Material& m, Evaluation evaluation) {
   check_has_net(m);
-  const std::string path = find_weights(m.law, m.poisson);
-  if (path.empty()) return fitted_net(m, evaluation);
-  return read_weights(read_file(path, kMostBytes), path, m.law, m.poisson, evaluation);
+  const WeightFile file = weights_of(fit_material(law_name(m.law), m.poisson));
+  if (const std::optional<FitReport>& report = file.made)
+    ELASTOGEN_CHECK(report->passes(), "no net: the fit to material '", m.name, "', ",
+                    law_name(m.law), " with Poisson ratio ", m.poisson,
+                    ", misses its limits: stress errors ", report->stress_median, " / ",
+                    report->stress_p99, " / ", report->stress_max, ", tangent ",
+                    report->tangent_p99);
+  return read_weights(file.bytes, file.place, m.law, m.poisson, evaluation);
 }
 
 LearnedLaws scene_nets(const Scene& scene, const AnimateOptions& options,

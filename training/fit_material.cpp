@@ -2,6 +2,7 @@
 #include "training/fit_material.hpp"
 
 #include "core/error.hpp"
+#include "training/cells.hpp"
 
 #include <charconv>
 #include <cmath>
@@ -10,27 +11,6 @@
 
 namespace elastogen {
 namespace {
-
-std::string trimmed(const std::string& text) {
-  const size_t begin = text.find_first_not_of(" \t\r");
-  if (begin == std::string::npos) return "";
-  return text.substr(begin, text.find_last_not_of(" \t\r") + 1 - begin);
-}
-
-std::vector<std::string> split(const std::string& text, char separator) {
-  std::vector<std::string> parts;
-  std::istringstream stream(text);
-  for (std::string part; std::getline(stream, part, separator);) parts.push_back(trimmed(part));
-  return parts;
-}
-
-double number(const std::string& text) {
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  ELASTOGEN_CHECK(error == std::errc() && end == text.data() + text.size(), "'", text,
-                  "' is not a number");
-  return value;
-}
 
 /// The shortest text that reads back as the same number.
 std::string shortest(double value) {

@@ -21,21 +21,13 @@ double matrix_norm(const double H[6]) {
   return std::sqrt(sum);
 }
 
-/// Errors at each strain; what is no number counts as infinite.
-struct Errors {
-  explicit Errors(int64_t strains)
-      : stress(size_t(strains)), tangent(size_t(strains)), energy(size_t(strains)) {}
-
-  std::vector<double> stress, tangent, energy;
-};
-
 double finite(double error) {
   return std::isfinite(error) ? error : std::numeric_limits<double>::infinity();
 }
 
 /// Errors of a net's jet at log stretches e, with M = 2 mu + lambda.
 void write_errors(const LogJet& jet, const TargetLaw& law, const double* e, double modulus,
-                  size_t s, Errors& to) {
+                  size_t s, StrainErrors& to) {
   constexpr int kFirst[6] = {0, 1, 2, 0, 1, 2}, kSecond[6] = {0, 1, 2, 1, 2, 0};
   const Response<double> exact = target_response(law, e);
   double dt = 0, t = 0, dH[6];
@@ -62,24 +54,16 @@ double at_share(std::vector<double>& values, double share) {
 
 }  // namespace
 
-FitReport fit_report(const FitMaterial& material, std::span<const float> weights,
-                     const ReportOptions& options) {
-  ELASTOGEN_CHECK(options.strains > 0, "strains must be positive, got ", options.strains);
-  FitReport report;
-  report.strains = options.strains;
-  const double infinity = std::numeric_limits<double>::infinity();
-  if (!std::all_of(weights.begin(), weights.end(), [](float w) { return std::isfinite(w); })) {
-    report.stress_median = report.stress_p99 = report.stress_max = infinity;
-    report.tangent_p99 = report.energy_max = infinity;
-    return report;
-  }
+StrainErrors strain_errors(const FitMaterial& material, std::span<const float> weights,
+                           const Array<double>& e) {
   const NeuralMtl net(weights, material.poisson);
   const TargetLaw law = target_law(material);
   const double modulus = 2 * material.mu() + material.lambda();
-  const Array<double> e = sample_strains(kDeclaredBox, options.seed, 0, options.strains);
-  Errors errors(options.strains);
+  const auto strains = size_t(e.rows());
+  StrainErrors errors{std::vector<double>(strains), std::vector<double>(strains),
+                      std::vector<double>(strains)};
   for_blocks(
-      options.strains,
+      e.rows(),
       [&](int64_t begin, int64_t end) {
         std::vector<LogJet> jets(size_t(end - begin));
         net.evaluate<true>(e.row(begin), end - begin, jets.data());
@@ -87,12 +71,31 @@ FitReport fit_report(const FitMaterial& material, std::span<const float> weights
           write_errors(jets[size_t(s - begin)], law, e.row(s), modulus, size_t(s), errors);
       },
       256);
+  return errors;
+}
+
+FitReport report_of(StrainErrors errors) {
+  FitReport report;
+  report.strains = int64_t(errors.stress.size());
   report.stress_median = at_share(errors.stress, 0.5);
   report.stress_p99 = at_share(errors.stress, 0.99);
   report.stress_max = at_share(errors.stress, 1);
   report.tangent_p99 = at_share(errors.tangent, 0.99);
   report.energy_max = at_share(errors.energy, 1);
   return report;
+}
+
+FitReport fit_report(const FitMaterial& material, std::span<const float> weights,
+                     const ReportOptions& options) {
+  ELASTOGEN_CHECK(options.strains > 0, "strains must be positive, got ", options.strains);
+  if (!std::all_of(weights.begin(), weights.end(), [](float w) { return std::isfinite(w); })) {
+    const double infinity = std::numeric_limits<double>::infinity();
+    FitReport report{infinity, infinity, infinity, infinity, infinity};
+    report.strains = options.strains;
+    return report;
+  }
+  return report_of(strain_errors(material, weights,
+                                 sample_strains(kDeclaredBox, options.seed, 0, options.strains)));
 }
 
 }  // namespace elastogen

@@ -3,9 +3,11 @@
 
 #pragma once
 
+#include "core/array.hpp"
 #include "training/fit_material.hpp"
 
 #include <span>
+#include <vector>
 
 namespace elastogen {
 
@@ -28,6 +30,20 @@ struct ReportOptions {
   int64_t strains = 20000;
   uint64_t seed = 0x6865'6c64'6f75'7421;  ///< of no fit
 };
+
+/// The errors of FitReport at each of some strains, in the order of the strains; what is no number
+/// counts as infinite.
+struct StrainErrors {
+  std::vector<double> stress, tangent, energy;
+};
+
+/// Errors of the weights of a material, (17153), at log stretches e, (n, 3).
+/// @throws Error (asset) for another number of weights, or weights that are not finite.
+StrainErrors strain_errors(const FitMaterial& material, std::span<const float> weights,
+                           const Array<double>& e);
+
+/// Medians, shares and largest of errors, at least one. @return their report.
+FitReport report_of(StrainErrors errors);
 
 /// Report of the weights of a material, (17153). Errors that are no numbers count as infinite.
 /// @throws Error (asset) for another number of weights.

@@ -41,7 +41,8 @@ TEST(ReportFile, HasEveryFieldOfTheDocumentation) {
   report.voxels = 10;
   report.nodes = 30;
   report.h = 0.125;
-  report.materials = {{"foam", Law::kHencky, 2e4, 0.25, 30}};
+  report.materials = {{"foam", Law::kHencky, 2e4, 0.25, 30}, {"band", Law::gent(8), 1, 0, 1}};
+  report.nets = {"0123abcd", ""};
   report.steps = 4;
   report.frames = 2;
   report.converged_share = 0.75;
@@ -51,6 +52,7 @@ TEST(ReportFile, HasEveryFieldOfTheDocumentation) {
   report.stage_seconds = {1, 2, 3, 4, 5};
   report.step_ms = {1, 2, 3, 4, 5};
   report.peak_memory_bytes = 123456789012;
+  report.notes = {"band is taken by its law"};
   report.warnings = {"nothing moved"};
   report.command = "elastogen animate cat.obj";
   report.commit = "abc123";
@@ -60,12 +62,13 @@ TEST(ReportFile, HasEveryFieldOfTheDocumentation) {
       "up": {"axis": "-z", "guessed": false, "reason": "asked for"}, "findings": [
         {"what": "zero-area", "count": 2, "text": "2 triangles dropped"}]},
       "voxels": 10, "nodes": 30, "h": 0.125, "materials": [{"name": "foam", "law": "hencky",
-        "young": 2e4, "poisson": 0.25, "density": 30.0}], "steps": 4, "frames": 2,
+        "young": 2e4, "poisson": 0.25, "density": 30.0, "net": "0123abcd"},
+        {"name": "band", "law": "gent=8", "young": 1.0, "poisson": 0.0, "density": 1.0}], "steps": 4, "frames": 2,
       "converged_share": 0.75, "worst_residual": 2e-3, "min_j": 0.5,
       "outside_fit": 12,
       "stage_seconds": {"read": 1, "voxelize": 2, "setup": 3, "steps": 4, "write": 5},
       "ms_per_step": {"median": 3, "p95": 4.8}, "peak_memory_bytes": 123456789012,
-      "warnings": ["nothing moved"], "command": "elastogen animate cat.obj",
+      "notes": ["band is taken by its law"], "warnings": ["nothing moved"], "command": "elastogen animate cat.obj",
       "commit": "abc123"})");
   EXPECT_EQ(written(report), expected);
 }

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "training/net_curve.hpp"
+
+#include "core/error.hpp"
+#include "network/neural_mtl.hpp"
+#include "training/fit_report.hpp"
+#include "training/strain_sampler.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace elastogen {
+namespace {
+
+/// The state at a log stretch, if it lies in the box.
+std::optional<LoadState> state_in_box(const TargetLaw& law, LoadPath path, double e) {
+  const auto state = balanced_state(law, path, std::exp(e));
+  if (!state) return std::nullopt;
+  // rounding at the ends belongs to the box
+  constexpr double kSlack = 1e-12;
+  for (const double axis : state->e)
+    if (std::abs(axis) > kDeclaredBox.stretch + kSlack) return std::nullopt;
+  const double trace = state->e[0] + state->e[1] + state->e[2];
+  if (std::abs(trace) > kDeclaredBox.volume + kSlack) return std::nullopt;
+  return state;
+}
+
+/// Furthest log stretch on a side of rest whose state lies in the box, by bisection.
+double end_of(const TargetLaw& law, LoadPath path, double sign) {
+  double inside = 0, outside = sign * kDeclaredBox.stretch;
+  if (state_in_box(law, path, outside)) return outside;
+  for (int k = 0; k < 50; ++k) {
+    const double middle = (inside + outside) / 2;
+    (state_in_box(law, path, middle) ? inside : outside) = middle;
+  }
+  return inside;
+}
+
+std::vector<LoadState> states_of(const TargetLaw& law, LoadPath path, int steps) {
+  const double low = end_of(law, path, -1), high = end_of(law, path, 1);
+  std::vector<LoadState> states;
+  for (int k = -steps; k <= steps; ++k)
+    if (const auto state = state_in_box(law, path, (k < 0 ? -low : high) * k / steps))
+      states.push_back(*state);
+  return states;
+}
+
+}  // namespace
+
+NetCurve net_curve(const FitMaterial& material, std::span<const float> weights, LoadPath path,
+                   int steps) {
+  ELASTOGEN_CHECK(steps > 0, "steps must be positive, got ", steps);
+  const std::vector<LoadState> states = states_of(target_law(material), path, steps);
+  Array<double> e(int64_t(states.size()), 3);
+  NetCurve curve;
+  curve.path = path;
+  for (size_t k = 0; k < states.size(); ++k) {
+    std::copy(states[k].e.begin(), states[k].e.end(), e.row(int64_t(k)));
+    curve.stretch.push_back(std::exp(states[k].e[0]));
+    curve.law_stress.push_back(states[k].stress);
+    curve.law_energy.push_back(states[k].energy);
+  }
+  std::vector<LogJet> jets(states.size());
+  NeuralMtl(weights, material.poisson).evaluate<false>(e.data(), e.rows(), jets.data());
+  for (size_t k = 0; k < states.size(); ++k) {
+    curve.net_stress.push_back(jets[k].w[0] / curve.stretch[k]);
+    curve.net_energy.push_back(jets[k].psi);
+  }
+  StrainErrors errors = strain_errors(material, weights, e);
+  curve.stress_error = std::move(errors.stress);
+  curve.tangent_error = std::move(errors.tangent);
+  curve.energy_error = std::move(errors.energy);
+  return curve;
+}
+
+}  // namespace elastogen
