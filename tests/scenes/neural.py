@@ -51,7 +51,7 @@ def difference(a: Finished, b: Finished) -> float:
 def row(binary: Path, scene: str, law: str, ratio: float) -> dict[str, Any]:
     """Differences of the free runs, Newton steps in all."""
     words = ["--law", law, "--poisson", str(ratio)]
-    law_run = run(binary, scene, "animate", [*words, *TIGHT])
+    law_run = run(binary, scene, "animate", [*words, *TIGHT, "--analytic"])
     net = run(binary, scene, "animate", [*words, *TIGHT, "--energy", "neural"])
     bare = run(binary, scene, "animate", [*words, *TIGHT, "--energy", "neural", "--no-skip"])
     fem = run(binary, scene, "simulate", words)

@@ -150,8 +150,8 @@ def recipe(runner: Runner, scene: Scene, law: str, ratio: float, hourglass: str,
            settings: tuple[int, int, int]) -> dict[str, Any]:
     """The published algorithm."""
     outer, inner, modes = settings
-    return runner.run("animate", scene, law, ratio, "--solver", "paper", "--hourglass", hourglass,
-                      "--outer", outer, "--inner", inner, "--modes", modes)
+    return runner.run("animate", scene, law, ratio, "--analytic", "--solver", "paper", "--hourglass",
+                      hourglass, "--outer", outer, "--inner", inner, "--modes", modes)
 
 
 def comparison(runner: Runner, name: str, law: str, ratio: float) -> dict[str, Any]:
@@ -164,8 +164,8 @@ def comparison(runner: Runner, name: str, law: str, ratio: float) -> dict[str, A
         same = same_element(runner, scene, law, ratio, hourglass)
         truth = at_nodes(tet, same["X"], scene.h)
         row[f"fem {hourglass}"] = {"ms": same["ms"], "tet10": against(same, truth)}
-        newton = runner.run("animate", scene, law, ratio, "--solver", "newton", "--hourglass",
-                            hourglass)
+        newton = runner.run("animate", scene, law, ratio, "--analytic", "--solver", "newton",
+                            "--hourglass", hourglass)
         row[f"newton {hourglass}"] = measured(newton, same, truth)
         if hourglass != "full":
             printed = recipe(runner, scene, law, ratio, hourglass, PRINTED)
