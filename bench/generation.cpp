@@ -1,192 +1,184 @@
 // SPDX-License-Identifier: Apache-2.0
 // How soon a net for a material never seen is good enough, by where its last layer begins: random
-// materials, laws and mixtures of up to three at Poisson ratios up to 0.495, fitted for some
+// materials of diffusion/material_family.hpp, of another seed than a dataset's, fitted for some
 // iterations each (training/last_layer_fit.hpp) and judged on strains that no fit has seen.
 //
-//   generation FOLDER [COUNT [SEED]]   FOLDER: network/weights; prints a Markdown table
+//   generation FOLDER [--count N] [--seed S] [--generator FILE] [--only START] [--json FILE]
+//
+// FOLDER has hidden.tensors and, unless named, generator.tensors; without it there are only the
+// starts at 0. Prints Markdown tables.
 
+#include "bench/generation_tables.hpp"
 #include "core/error.hpp"
+#include "diffusion/generate_weights.hpp"
+#include "diffusion/hidden_hash.hpp"
 #include "io/safe_file.hpp"
-#include "training/last_layer_fit.hpp"
-#include "training/mtl_files.hpp"
 #include "training/strain_sampler.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <random>
 
 namespace elastogen::bench {
 namespace {
 
-constexpr int kIterations[] = {0, 1, 3, 10, 30, 80};
 constexpr int64_t kStrains = 4000;  // of a report
 
-using Layer = std::vector<float>;
-
-std::string number(double value) {
-  return fmt::format("{:.4f}", value);
-}
-
-/// A law or a sum of two or three, at a Poisson ratio uniform in 0 ... 0.495 or, half of them,
-/// log-uniform in 1 - 2 nu.
-FitMaterial random_material(std::mt19937_64& random) {
-  std::array<std::string, 5> laws = {"fixed-corotated", "neo-hookean", "stable-neo-hookean", "stvk",
-                                     "hencky"};
-  std::uniform_real_distribution<double> uniform;
-  std::shuffle(laws.begin(), laws.end(), random);
-  const double first = 0.1 + 0.5 * uniform(random), second = 0.1 + 0.2 * uniform(random);
-  const std::string a = number(first), b = number(second);
-  std::string law = laws[0];
-  switch (std::uniform_int_distribution<int>(0, 2)(random)) {
-    case 1:
-      law = fmt::format("{}*{}+{}*{}", a, laws[0], number(1 - std::stod(a)), laws[1]);
-      break;
-    case 2:
-      law = fmt::format("{}*{}+{}*{}+{}*{}", a, laws[0], b, laws[1],
-                        number(1 - std::stod(a) - std::stod(b)), laws[2]);
-      break;
-    default:
-      break;
-  }
-  const double u = uniform(random);
-  const bool even = uniform(random) < 0.5;
-  return fit_material(law, std::stod(number(even ? 0.495 * u : (1 - std::pow(0.01, u)) / 2)));
-}
-
-/// Where a material lies among others: weights of the laws, and sqrt(2 mu/(3K)).
-std::array<double, 6> features(const FitMaterial& material) {
-  std::array<double, 6> x{};
-  for (const LawTerm& term : material.terms) x[size_t(term.law.kind)] += term.weight;
-  x[5] = std::sqrt((1 - 2 * material.poisson) / (1 + material.poisson));
-  return x;
-}
-
-double distance(const FitMaterial& a, const FitMaterial& b) {
-  const auto x = features(a), y = features(b);
-  double sum = 0;
-  for (size_t k = 0; k < x.size(); ++k) sum += (x[k] - y[k]) * (x[k] - y[k]);
-  return sum;
-}
-
-/// A shipped material and its last layer.
-struct Known {
-  FitMaterial material;
-  Layer last;
+struct Arguments {
+  std::string folder, generator, only, json;
+  int64_t count = 200;
+  uint64_t seed = 1'000'003;
 };
 
-std::vector<Known> shipped(const std::string& folder) {
-  std::vector<Known> all;
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    if (entry.path().extension() != ".weights") continue;
-    const TensorFile file = decode_tensors(read_file(entry.path(), 1 << 24), entry.path());
-    const std::vector<float>& w = file.get("neural_mtl", {kMtlParameters}).values;
-    all.push_back({fit_material(file.text.at("law"), std::stod(file.text.at("poisson"))),
-                   {w.end() - kMtlLast, w.end() - 1}});
-  }
-  return all;
-}
-
-/// What fits of some iterations came to: errors and times of each.
-struct Row {
-  int inside = 0;
-  std::vector<double> median, p99, ms;
-};
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
-}
-
-double largest(const std::vector<double>& values) {
-  return *std::max_element(values.begin(), values.end());
-}
-
-/// Fits all materials for some iterations.
-Row fit_all(const std::vector<FitMaterial>& materials, const std::vector<float>& hidden,
-            const std::vector<Layer>& from, int iterations) {
-  LastLayerOptions options;
-  options.iterations = std::max(iterations, 1);
-  const LastLayer layer(hidden, options);
-  ReportOptions judged;
-  judged.strains = kStrains;
-  Row row;
-  for (size_t n = 0; n < materials.size(); ++n) {
-    const auto begin = std::chrono::steady_clock::now();
-    std::vector<float> weights = hidden;
-    if (iterations > 0)
-      weights = layer.fit(materials[n], from[n]).weights;
+Arguments arguments_of(int argc, char** argv) {
+  Arguments arguments;
+  for (int k = 1; k < argc; ++k) {
+    const std::string word = argv[k];
+    if (word[0] != '-') {
+      arguments.folder = word;
+      continue;
+    }
+    ELASTOGEN_CHECK(k + 1 < argc, word, " needs a value");
+    const char* const value = argv[++k];
+    if (word == "--count")
+      arguments.count = std::atoll(value);
+    else if (word == "--seed")
+      arguments.seed = std::strtoull(value, nullptr, 10);
+    else if (word == "--generator")
+      arguments.generator = value;
+    else if (word == "--only")
+      arguments.only = value;
+    else if (word == "--json")
+      arguments.json = value;
     else
-      std::copy(from[n].begin(), from[n].end(), weights.end() - kMtlLast);
-    const std::chrono::duration<double, std::milli> passed =
-        std::chrono::steady_clock::now() - begin;
-    const FitReport report = fit_report(materials[n], weights, judged);
-    row.inside += report.passes();
-    row.median.push_back(report.stress_median);
-    row.p99.push_back(report.stress_p99);
-    row.ms.push_back(iterations > 0 ? passed.count() : 0);
+      throw Error(concat("unknown option ", word));
   }
-  return row;
+  ELASTOGEN_CHECK(!arguments.folder.empty() && arguments.count > 0,
+                  "usage: generation FOLDER [--count N] [--seed S] [--generator FILE] "
+                  "[--only START] [--json FILE]");
+  return arguments;
 }
 
-void print_rows(const std::string& name, const std::vector<FitMaterial>& materials,
-                const std::vector<float>& hidden, const std::vector<Layer>& from) {
-  for (const int iterations : kIterations) {
-    const Row row = fit_all(materials, hidden, from, iterations);
-    fmt::print("| {} | {} | {:.1f} % | {:.2g} | {:.2g} | {:.2g} | {:.0f} |\n", name, iterations,
-               100.0 * row.inside / double(materials.size()), 100 * median(row.median),
-               100 * median(row.p99), 100 * largest(row.p99), median(row.ms));
-    std::fflush(stdout);
-  }
+std::vector<float> read_hidden(const std::string& folder) {
+  const std::string path = folder + "/hidden.tensors";
+  return decode_tensors(read_file(path, 1 << 24), path).get("neural_mtl", {kMtlParameters}).values;
 }
 
-void run(const std::string& folder, int count, uint64_t seed) {
-  const std::vector<Known> known = shipped(folder);
-  ELASTOGEN_CHECK(!known.empty(), folder, " has no weights");
-  const std::string place = folder + "/hidden.tensors";
-  const std::vector<float> hidden =
-      decode_tensors(read_file(place, 1 << 24), place).get("neural_mtl", {kMtlParameters}).values;
-  std::mt19937_64 random(seed);
-  std::vector<FitMaterial> materials;
-  std::vector<Layer> nearest;
-  for (int n = 0; n < count; ++n) {
-    materials.push_back(random_material(random));
-    const auto next =
-        std::min_element(known.begin(), known.end(), [&](const auto& a, const auto& b) {
-          return distance(a.material, materials.back()) < distance(b.material, materials.back());
-        });
-    nearest.push_back(next->last);
-  }
-  std::vector<float> drawn;  // as training/fit_neural_mtl.hpp begins
+std::optional<WeightGenerator> read_generator(const Arguments& arguments,
+                                              const std::vector<float>& hidden) {
+  const bool named = !arguments.generator.empty();
+  const std::string path = named ? arguments.generator : arguments.folder + "/generator.tensors";
+  if (!named && !std::filesystem::exists(path)) return std::nullopt;
+  WeightGenerator generator(decode_tensors(read_file(path, 1 << 28), path), path);
+  ELASTOGEN_CHECK(generator.hidden() == hidden_hash(hidden), path, " is for other hidden layers");
+  return generator;
+}
+
+/// Hidden layers drawn as training/fit_neural_mtl.hpp begins.
+std::vector<float> drawn_hidden(uint64_t seed) {
+  std::vector<float> drawn;
   for (int64_t k = 0; k < kMtlParameters; ++k)
     drawn.push_back(
         float((2 * counted_uniform(seed, 1, uint64_t(k)) - 1) / std::sqrt(k < 512 ? 3.0 : 128.0)));
-  const std::vector<Layer> zero(materials.size(), Layer(kMtlLast - 1));
-  fmt::print(
-      "| begins at | iterations | inside all limits | stress, median net: median [%] | p99 [%] "
-      "| worst net: p99 [%] | fit [ms] |\n|---|---|---|---|---|---|---|\n");
-  print_rows("random hidden layers, last 0", materials, drawn, zero);
-  print_rows("shipped hidden layers, last 0", materials, hidden, zero);
-  print_rows("nearest shipped net", materials, hidden, nearest);
+  return drawn;
+}
+
+ReportOptions judged() {
+  ReportOptions options;
+  options.strains = kStrains;
+  return options;
+}
+
+using MakeStart = std::function<std::vector<float>(const FitMaterial&, uint64_t)>;
+
+/// A way to begin, on hidden layers.
+struct Way {
+  std::string name;
+  const std::vector<float>* hidden;
+  const LastLayer* layer;
+  MakeStart make_start;
+};
+
+/// Fits each material in all ways, one after another, so that whatever else the machine does slows
+/// all of them.
+void run_ways(const std::vector<Way>& ways, Results& results) {
+  for (const Way& way : ways) results.methods.push_back({way.name, {}});
+  for (size_t n = 0; n < results.materials.size(); ++n) {
+    const FitMaterial& material = results.materials[n];
+    for (size_t w = 0; w < ways.size(); ++w) {
+      const Way& way = ways[w];
+      const auto begin = std::chrono::steady_clock::now();
+      const std::vector<float> start = way.make_start(material, n);
+      const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - begin;
+      results.methods[w].courses.push_back(
+          {passed.count(),
+           fit_from(*way.layer, *way.hidden, material, start, kIterations, judged())});
+    }
+    if ((n + 1) % 20 == 0) fmt::print(stderr, "{} materials\n", n + 1);
+  }
+}
+
+/// The codec alone: the best net of each material that a fit has ended in, there and back.
+void judge_codec(const WeightGenerator& generator, const std::vector<float>& hidden,
+                 Results& results) {
+  for (size_t n = 0; n < results.materials.size(); ++n) {
+    const StartFit* best = nullptr;
+    for (size_t m = 1; m < results.methods.size(); ++m) {  // not on random hidden layers
+      const StartFit& fit = results.methods[m].courses[n].fits.back();
+      if (!best || fit.report.stress_p99 < best->report.stress_p99) best = &fit;
+    }
+    Array<float> layer(1, kMtlWidthOfLast);
+    std::copy(best->layer.begin(), best->layer.end(), layer.data());
+    const Array<double> code = generator.codec().encode(layer);
+    const std::vector<float> decoded = generator.codec().decode({code.data(), size_t(code.cols())});
+    std::vector<float> weights = hidden;
+    std::copy(decoded.begin(), decoded.end(), weights.end() - kMtlLast);
+    results.decoded.push_back(fit_report(results.materials[n], weights, judged()));
+  }
+  results.components = generator.codec().components();
+}
+
+void run(const Arguments& arguments) {
+  const std::vector<float> hidden = read_hidden(arguments.folder);
+  const std::optional<WeightGenerator> generator = read_generator(arguments, hidden);
+  Results results;
+  results.seed = arguments.seed, results.strains = kStrains;
+  for (int64_t n = 0; n < arguments.count; ++n)
+    results.materials.push_back(family_material(arguments.seed, uint64_t(n)));
+  const MakeStart zero = [](const FitMaterial&, uint64_t) {
+    return std::vector<float>(kMtlWidthOfLast);
+  };
+  const std::vector<float> drawn = drawn_hidden(arguments.seed);
+  const LastLayer on_drawn(drawn), on_hidden(hidden);
+  std::vector<Way> ways = {{"random hidden layers, zero", &drawn, &on_drawn, zero}};
+  if (!generator) ways.push_back({name_of(Start::kZero), &hidden, &on_hidden, zero});
+  for (const Start start : kStarts) {
+    if (!generator || (start == Start::kDiffusion && !generator->has_denoiser())) continue;
+    const MakeStart made = [&generator, start](const FitMaterial& material, uint64_t n) {
+      return generator->last_layer(material, start, n);
+    };
+    ways.push_back({name_of(start), &hidden, &on_hidden, made});
+  }
+  if (!arguments.only.empty())
+    std::erase_if(ways, [&](const Way& way) { return way.name != arguments.only; });
+  ELASTOGEN_CHECK(!ways.empty(), "--only '", arguments.only, "': there is no such start");
+  run_ways(ways, results);
+  if (generator && ways.size() > 1) judge_codec(*generator, hidden, results);
+  print_tables(results);
+  if (!arguments.json.empty()) write_file(arguments.json, json_of(results));
 }
 
 }  // namespace
 }  // namespace elastogen::bench
 
 int main(int argc, char** argv) {
-  if (argc < 2) {
-    fmt::print(stderr, "usage: generation FOLDER [COUNT [SEED]]\n");
-    return 2;
-  }
   try {
-    elastogen::bench::run(argv[1], argc > 2 ? std::atoi(argv[2]) : 200,
-                          argc > 3 ? std::strtoull(argv[3], nullptr, 10) : 1);
+    elastogen::bench::run(elastogen::bench::arguments_of(argc, argv));
     return 0;
   } catch (const std::exception& error) {
     fmt::print(stderr, "generation: {}\n", error.what());

@@ -292,29 +292,6 @@ CLI::App* add_demo(CLI::App& app, DemoOptions& demo) {
   return verb;
 }
 
-CLI::App* add_train(CLI::App& app, TrainTask& task) {
-  CLI::App* verb = app.add_subcommand("train", "fits networks");
-  verb->require_subcommand(1);
-  CLI::App* mtl = verb->add_subcommand("mtl", "NeuralMTLs to elastic laws");
-  mtl->add_option("--law", task.law, "a law, or a sum like 0.3*stvk+0.7*hencky")
-      ->capture_default_str();
-  mtl->add_option("--poisson", task.poisson, "Poisson's ratio, 0 to 0.499")->capture_default_str();
-  mtl->add_option("--list", task.list, "file of materials instead, lines: name, law, nu");
-  mtl->add_option("--start", task.start, "weight file of a like material to begin from");
-  mtl->add_option("-o,--out", task.out, "weight file; of a list a folder")->required();
-  mtl->add_option("--steps", task.steps, "of the optimiser")->capture_default_str();
-  mtl->add_option("--last-layer", task.last_layer, "iterations on the last layer after that")
-      ->capture_default_str();
-  mtl->add_option("--samples", task.samples, "strains a step")->capture_default_str();
-  mtl->add_option("--rate", task.rate, "largest rate of the optimiser")->capture_default_str();
-  mtl->add_option("--seed", task.seed, "of start and strains")->capture_default_str();
-  mtl->add_option("--device", task.device, "cpu or cuda")->capture_default_str();
-  mtl->add_flag("--shared-hidden", task.shared, "one pair of hidden layers for all of a list");
-  mtl->add_flag("--resume", task.resume, "go on from the checkpoint beside the output");
-  mtl->add_flag("--quiet", task.quiet, "print errors only");
-  return verb;
-}
-
 /// All verbs while they are parsed.
 struct Verbs {
   Verb animate, simulate, study, voxelize, inspect, doctor;
@@ -325,8 +302,8 @@ struct Verbs {
   DoctorTask doctor_task;
   MaterialsTask materials_task;
   DemoOptions demo;
-  TrainTask train_task;
-  const CLI::App *materials = nullptr, *train = nullptr;
+  TrainOptions train;
+  const CLI::App* materials = nullptr;
 };
 
 void add_verbs(CLI::App& app, Verbs& verbs, const std::string& command) {
@@ -343,7 +320,7 @@ void add_verbs(CLI::App& app, Verbs& verbs, const std::string& command) {
   verbs.materials_task.command = command;
   verbs.materials = add_materials(app, verbs.materials_task);
   add_demo(app, verbs.demo);
-  verbs.train = add_train(app, verbs.train_task);
+  verbs.train.add(app);
 }
 
 }  // namespace
@@ -376,8 +353,8 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
     resolve(verbs.doctor);
     verbs.doctor_task.scene = verbs.doctor.scene;
     result.doctor = verbs.doctor_task;
-  } else if (verbs.train->parsed()) {
-    result.train = verbs.train_task;
+  } else if (verbs.train.parsed()) {
+    result.train = verbs.train.take();
   } else if (verbs.materials->parsed()) {
     result.materials = verbs.materials_task;
   } else {

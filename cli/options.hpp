@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include "cli/train_options.hpp"
 #include "core/scene.hpp"
 #include "core/state.hpp"
 #include "io/asset_pose.hpp"
@@ -118,21 +119,6 @@ struct DemoOptions {
   std::string command;
 };
 
-/// The task of `elastogen train mtl`.
-struct TrainTask {
-  std::string law = "neo-hookean";  ///< or a sum "0.3*stvk+0.7*hencky"
-  double poisson = 0.45;
-  std::string list;   ///< file of materials instead
-  std::string start;  ///< weight file to begin from
-  std::string out;    ///< file of a single material, folder of a list
-  int64_t steps = 3000, samples = 512;
-  uint64_t seed = 1;
-  double rate = 3e-3;
-  std::string device = "cpu";
-  int last_layer = 80;
-  bool shared = false, resume = false, quiet = false;
-};
-
 /// What was asked for: at most one verb is set; with none, `code` is the exit code (help, version,
 /// usage errors, which have been printed).
 struct CommandLine {
@@ -143,7 +129,7 @@ struct CommandLine {
   std::optional<DoctorTask> doctor;
   std::optional<MaterialsTask> materials;
   std::optional<StudyTask> study;
-  std::optional<TrainTask> train;
+  std::optional<TrainVerb> train;
   int code = 0;
 };
 

@@ -28,8 +28,9 @@ int doctor(const DoctorTask& task);
 /// study.html (docs/study.md), of the runs so far after a signal. @return the exit code.
 int study(const StudyTask& task);
 
-/// Fits NeuralMTLs by the library elastogen_learn and writes their weights. @return the exit code.
-int train(const TrainTask& task);
+/// Fits NeuralMTLs, makes datasets of them and trains generators of weights, most of it by the
+/// library elastogen_learn. @return the exit code.
+int train(const TrainVerb& task);
 
 /// Prints presets, shows and makes nets of laws, fits laws to tests. @return the exit code.
 int materials(const MaterialsTask& task);

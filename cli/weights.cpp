@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/weights.hpp"
 
+#include "cli/weight_start.hpp"
 #include "cli/stopwatch.hpp"
 #include "core/error.hpp"
 #include "io/safe_file.hpp"
@@ -18,8 +19,6 @@ namespace elastogen {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr const char* kHiddenLayers = "hidden.tensors";
 
 std::string variable(const char* name) {
   const char* value = std::getenv(name);
@@ -76,10 +75,10 @@ MadeWeights made_on(const HiddenLayers& hidden, const FitMaterial& material) {
   const Stopwatch watch;
   LastLayerOptions options;
   options.enough = 1e-4;  // rms; the limits are on the median, p99 and largest error
-  const LastLayer layer(hidden.file.get("neural_mtl", {kMtlParameters}).values, options);
-  const LastLayerFit fit = layer.fit(material);
+  const std::vector<float>& layers = hidden.file.get("neural_mtl", {kMtlParameters}).values;
+  const auto [fit, report] = fit_with_start(LastLayer(layers, options), layers, material);
   MadeWeights made;
-  made.report = fit_report(material, fit.weights);
+  made.report = report;
   const TrainerCard trainer = {{"trainer.hidden", hidden.hash},
                                {"trainer.last_layer", std::to_string(fit.iterations)}};
   made.bytes = encode_tensors(mtl_file(material, fit.weights, made.report, trainer));
@@ -153,6 +152,10 @@ WeightFile weights_of(const FitMaterial& material) {
   const MadeWeights made = made_on(hidden, material);
   if (made.report.passes()) keep_weights(cached, made.bytes);
   return {made.bytes, name, made.report};
+}
+
+std::string find_weight_file(const std::string& name) {
+  return find_file(name);
 }
 
 std::shared_ptr<const LearnedLaw> net_of(const Material& m, Evaluation evaluation) {

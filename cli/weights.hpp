@@ -21,6 +21,12 @@ std::vector<std::string> weight_folders();
 /// Whether a model card is of the present formula, and of the material's law and Poisson ratio.
 bool is_of(const TensorFile& weights, const FitMaterial& material);
 
+/// Path of a file of that name in the first folder that has one, "" if none has.
+std::string find_weight_file(const std::string& name);
+
+/// Name of the file with the hidden layers that nets are fitted on.
+inline constexpr const char* kHiddenLayers = "hidden.tensors";
+
 /// A weight file that was made now.
 struct MadeWeights {
   std::string bytes;

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The table of fits, read from the model cards of network/weights (docs/formats.md, weights)."""
+"""Tables of nets: fits, read from the model cards of network/weights (docs/formats.md, weights), and
+how soon fits of new materials pass, read from docs/results/generation.json (bench_generation)."""
 
 from __future__ import annotations
 
 import hashlib
+import json
 import struct
 from pathlib import Path
 
@@ -37,3 +39,19 @@ def fits() -> tuple[list[str], list[list[str]]]:
     rows = [[card["law"], card["poisson"],
              *(f"{100 * float(card['error.' + name]):.3f}" for name in errors)] for card in cards]
     return ["law", "nu", "stress, median [%]", "p99 [%]", "largest [%]", "tangent, p99 [%]"], rows
+
+
+def generation() -> tuple[list[str], list[list[str]]]:
+    """Head and rows: materials by Poisson ratio, and where their fits begin."""
+    result = json.loads((WEIGHTS.parents[1] / "docs" / "results" / "generation.json").read_text())
+    rows = []
+    for group in result["groups"]:
+        if not group["group"].startswith("nu"):
+            continue
+        for start in group["starts"]:
+            rows.append([f"{group['group']} ({group['materials']})", start["start"],
+                         *(f"{100 * stage['inside']:.1f}" for stage in start["stages"]),
+                         f"{start['passes_after_ms']:.0f}", str(start["never"])])
+    iterations = [str(stage["iterations"]) for stage in result["groups"][0]["starts"][0]["stages"]]
+    return ["materials", "begins at", *(f"{n} [%]" for n in iterations), "passes after [ms]",
+            "never"], rows

@@ -46,6 +46,12 @@ std::string first_free_name(const std::string& path, const Action& action) {
 }  // namespace
 
 SafeFile::SafeFile(const std::string& path) : path_(path) {
+  // the last step puts a file in the place of whatever has the name
+  std::error_code error;
+  const fs::file_status there = fs::status(path, error);
+  if (fs::exists(there) && !fs::is_regular_file(there) && !fs::is_directory(there))
+    throw Error(concat("cannot write ", path, ": it is a device or pipe, no file"),
+                ErrorKind::kResources);
   // without a name the file goes with the process, however that ends
   file_ = ::open(folder_of(path).c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
   if (file_ >= 0) {

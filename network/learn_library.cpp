@@ -53,17 +53,30 @@ void* learn_library() {
   return library;
 }
 
-}  // namespace
-
-TrainEnd train_mtl(const TrainMtlTask& task, const LearnHooks& hooks) {
+/// Runs a task by a function of the library.
+template <class Task>
+TrainEnd run(const char* function, const Task& task, const LearnHooks& hooks) {
   LearnReply reply;
   reply.self = const_cast<LearnHooks*>(&hooks);
   reply.say = [](void* self, const char* line) { static_cast<LearnHooks*>(self)->say(line); };
   reply.stopped = [](void* self) { return static_cast<LearnHooks*>(self)->stopped() ? 1 : 0; };
-  using Train = int(const TrainMtlTask*, LearnReply*);
-  const int end = find<Train>(learn_library(), "elastogen_train_mtl")(&task, &reply);
+  const int end = find<int(const Task*, LearnReply*)>(learn_library(), function)(&task, &reply);
   if (reply.failed) throw Error(reply.error, reply.kind);
   return TrainEnd(end);
+}
+
+}  // namespace
+
+TrainEnd train_mtl(const TrainMtlTask& task, const LearnHooks& hooks) {
+  return run("elastogen_train_mtl", task, hooks);
+}
+
+TrainEnd train_autoencoder(const TrainGeneratorTask& task, const LearnHooks& hooks) {
+  return run("elastogen_train_autoencoder", task, hooks);
+}
+
+TrainEnd train_diffusion(const TrainGeneratorTask& task, const LearnHooks& hooks) {
+  return run("elastogen_train_diffusion", task, hooks);
 }
 
 }  // namespace elastogen

@@ -13,8 +13,8 @@
 
 namespace elastogen {
 
-/// Changes with TrainMtlTask, LearnReply and the functions.
-inline constexpr int kLearnVersion = 3;
+/// Changes with the tasks, LearnReply and the functions.
+inline constexpr int kLearnVersion = 4;
 
 /// What `elastogen train mtl` asks of the library; texts end with a zero.
 struct TrainMtlTask {
@@ -30,6 +30,21 @@ struct TrainMtlTask {
   int last_layer = 0;       ///< iterations on the last layer
   int shared = 0;           ///< 1: one pair of hidden layers for a list
   int resume = 0;           ///< 1: from the checkpoint, where there is one
+};
+
+/// What `elastogen train autoencoder` and `train diffusion` ask (diffusion/train_generator.hpp).
+struct TrainGeneratorTask {
+  const char* dataset = "";      ///< file of `elastogen train dataset`
+  const char* autoencoder = "";  ///< file that codes are taken from
+  const char* out = "";
+  const char* size = "compact";  ///< or "paper"
+  const char* layers = "";       ///< "N,N,..." in place of the paper's
+  const char* device = "";       ///< "cpu" or "cuda"
+  int components = 0;            ///< of a compact code
+  int64_t steps = 0, batch = 0;
+  uint64_t seed = 0;
+  double rate = 0;  ///< largest one of the optimiser
+  int resume = 0;   ///< 1: from the checkpoint, where there is one
 };
 
 /// How the library answers while it works and at the end.
@@ -55,9 +70,11 @@ struct LearnHooks {
   std::function<bool()> stopped;
 };
 
-/// Opens the library and trains.
+/// Opens the library and trains. A generator's task ends as kPassing or kStopped.
 /// @throws Error (usage) that names the places searched where the library is missing or of another
 ///         version, and whatever the task throws.
 TrainEnd train_mtl(const TrainMtlTask& task, const LearnHooks& hooks);
+TrainEnd train_autoencoder(const TrainGeneratorTask& task, const LearnHooks& hooks);
+TrainEnd train_diffusion(const TrainGeneratorTask& task, const LearnHooks& hooks);
 
 }  // namespace elastogen

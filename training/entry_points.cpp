@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "training/entry_points.hpp"
 
+#include "diffusion/train_generator.hpp"
 #include "training/train_mtl.hpp"
 
 #include <cstdio>
@@ -44,6 +45,29 @@ TrainMtl from(const TrainMtlTask& task) {
   return result;
 }
 
+TrainGenerator from(const TrainGeneratorTask& task) {
+  TrainGenerator result;
+  result.dataset = task.dataset, result.autoencoder = task.autoencoder, result.out = task.out;
+  result.size = task.size, result.layers = task.layers;
+  result.components = task.components;
+  result.steps = task.steps, result.batch = task.batch;
+  result.seed = task.seed, result.rate = task.rate;
+  result.device = task.device;
+  result.resume = task.resume != 0;
+  return result;
+}
+
+/// Runs a task with hooks that answer to the reply.
+template <class Task>
+int answered(LearnReply* reply, const Task& task) {
+  return guarded(*reply, [&] {
+    FitHooks hooks;
+    hooks.say = [&](const std::string& line) { reply->say(reply->self, line.c_str()); };
+    hooks.stopped = [&] { return reply->stopped(reply->self) != 0; };
+    return task(hooks);
+  });
+}
+
 }  // namespace
 }  // namespace elastogen
 
@@ -56,11 +80,20 @@ extern "C" {
 [[gnu::visibility("default")]] int elastogen_train_mtl(const elastogen::TrainMtlTask* task,
                                                        elastogen::LearnReply* reply) {
   using namespace elastogen;
-  return guarded(*reply, [&] {
-    FitHooks hooks;
-    hooks.say = [&](const std::string& line) { reply->say(reply->self, line.c_str()); };
-    hooks.stopped = [&] { return reply->stopped(reply->self) != 0; };
-    return train_mtl(from(*task), hooks);
-  });
+  return answered(reply, [&](const FitHooks& hooks) { return train_mtl(from(*task), hooks); });
+}
+
+[[gnu::visibility("default")]] int elastogen_train_autoencoder(
+    const elastogen::TrainGeneratorTask* task, elastogen::LearnReply* reply) {
+  using namespace elastogen;
+  return answered(reply,
+                  [&](const FitHooks& hooks) { return train_autoencoder(from(*task), hooks); });
+}
+
+[[gnu::visibility("default")]] int elastogen_train_diffusion(
+    const elastogen::TrainGeneratorTask* task, elastogen::LearnReply* reply) {
+  using namespace elastogen;
+  return answered(reply,
+                  [&](const FitHooks& hooks) { return train_diffusion(from(*task), hooks); });
 }
 }

@@ -79,7 +79,7 @@ double rate_at(const FitOptions& options, int64_t step) {
 }
 
 /// Loss of each net.
-at::Tensor losses(const StrainErrors& errors) {
+at::Tensor losses(const BatchErrors& errors) {
   const at::Tensor energy = errors.energy.clamp(-kEnergyClip, kEnergyClip);
   return errors.stress.mean(1) + kTangentWeight * errors.tangent.mean(1) +
          kEnergyWeight * (energy * energy).mean(1);

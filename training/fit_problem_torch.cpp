@@ -52,12 +52,12 @@ MtlResponse FitProblem::targets(const Array<double>& e, int64_t second) const {
   return r;
 }
 
-StrainErrors FitProblem::errors(const MtlNets& nets, const Array<double>& e, int64_t second) const {
+BatchErrors FitProblem::errors(const MtlNets& nets, const Array<double>& e, int64_t second) const {
   const MtlResponse target = targets(e, second);
   const MtlResponse net = mtl_response(nets, anchors_, mtl_points(e, second, device_));
   const at::Tensor size = (target.t * target.t).sum(1).sqrt() + 1e-4 * modulus_;
   const at::Tensor miss = net.t - target.t;
-  StrainErrors errors;
+  BatchErrors errors;
   errors.stress = (miss * miss).sum(1) / (size * size);
   errors.tangent = frobenius_squared(net.H - target.H) / frobenius_squared(target.H);
   errors.energy = (net.psi - target.psi) / (target.psi + 1e-6 * modulus_);

@@ -9,7 +9,7 @@
 namespace elastogen {
 
 /// Errors of nets at strains, with M = 2 mu + lambda.
-struct StrainErrors {
+struct BatchErrors {
   at::Tensor stress;   ///< [ |t_theta - t| / (|t| + 1e-4 M) ]^2, (nets, strains)
   at::Tensor tangent;  ///< [ |H_theta - H| / |H| ]^2, Frobenius, (nets, second)
   at::Tensor energy;   ///< (psi_theta - psi) / (psi + 1e-6 M), (nets, strains)
@@ -21,7 +21,7 @@ class FitProblem {
   FitProblem(const std::vector<FitMaterial>& materials, at::Device device);
 
   /// Errors at principal log stretches e, (strains, 3), of the first `second` also in the tangent.
-  StrainErrors errors(const MtlNets& nets, const Array<double>& e, int64_t second) const;
+  BatchErrors errors(const MtlNets& nets, const Array<double>& e, int64_t second) const;
 
  private:
   MtlResponse targets(const Array<double>& e, int64_t second) const;

@@ -210,8 +210,8 @@ class Problem {
            double(strains_);
   }
 
-  /// Sums over strains of J^T J and J^T r, J = dr/dw.
-  void normal_equations(const Vector& w, Square& JtJ, Vector& Jtr) const {
+  /// Sums over strains of J^T J and J^T r, J = dr/dw, of the first `used` residuals of a strain.
+  void normal_equations(const Vector& w, Square& JtJ, Vector& Jtr, int used = kResiduals) const {
     const int64_t blocks = (strains_ + kStrainBlock - 1) / kStrainBlock;
     std::vector<Square> matrices(static_cast<size_t>(blocks));
     std::vector<Vector> vectors(static_cast<size_t>(blocks));
@@ -223,9 +223,10 @@ class Problem {
         double q[kJet];
         strain(begin + s, w, q);
         const Target& target = targets_[size_t(begin + s)];
+        Coefficients C = derivatives(q, target, omega_);
+        C.bottomRows(kResiduals - used).setZero();
         r.segment<kResiduals>(kResiduals * s) = residual(q, target, omega_);
-        J.middleRows<kResiduals>(kResiduals * s).noalias() =
-            derivatives(q, target, omega_) * features(begin + s);
+        J.middleRows<kResiduals>(kResiduals * s).noalias() = C * features(begin + s);
       }
       Square& matrix = matrices[size_t(block)];
       matrix.setZero();
@@ -330,7 +331,8 @@ LastLayer::LastLayer(std::span<const float> weights, const LastLayerOptions& opt
       8);
 }
 
-LastLayerFit LastLayer::fit(const FitMaterial& material, std::span<const float> start) const {
+LastLayerFit LastLayer::fit(const FitMaterial& material, std::span<const float> start,
+                            const FitWatch& watch) const {
   ELASTOGEN_CHECK(start.empty() || int(start.size()) == kWidth, "a last layer has ", kWidth,
                   " weights, not ", start.size());
   Vector w = Vector::Zero();
@@ -341,6 +343,7 @@ LastLayerFit LastLayer::fit(const FitMaterial& material, std::span<const float> 
   for (double before = descent.loss(); result.iterations < options_.iterations;) {
     descent.iterate();
     ++result.iterations;
+    if (watch) watch(result.iterations, {descent.weights().data(), kWidth});
     if (descent.loss() < options_.enough * options_.enough) break;
     if (result.iterations % 10) continue;
     if (descent.loss() > 0.96 * before) break;  // 2 % of its root
@@ -352,6 +355,20 @@ LastLayerFit LastLayer::fit(const FitMaterial& material, std::span<const float> 
     result.weights[result.weights.size() - kWidth - 1 + size_t(k)] = float(descent.weights()[k]);
   result.weights.back() = 0;
   return result;
+}
+
+Array<double> LastLayer::stress_metric(const FitMaterial& material,
+                                       std::span<const double> w) const {
+  ELASTOGEN_CHECK(int(w.size()) == kWidth, "a last layer has ", kWidth, " weights, not ", w.size());
+  const Problem problem(material, e_, inputs_, features_);
+  Square lower;
+  Vector unused;
+  problem.normal_equations(Eigen::Map<const Vector>(w.data()), lower, unused, 3);
+  Array<double> metric(kWidth, kWidth);
+  for (int i = 0; i < kWidth; ++i)
+    for (int j = 0; j < kWidth; ++j)
+      metric(i, j) = lower(std::max(i, j), std::min(i, j)) / double(e_.rows());
+  return metric;
 }
 
 Array<double> LastLayer::strains(const FitMaterial& material, std::span<const double> w) const {

@@ -17,6 +17,7 @@
 #include "core/array.hpp"
 #include "training/fit_material.hpp"
 
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -35,6 +36,9 @@ struct LastLayerFit {
   int iterations = 0;
 };
 
+/// Told after each iteration: how many there were, and the last layer now, (128).
+using FitWatch = std::function<void(int iterations, std::span<const double> w)>;
+
 class LastLayer {
  public:
   /// @param weights  of a NeuralMTL, (17153); the hidden layers are fixed, the last is ignored.
@@ -44,7 +48,14 @@ class LastLayer {
   /// @param start  last layer to begin from, (128); empty: zeros, where q is linear in the log
   ///               stretches, Hencky's law.
   /// @throws Error (usage) for a start of another size.
-  LastLayerFit fit(const FitMaterial& material, std::span<const float> start = {}) const;
+  LastLayerFit fit(const FitMaterial& material, std::span<const float> start = {},
+                   const FitWatch& watch = {}) const;
+
+  /// Mean over the strains of the fit of J^T J, (128, 128), with J the derivatives in w of the
+  /// three residuals of the stress: dw^T of it dw is the mean square of the relative change of the
+  /// stress that a small dw makes.
+  /// @throws Error (usage) for a last layer of another size.
+  Array<double> stress_metric(const FitMaterial& material, std::span<const double> w) const;
 
   /// q of material's net at the strains of the fit for a last layer w, with derivatives in e, as
   /// the residuals take them: (strains, 30), entry 3 c + i is channel c of axis i; channels are the

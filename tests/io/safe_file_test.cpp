@@ -4,6 +4,7 @@
 #include "tests/io/test_files.hpp"
 
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -64,6 +65,22 @@ TEST(SafeFile, FailuresNamePathAndReason) {
   expect_says(error_of([&] { write_file(folder.path("taken"), "x"); }, ErrorKind::kResources),
               "taken");
   EXPECT_EQ(files_in(folder.path("")), 1);
+}
+
+TEST(SafeFile, DevicesAndPipesAreNotReplaced) {
+  const TempFolder folder;
+  const std::string pipe = folder.path("pipe");
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  for (const std::string& path : {pipe, std::string("/dev/full")}) {
+    try {
+      SafeFile file(path);
+      ADD_FAILURE() << path;
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find(path + ": it is a device or pipe"),
+                std::string::npos);
+    }
+  }
+  EXPECT_TRUE(std::filesystem::is_fifo(pipe));
 }
 
 TEST(SafeFile, AFullDiskIsAnErrorAndLeavesNothing) {

@@ -149,6 +149,68 @@ TEST(LastLayer, GoesOnFromAStart) {
   EXPECT_LT(layer.fit(material, w).error, first.error);
 }
 
+TEST(LastLayer, TellsItsWatchEachIteration) {
+  const FitMaterial material = fit_material("stvk", 0.4);
+  LastLayerOptions options = few_strains();
+  options.iterations = 6;
+  const LastLayer layer(initial_weights(3), options);
+  std::vector<int> told;
+  std::vector<float> last;
+  const LastLayerFit fit = layer.fit(material, {}, [&](int done, std::span<const double> w) {
+    told.push_back(done);
+    last.assign(w.begin(), w.end());
+  });
+  EXPECT_EQ(told, (std::vector<int>{1, 2, 3, 4, 5, 6}));
+  EXPECT_TRUE(std::equal(last.begin(), last.end(), fit.weights.end() - kMtlLast));
+}
+
+/// Stresses of weights at strains, (strains, 3), over |t| + 1e-4 M.
+std::vector<double> scaled_stresses(const FitMaterial& material, const std::vector<float>& weights,
+                                    const Array<double>& e) {
+  std::vector<LogJet> jets(size_t(e.rows()));
+  NeuralMtl(weights, material.poisson).evaluate<true>(e.data(), e.rows(), jets.data());
+  const TargetLaw law = target_law(material);
+  std::vector<double> scaled;
+  for (int64_t s = 0; s < e.rows(); ++s) {
+    const Response<double> r = target_response(law, e.row(s));
+    const double size = std::sqrt(r.t[0] * r.t[0] + r.t[1] * r.t[1] + r.t[2] * r.t[2]) +
+                        1e-4 * (2 * material.mu() + material.lambda());
+    for (int m = 0; m < 3; ++m) scaled.push_back(jets[size_t(s)].w[m] * std::exp(-e(s, m)) / size);
+  }
+  return scaled;
+}
+
+TEST(LastLayer, MeasuresSmallChangesByTheChangeOfTheStress) {
+  const FitMaterial material = fit_material("0.5*stvk+0.5*neo-hookean", 0.4);
+  const std::vector<float> start = initial_weights(3);
+  const LastLayer layer(start, few_strains());
+  const std::vector<double> w = some_layer();
+  const Array<double> metric = layer.stress_metric(material, w);
+  for (uint64_t direction = 0; direction < 3; ++direction) {
+    // steps that floats hold, so that the two nets differ by exactly them
+    std::vector<double> dw, ahead = w, behind = w;
+    for (size_t k = 0; k < w.size(); ++k) {
+      dw.push_back(double((7 * k + direction * 11) % 13) / 4096 - 6.0 / 4096);
+      ahead[k] += dw[k], behind[k] -= dw[k];
+    }
+    double predicted = 0, measured = 0;
+    for (int i = 0; i < 128; ++i)
+      for (int j = 0; j < 128; ++j) {
+        predicted += dw[size_t(i)] * metric(i, j) * dw[size_t(j)];
+        EXPECT_EQ(metric(i, j), metric(j, i));
+      }
+    // stresses are quadratic in w: the central difference is their derivative
+    const std::vector<double> a = scaled_stresses(material, with_last(start, ahead),
+                                                  layer.points()),
+                              b = scaled_stresses(material, with_last(start, behind),
+                                                  layer.points());
+    for (size_t k = 0; k < a.size(); ++k)
+      measured += std::pow((a[k] - b[k]) / 2, 2) / double(layer.points().rows());
+    EXPECT_NEAR(predicted, measured, 1e-9 * measured);
+  }
+  EXPECT_THROW(layer.stress_metric(material, std::vector<double>(3)), Error);
+}
+
 TEST(LastLayer, GivesTheSameBitsWithOneThread) {
   const FitMaterial material = fit_material("stvk", 0.3);
   LastLayerOptions options = few_strains();

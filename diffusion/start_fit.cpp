@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "diffusion/start_fit.hpp"
+
+#include "core/error.hpp"
+#include "diffusion/weight_dataset.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+namespace elastogen {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point begin) {
+  return std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
+/// A last layer on its way, and when it was there.
+struct Moment {
+  std::vector<float> layer;
+  double seconds = 0;
+};
+
+}  // namespace
+
+std::vector<StartFit> fit_from(const LastLayer& layer, std::span<const float> hidden,
+                               const FitMaterial& material, std::span<const float> start,
+                               std::span<const int> iterations, const ReportOptions& judged) {
+  ELASTOGEN_CHECK(int(start.size()) == kMtlWidthOfLast, "a last layer has ", kMtlWidthOfLast,
+                  " weights, not ", start.size());
+  ELASTOGEN_CHECK(!iterations.empty() && iterations[0] == 0 &&
+                      std::is_sorted(iterations.begin(), iterations.end()),
+                  "iterations to report after must ascend from 0");
+  std::vector<Moment> moments = {{{start.begin(), start.end()}, 0}};
+  const Clock::time_point begin = Clock::now();
+  const LastLayerFit last = layer.fit(material, start, [&](int done, std::span<const double> w) {
+    if (std::find(iterations.begin() + 1, iterations.end(), done) != iterations.end())
+      moments.push_back({{w.begin(), w.end()}, seconds_since(begin)});
+  });
+  const double seconds = seconds_since(begin);
+  const auto ended = last.weights.end() - kMtlLast;
+  // later ones are what the fit ended with
+  while (moments.size() < iterations.size())
+    moments.push_back({{ended, ended + kMtlWidthOfLast}, seconds});
+  std::vector<StartFit> fits;
+  for (size_t k = 0; k < iterations.size(); ++k) {
+    fits.push_back({iterations[k], moments[k].layer, {}, moments[k].seconds, 0});
+    StartFit& fit = fits.back();
+    if (k > 0 && fit.layer == fits[k - 1].layer) {
+      fit.report = fits[k - 1].report;
+      continue;
+    }
+    std::vector<float> weights(hidden.begin(), hidden.end());
+    std::copy(fit.layer.begin(), fit.layer.end(), weights.end() - kMtlLast);
+    const Clock::time_point judging = Clock::now();
+    fit.report = fit_report(material, weights, judged);
+    fit.report_seconds = seconds_since(judging);
+  }
+  return fits;
+}
+
+}  // namespace elastogen
