@@ -124,7 +124,9 @@ class Generator(unittest.TestCase):
         cls.shared = tempfile.TemporaryDirectory()
         cls.addClassCleanup(cls.shared.cleanup)
         cls.dataset = Path(cls.shared.name) / "d.h5"
-        done = run("train", "dataset", "--count", cls.COUNT, "--seed", 5, "-o", cls.dataset)
+        # iterations enough for the fits to end where they stay
+        done = run("train", "dataset", "--count", cls.COUNT, "--seed", 5, "--iterations", 80, "-o",
+                   cls.dataset)
         assert done.code == 0, done.err
         assert f"fit     {cls.COUNT} of {cls.COUNT}" in done.out, done.out
 
@@ -159,8 +161,8 @@ class Generator(unittest.TestCase):
 
     def test_the_dataset_goes_on_after_an_interruption(self) -> None:
         out = self.folder / "d.h5"
-        words = [BINARY, "train", "dataset", "--count", str(self.COUNT), "--seed", "5", "-o",
-                 str(out)]
+        words = [BINARY, "train", "dataset", "--count", str(self.COUNT), "--seed", "5",
+                 "--iterations", "80", "-o", str(out)]
         process = subprocess.Popen(words, stdout=subprocess.PIPE)
         time.sleep(1.5)
         process.send_signal(signal.SIGINT)
