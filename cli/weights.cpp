@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/weights.hpp"
 
-#include "cli/weight_start.hpp"
 #include "cli/stopwatch.hpp"
+#include "cli/weight_start.hpp"
 #include "core/error.hpp"
 #include "io/safe_file.hpp"
 #include "network/mtl_weights.hpp"

@@ -38,8 +38,8 @@ Setup setup_of(const Scene& scene) {
 State end_of(const Scene& scene, const AnimateOptions& options, const StartMotion& motion) {
   const Setup setup = setup_of(scene);
   std::vector<std::string> notes;
-  const std::unique_ptr<Stepper> stepper =
-      make_stepper(setup, options, [] { return false; }, notes);
+  const std::unique_ptr<Stepper> stepper = make_stepper(
+      setup, options, [] { return false; }, notes);
   EXPECT_TRUE(notes.empty());
   State state = stepper->start(motion);
   for (int n = 0; n < kSteps; ++n) {

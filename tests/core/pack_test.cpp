@@ -56,7 +56,8 @@ TEST(Log1p, IsExactAtZeroAndKeepsTinyNumbers) {
   EXPECT_DOUBLE_EQ(y[7], -std::log(2.0));
 }
 
-/// Largest relative error of exponential on a pack over [-80, 80], in eps, the argument being exact.
+/// Largest relative error of exponential on a pack over [-80, 80], in eps, the argument being
+/// exact.
 template <class S>
 double exponential_error() {
   std::mt19937_64 random(3);
