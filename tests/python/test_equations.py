@@ -9,7 +9,8 @@ import numpy as np
 
 import collision
 import equations
-from equations import Motion, law_of
+from equations import Motion
+from laws import law_of
 from state_file import LAWS, Floats
 from synthetic import DT, GRAVITY, H, add_contact, central_differences, make_state, shape_means
 

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from command import BINARY, Run, turned_box, write_obj
-from equations import lame, law_of
+from laws import lame, law_of
 from nets import law_in_logs, net_energy
 from state_file import Floats, Net
 
