@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tables of nets: fits, read from the model cards of network/weights (docs/formats.md, weights), and
-how soon fits of new materials pass, read from docs/results/generation.json (bench_generation)."""
+how soon fits of new materials pass, read from docs/results/generation.json (bench_generation) and
+fine_tuning.json (bench_fine_tuning)."""
 
 from __future__ import annotations
 
@@ -10,6 +11,7 @@ import struct
 from pathlib import Path
 
 WEIGHTS = Path(__file__).resolve().parents[1] / "network" / "weights"
+RESULTS = Path(__file__).resolve().parent / "results"
 
 
 def model_card(path: Path) -> dict[str, str]:
@@ -43,7 +45,7 @@ def fits() -> tuple[list[str], list[list[str]]]:
 
 def generation() -> tuple[list[str], list[list[str]]]:
     """Head and rows: materials by Poisson ratio, and where their fits begin."""
-    result = json.loads((WEIGHTS.parents[1] / "docs" / "results" / "generation.json").read_text())
+    result = json.loads((RESULTS / "generation.json").read_text())
     rows = []
     for group in result["groups"]:
         if not group["group"].startswith("nu"):
@@ -55,3 +57,18 @@ def generation() -> tuple[list[str], list[list[str]]]:
     iterations = [str(stage["iterations"]) for stage in result["groups"][0]["starts"][0]["stages"]]
     return ["materials", "begins at", *(f"{n} [%]" for n in iterations), "passes after [ms]",
             "never"], rows
+
+
+def fine_tuning() -> tuple[list[str], list[list[str]]]:
+    """Head and rows: where gradient steps begin, and shares inside all limits after them."""
+    result = json.loads((RESULTS / "fine_tuning.json").read_text())
+    starts = list(dict.fromkeys(row["start"] for row in result["rows"]))
+    rows = []
+    for start in starts:
+        of_start = [row for row in result["rows"] if row["start"] == start]
+        rows.append([start, *(f"{100 * row['inside_to_048']:.1f}" for row in of_start),
+                     f"{100 * of_start[-1]['inside']:.1f}",
+                     f"{100 * of_start[-1]['median']:.2g}", f"{of_start[-1]['seconds']:.1f}"])
+    steps = list(dict.fromkeys(str(row["steps"]) for row in result["rows"]))
+    return ["begins at", *(f"{n} [%]" for n in steps), "at any nu [%]",
+            "stress, median of the median net [%]", f"all {result['materials']} nets [s]"], rows

@@ -22,7 +22,7 @@ from typing import Any
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tests" / "scenes"))
 from definitions import definitions_hash  # noqa: E402
-from fit_tables import fits, generation  # noqa: E402
+from fit_tables import fine_tuning, fits, generation  # noqa: E402
 from paper_tables import TABLES as PAPER_TABLES  # noqa: E402
 
 RESULTS = ROOT / "docs" / "results"
@@ -224,7 +224,8 @@ TABLES: dict[str, Callable[[], str]] = {"accuracy": accuracy, "peers": peers,
                                     "time to error": time_to_error, "sweeps": sweeps,
                                     "ladder": ladder, "scene stress": scene_stress,
                                     "fits": lambda: table(*fits()), "neural": neural,
-                                    "generation": lambda: table(*generation())} | {
+                                    "generation": lambda: table(*generation()),
+                                    "fine tuning": lambda: table(*fine_tuning())} | {
     f"study {name}": (lambda n=name: study(n)) for name in STUDIES} | {
     f"bench {name}": (lambda n=name: bench(n)) for name in ("error time", "kernels", "start")} | {
     name: (lambda lines=lines: table(*lines())) for name, lines in PAPER_TABLES.items()}

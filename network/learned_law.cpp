@@ -74,6 +74,22 @@ LogJet weighted_gap(const LogJet& w, const LogJet& a, const LogJet& b) {
   return r;
 }
 
+/// Those of some log stretches where the net has a say, and their places.
+struct Reached {
+  std::vector<double> e;
+  std::vector<int64_t> index;
+};
+
+Reached reached_by_net(const double* e, int64_t n) {
+  Reached reached;
+  for (int64_t k = 0; k < n; ++k) {
+    if (weight(e + 3 * k).psi == 0) continue;
+    reached.e.insert(reached.e.end(), e + 3 * k, e + 3 * k + 3);
+    reached.index.push_back(k);
+  }
+  return reached;
+}
+
 /// By the net, lane by lane packed into one call.
 template <bool kHessian, class T>
 LogResponse<T> by_net(const LearnedLaw& learned, const T e[3]) {
@@ -127,30 +143,34 @@ LearnedLaw::LearnedLaw(std::span<const float> weights, Law law, double poisson, 
       hash_(std::move(hash)),
       evaluation_(evaluation) {
   if (evaluation != Evaluation::kTable) return;
-  const auto source = [this](const double* e, int64_t n, double* value) {
-    std::vector<LogJet> jets(static_cast<size_t>(n));
-    difference<false>(e, n, jets.data());
-    for (int64_t k = 0; k < n; ++k) value[k] = jets[size_t(k)].psi;
-  };
-  table_ = MtlTable(source, kCells);
+  table_ =
+      MtlTable([this](const double* e, int64_t n, double* psi) { difference(e, n, psi); }, kCells);
 }
 
 template <bool kHessian>
 void LearnedLaw::difference(const double* e, int64_t n, LogJet* result) const {
   const LawParameters<double> law{law_, net_.mu(), net_.lambda()};
-  std::vector<double> inner;
-  std::vector<int64_t> of;
-  for (int64_t k = 0; k < n; ++k) {
-    result[k] = {};
-    if (weight(e + 3 * k).psi == 0) continue;
-    inner.insert(inner.end(), e + 3 * k, e + 3 * k + 3);
-    of.push_back(k);
+  const Reached reached = reached_by_net(e, n);
+  std::vector<LogJet> jets(reached.index.size());
+  net_.evaluate<kHessian>(reached.e.data(), int64_t(jets.size()), jets.data());
+  std::fill_n(result, n, LogJet{});
+  for (size_t m = 0; m < jets.size(); ++m) {
+    const double* place = reached.e.data() + 3 * m;
+    result[reached.index[m]] = weighted_gap(weight(place), jets[m], in_logs(law, place));
   }
-  std::vector<LogJet> jets(of.size());
-  net_.evaluate<kHessian>(inner.data(), int64_t(of.size()), jets.data());
-  for (size_t m = 0; m < of.size(); ++m) {
-    const double* place = inner.data() + 3 * m;
-    result[of[m]] = weighted_gap(weight(place), jets[m], in_logs(law, place));
+}
+
+void LearnedLaw::difference(const double* e, int64_t n, double* psi) const {
+  const LawParameters<double> law{law_, net_.mu(), net_.lambda()};
+  const Reached reached = reached_by_net(e, n);
+  std::vector<double> by_net(reached.index.size());
+  net_.evaluate(reached.e.data(), int64_t(by_net.size()), by_net.data());
+  std::fill_n(psi, n, 0.0);
+  for (size_t m = 0; m < by_net.size(); ++m) {
+    const double* place = reached.e.data() + 3 * m;
+    double s[3];
+    for (int i = 0; i < 3; ++i) s[i] = std::exp(place[i]);
+    psi[reached.index[m]] = weight(place).psi * (by_net[m] - elastic_response<false>(law, s).psi);
   }
 }
 

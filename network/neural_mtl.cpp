@@ -167,6 +167,15 @@ void NeuralMtl::strains(const double* e, int64_t n, double* q) const {
   }
 }
 
+void NeuralMtl::evaluate(const double* e, int64_t n, double* psi) const {
+  const double omega = 3 * lambda_ + 2 * mu_;
+  std::vector<double> q(3 * size_t(n));
+  strains(e, n, q.data());
+  for (size_t k = 0; k < size_t(n); ++k)
+    psi[k] = omega / 2 *
+             (q[3 * k] * q[3 * k] + q[3 * k + 1] * q[3 * k + 1] + q[3 * k + 2] * q[3 * k + 2]);
+}
+
 template <bool kHessian>
 void NeuralMtl::evaluate(const double* e, int64_t n, LogJet* result) const {
   constexpr int kChannels = kHessian ? 10 : 4, kStrains = kBlock / 3;

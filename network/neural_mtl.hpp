@@ -52,6 +52,8 @@ class NeuralMtl {
   /// psi and first derivatives, with kHessian second ones too, at log stretches e, (n, 3).
   template <bool kHessian>
   void evaluate(const double* e, int64_t n, LogJet* result) const;
+  /// psi alone.
+  void evaluate(const double* e, int64_t n, double* psi) const;
 
  private:
   template <int kChannels>

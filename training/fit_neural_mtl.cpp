@@ -23,10 +23,12 @@ constexpr double kTangentWeight = 0.1, kEnergyWeight = 0.1, kEnergyClip = 3;
 constexpr double kFloor = 1e-8;        // of a loss whose logarithm is taken
 constexpr int64_t kStepsOfLine = 200;  // between two lines of progress
 
-/// The start of a seed for each net.
-at::Tensor initial_block(int64_t nets, const std::vector<float>& one, at::Device device) {
+/// One start for all nets, or that of each.
+at::Tensor initial_block(int64_t nets, const std::vector<float>& start, at::Device device) {
   Array<float> weights(nets, kMtlParameters);
-  for (int64_t n = 0; n < nets; ++n) std::copy(one.begin(), one.end(), weights.row(n));
+  const bool one = int64_t(start.size()) == kMtlParameters;
+  for (int64_t n = 0; n < nets; ++n)
+    std::copy_n(start.begin() + (one ? 0 : n * kMtlParameters), kMtlParameters, weights.row(n));
   return block_of_weights(weights, device);
 }
 
@@ -221,8 +223,10 @@ FitOutcome fit_neural_mtl(const std::vector<FitMaterial>& materials, const FitOp
                       options.checkpoint_steps > 0,
                   "steps and samples must be positive, got ", options.steps, " and ",
                   options.samples);
-  ELASTOGEN_CHECK(options.start.empty() || int64_t(options.start.size()) == kMtlParameters,
-                  "a start has ", kMtlParameters, " weights, got ", options.start.size());
+  const auto weights = int64_t(options.start.size());
+  const bool of_each = !options.shared && weights == int64_t(materials.size()) * kMtlParameters;
+  ELASTOGEN_CHECK(weights == 0 || weights == kMtlParameters || of_each, "a start has ",
+                  kMtlParameters, " weights, or as many for each net, got ", weights);
   at::globalContext().setFloat32MatmulPrecision("highest");  // no TF32: it has 11 bits
   return Run(materials, options, hooks).run();
 }

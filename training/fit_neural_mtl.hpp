@@ -20,12 +20,14 @@ namespace elastogen {
 
 struct FitOptions {
   int64_t steps = 3000;
-  int64_t samples = 512;     ///< strains a step; the tangent is fitted on a third of them
-  uint64_t seed = 1;         ///< of the start and of the strains
-  std::vector<float> start;  ///< weights that all nets begin from, (17153); empty: random
-  bool shared = false;       ///< one pair of hidden layers for all nets
-  double rate = 3e-3;        ///< the largest
-  int64_t warm_up = 200;     ///< steps over which it rises
+  int64_t samples = 512;  ///< strains a step; the tangent is fitted on a third of them
+  uint64_t seed = 1;      ///< of the start and of the strains
+  /// Weights that all nets begin from, (17153), or those of each, (materials, 17153); empty:
+  /// random.
+  std::vector<float> start;
+  bool shared = false;    ///< one pair of hidden layers for all nets
+  double rate = 3e-3;     ///< the largest
+  int64_t warm_up = 200;  ///< steps over which it rises
   std::string device = "cpu";
   std::string checkpoint;           ///< file; empty: none
   int64_t checkpoint_steps = 1000;  ///< between two of them

@@ -53,6 +53,22 @@ TEST(LearnedLaw, IsThatOfTheNetInItsBox) {
     }
 }
 
+TEST(LearnedLaw, ValuesAloneAreThoseOfTheJets) {
+  const std::vector<double> e = strains(500, 50, 1.3, 1.3);
+  const LearnedLaw net = hencky_net(Law::kNeoHookean, 0.3, Evaluation::kNet);
+  std::vector<LogJet> jets(500);
+  std::vector<double> psi(500, 7.0);
+  net.difference<false>(e.data(), 500, jets.data());
+  net.difference(e.data(), 500, psi.data());
+  int beyond = 0;
+  for (size_t k = 0; k < 500; ++k) {
+    EXPECT_NEAR(psi[k], jets[k].psi, 1e-14);
+    beyond += psi[k] == 0;
+  }
+  EXPECT_GT(beyond, 0);
+  EXPECT_LT(beyond, 400);
+}
+
 TEST(LearnedLaw, TableAddsLittleEvenWhereTheNetIsFarFromItsLaw) {
   // well inside the box; at its edge the table must turn within two cells, tested by fits
   const std::vector<double> e = strains(1000, 500, 0.6, 0.5);

@@ -101,6 +101,20 @@ TEST_F(FitNeuralMtl, BeginsFromGivenWeights) {
   EXPECT_EQ(start_name(small_fit(1)), "random");
 }
 
+TEST_F(FitNeuralMtl, BeginsEachNetFromItsOwnWeights) {
+  FitOptions options = small_fit(1);
+  options.rate = 1e-9;
+  for (const uint64_t seed : {5, 6}) {
+    const std::vector<float> one = initial_weights(seed);
+    options.start.insert(options.start.end(), one.begin(), one.end());
+  }
+  const Array<float> weights = fit_neural_mtl(kTwo, options).weights;
+  for (int64_t k = 0; k < 2 * kMtlParameters; ++k)
+    ASSERT_NEAR(weights.data()[k], options.start[size_t(k)], 1e-6) << k;
+  options.shared = true;  // then there is one pair of hidden layers
+  EXPECT_THROW(fit_neural_mtl(kTwo, options), Error);
+}
+
 TEST_F(FitNeuralMtl, SharesHiddenLayersWhereAsked) {
   FitOptions options = small_fit(30);
   options.shared = true;

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: Apache-2.0
+// What gradient steps make of nets for materials never seen, by where they begin: the fine-tuning
+// of the ElastoGen paper, to set beside the Levenberg-Marquardt iterations of bench/generation.cpp.
+// All materials of a start are fitted at once (training/fit_neural_mtl.hpp, all layers, SOAP), each
+// number of steps by a run of its own whose rate falls to 0, at each of two rates.
+//
+//   fine_tuning FOLDER [--count N] [--seed S] [--device cpu|cuda] [--json FILE]
+//
+// FOLDER has hidden.tensors and generator.tensors. Prints a Markdown table; of the two rates the
+// row has the one with more nets inside.
+
+#include "core/error.hpp"
+#include "core/parallel.hpp"
+#include "diffusion/generate_weights.hpp"
+#include "diffusion/hidden_hash.hpp"
+#include "diffusion/material_family.hpp"
+#include "io/safe_file.hpp"
+#include "training/fit_neural_mtl.hpp"
+#include "training/fit_report.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <sstream>
+
+namespace elastogen::bench {
+namespace {
+
+constexpr int64_t kStrains = 4000;  // of a report
+constexpr int64_t kSteps[] = {0, 100, 300, 1000};
+constexpr double kRates[] = {3e-3, 3e-4};
+constexpr double kNearIncompressible = 0.48;
+
+struct Arguments {
+  std::string folder, json, device = "cpu";
+  int64_t count = 200;
+  uint64_t seed = 1'000'003;
+};
+
+Arguments arguments_of(int argc, char** argv) {
+  Arguments arguments;
+  for (int k = 1; k < argc; ++k) {
+    const std::string word = argv[k];
+    if (word[0] != '-') {
+      arguments.folder = word;
+      continue;
+    }
+    ELASTOGEN_CHECK(k + 1 < argc, word, " needs a value");
+    const char* const value = argv[++k];
+    if (word == "--count")
+      arguments.count = std::atoll(value);
+    else if (word == "--seed")
+      arguments.seed = std::strtoull(value, nullptr, 10);
+    else if (word == "--device")
+      arguments.device = value;
+    else if (word == "--json")
+      arguments.json = value;
+    else
+      throw Error(concat("unknown option ", word));
+  }
+  ELASTOGEN_CHECK(!arguments.folder.empty() && arguments.count > 0,
+                  "usage: fine_tuning FOLDER [--count N] [--seed S] [--device cpu|cuda] "
+                  "[--json FILE]");
+  return arguments;
+}
+
+/// Weights that each net begins from, (materials, 17153).
+struct Beginning {
+  std::string name;
+  std::vector<float> weights;
+};
+
+std::vector<Beginning> beginnings(const Arguments& arguments,
+                                  const std::vector<FitMaterial>& materials) {
+  const std::string hidden_path = arguments.folder + "/hidden.tensors";
+  const std::string path = arguments.folder + "/generator.tensors";
+  const std::vector<float> hidden = decode_tensors(read_file(hidden_path, 1 << 24), hidden_path)
+                                        .get("neural_mtl", {kMtlParameters})
+                                        .values;
+  const WeightGenerator generator(decode_tensors(read_file(path, 1 << 28), path), path);
+  ELASTOGEN_CHECK(generator.hidden() == hidden_hash(hidden), path, " is for other hidden layers");
+  const std::vector<float> drawn = initial_weights(arguments.seed);
+  std::vector<Beginning> all = {{"scratch", {}}};
+  for (size_t n = 0; n < materials.size(); ++n)
+    all[0].weights.insert(all[0].weights.end(), drawn.begin(), drawn.end());
+  for (const Start start : kStarts) {
+    if (start == Start::kDiffusion && !generator.has_denoiser()) continue;
+    all.push_back({name_of(start), {}});
+    for (size_t n = 0; n < materials.size(); ++n) {
+      std::vector<float> net = hidden;
+      const std::vector<float> last = generator.last_layer(materials[n], start, n);
+      std::copy(last.begin(), last.end(), net.end() - kMtlLast);
+      all.back().weights.insert(all.back().weights.end(), net.begin(), net.end());
+    }
+  }
+  return all;
+}
+
+/// What became of all nets of a start after some steps.
+struct Outcome {
+  double rate = 0, seconds = 0;
+  int low = 0, inside_low = 0, inside = 0;  ///< low: nu up to 0.48
+  double median = 0, p99 = 0;               ///< of the stress, median net
+};
+
+double middle(std::vector<double> values) {
+  std::nth_element(values.begin(), values.begin() + int64_t(values.size()) / 2, values.end());
+  return values[values.size() / 2];
+}
+
+Outcome judged(const std::vector<FitMaterial>& materials, const float* weights) {
+  std::vector<FitReport> reports(materials.size());
+  run_tasks(int64_t(materials.size()), [&](int64_t n) {
+    ReportOptions options;
+    options.strains = kStrains;
+    reports[size_t(n)] =
+        fit_report(materials[size_t(n)], {weights + n * kMtlParameters, kMtlParameters}, options);
+  });
+  Outcome outcome;
+  std::vector<double> median, p99;
+  for (size_t n = 0; n < materials.size(); ++n) {
+    const bool low = materials[n].poisson <= kNearIncompressible;
+    outcome.low += low;
+    outcome.inside += reports[n].passes();
+    outcome.inside_low += low && reports[n].passes();
+    median.push_back(reports[n].stress_median), p99.push_back(reports[n].stress_p99);
+  }
+  outcome.median = middle(median), outcome.p99 = middle(p99);
+  return outcome;
+}
+
+Outcome tuned(const Arguments& arguments, const std::vector<FitMaterial>& materials,
+              const Beginning& beginning, int64_t steps) {
+  if (steps == 0) return judged(materials, beginning.weights.data());
+  Outcome best;
+  for (const double rate : kRates) {
+    FitOptions options;
+    options.steps = steps, options.warm_up = std::max<int64_t>(1, steps / 10);
+    options.start = beginning.weights;
+    options.rate = rate;
+    options.device = arguments.device;
+    const FitOutcome fit = fit_neural_mtl(materials, options);
+    Outcome outcome = judged(materials, fit.weights.data());
+    outcome.rate = rate, outcome.seconds = fit.seconds;
+    if (best.rate == 0 || outcome.inside > best.inside) best = outcome;
+  }
+  return best;
+}
+
+void run(const Arguments& arguments) {
+  std::vector<FitMaterial> materials;
+  for (int64_t n = 0; n < arguments.count; ++n)
+    materials.push_back(family_material(arguments.seed, uint64_t(n)));
+  std::printf(
+      "| begins at | steps | rate | inside all limits | nu up to 0.48 | stress, median net: "
+      "median [%%] | p99 [%%] | all nets at once [s] |\n|---|---|---|---|---|---|---|---|\n");
+  std::ostringstream rows;
+  for (const Beginning& beginning : beginnings(arguments, materials))
+    for (const int64_t steps : kSteps) {
+      const Outcome o = tuned(arguments, materials, beginning, steps);
+      const double share = o.inside / double(materials.size()), low = o.inside_low / double(o.low);
+      std::printf("| %s | %lld | %g | %.1f %% | %.1f %% | %.2g | %.2g | %.2f |\n",
+                  beginning.name.c_str(), static_cast<long long>(steps), o.rate, 100 * share,
+                  100 * low, 100 * o.median, 100 * o.p99, o.seconds);
+      std::fflush(stdout);
+      rows << (rows.tellp() ? ",\n  " : "") << R"({"start": ")" << beginning.name
+           << R"(", "steps": )" << steps << R"(, "rate": )" << o.rate << R"(, "inside": )" << share
+           << R"(, "inside_to_048": )" << low << R"(, "median": )" << o.median << R"(, "p99": )"
+           << o.p99 << R"(, "seconds": )" << o.seconds << '}';
+    }
+  if (arguments.json.empty()) return;
+  std::ostringstream json;
+  json << R"({"seed": )" << arguments.seed << R"(, "materials": )" << materials.size()
+       << R"(, "strains": )" << kStrains << ", \"rows\": [\n  " << rows.str() << "]}\n";
+  write_file(arguments.json, json.str());
+}
+
+}  // namespace
+}  // namespace elastogen::bench
+
+int main(int argc, char** argv) {
+  try {
+    elastogen::bench::run(elastogen::bench::arguments_of(argc, argv));
+    return 0;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "fine_tuning: %s\n", error.what());
+    return 1;
+  }
+}
