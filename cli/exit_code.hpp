@@ -14,6 +14,7 @@ enum ExitCode : int {
   kExitDraft = 4,          ///< a step missed the tolerance, a voxel is inverted, --max-time is over
   kExitDiverged = 5,       ///< a step had to be refused; the frames before it were written
   kExitResources = 6,      ///< memory, a budget, a disk
+  kExitDevice = 7,         ///< --device cuda without a device that can be used
   kExitInterrupted = 130,  ///< SIGINT; what there was has been written
   kExitTerminated = 143,   ///< SIGTERM; the same
 };
@@ -29,6 +30,8 @@ inline ExitCode exit_code(ErrorKind kind) {
       return kExitDiverged;
     case ErrorKind::kResources:
       return kExitResources;
+    case ErrorKind::kDevice:
+      return kExitDevice;
   }
   return kExitUsage;
 }

@@ -56,7 +56,7 @@ struct AnimateOptions {
   double fps = 30;
   int substeps = 0;  ///< 0: auto
   TimeScheme scheme = TimeScheme::kEuler;
-  SolverOptions solver;
+  SolverOptions solver{.device = Device::kAuto};
   std::optional<FemOptions> fem;  ///< set: finite elements take the steps
   EnergySource energy = EnergySource::kAuto;
   Hourglass hourglass = Hourglass::kFull;

@@ -72,6 +72,8 @@ class Clip {
     const Stopwatch watch;
     stepper_ = make_stepper(
         setup, options, [this] { return stopped(); }, report_.notes);
+    report_.device = stepper_->device();
+    if (report_.device != "cpu") report_.notes.push_back("iterations run on " + report_.device);
     StateHeader header;
     stepper_->describe(header);
     for (const StateNet& net : header.nets) report_.nets.push_back(net.hash);

@@ -199,7 +199,7 @@ SceneValue solver_table(const AnimateOptions& o) {
   t.set("modes", scene_number(o.solver.paper.modes));
   t.set("skip", scene_flag(o.solver.skip));
   t.set("threads", scene_number(o.threads));
-  t.set("device", scene_text("cpu"));
+  t.set("device", scene_text(find_scene_key("solver", "device")->words[size_t(o.solver.device)]));
   return t;
 }
 

@@ -31,6 +31,7 @@ class NetworkStepper : public Stepper {
   State start(const StartMotion& motion) const override { return initial_state(scene_, motion); }
   StepReport step(State& state) override { return solver_.step(state); }
   Span<const double> residual() const override { return solver_.residual(); }
+  std::string device() const override { return solver_.device(); }
 
   void describe(StateHeader& header) const override {
     header.solver = solver_name(solver_.mode());

@@ -21,6 +21,8 @@ class Stepper {
   virtual StepReport step(State& state) = 0;
   /// Gradient of the incremental potential [N], (nodes, 3); its first nodes are those of the grid.
   virtual Span<const double> residual() const = 0;
+  /// What it runs on: "cpu", or the name of a card.
+  virtual std::string device() const { return "cpu"; }
   /// What a state file says of it.
   virtual void describe(StateHeader& header) const = 0;
 };

@@ -113,7 +113,9 @@ void convert(const Typed& t, AnimateOptions& o) {
   ELASTOGEN_CHECK(o.energy != EnergySource::kNeural || !o.fem,
                   "simulate has the laws themselves: leave out --energy neural");
   o.keyframe = choice("--glb-profile", t.profile, {"modal", "keyframe"}) == 1;
-  choice("--device", t.device, {"cpu"});
+  o.solver.device = Device(choice("--device", t.device, {"auto", "cpu", "cuda"}));
+  ELASTOGEN_CHECK(o.solver.device != Device::kCuda || !o.fem,
+                  "simulate runs on the CPU: leave out --device cuda");
 }
 
 /// A static run is one step of one second, from rest.

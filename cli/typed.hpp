@@ -15,7 +15,7 @@ struct Typed {
   std::vector<std::string> floor;
   bool has_floor = false;
   std::string up = "auto", scheme = "euler", solver = "auto", hourglass = "auto", profile = "modal";
-  std::string device = "cpu", energy = "auto";
+  std::string device = "auto", energy = "auto";
   std::string element = "auto", mass = "lumped";  ///< of simulate
   bool no_skip = false;
 };

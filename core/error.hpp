@@ -15,6 +15,7 @@ enum class ErrorKind {
   kAsset,      ///< a file that cannot be used: exit code 3
   kDiverged,   ///< a step had to be refused: exit code 5
   kResources,  ///< memory, a budget, a disk: exit code 6
+  kDevice,     ///< a device was asked for that is not there: exit code 7
 };
 
 /// Thrown for everything a caller can get wrong. The message names the object and the place.

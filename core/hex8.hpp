@@ -23,7 +23,9 @@
 namespace elastogen::hex8 {
 
 /// Pattern index of xy, yz, zx, xyz, in the order of Scene::variance and the state file.
-inline constexpr int kPatterns[4] = {3, 6, 5, 7};
+ELASTOGEN_HD constexpr int pattern(int k) {
+  return k == 0 ? 3 : k == 1 ? 6 : k == 2 ? 5 : 7;
+}
 
 /// Corner values to pattern sums, in place (Walsh-Hadamard transform).
 template <class T>
@@ -84,7 +86,7 @@ ELASTOGEN_HD inline void add_gradient_transposed(const T d[3], const T M[7], T g
 /// The re-centred patterns xy, yz, zx, xyz of one component.
 template <bool kBorder, class T>
 ELASTOGEN_HD inline void centred_patterns(const T g[8], const T M[7], T result[4]) {
-  for (int k = 0; k < 4; ++k) result[k] = g[kPatterns[k]];
+  for (int k = 0; k < 4; ++k) result[k] = g[pattern(k)];
   if constexpr (kBorder) {
     result[0] += M[4] * g[7];
     result[1] += M[1] * g[7];
@@ -95,7 +97,7 @@ ELASTOGEN_HD inline void centred_patterns(const T g[8], const T M[7], T result[4
 /// The transpose of centred_patterns, added to g.
 template <bool kBorder, class T>
 ELASTOGEN_HD inline void add_centred_transposed(const T q[4], const T M[7], T g[8]) {
-  for (int k = 0; k < 4; ++k) g[kPatterns[k]] += q[k];
+  for (int k = 0; k < 4; ++k) g[pattern(k)] += q[k];
   if constexpr (kBorder) g[7] += M[4] * q[0] + M[1] * q[1] + M[2] * q[2];
 }
 

@@ -5,6 +5,7 @@
 
 #include "core/parallel.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace elastogen {
@@ -26,6 +27,14 @@ double dot(const T* a, const T* b, int64_t n) {
 template <class T>
 double norm(const T* a, int64_t n) {
   return std::sqrt(dot(a, a, n));
+}
+
+/// Whether all numbers are finite.
+inline bool all_finite(const double* values, int64_t n) {
+  return ordered_sum(n, [=](int64_t begin, int64_t end) {
+           return double(std::count_if(values + begin, values + end,
+                                       [](double v) { return !std::isfinite(v); }));
+         }) == 0;
 }
 
 /// y += alpha x

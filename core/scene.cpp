@@ -3,6 +3,7 @@
 
 #include "core/error.hpp"
 #include "core/parallel.hpp"
+#include "core/reduce.hpp"
 #include "core/state.hpp"
 
 #include <cmath>
@@ -137,6 +138,30 @@ void finish_scene(Scene& scene) {
     variance_of_voxel(scene.grid, scene.materials[size_t(scene.material(v))], v,
                       scene.variance.row(v));
   });
+}
+
+namespace {
+
+/// @throws Error naming the first number of a state array that is not finite.
+void check_state_array(const Array<double>& array, int64_t nodes, const char* name) {
+  ELASTOGEN_CHECK(array.rows() == nodes && array.cols() == 3, name, " must be (nodes, 3), got (",
+                  array.rows(), ", ", array.cols(), ")");
+  if (all_finite(array.data(), array.size())) return;
+  for (int64_t k = 0; k < array.size(); ++k)
+    ELASTOGEN_CHECK(std::isfinite(array.data()[k]), name, '(', k / 3, ", ", k % 3,
+                    ") is not finite: ", array.data()[k]);
+}
+
+}  // namespace
+
+void check_state(const State& state, int64_t nodes) {
+  check_state_array(state.x, nodes, "state.x");
+  check_state_array(state.v, nodes, "state.v");
+  ELASTOGEN_CHECK(state.x_before.empty() == state.v_before.empty(),
+                  "state.x_before and state.v_before must both be given or both be empty");
+  if (state.x_before.empty()) return;
+  check_state_array(state.x_before, nodes, "state.x_before");
+  check_state_array(state.v_before, nodes, "state.v_before");
 }
 
 State initial_state(const Scene& scene, const StartMotion& motion) {

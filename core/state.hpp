@@ -30,4 +30,8 @@ struct StartMotion {
 /// The rest state with a rigid motion; pinned nodes do not move. Needs a finished scene.
 State initial_state(const Scene& scene, const StartMotion& motion = {});
 
+/// @throws Error naming the array, and the place of the first number that is not finite, unless all
+///         arrays are (nodes, 3) and finite.
+void check_state(const State& state, int64_t nodes);
+
 }  // namespace elastogen

@@ -217,6 +217,13 @@ def bench(name: str) -> str:
     return table(result["head"], result["rows"])
 
 
+def device(name: str) -> str:
+    """A table of bench_device."""
+    result = read("device")
+    found = result["tables"][name]
+    return f"{result['card']}.\n\n{table(found['head'], found['rows'])}"
+
+
 TABLES: dict[str, Callable[[], str]] = {"accuracy": accuracy, "peers": peers,
                                     "assets": assets,
                                     "discretisation": discretisation, "curved": curved,
@@ -227,6 +234,7 @@ TABLES: dict[str, Callable[[], str]] = {"accuracy": accuracy, "peers": peers,
                                     "generation": lambda: table(*generation()),
                                     "fine tuning": lambda: table(*fine_tuning())} | {
     f"study {name}": (lambda n=name: study(n)) for name in STUDIES} | {
+    "device kernels": lambda: device("kernel"), "device steps": lambda: device("scene")} | {
     f"bench {name}": (lambda n=name: bench(n)) for name in ("error time", "kernels", "start")} | {
     name: (lambda lines=lines: table(*lines())) for name, lines in PAPER_TABLES.items()}
 

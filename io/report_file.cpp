@@ -81,6 +81,7 @@ void write_report(const std::string& path, const RunReport& report) {
       {"nodes", report.nodes},
       {"h", report.h},
       {"materials", to_json(report.materials, report.nets)},
+      {"device", report.device},
       {"steps", report.steps},
       {"frames", report.frames},
       {"converged_share", report.converged_share},

@@ -35,6 +35,7 @@ struct RunReport {
   double h = 0;  ///< voxel edge [m]
   std::vector<Material> materials;
   std::vector<std::string> nets;  ///< SHA-256 of the weights of each, "" for its law; empty: laws
+  std::string device = "cpu";     ///< what iterations ran on: "cpu", or the name of a card
   int64_t steps = 0;              ///< taken
   int64_t frames = 0;             ///< written, the rest frame not counted
   double converged_share = 0;     ///< of the steps, 0 ... 1

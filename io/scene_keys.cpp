@@ -239,12 +239,12 @@ Keys effort_keys() {
       {"solver",
        "device",
        T::kText,
-       "cpu",
+       "auto",
        "--device",
-       "what the solver runs on",
+       "what the iterations run on",
        Q::kNumber,
        {},
-       {"cpu"}},
+       {"auto", "cpu", "cuda"}},
   };
 }
 

@@ -25,6 +25,14 @@ class Encoder {
  public:
   static constexpr int kModes = 21;
 
+  /// A connected piece; row 3 m + i of A_r is mode m of component i.
+  struct Piece {
+    std::vector<int32_t> nodes;
+    std::vector<T> modes;         ///< (nodes, kModes)
+    std::vector<double> rest;     ///< A_r at rest, (3 kModes, 3 kModes)
+    std::vector<double> inverse;  ///< of A_r, the same shape
+  };
+
   /// Builds modes and A_r; the potential must have begun a step of the scheme that will be used.
   explicit Encoder(IncrementalPotential& potential);
 
@@ -39,15 +47,10 @@ class Encoder {
   void encode(const T* r, double* y) const;
   void decode(const double* y, T* z) const;
 
+  const std::vector<Piece>& pieces() const { return pieces_; }
   int piece_count() const { return int(pieces_.size()); }
 
  private:
-  struct Piece {
-    std::vector<int32_t> nodes;
-    std::vector<T> modes;         // (nodes, kModes)
-    std::vector<double> rest;     // A_r at rest, (3 kModes, 3 kModes)
-    std::vector<double> inverse;  // of A_r, the same shape
-  };
   void find_pieces(const Scene& scene);
   void fill_modes(const Scene& scene, Piece& piece);
   void build_operators(IncrementalPotential& potential);

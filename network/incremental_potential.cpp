@@ -43,23 +43,6 @@ Pack<double> in_mask(const P& values, uint32_t mask) {
   return result;
 }
 
-/// Smallest det F over the corners of each voxel: there the gradient is the difference along edges.
-template <class T>
-Pack<T> corner_jacobian(const Pack<T> u[3][8], T h) {
-  Pack<T> least = constant<Pack<T>>(T(1e30));
-  for (int c = 0; c < 8; ++c) {
-    Mat3<Pack<T>> F;
-    for (int i = 0; i < 3; ++i)
-      for (int d = 0; d < 3; ++d) {
-        const int low = c & ~(1 << d), high = c | 1 << d;
-        F(i, d) = (u[i][high] - u[i][low]) / h;
-        if (i == d) F(i, d) = F(i, d) + 1;
-      }
-    least = smaller(least, determinant(F));
-  }
-  return least;
-}
-
 /// The parts of the energy that voxels have, and the smallest J; sums in the order of the rows.
 template <class Sums>
 PotentialValue total(const std::vector<Sums>& sums) {
@@ -109,6 +92,7 @@ IncrementalPotential::IncrementalPotential(const Scene& scene, LearnedLaws learn
   for (size_t n = 0; n < nodes; ++n)
     for (size_t d = 0; d < 3; ++d) nodal_rotation_[9 * n + 4 * d] = 1;
   predictor_.resize(3 * nodes);
+  now_.resize(3 * nodes);
   inertia_.resize(nodes);
 }
 
@@ -135,17 +119,15 @@ template void IncrementalPotential::read_voxel_data<float>(int64_t, VoxelData<Pa
 template void IncrementalPotential::read_voxel_data<double>(int64_t,
                                                             VoxelData<Pack<double>>&) const;
 
-void IncrementalPotential::begin_step(const State& state, const StepScheme& scheme) {
+void IncrementalPotential::begin_step(const State& state, const StepScheme& scheme, bool freeze) {
   scheme_ = scheme;
   const Array<double>& X = scene_.grid.rest;
-  const int64_t nodes = X.rows();
-  std::vector<double> u(3 * size_t(nodes));
-  for_each(nodes, [&](int64_t n) {
+  for_each(X.rows(), [&](int64_t n) {
     inertia_[size_t(n)] = scheme.a0 * scene_.mass(n) / (scheme.dt * scheme.dt);
     for (int d = 0; d < 3; ++d) {
       const double x = state.x(n, d);
       const bool has_before = !state.x_before.empty();
-      u[size_t(3 * n + d)] = x - X(n, d);
+      now_[size_t(3 * n + d)] = x - X(n, d);
       const double motion =
           scene_.pinned(n)
               ? 0
@@ -154,14 +136,21 @@ void IncrementalPotential::begin_step(const State& state, const StepScheme& sche
       predictor_[size_t(3 * n + d)] = x - X(n, d) + motion;
     }
   });
-  deformation_gradients(u.data(), rotation_);
+  frozen_ = false;
+  if (freeze) freeze_rotations();
+  contact_.begin_step(now_.data(), state.time);
+}
+
+void IncrementalPotential::freeze_rotations() {
+  if (frozen_) return;
+  frozen_ = true;
+  deformation_gradients(now_.data(), rotation_);
   for_each(rows_.row_count(), [&](int64_t r) {
     Mat3<Pack<double>> F;
     for (int k = 0; k < 9; ++k) F.m[k] = load(rotation_.data() + (r * 9 + k) * kLanes);
     const Mat3<Pack<double>> R = unique_rotation(F);
     for (int k = 0; k < 9; ++k) store(rotation_.data() + (r * 9 + k) * kLanes, R.m[k]);
   });
-  contact_.begin_step(u.data(), state.time);
 }
 
 /// F_v of every row.
@@ -238,7 +227,7 @@ PotentialValue IncrementalPotential::evaluate_all(const double* u, T* gradient) 
                          in_double(data.phi) > 0 ? in_double(e.J) : constant<Pack<double>>(1e300));
     if constexpr (kQuality)  // corners of border voxels may lie outside the body
       sums.min_corner_j =
-          smaller(sums.min_corner_j, in_mask(corner_jacobian<T>(corner, data.h), full_lanes(r)));
+          smaller(sums.min_corner_j, in_mask(corner_jacobian(corner, data.h), full_lanes(r)));
   };
   const auto finish = [&](int64_t n, const T force[3]) {
     for (int i = 0; i < 3; ++i) {

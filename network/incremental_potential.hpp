@@ -36,7 +36,11 @@ class IncrementalPotential {
 
   /// Sets the predictor, the frozen voxel rotations and the lagged normal forces of friction, all
   /// from the state at the start of the step.
-  void begin_step(const State& state, const StepScheme& scheme);
+  /// @param freeze  false: the voxel rotations wait for freeze_rotations, which all but the
+  ///                predictor and rest_hessian_product need.
+  void begin_step(const State& state, const StepScheme& scheme, bool freeze = true);
+  /// Takes the frozen voxel rotations, if begin_step did not.
+  void freeze_rotations();
 
   /// Takes the nodal rotations of the preconditioner, polar factors of the fill-weighted sum of
   /// F_v, from the start value of the iteration.
@@ -75,10 +79,17 @@ class IncrementalPotential {
   const StepScheme& scheme() const { return scheme_; }
   /// Predictor uhat = xhat - X [m], (nodes, 3).
   const std::vector<double>& predictor() const { return predictor_; }
+  /// Displacement at the start of the step [m], (nodes, 3).
+  const std::vector<double>& now() const { return now_; }
   /// Nodal rotations, (nodes, 9).
   const std::vector<float>& nodal_rotation() const { return nodal_rotation_; }
-  /// Inertial diagonal a0 m / dt^2 [N/m] of a node.
+  /// Inertial diagonal a0 m / dt^2 [N/m] of a node, and of all, (nodes).
   double inertia(int64_t node) const { return inertia_[size_t(node)]; }
+  const std::vector<double>& inertia() const { return inertia_; }
+  /// Fill and variance weights of the voxels, [row][5][lane].
+  const std::vector<double>& voxel_weights() const { return weights_; }
+  /// Net of a material, null: analytic.
+  const LearnedLaw* learned(size_t material) const { return learned_[material].get(); }
   /// What the voxels of a row are besides their displacement; T float or double.
   template <class T>
   void read_voxel_data(int64_t row, VoxelData<Pack<T>>& data) const;
@@ -86,7 +97,7 @@ class IncrementalPotential {
  private:
   struct Sums {
     Pack<double> elastic = {}, hourglass = {};
-    Pack<double> min_j = constant<Pack<double>>(1e300), min_corner_j = min_j;
+    Pack<double> min_j = Pack<double>{} + 1e300, min_corner_j = min_j;
     Pack<double> outside = {};
   };
   uint32_t full_lanes(int64_t row) const;
@@ -105,7 +116,8 @@ class IncrementalPotential {
   std::vector<double> rotation_;   ///< R_v, [row][9][lane]
   std::vector<double> gradients_;  ///< F_v of set_nodal_rotations, [row][9][lane]
   std::vector<float> nodal_rotation_;
-  std::vector<double> predictor_, inertia_;
+  std::vector<double> predictor_, inertia_, now_;
+  bool frozen_ = false;         ///< rotation_ is that of now_
   std::vector<float> tangent_;  ///< [row][45][lane]; filled by linearise
   BrickScratch<float> scratch_float_;
   BrickScratch<double> scratch_double_;

@@ -115,23 +115,6 @@ LogResponse<T> by_net(const LearnedLaw& learned, const T e[3]) {
   return r;
 }
 
-/// Adds what is given in log stretches, over E, to a response in stretches:
-/// t_i = w_i/s_i, H_ij = (w_ij - d_ij w_i)/(s_i s_j).
-template <bool kHessian, class T>
-void add(const LogResponse<T>& d, const T s[3], Scalar<T> young, Response<T>& r) {
-  T inverse[3];
-  r.psi += young * d.psi;
-  for (int i = 0; i < 3; ++i) {
-    inverse[i] = 1 / s[i];
-    r.t[i] += young * d.w[i] * inverse[i];
-  }
-  if constexpr (kHessian)
-    for (int c = 0; c < 6; ++c) {
-      const T curvature = c < 3 ? T(d.ww[c] - d.w[c]) : d.ww[c];
-      r.H[c] += young * curvature * (inverse[kFirst[c]] * inverse[kSecond[c]]);
-    }
-}
-
 }  // namespace
 
 LearnedLaw::LearnedLaw(std::span<const float> weights, Law law, double poisson, std::string hash,
@@ -180,22 +163,11 @@ template void LearnedLaw::difference<true>(const double*, int64_t, LogJet*) cons
 template <bool kHessian, class T>
 Response<T> learned_response(const LearnedLaw& learned, const LawParameters<Scalar<T>>& law,
                              const T s[3], T& outside) {
-  using S = Scalar<T>;
-  constexpr S kSmallest = S(0.1), kLargest = S(10);  // there the difference is 0
-  T e[3], safe[3];
-  for (int i = 0; i < 3; ++i) {
-    safe[i] = smaller(larger(s[i], constant<T>(kSmallest)), constant<T>(kLargest));
-    e[i] = log_1p(T(safe[i] - 1));
-  }
-  outside = in_fitted_box(e) ? T{} : constant<T>(1);
-  // E = mu (3 lambda + 2 mu)/(lambda + mu)
-  const S young = law.mu * (3 * law.lambda + 2 * law.mu) / (law.lambda + law.mu);
-  Response<T> r = elastic_response<kHessian>(law, s);
   if (learned.evaluation() == Evaluation::kTable)
-    add<kHessian>(learned.table().evaluate<kHessian>(e), safe, young, r);
-  else
-    add<kHessian>(by_net<kHessian>(learned, e), safe, young, r);
-  return r;
+    return corrected_response<kHessian>(
+        law, s, [&](const T e[3]) { return learned.table().evaluate<kHessian>(e); }, outside);
+  return corrected_response<kHessian>(
+      law, s, [&](const T e[3]) { return by_net<kHessian>(learned, e); }, outside);
 }
 
 #define ELASTOGEN_LEARNED(H, T) \

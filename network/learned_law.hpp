@@ -72,8 +72,41 @@ ELASTOGEN_HD inline auto in_fitted_box(const T e[3]) {
                                   (absolute(T(e[0] + e[1] + e[2])) <= S(kFittedTrace)));
 }
 
-/// Response of a law with a net; the law's where the net has no say.
+/// Response of a law and what a net adds to it, `difference(e)` over E in the log stretches e:
+///
+///     t_i = w_i/s_i,     H_ij = (w_ij - d_ij w_i)/(s_i s_j).
+///
 /// @param outside  gets 1 where the stretches are out of the fitted box, else 0.
+template <bool kHessian, class T, class Difference>
+ELASTOGEN_HD inline Response<T> corrected_response(const LawParameters<Scalar<T>>& law,
+                                                   const T s[3], const Difference& difference,
+                                                   T& outside) {
+  using S = Scalar<T>;
+  constexpr S kSmallest = S(0.1), kLargest = S(10);  // there the difference is 0
+  T e[3], safe[3], inverse[3];
+  for (int i = 0; i < 3; ++i) {
+    safe[i] = smaller(larger(s[i], constant<T>(kSmallest)), constant<T>(kLargest));
+    e[i] = log_1p(T(safe[i] - 1));
+  }
+  outside = in_fitted_box(e) ? T{} : constant<T>(1);
+  // E = mu (3 lambda + 2 mu)/(lambda + mu)
+  const S young = law.mu * (3 * law.lambda + 2 * law.mu) / (law.lambda + law.mu);
+  Response<T> r = elastic_response<kHessian>(law, s);
+  const LogResponse<T> d = difference(e);
+  r.psi += young * d.psi;
+  for (int i = 0; i < 3; ++i) {
+    inverse[i] = 1 / safe[i];
+    r.t[i] += young * d.w[i] * inverse[i];
+  }
+  if constexpr (kHessian)
+    for (int c = 0; c < 6; ++c) {  // 00, 11, 22, 01, 12, 20
+      const T curvature = c < 3 ? T(d.ww[c] - d.w[c]) : d.ww[c];
+      r.H[c] += young * curvature * (inverse[c % 3] * inverse[c < 3 ? c : (c + 1) % 3]);
+    }
+  return r;
+}
+
+/// The same with a net by its evaluation; the law's response where the net has no say.
 template <bool kHessian, class T>
 Response<T> learned_response(const LearnedLaw& learned, const LawParameters<Scalar<T>>& law,
                              const T s[3], T& outside);

@@ -65,9 +65,10 @@ struct VoxelEnergy {
 };
 
 /// Energy of a voxel and its derivative f [N] in the corner displacements u [m] (component,
-/// corner).
-template <bool kBorder, class T>
-ELASTOGEN_HD inline VoxelEnergy<T> voxel_energy(const VoxelData<T>& v, const T u[3][8], T f[3][8]) {
+/// corner); `respond(sigma, outside)` is the response of its material.
+template <bool kBorder, class T, class Respond>
+ELASTOGEN_HD inline VoxelEnergy<T> voxel_energy(const VoxelData<T>& v, const Respond& respond,
+                                                const T u[3][8], T f[3][8]) {
   using S = Scalar<T>;
   T g[3][8];
   for (int i = 0; i < 3; ++i) {
@@ -76,7 +77,7 @@ ELASTOGEN_HD inline VoxelEnergy<T> voxel_energy(const VoxelData<T>& v, const T u
   }
   const Svd3<T> F = svd3(deformation_gradient<kBorder>(v, g));
   VoxelEnergy<T> energy;
-  const Response<T> r = material_response<false>(v.learned, v.law, F.sigma, energy.outside);
+  const Response<T> r = respond(F.sigma, energy.outside);
   const Mat3<T> P = first_piola(F, r.t);
 
   energy.elastic = v.phi * (v.h * v.h * v.h) * r.psi;
@@ -89,6 +90,32 @@ ELASTOGEN_HD inline VoxelEnergy<T> voxel_energy(const VoxelData<T>& v, const T u
   energy.hourglass = hourglass_energy<kBorder>(v, g, f);
   for (int i = 0; i < 3; ++i) hex8::to_corners(f[i]);
   return energy;
+}
+
+/// The same by the voxel's own material.
+template <bool kBorder, class T>
+inline VoxelEnergy<T> voxel_energy(const VoxelData<T>& v, const T u[3][8], T f[3][8]) {
+  const auto respond = [&](const T sigma[3], T& outside) {
+    return material_response<false>(v.learned, v.law, sigma, outside);
+  };
+  return voxel_energy<kBorder>(v, respond, u, f);
+}
+
+/// Smallest det F over the corners of a voxel: there the gradient is the difference along edges.
+template <class T>
+ELASTOGEN_HD inline T corner_jacobian(const T u[3][8], Scalar<T> h) {
+  T least = constant<T>(Scalar<T>(1e30));
+  for (int c = 0; c < 8; ++c) {
+    Mat3<T> F;
+    for (int i = 0; i < 3; ++i)
+      for (int d = 0; d < 3; ++d) {
+        const int low = c & ~(1 << d), high = c | 1 << d;
+        F(i, d) = (u[i][high] - u[i][low]) / h;
+        if (i == d) F(i, d) = F(i, d) + 1;
+      }
+    least = smaller(least, determinant(F));
+  }
+  return least;
 }
 
 /// Upper triangle of the projected d2psi/dF2 [Pa], row-major over the nine entries of F.

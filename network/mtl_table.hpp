@@ -22,6 +22,17 @@ struct LogResponse {
   T psi, w[3], ww[6];
 };
 
+/// The coefficients of a table, wherever they lie.
+struct MtlTableView {
+  const float* coefficients;  ///< of the B-splines, a cube, the first index the fastest
+  int cells;                  ///< in a unit of log stretch
+  int half;                   ///< cells on each side of rest
+
+  /// The spline at any log stretches; 0 a little beyond MtlTable::kReach.
+  template <bool kHessian, class T>
+  ELASTOGEN_HD LogResponse<T> evaluate(const T e[3]) const;
+};
+
 class MtlTable {
  public:
   /// D at log stretches e, (n, 3), which are within +-kReach.
@@ -38,7 +49,10 @@ class MtlTable {
 
   /// The spline at any log stretches; 0 a little beyond kReach.
   template <bool kHessian, class T>
-  LogResponse<T> evaluate(const T e[3]) const;
+  LogResponse<T> evaluate(const T e[3]) const {
+    return view().evaluate<kHessian>(e);
+  }
+  MtlTableView view() const { return {coefficients_.data(), cells_, half_}; }
 
   int cells() const { return cells_; }
   /// Of the B-splines, a cube, the first index the fastest; rest is in its middle.
@@ -46,8 +60,6 @@ class MtlTable {
   int64_t bytes() const { return int64_t(coefficients_.size() * sizeof(float)); }
 
  private:
-  int points() const { return 2 * half_ + 3; }
-
   int cells_ = 0, half_ = 0;  // half_: cells on each side of rest
   std::vector<float> coefficients_;
 };
@@ -154,23 +166,23 @@ ELASTOGEN_HD inline Plane<T> plane(const float* from, const int* place, int row,
 }  // namespace spline
 
 template <bool kHessian, class T>
-LogResponse<T> MtlTable::evaluate(const T e[3]) const {
+ELASTOGEN_HD LogResponse<T> MtlTableView::evaluate(const T e[3]) const {
   using S = Scalar<T>;
   constexpr int kCount = is_pack<T> ? kLanes : 1;
-  const int n = points();
-  spline::Cell<T> cells[3];
+  const int n = 2 * half + 3;
+  spline::Cell<T> place[3];
   spline::Basis<T> b[3];
   for (int i = 0; i < 3; ++i) {
-    cells[i] = spline::cell(T(e[i] * S(cells_)), half_);
-    b[i] = spline::basis(cells[i].t, S(cells_));
+    place[i] = spline::cell(T(e[i] * S(cells)), half);
+    b[i] = spline::basis(place[i].t, S(cells));
   }
   int corner[kCount];
   for (int l = 0; l < kCount; ++l)
-    corner[l] = (cells[2].index[l] * n + cells[1].index[l]) * n + cells[0].index[l];
+    corner[l] = (place[2].index[l] * n + place[1].index[l]) * n + place[0].index[l];
 
   LogResponse<T> r{};
   for (int z = 0; z < 4; ++z) {
-    const float* from = coefficients_.data() + size_t(z) * size_t(n) * size_t(n);
+    const float* from = coefficients + size_t(z) * size_t(n) * size_t(n);
     const spline::Plane<T> p = spline::plane<kHessian>(from, corner, n, b[0], b[1]);
     const T bz = b[2].value[z], dz = b[2].first[z];
     r.psi += p.value * bz;

@@ -4,6 +4,7 @@
 #include "core/error.hpp"
 #include "core/hex8.hpp"
 #include "core/reduce.hpp"
+#include "network/multigrid_element.hpp"
 #include "network/multigrid_grid.hpp"
 
 #include <Eigen/Cholesky>
@@ -13,24 +14,6 @@
 
 namespace elastogen {
 namespace {
-
-/// Product of a row of voxels with one component's element matrix, divided by h.
-/// k[0..5] = phi times mu, lambda, c_xy, c_yz, c_zx, c_xyz.
-template <bool kBorder, class P>
-[[gnu::always_inline]] inline void scalar_element(const P k[6], const P M[7], int component,
-                                                  const P p[8], P f[8]) {
-  using S = Scalar<P>;
-  P g[8], d[3], q[4], s[4];
-  for (int c = 0; c < 8; ++c) g[c] = p[c], f[c] = P{};
-  hex8::to_patterns(g);
-  hex8::gradient<kBorder>(g, M, d);
-  for (int e = 0; e < 3; ++e) d[e] = d[e] * (e == component ? 2 * k[0] + k[1] : k[0]) * (S(1) / 16);
-  hex8::add_gradient_transposed<kBorder>(d, M, f);
-  hex8::centred_patterns<kBorder>(g, M, q);
-  hex8::variance(q, k + 2, s);
-  hex8::add_centred_transposed<kBorder>(s, M, f);
-  hex8::to_corners(f);
-}
 
 /// Largest eigenvalue of D^-1 K over the voxels (element bound), components x, y, z together.
 /// Border voxels reach at most 3 % more than the full voxel's formula.
@@ -207,22 +190,6 @@ void Multigrid<T>::set_nodal_stiffness(const std::vector<double>& stiffness) {
 template <class T>
 Multigrid<T>::~Multigrid() = default;
 
-namespace {
-
-/// Coefficients of the Chebyshev polynomial of degree 2 on [b/6, b].
-struct Chebyshev {
-  explicit Chebyshev(double b) {
-    const double theta = (b + b / 6) / 2, delta = (b - b / 6) / 2, sigma = theta / delta;
-    first = 1 / theta;
-    const double rho = 1 / sigma, next = 1 / (2 * sigma - rho);
-    keep = next * rho;
-    add = 2 * next / delta;
-  }
-  double first, keep, add;
-};
-
-}  // namespace
-
 /// z = p(D^-1 A) D^-1 r from z = 0.
 template <class T>
 void Multigrid<T>::smooth_from_zero(Level& level) {
@@ -300,6 +267,22 @@ void Multigrid<T>::operator_product(const T* p, T* product) {
     for (int i = 0; i < 3; ++i)
       product[3 * n + i] = level.grid.pinned[size_t(n)] ? T(0) : unit * sum[i];
   });
+}
+
+template <class T>
+MultigridLevel<T> Multigrid<T>::level(int l) const {
+  const Level& from = *levels_[size_t(l)];
+  const LevelGrid& grid = from.grid;
+  std::vector<uint8_t> odd_axes(size_t(grid.nodes));
+  for (int64_t n = 0; n < grid.nodes; ++n) {
+    const int32_t* at = grid.node_coord.row(n);
+    odd_axes[size_t(n)] = uint8_t((at[0] & 1) | (at[1] & 1) << 1 | (at[2] & 1) << 2);
+  }
+  std::vector<T> inverses;
+  for (const auto& inverse : from.inverse)
+    inverses.insert(inverses.end(), inverse.data(), inverse.data() + inverse.size());
+  return {grid.rows,     from.moduli, from.added, from.inverse_diagonal, grid.pinned, grid.parents,
+          grid.children, odd_axes,    inverses,   from.lambda_max,       grid.unit,   grid.nodes};
 }
 
 template class Multigrid<float>;

@@ -18,6 +18,22 @@
 
 namespace elastogen {
 
+/// What the cycle reads of one level: borrowed from the hierarchy, which must outlive it and keep
+/// its nodal stiffness.
+template <class T>
+struct MultigridLevel {
+  const BrickRows& rows;
+  const std::vector<T>& moduli;            ///< h / unit times those of LevelGrid, [row][6][lane]
+  const std::vector<T>& added;             ///< inertia and nodal stiffness over unit, (nodes, 3)
+  const std::vector<T>& inverse_diagonal;  ///< times unit, (nodes, 3); 0 on pinned nodes
+  const std::vector<uint8_t>& pinned;      ///< (nodes)
+  const std::vector<int32_t>&parents, &children;  ///< as in LevelGrid; empty without that neighbour
+  std::vector<uint8_t> odd_axes;                  ///< axes of odd node coordinate as bits, (nodes)
+  std::vector<T> inverses;  ///< dense, row-major, (3, nodes, nodes); empty where the cycle smooths
+  double lambda_max, unit;  ///< bound of the smoother; [N/m], what the operator is divided by
+  int64_t nodes;
+};
+
 /// @tparam T  float, or double where the condition number asks for it (Courant number above 1e3).
 template <class T>
 class Multigrid {
@@ -33,6 +49,8 @@ class Multigrid {
   void operator_product(const T* p, T* product);
 
   int level_count() const { return int(levels_.size()); }
+  /// Level l, 0 the finest.
+  MultigridLevel<T> level(int l) const;
 
   /// Adds a diagonal stiffness [N/m], (3 nodes), to the operator, in place of the one added before;
   /// on coarser levels P^T of it, lumped like the mass. An empty vector takes it away.

@@ -29,6 +29,9 @@ class Preconditioner {
   /// Takes the frozen contact stiffness of the potential.
   void update_contact();
 
+  const Multigrid<T>& multigrid() const { return multigrid_; }
+  const Encoder<T>* encoder() const { return encoder_ ? &*encoder_ : nullptr; }
+
  private:
   const IncrementalPotential& potential_;
   Multigrid<T> multigrid_;

@@ -2,6 +2,7 @@
 #include "network/solver.hpp"
 
 #include "core/error.hpp"
+#include "network/device.hpp"
 #include "network/free_flight.hpp"
 #include "network/newton_solver.hpp"
 #include "network/paper_solver.hpp"
@@ -15,75 +16,18 @@
 namespace elastogen {
 namespace {
 
-constexpr double kReferenceGravity = 9.81;  // g_ref of the certificate [m/s^2]
-constexpr double kNewtonCourant = 100;      // auto: newton from here on,
-constexpr double kNewtonPoisson = 0.47;     // or here,
-constexpr double kCheap = 80;               // cost of a step that auto does not try to better
-constexpr int kRetry = 10;                  // steps after which auto tries the other mode again
-constexpr double kDoubleCourant = 1000;     // everything in float64
-constexpr double kEncoderCourant = 2;       // below it multigrid alone does as well
-
-bool all_finite(const std::vector<double>& values) {
-  return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
-}
-
-/// @throws Error naming the first number of a state array that is not finite.
-void check_state_array(const Array<double>& array, int64_t nodes, const char* name) {
-  ELASTOGEN_CHECK(array.rows() == nodes && array.cols() == 3, name, " must be (nodes, 3), got (",
-                  array.rows(), ", ", array.cols(), ")");
-  for (int64_t k = 0; k < array.size(); ++k)
-    ELASTOGEN_CHECK(std::isfinite(array.data()[k]), name, '(', k / 3, ", ", k % 3,
-                    ") is not finite: ", array.data()[k]);
-}
-
-void check_state(const State& state, int64_t nodes) {
-  check_state_array(state.x, nodes, "state.x");
-  check_state_array(state.v, nodes, "state.v");
-  ELASTOGEN_CHECK(state.x_before.empty() == state.v_before.empty(),
-                  "state.x_before and state.v_before must both be given or both be empty");
-  if (state.x_before.empty()) return;
-  check_state_array(state.x_before, nodes, "state.x_before");
-  check_state_array(state.v_before, nodes, "state.v_before");
-}
+constexpr double kNewtonCourant = 100;   // auto: newton from here on,
+constexpr double kNewtonPoisson = 0.47;  // or here,
+constexpr double kCheap = 80;            // cost of a step that auto does not try to better
+constexpr int kRetry = 10;               // steps after which auto tries the other mode again
+constexpr double kDoubleCourant = 1000;  // everything in float64
+constexpr double kEncoderCourant = 2;    // below it multigrid alone does as well
 
 IterationResult sum(const IterationResult& a, const IterationResult& b) {
   return {b.converged, a.outer + b.outer, a.inner + b.inner};
 }
 
 }  // namespace
-
-std::string_view solver_name(SolverMode mode) {
-  constexpr std::string_view kNames[] = {"auto", "quasi", "newton", "paper"};
-  return kNames[int(mode)];
-}
-
-SolverMode solver_from_name(std::string_view name) {
-  for (const SolverMode mode :
-       {SolverMode::kAuto, SolverMode::kQuasi, SolverMode::kNewton, SolverMode::kPaper})
-    if (solver_name(mode) == name) return mode;
-  throw Error(concat("unknown solver '", name, "'; known are auto, quasi, newton, paper"));
-}
-
-double reference_force(const Scene& scene) {
-  double sum = 0;
-  for (int64_t n = 0; n < scene.grid.node_count(); ++n)
-    if (!scene.pinned(n)) sum += scene.mass(n) * scene.mass(n);
-  return kReferenceGravity * std::sqrt(sum);
-}
-
-double courant_number(const Scene& scene) {
-  double largest = 0;
-  for (const Material& m : scene.materials)
-    largest = std::max(largest, scene.dt / scene.grid.h * std::sqrt(m.young / m.density));
-  return largest;
-}
-
-double float_floor(const Scene& scene) {
-  double stiffest = 0;  // 3 K / rho
-  for (const Material& m : scene.materials)
-    stiffest = std::max(stiffest, (2 * m.mu() + 3 * m.lambda()) / m.density);
-  return 1.5 * std::exp2(-23) * stiffest / (kReferenceGravity * scene.grid.h);
-}
 
 struct Solver::Impl {
   Impl(const Scene& s, const SolverOptions& o)
@@ -121,6 +65,7 @@ struct Solver::Impl {
       precise.emplace(potential, encoder);
     else
       single.emplace(potential, encoder);
+    take_device();
   }
 
   bool stiff() const {
@@ -128,15 +73,21 @@ struct Solver::Impl {
     for (const Material& m : scene.materials) poisson = std::max(poisson, m.poisson);
     return courant > kNewtonCourant || poisson > kNewtonPoisson;
   }
+  const char* unfit_for_device() const;
+  void take_device();
   IterationResult iterate(double target, StepReport& report);
   IterationResult choose(double target, StepReport& report);
   double cost(const IterationResult& r) const;
   template <class T, class P>
   IterationResult quasi(std::unique_ptr<QuasiSolver<T>>& solver, double target,
                         Preconditioner<P>& first) {
+    if (on_device)
+      return on_device->solve(u.data(), target, options.max_outer, sizeof(T) == 8,
+                              options.interrupted);
     if (!solver) solver = std::make_unique<QuasiSolver<T>>(potential);
     return solver->solve(u.data(), target, options.max_outer, first, options.interrupted);
   }
+  double phi(const std::vector<double>& at);
   IterationResult newton(double target);
   IterationResult retreat(const State& state, double target);
   std::vector<double> displacement(const State& state) const;
@@ -159,6 +110,8 @@ struct Solver::Impl {
   int64_t last_step[4] = {-kRetry, -kRetry, -kRetry, -kRetry};
   std::optional<Preconditioner<float>> single;
   std::optional<Preconditioner<double>> precise;
+  std::unique_ptr<cuda::DeviceIterations> on_device;
+  bool gradient_on_device = false;  // that of the certificate
   std::unique_ptr<QuasiSolver<float>> quasi_float;
   std::unique_ptr<QuasiSolver<double>> quasi_double;
   std::unique_ptr<NewtonSolver> newton_solver;
@@ -167,10 +120,41 @@ struct Solver::Impl {
   Array<double> x;  // of the new state
 };
 
+/// Why the device cannot take this scene, null if it can.
+const char* Solver::Impl::unfit_for_device() const {
+  if (!single) return "float has too few digits for it";
+  if (mode != SolverMode::kQuasi) return "it is one for newton, which runs on the CPU";
+  if (potential.contact().exists()) return "colliders are left to the CPU";
+  for (size_t m = 0; m < scene.materials.size(); ++m) {
+    const LearnedLaw* net = potential.learned(m);
+    if (net && net->evaluation() == Evaluation::kNet)
+      return "nets without a table are left to the CPU";
+  }
+  return nullptr;
+}
+
+void Solver::Impl::take_device() {
+  const bool asked = options.device == Device::kCuda;
+  if (options.device == Device::kCpu || (!asked && (unfit_for_device() || !cuda::has_device())))
+    return;
+  if (!cuda::has_device())
+    throw Error("there is no CUDA device, or none that this build can use: leave out --device cuda",
+                ErrorKind::kDevice);
+  ELASTOGEN_CHECK(!unfit_for_device(), "the device cannot take the scene: ", unfit_for_device());
+  on_device = cuda::make_device_iterations(potential, *single);
+}
+
 std::vector<double> Solver::Impl::displacement(const State& state) const {
   std::vector<double> now(u.size());
-  for (size_t k = 0; k < u.size(); ++k) now[k] = state.x.data()[k] - scene.grid.rest.data()[k];
+  for_each(int64_t(u.size()),
+           [&](int64_t k) { now[size_t(k)] = state.x.data()[k] - scene.grid.rest.data()[k]; });
   return now;
+}
+
+/// Phi in float64.
+double Solver::Impl::phi(const std::vector<double>& at) {
+  if (on_device) return on_device->value(at.data()).total();
+  return potential.evaluate<double>(at.data(), gradient.data()).total();
 }
 
 /// The predictor, cut where it would carry a surface point through the floor, or the state before
@@ -190,14 +174,17 @@ const Collider* Solver::Impl::start(const State& state) {
       for (size_t k = 0; k < u.size(); ++k) u[k] = now[k] + share * (u[k] - now[k]);
   }
   if (!pinned || farthest < scene.grid.h) return nullptr;
-  const double ahead = potential.evaluate<double>(u.data(), gradient.data()).total();
-  const double here = potential.evaluate<double>(now.data(), gradient.data()).total();
+  const double ahead = phi(u), here = phi(now);
   if (!(ahead < here)) u = now;
   return nullptr;
 }
 
 IterationResult Solver::Impl::newton(double target) {
   if (!newton_solver) newton_solver = std::make_unique<NewtonSolver>(potential);
+  if (on_device) {  // which has left this to us
+    potential.freeze_rotations();
+    potential.set_nodal_rotations(u.data());
+  }
   const int outer = std::max(1, options.max_outer / 4);
   if (precise)
     return newton_solver->solve(u.data(), target, outer, options.max_inner, *precise,
@@ -229,6 +216,7 @@ double Solver::Impl::cost(const IterationResult& r) const {
 }
 
 /// auto: quasi while that is cheap, else the cheaper of both; what one cannot do the other tries.
+/// The device stays with quasi.
 IterationResult Solver::Impl::choose(double target, StepReport& report) {
   if (options.mode != SolverMode::kAuto || stiff()) return iterate(target, report);
   IterationResult result = iterate(target, report);
@@ -236,11 +224,12 @@ IterationResult Solver::Impl::choose(double target, StepReport& report) {
   last_cost[int(mode)] = cost(result);
   last_step[int(mode)] = report.step;
   const bool stale = report.step - last_step[int(other)] >= kRetry;
-  const bool dear = last_cost[int(mode)] > kCheap || mode == SolverMode::kNewton;
+  const bool dear = !on_device && (last_cost[int(mode)] > kCheap || mode == SolverMode::kNewton);
   const bool better = last_cost[int(other)] < last_cost[int(mode)];
   if (!result.converged && !options.interrupted()) {
     mode = other;
     result = sum(result, iterate(target, report));
+    if (on_device) mode = SolverMode::kQuasi;
   } else if (dear && (stale || better)) {
     mode = other;
   }
@@ -268,8 +257,7 @@ void Solver::Impl::balance() {
 /// the start of the step, and no less than that at its end).
 IterationResult Solver::Impl::retreat(const State& state, double target) {
   const std::vector<double> now = displacement(state);
-  const double here = potential.evaluate<double>(now.data(), gradient.data()).total();
-  if (!(here < potential.evaluate<double>(u.data(), gradient.data()).total())) return {};
+  if (!(phi(now) < phi(u))) return {};
   u = now;
   return newton(target);
 }
@@ -279,16 +267,25 @@ void Solver::Impl::certify(const State& state, StepReport& report) {
   const Array<double>& X = scene.grid.rest;
   balance();
   x = state.x;
-  for (int64_t n = 0; n < X.rows(); ++n)
+  for_each(X.rows(), [&](int64_t n) {
     for (int d = 0; d < 3; ++d) {
       if (!scene.pinned(n)) x(n, d) = X(n, d) + u[size_t(3 * n + d)];
       u[size_t(3 * n + d)] = x(n, d) - X(n, d);
     }
-  const PotentialValue value = potential.residual(u.data(), gradient.data());
-  const double size = norm(gradient.data(), int64_t(gradient.size()));
+  });
+  PotentialValue value;
+  double size = 0;
+  gradient_on_device = on_device != nullptr;
+  if (on_device) {
+    value = on_device->residual(u.data(), size);
+  } else {
+    value = potential.residual(u.data(), gradient.data());
+    size = norm(gradient.data(), int64_t(gradient.size()));
+  }
   report.residual = force > 0 ? size / force : 0;
   report.converged = report.residual <= options.tolerance;
-  report.finite = std::isfinite(value.total()) && std::isfinite(size) && all_finite(u);
+  report.finite = std::isfinite(value.total()) && std::isfinite(size) &&
+                  all_finite(u.data(), int64_t(u.size()));
   report.min_j = value.min_j;
   report.min_corner_j = value.min_corner_j;
   report.deepest_overlap = value.deepest_overlap / scene.grid.h;
@@ -313,11 +310,12 @@ void Solver::Impl::conserve_momentum(const State& state, Array<double>& v) {
 void Solver::Impl::finish(State& state, StepReport& report) {
   const StepScheme& scheme = potential.scheme();
   Array<double> v(x.rows(), 3);
-  for (int64_t n = 0; n < x.rows(); ++n)
+  for_each(x.rows(), [&](int64_t n) {
     for (int d = 0; d < 3; ++d) {
       const double before = state.x_before.empty() ? state.x(n, d) : state.x_before(n, d);
       if (!scene.pinned(n)) v(n, d) = velocity_after(scheme, x(n, d), state.x(n, d), before);
     }
+  });
   if (in_flight) conserve_momentum(state, v);
   for (int64_t n = 0; n < x.rows(); ++n)
     for (int d = 0; d < 3; ++d) {
@@ -338,11 +336,17 @@ Solver::Solver(const Scene& scene, const SolverOptions& options)
 Solver::~Solver() = default;
 
 Span<const double> Solver::residual() const {
+  if (impl_->gradient_on_device) impl_->on_device->download_gradient(impl_->gradient.data());
+  impl_->gradient_on_device = false;
   return {impl_->gradient.data(), int64_t(impl_->gradient.size() / 3), 3};
 }
 
 SolverMode Solver::mode() const {
   return impl_->mode;
+}
+
+std::string Solver::device() const {
+  return impl_->on_device ? cuda::device_name() : "cpu";
 }
 
 StepReport Solver::step(State& state) {
@@ -354,7 +358,8 @@ StepReport Solver::step(State& state) {
   report.scheme = scheme.scheme;
   report.step = state.steps + 1;
   report.time = double(report.step) * s.scene.dt;
-  s.potential.begin_step(state, scheme);
+  s.potential.begin_step(state, scheme, !s.on_device);
+  if (s.on_device) s.on_device->begin_step();
   if (!s.paper) {
     if (const Collider* inside = s.start(state)) {
       report.finite = false;
@@ -363,7 +368,10 @@ StepReport Solver::step(State& state) {
                  "pinned, or held by another collider)");
       return report;
     }
-    s.potential.set_nodal_rotations(s.u.data());
+    if (s.on_device)
+      s.on_device->set_nodal_rotations(s.u.data());
+    else
+      s.potential.set_nodal_rotations(s.u.data());
   }
 
   // a margin, because the state that is written is rounded once more

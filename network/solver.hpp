@@ -10,6 +10,7 @@
 
 #include <functional>
 #include <memory>
+#include <string>
 #include <string_view>
 
 namespace elastogen {
@@ -31,8 +32,12 @@ struct PaperLoops {
   int modes = 54;  ///< latent size, three times the cosines; 0: no encoder
 };
 
+/// What iterations run on. auto: the CUDA device where there is one that can, else the CPU.
+enum class Device { kAuto, kCpu, kCuda };
+
 struct SolverOptions {
   SolverMode mode = SolverMode::kAuto;
+  Device device = Device::kCpu;
   double tolerance = 1e-3;   ///< of |grad Phi| / |M g_ref|
   int max_outer = 400;       ///< L-BFGS iterations; a quarter of it for Newton steps
   int max_inner = 400;       ///< PCG iterations of one Newton step
@@ -61,6 +66,8 @@ double float_floor(const Scene& scene);
 class Solver {
  public:
   /// The scene must be finished and outlive the solver.
+  /// @throws Error (usage) if the device is asked for and the scene or the mode is not one for it,
+  /// (device) if there is none.
   Solver(const Scene& scene, const SolverOptions& options);
   ~Solver();
 
@@ -75,6 +82,9 @@ class Solver {
 
   /// The mode that `auto` has come to.
   SolverMode mode() const;
+
+  /// Name of the card that iterations run on, or "cpu".
+  std::string device() const;
 
  private:
   struct Impl;

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// Memory of the device: owned, and copied to and from the host.
+
+#pragma once
+
+#include "core/cuda_loop.cuh"
+
+#include <utility>
+#include <vector>
+
+namespace elastogen::cuda {
+
+/// Owns numbers on the device, zeroed at birth.
+template <class T>
+class DeviceArray {
+ public:
+  DeviceArray() = default;
+  /// @throws Error (resources) where the device has no room.
+  explicit DeviceArray(int64_t size) : size_(size) {
+    if (size == 0) return;
+    check(cudaMalloc(&data_, bytes()));
+    check(cudaMemset(data_, 0, bytes()));
+  }
+  explicit DeviceArray(const std::vector<T>& host) : DeviceArray(int64_t(host.size())) {
+    upload(host.data());
+  }
+  DeviceArray(DeviceArray&& other) noexcept
+      : data_(std::exchange(other.data_, nullptr)), size_(std::exchange(other.size_, 0)) {}
+  DeviceArray& operator=(DeviceArray&& other) noexcept {
+    std::swap(data_, other.data_);
+    std::swap(size_, other.size_);
+    return *this;
+  }
+  ~DeviceArray() { cudaFree(data_); }
+
+  T* data() { return data_; }
+  const T* data() const { return data_; }
+  int64_t size() const { return size_; }
+
+  /// From and to size() numbers of the host.
+  void upload(const T* host) {
+    if (size_ > 0) check(cudaMemcpy(data_, host, bytes(), cudaMemcpyHostToDevice));
+  }
+  void download(T* host) const {
+    if (size_ > 0) check(cudaMemcpy(host, data_, bytes(), cudaMemcpyDeviceToHost));
+  }
+
+ private:
+  size_t bytes() const { return size_t(size_) * sizeof(T); }
+
+  T* data_ = nullptr;
+  int64_t size_ = 0;
+};
+
+}  // namespace elastogen::cuda

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "network/device_encoder.cuh"
+
+#include <algorithm>
+
+namespace elastogen::cuda {
+namespace {
+
+// numbers of a piece and of a chunk lie as 3 mode + component
+constexpr int kModes = Encoder<float>::kModes, kSize = 3 * kModes;
+constexpr int kChunk = 1024;  // entries
+constexpr int kGroups = 32;   // of kModes threads that encode a chunk
+constexpr int kSlices = 16;   // of the chunks of a piece
+constexpr int kTile = 128;    // entries that a block decodes
+
+/// B^T r of a chunk, a block of (kModes, kGroups) threads: each group takes every kGroups-th entry,
+/// so that the block reads consecutive modes; then the groups' sums are added in order.
+template <class T>
+__global__ void __launch_bounds__(kModes* kGroups)
+    encode_kernel(const EncoderChunk* chunks, const int32_t* nodes, const T* modes, const T* r,
+                  T* partial) {
+  __shared__ T value[3 * kChunk], sums[kGroups][kSize];
+  const EncoderChunk chunk = chunks[blockIdx.x];
+  const int entries = chunk.end - chunk.begin, mode = int(threadIdx.x), group = int(threadIdx.y);
+  const int thread = group * kModes + mode;
+  for (int k = thread; k < 3 * entries; k += kModes * kGroups)
+    value[k] = r[3 * int64_t(nodes[chunk.begin + k / 3]) + k % 3];
+  __syncthreads();
+  const T* first = modes + int64_t(chunk.begin) * kModes + mode;
+  T sum[3] = {};
+  for (int k = group; k < entries; k += kGroups) {
+    const T weight = first[k * kModes];
+    for (int i = 0; i < 3; ++i) sum[i] += weight * value[3 * k + i];
+  }
+  for (int i = 0; i < 3; ++i) sums[group][3 * mode + i] = sum[i];
+  __syncthreads();
+  if (thread >= kSize) return;
+  T total = 0;
+  for (int g = 0; g < kGroups; ++g) total += sums[g][thread];
+  partial[int64_t(blockIdx.x) * kSize + thread] = total;
+}
+
+/// A_r^-1 B^T r of a piece in float64, a block of (kSize, kSlices) threads: each slice adds every
+/// kSlices-th chunk, then the slices' sums are added in order.
+template <class T>
+__global__ void __launch_bounds__(kSize* kSlices)
+    solve_kernel(const int32_t* chunk_begin, const T* partial, const double* inverses,
+                 double* solution) {
+  __shared__ double sums[kSlices][kSize], reduced[kSize];
+  const int64_t piece = blockIdx.x;
+  const int row = int(threadIdx.x), slice = int(threadIdx.y);
+  double sum = 0;
+  for (int c = chunk_begin[piece] + slice; c < chunk_begin[piece + 1]; c += kSlices)
+    sum += double(partial[int64_t(c) * kSize + row]);
+  sums[slice][row] = sum;
+  __syncthreads();
+  if (slice == 0) {
+    double total = 0;
+    for (int s = 0; s < kSlices; ++s) total += sums[s][row];
+    reduced[row] = total;
+  }
+  __syncthreads();
+  if (slice > 0) return;
+  const double* inverse = inverses + piece * kSize * kSize + row;
+  double product = 0;
+  for (int k = 0; k < kSize; ++k) product += inverse[k * kSize] * reduced[k];
+  solution[piece * kSize + row] = product;
+}
+
+/// z += B y on a part of a chunk, a thread an entry; the modes go through shared memory, as
+/// neighbouring threads need distant ones.
+template <class T>
+__global__ void __launch_bounds__(kTile)
+    decode_kernel(const EncoderChunk* chunks, const int32_t* nodes, const T* modes,
+                  const double* solution, T* z) {
+  __shared__ T mode[kTile * kModes], coefficient[kSize];
+  const EncoderChunk chunk = chunks[blockIdx.x];
+  const int32_t begin = chunk.begin + int32_t(blockIdx.y) * kTile;
+  const int entries = min(kTile, chunk.end - begin), thread = int(threadIdx.x);
+  if (entries <= 0) return;
+  if (thread < kSize) coefficient[thread] = T(solution[int64_t(chunk.piece) * kSize + thread]);
+  for (int k = thread; k < entries * kModes; k += kTile)
+    mode[k] = modes[int64_t(begin) * kModes + k];
+  __syncthreads();
+  if (thread >= entries) return;
+  T sum[3] = {};
+  for (int m = 0; m < kModes; ++m)
+    for (int i = 0; i < 3; ++i) sum[i] += mode[thread * kModes + m] * coefficient[3 * m + i];
+  T* value = z + 3 * int64_t(nodes[begin + thread]);
+  for (int i = 0; i < 3; ++i) value[i] += sum[i];
+}
+
+template <class S>
+void append(std::vector<S>& to, const std::vector<S>& from) {
+  to.insert(to.end(), from.begin(), from.end());
+}
+
+}  // namespace
+
+template <class T>
+DeviceEncoder<T>::DeviceEncoder(const Encoder<T>& host) {
+  std::vector<int32_t> nodes, chunk_begin;
+  std::vector<T> modes;
+  std::vector<double> inverses;
+  std::vector<EncoderChunk> chunks;
+  for (const auto& piece : host.pieces()) {
+    const int32_t number = int32_t(chunk_begin.size()), first = int32_t(nodes.size());
+    append(nodes, piece.nodes);
+    append(modes, piece.modes);
+    for (int column = 0; column < kSize; ++column)
+      for (int row = 0; row < kSize; ++row)
+        inverses.push_back(piece.inverse[size_t(row * kSize + column)]);
+    chunk_begin.push_back(int32_t(chunks.size()));
+    const int32_t end = int32_t(nodes.size());
+    for (int32_t begin = first; begin < end; begin += kChunk)
+      chunks.push_back({number, begin, std::min(begin + kChunk, end)});
+  }
+  chunk_begin.push_back(int32_t(chunks.size()));
+  nodes_ = DeviceArray<int32_t>(nodes);
+  modes_ = DeviceArray<T>(modes);
+  inverses_ = DeviceArray<double>(inverses);
+  chunks_ = DeviceArray<EncoderChunk>(chunks);
+  chunk_begin_ = DeviceArray<int32_t>(chunk_begin);
+  partial_ = DeviceArray<T>(chunks_.size() * kSize);
+  solution_ = DeviceArray<double>(piece_count() * kSize);
+}
+
+template <class T>
+void DeviceEncoder<T>::add(const T* r, T* z) {
+  if (piece_count() == 0) return;
+  const unsigned chunks = unsigned(chunks_.size()), pieces = unsigned(piece_count());
+  encode_kernel<<<chunks, dim3(kModes, kGroups)>>>(chunks_.data(), nodes_.data(), modes_.data(), r,
+                                                   partial_.data());
+  check(cudaGetLastError());
+  solve_kernel<<<pieces, dim3(kSize, kSlices)>>>(chunk_begin_.data(), partial_.data(),
+                                                 inverses_.data(), solution_.data());
+  check(cudaGetLastError());
+  decode_kernel<<<dim3(chunks, kChunk / kTile), kTile>>>(chunks_.data(), nodes_.data(),
+                                                         modes_.data(), solution_.data(), z);
+  check(cudaGetLastError());
+}
+
+template class DeviceEncoder<float>;
+template class DeviceEncoder<double>;
+
+}  // namespace elastogen::cuda

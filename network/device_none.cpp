@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// Builds without CUDA have no device.
+#ifndef ELASTOGEN_CUDA
+
+#include "core/error.hpp"
+#include "network/device.hpp"
+
+namespace elastogen::cuda {
+
+bool has_device() {
+  return false;
+}
+
+std::string device_name() {
+  throw Error("built without CUDA", ErrorKind::kDevice);
+}
+
+std::unique_ptr<DeviceIterations> make_device_iterations(const IncrementalPotential&,
+                                                         const Preconditioner<float>&) {
+  throw Error("built without CUDA", ErrorKind::kDevice);
+}
+
+}  // namespace elastogen::cuda
+
+#endif

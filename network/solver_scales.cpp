@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// Names of the modes, and the scales of a scene by which a solver chooses.
+#include "core/error.hpp"
+#include "network/solver.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace elastogen {
+namespace {
+
+constexpr double kReferenceGravity = 9.81;  // g_ref of the certificate [m/s^2]
+
+}  // namespace
+
+std::string_view solver_name(SolverMode mode) {
+  constexpr std::string_view kNames[] = {"auto", "quasi", "newton", "paper"};
+  return kNames[int(mode)];
+}
+
+SolverMode solver_from_name(std::string_view name) {
+  for (const SolverMode mode :
+       {SolverMode::kAuto, SolverMode::kQuasi, SolverMode::kNewton, SolverMode::kPaper})
+    if (solver_name(mode) == name) return mode;
+  throw Error(concat("unknown solver '", name, "'; known are auto, quasi, newton, paper"));
+}
+
+double reference_force(const Scene& scene) {
+  double sum = 0;
+  for (int64_t n = 0; n < scene.grid.node_count(); ++n)
+    if (!scene.pinned(n)) sum += scene.mass(n) * scene.mass(n);
+  return kReferenceGravity * std::sqrt(sum);
+}
+
+double courant_number(const Scene& scene) {
+  double largest = 0;
+  for (const Material& m : scene.materials)
+    largest = std::max(largest, scene.dt / scene.grid.h * std::sqrt(m.young / m.density));
+  return largest;
+}
+
+double float_floor(const Scene& scene) {
+  double stiffest = 0;  // 3 K / rho
+  for (const Material& m : scene.materials)
+    stiffest = std::max(stiffest, (2 * m.mu() + 3 * m.lambda()) / m.density);
+  return 1.5 * std::exp2(-23) * stiffest / (kReferenceGravity * scene.grid.h);
+}
+
+}  // namespace elastogen

@@ -1,0 +1,303 @@
+// SPDX-License-Identifier: Apache-2.0
+// The network on the device against the CPU, on the same numbers. Nothing is here in builds without
+// CUDA; skipped where there is no device.
+
+#ifdef ELASTOGEN_CUDA
+
+#include "core/error.hpp"
+#include "io/safe_file.hpp"
+#include "network/device_quasi.hpp"
+#include "network/mtl_weights.hpp"
+#include "network/solver.hpp"
+#include "tests/network/scenes.hpp"
+#include "tests/support/laws.hpp"
+
+#include <cuda_runtime_api.h>
+#include <gtest/gtest.h>
+
+namespace elastogen::test {
+namespace {
+
+constexpr double kH = 0.02;  // voxel edge of the ragged scenes [m]
+
+/// A ragged block over several bricks, pinned on one side, of two materials.
+Scene ragged(Law law, Hourglass hourglass = Hourglass::kFull) {
+  Scene scene = scene_on(ragged_grid(19, 13, 11, kH, 3), solid(3e4, 0.4, law));
+  scene.materials.push_back(solid(8e4, 0.3, law, 700));
+  for (int64_t v = 0; v < scene.grid.voxel_count(); ++v)
+    scene.material(v) = scene.grid.voxel_coord(v, 1) > 3;
+  pin_below(scene, 0, -1.5 * kH);
+  scene.gravity = {0, -9.81, 0};
+  scene.hourglass = hourglass;
+  finish_scene(scene);
+  return scene;
+}
+
+/// Displacements that bend and shake a body.
+std::vector<double> bent(const Scene& scene, double shake, unsigned seed) {
+  std::vector<double> u = random_field(scene, shake, seed);
+  for (size_t n = 0; n < u.size() / 3; ++n) {
+    if (scene.pinned(int64_t(n))) continue;
+    const double z = scene.grid.rest(int64_t(n), 0) / 0.3;
+    u[3 * n + 1] += 0.03 * z * z, u[3 * n + 2] -= 0.02 * z * std::abs(z);
+  }
+  return u;
+}
+
+State state_at(const Scene& scene, const std::vector<double>& u) {
+  State state = initial_state(scene);
+  for (size_t k = 0; k < u.size(); ++k) state.x.data()[k] += u[k];
+  return state;
+}
+
+/// Numbers on the device.
+template <class T>
+class OnDevice {
+ public:
+  explicit OnDevice(const std::vector<T>& host) : size_(host.size()) {
+    if (cudaMalloc(reinterpret_cast<void**>(&data_), size_ * sizeof(T)) != cudaSuccess ||
+        cudaMemcpy(data_, host.data(), size_ * sizeof(T), cudaMemcpyHostToDevice) != cudaSuccess)
+      throw std::runtime_error("no room on the device");
+  }
+  ~OnDevice() { cudaFree(data_); }
+  OnDevice(const OnDevice&) = delete;
+  T* data() { return data_; }
+  std::vector<T> host() const {
+    std::vector<T> values(size_);
+    if (cudaMemcpy(values.data(), data_, size_ * sizeof(T), cudaMemcpyDeviceToHost) != cudaSuccess)
+      throw std::runtime_error(cudaGetErrorString(cudaGetLastError()));
+    return values;
+  }
+
+ private:
+  T* data_ = nullptr;
+  size_t size_;
+};
+
+class OnCard : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!cuda::has_device()) GTEST_SKIP() << "there is no CUDA device here";
+  }
+};
+
+/// Gradient and value by the device in T against the host's in double, within a relative bound.
+template <class T>
+void expect_like_host(IncrementalPotential& host, cuda::DevicePotential& device,
+                      const std::vector<double>& u, double bound) {
+  std::vector<double> expected(u.size());
+  const PotentialValue a = host.evaluate<double>(u.data(), expected.data());
+  OnDevice<double> place(u);
+  OnDevice<T> gradient{std::vector<T>(u.size(), T(7))};
+  const PotentialValue b = device.evaluate<T>(place.data(), gradient.data());
+  EXPECT_LT(relative_difference(gradient.host(), expected), bound);
+  EXPECT_NEAR(b.elastic, a.elastic, bound * a.elastic);
+  EXPECT_NEAR(b.hourglass, a.hourglass, bound * a.hourglass);
+  EXPECT_NEAR(b.inertia, a.inertia, 1e-12 * a.inertia);
+  EXPECT_NEAR(b.min_j, a.min_j, bound);
+  EXPECT_EQ(b.outside, a.outside);
+}
+
+TEST_F(OnCard, EnergyAndGradientOfEveryLawAndHourglassTerm) {
+  for (const Law law : kLaws)
+    for (const Hourglass hourglass : {Hourglass::kFull, Hourglass::kVariance, Hourglass::kOff}) {
+      SCOPED_TRACE(concat(law_name(law), " hourglass ", int(hourglass)));
+      const Scene scene = ragged(law, hourglass);
+      const std::vector<double> now = bent(scene, 0.02 * kH, 5), u = bent(scene, 0.03 * kH, 6);
+      IncrementalPotential host(scene);
+      host.begin_step(state_at(scene, now), {TimeScheme::kEuler, scene.dt, 1});
+      cuda::DevicePotential device(host);
+      device.begin_step();
+      expect_like_host<double>(host, device, u, 1e-12);
+      expect_like_host<float>(host, device, u, 2e-5);
+    }
+}
+
+std::shared_ptr<const LearnedLaw> shipped(double poisson, Evaluation evaluation) {
+  const std::string path =
+      concat(ELASTOGEN_SHIPPED_WEIGHTS, '/', weight_file_name(Law::kNeoHookean, poisson));
+  return read_weights(read_file(path, 1 << 24), path, Law::kNeoHookean, poisson, evaluation);
+}
+
+TEST_F(OnCard, EnergyAndGradientOfNetsByTheirTables) {
+  const Scene scene = ragged(Law::kNeoHookean);
+  for (const double shake : {0.03, 0.9}) {  // the second leaves the box of the nets
+    const std::vector<double> now = bent(scene, 0.02 * kH, 5), u = bent(scene, shake * kH, 6);
+    IncrementalPotential host(scene, {shipped(0.4, Evaluation::kTable), nullptr});
+    host.begin_step(state_at(scene, now), {TimeScheme::kBdf2, scene.dt, 2.25});
+    cuda::DevicePotential device(host);
+    device.begin_step();
+    expect_like_host<double>(host, device, u, 1e-12);
+  }
+}
+
+TEST_F(OnCard, NodalRotations) {
+  const Scene scene = ragged(Law::kNeoHookean);
+  const std::vector<double> u = bent(scene, 0.05 * kH, 6);
+  IncrementalPotential host(scene);
+  host.begin_step(state_at(scene, u), {TimeScheme::kEuler, scene.dt, 1});
+  host.set_nodal_rotations(u.data());
+  cuda::DevicePotential device(host);
+  device.begin_step();
+  OnDevice<double> place(u);
+  device.set_nodal_rotations(place.data());
+  std::vector<float> found(host.nodal_rotation().size());
+  ASSERT_EQ(cudaMemcpy(found.data(), device.nodal_rotation(), found.size() * sizeof(float),
+                       cudaMemcpyDeviceToHost),
+            cudaSuccess);
+  EXPECT_LT(relative_difference(found, host.nodal_rotation()), 1e-5);
+}
+
+/// Host and device on one scene, at the start of a step.
+struct Pair {
+  Pair(const Scene& scene, const std::vector<double>& now, bool with_encoder)
+      : state(state_at(scene, now)), potential(scene) {
+    potential.begin_step(state, {TimeScheme::kEuler, scene.dt, 1});
+    potential.set_nodal_rotations(now.data());
+    first.emplace(potential, with_encoder);
+    device.emplace(potential, *first);
+    device->begin_step();
+    device->set_nodal_rotations(now.data());
+  }
+  State state;
+  IncrementalPotential potential;
+  std::optional<Preconditioner<float>> first;
+  std::optional<cuda::DeviceQuasi> device;
+};
+
+TEST_F(OnCard, Preconditioner) {
+  Scene ball = scene_on(ball_grid(0.2, 0.02), solid(5e4, 0.3));  // nothing pinned
+  ball.gravity = {0, -9.81, 0};
+  finish_scene(ball);
+  const Scene scenes[] = {ragged(Law::kNeoHookean), ball,
+                          clamped_beam(40, 9, 17, kH, solid(1e5, 0.45)),
+                          clamped_beam(3, 2, 2, kH, solid(1e5, 0.3))};  // one level, a dense one
+  for (const Scene& scene : scenes)
+    for (const bool with_encoder : {false, true}) {
+      SCOPED_TRACE(concat(scene.grid.voxel_count(), " voxels, encoder ", with_encoder));
+      Pair pair(scene, bent(scene, 0.02 * kH, 5), with_encoder);
+      const std::vector<double> r = random_field(scene, 1, 9);
+      const std::vector<float> single(r.begin(), r.end());
+      std::vector<double> z(r.size());
+      std::vector<float> z_single(r.size());
+      OnDevice<double> r_there(r), z_there(z);
+      OnDevice<float> r_single_there(single), z_single_there(z_single);
+      pair.first->apply(r.data(), z.data());
+      pair.device->precondition(r_there.data(), z_there.data());
+      EXPECT_LT(relative_difference(z_there.host(), z), 1e-5);
+      pair.first->apply(single.data(), z_single.data());
+      pair.device->precondition(r_single_there.data(), z_single_there.data());
+      EXPECT_LT(relative_difference(z_single_there.host(), z_single), 1e-5);
+    }
+}
+
+TEST_F(OnCard, IterationsEndWhereThoseOfTheHostEnd) {
+  const Scene scene = clamped_beam(40, 9, 17, kH, solid(1e5, 0.4));
+  const std::vector<double> now(3 * size_t(scene.grid.node_count()));
+  double force = 0;
+  for (int64_t n = 0; n < scene.grid.node_count(); ++n)
+    force += scene.pinned(n) ? 0 : scene.mass(n) * scene.mass(n);
+  force = 9.81 * std::sqrt(force);
+  const auto never = [] { return false; };
+  for (const double tolerance : {1e-3, 1e-6}) {
+    Pair pair(scene, now, true);
+    std::vector<double> host = pair.potential.predictor(), device = host, again = host, g(now);
+    const bool single = tolerance > 1e-4;
+    const double target = tolerance * force;
+    const IterationResult on_host =
+        single
+            ? QuasiSolver<float>(pair.potential).solve(host.data(), target, 200, *pair.first, never)
+            : QuasiSolver<double>(pair.potential)
+                  .solve(host.data(), target, 200, *pair.first, never);
+    const IterationResult on_device =
+        pair.device->solve(device.data(), target, 200, !single, never);
+    pair.device->solve(again.data(), target, 200, !single, never);
+    EXPECT_TRUE(on_host.converged);
+    EXPECT_TRUE(on_device.converged);
+    EXPECT_NEAR(on_device.outer, on_host.outer, 1 + on_host.outer / 10);
+    EXPECT_EQ(device, again);  // the same bits
+    pair.potential.residual(device.data(), g.data());
+    EXPECT_LE(norm(g), 1.05 * target);  // by the host, in double
+    EXPECT_LT(relative_difference(device, host), tolerance);
+  }
+}
+
+TEST_F(OnCard, CertificateIsThatOfTheHost) {
+  const Scene scene = ragged(Law::kNeoHookean);
+  const std::vector<double> now = bent(scene, 0.02 * kH, 5), u = bent(scene, 0.03 * kH, 6);
+  Pair pair(scene, now, false);
+  std::vector<double> expected(u.size()), gradient(u.size());
+  double size = 0;
+  const PotentialValue a = pair.potential.residual(u.data(), expected.data());
+  const PotentialValue b = pair.device->residual(u.data(), size);
+  pair.device->download_gradient(gradient.data());
+  EXPECT_LT(relative_difference(gradient, expected), 1e-12);
+  EXPECT_NEAR(size, norm(expected), 1e-12 * size);
+  EXPECT_NEAR(b.min_corner_j, a.min_corner_j, 1e-12);
+  EXPECT_NEAR(b.total(), a.total(), 1e-12 * a.total());
+  EXPECT_NEAR(pair.device->value(u.data()).total(), a.total(), 1e-12 * a.total());
+}
+
+/// The state after twelve steps, how many converged, and the last residual.
+State after_steps(const Scene& scene, SolverOptions options, Device device, int& converged,
+                  std::vector<double>& residual) {
+  options.device = device;
+  Solver solver(scene, options);
+  State state = initial_state(scene);
+  converged = 0;
+  for (int k = 0; k < 12; ++k) converged += solver.step(state).converged;
+  const Span<const double> g = solver.residual();
+  residual.assign(g.data, g.data + g.size());
+  return state;
+}
+
+TEST_F(OnCard, StepsEndInTheStatesOfTheHost) {
+  const double dt = 1.0 / 60, h = 0.025;
+  Scene free_bar = scene_on(turned_bar_grid(0.5, 0.07, h), solid(4e4, 0.4));  // falls and turns
+  free_bar.gravity = {0, -9.81, 0};
+  finish_scene(free_bar);
+  Scene late = clamped_beam(24, 5, 7, h, solid(young_of_courant(8, h, dt), 0.45));
+  late.scheme = TimeScheme::kBdf2;
+  const Scene scenes[] = {late, free_bar, ragged(Law::kNeoHookean)};
+  for (const Scene& scene : scenes) {
+    SolverOptions options;
+    options.tolerance = 1e-6;
+    int converged[2];
+    std::vector<double> residual[2];
+    const State a = after_steps(scene, options, Device::kCpu, converged[0], residual[0]);
+    const State b = after_steps(scene, options, Device::kCuda, converged[1], residual[1]);
+    EXPECT_EQ(converged[0], 12);
+    EXPECT_EQ(converged[1], 12);
+    const std::vector<double> u = displacement(scene, a), w = displacement(scene, b);
+    EXPECT_LT(relative_difference(w, u), 1e-5);
+    EXPECT_LE(norm(residual[1]), 1e-6 * reference_force(scene));
+    EXPECT_GT(norm(residual[1]), 0);
+  }
+}
+
+TEST_F(OnCard, AutoTakesItWhereItCan) {
+  const Scene scene = ragged(Law::kNeoHookean);
+  SolverOptions options;
+  options.device = Device::kAuto;
+  EXPECT_NE(Solver(scene, options).device(), "cpu");
+  options.mode = SolverMode::kNewton;
+  EXPECT_EQ(Solver(scene, options).device(), "cpu");
+  options.device = Device::kCuda;
+  EXPECT_THROW(Solver(scene, options), Error);
+}
+
+TEST_F(OnCard, RefusesCollidersAndNetsWithoutATable) {
+  const Scene scene = ragged(Law::kNeoHookean);
+  Scene with_floor = scene;
+  with_floor.colliders = {half_space({0, 1, 0}, -1, 0.5)};
+  with_floor.surface = face_points(scene.grid);
+  const IncrementalPotential touching(with_floor);
+  EXPECT_THROW(cuda::DevicePotential{touching}, Error);
+  const IncrementalPotential by_net(scene, {shipped(0.4, Evaluation::kNet), nullptr});
+  EXPECT_THROW(cuda::DevicePotential{by_net}, Error);
+}
+
+}  // namespace
+}  // namespace elastogen::test
+
+#endif
