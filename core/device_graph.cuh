@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Launches that are recorded once and then repeated as one: a cycle of many short kernels costs the
-// host and the card a fraction of what it costs launch by launch. Needs --default-stream=per-thread,
-// as the legacy default stream cannot be recorded.
+// host and the card a fraction of what it costs launch by launch. Needs
+// --default-stream=per-thread, as the legacy default stream cannot be recorded.
 
 #pragma once
 
