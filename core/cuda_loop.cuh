@@ -11,8 +11,9 @@ namespace elastogen::cuda {
 
 /// @throws Error (resources) unless a call went well.
 inline void check(cudaError_t error) {
-  if (error != cudaSuccess)
-    throw Error(concat("CUDA: ", cudaGetErrorString(error)), ErrorKind::kResources);
+  if (error == cudaSuccess) return;
+  cudaGetLastError();  // cleared, so that no later call reports it again
+  throw Error(concat("CUDA: ", cudaGetErrorString(error)), ErrorKind::kResources);
 }
 
 template <class Body>

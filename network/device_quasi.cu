@@ -20,8 +20,8 @@ constexpr int kPairs = 5;
 /// Numbers of an iteration that live on the device.
 struct Scalars {
   double alpha[kPairs], rho[kPairs], beta;
-  double gradient, slope;              ///< |g|^2 and Phi' along the direction, at its start
-  double trial_gradient, trial_slope;  ///< the same at the trial, for a whole step
+  double slope;                        ///< Phi' along the direction, at its start
+  double trial_gradient, trial_slope;  ///< |g|^2 and Phi' at the trial, for a whole step
   double sy, ss, yy;                   ///< of the newest pair
 };
 

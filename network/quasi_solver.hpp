@@ -17,6 +17,11 @@ struct IterationResult {
   int outer = 0, inner = 0;
 };
 
+/// One iteration after another.
+inline IterationResult sum(const IterationResult& a, const IterationResult& b) {
+  return {b.converged, a.outer + b.outer, a.inner + b.inner};
+}
+
 template <class T>
 class QuasiSolver {
  public:

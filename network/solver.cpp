@@ -23,10 +23,6 @@ constexpr int kRetry = 10;               // steps after which auto tries the oth
 constexpr double kDoubleCourant = 1000;  // everything in float64
 constexpr double kEncoderCourant = 2;    // below it multigrid alone does as well
 
-IterationResult sum(const IterationResult& a, const IterationResult& b) {
-  return {b.converged, a.outer + b.outer, a.inner + b.inner};
-}
-
 }  // namespace
 
 struct Solver::Impl {
@@ -49,6 +45,7 @@ struct Solver::Impl {
     mode = o.mode;
     if (mode == SolverMode::kAuto) mode = stiff() ? SolverMode::kNewton : SolverMode::kQuasi;
     if (mode == SolverMode::kPaper) {
+      ELASTOGEN_CHECK(o.device != Device::kCuda, "the paper mode runs on the CPU");
       paper.emplace(potential, o.paper);
       return;
     }
@@ -141,7 +138,11 @@ void Solver::Impl::take_device() {
     throw Error("there is no CUDA device, or none that this build can use: leave out --device cuda",
                 ErrorKind::kDevice);
   ELASTOGEN_CHECK(!unfit_for_device(), "the device cannot take the scene: ", unfit_for_device());
-  on_device = cuda::make_device_iterations(potential, *single);
+  try {
+    on_device = cuda::make_device_iterations(potential, *single);
+  } catch (const Error& error) {  // no room there: auto goes on here
+    if (asked || error.kind() != ErrorKind::kResources) throw;
+  }
 }
 
 std::vector<double> Solver::Impl::displacement(const State& state) const {

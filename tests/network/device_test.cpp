@@ -284,6 +284,48 @@ TEST_F(OnCard, AutoTakesItWhereItCan) {
   EXPECT_EQ(Solver(scene, options).device(), "cpu");
   options.device = Device::kCuda;
   EXPECT_THROW(Solver(scene, options), Error);
+  options.mode = SolverMode::kPaper;
+  EXPECT_THROW(Solver(scene, options), Error);
+}
+
+/// All memory of the card that is left.
+class AllRoom {
+ public:
+  AllRoom() {
+    size_t free = 0, total = 0;
+    cudaMemGetInfo(&free, &total);
+    for (size_t size = free; size >= (1 << 20);) {
+      void* block = nullptr;
+      if (cudaMalloc(&block, size) == cudaSuccess)
+        blocks_.push_back(block);
+      else
+        size /= 2, cudaGetLastError();
+    }
+  }
+  ~AllRoom() {
+    for (void* block : blocks_) cudaFree(block);
+  }
+
+ private:
+  std::vector<void*> blocks_;
+};
+
+TEST_F(OnCard, AutoGoesOnWithoutItWhereThereIsNoRoom) {
+  const Scene scene = clamped_beam(48, 24, 24, kH, solid(1e5, 0.3));
+  SolverOptions options;
+  {
+    const AllRoom taken;
+    options.device = Device::kCuda;
+    try {
+      Solver(scene, options);
+      ADD_FAILURE() << "there was room";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::kResources);
+    }
+    options.device = Device::kAuto;
+    EXPECT_EQ(Solver(scene, options).device(), "cpu");
+  }
+  EXPECT_NE(Solver(scene, options).device(), "cpu");
 }
 
 TEST_F(OnCard, RefusesCollidersAndNetsWithoutATable) {
