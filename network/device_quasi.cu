@@ -306,7 +306,8 @@ void DeviceQuasi::set_nodal_rotations(const double* u) {
 
 PotentialValue DeviceQuasi::value(const double* u) {
   impl_->u.upload(u);
-  return impl_->potential.evaluate<double>(impl_->u.data(), impl_->gradient.data());
+  // its gradient is of no use, that of the certificate stays
+  return impl_->potential.evaluate<double>(impl_->u.data(), impl_->trial_u.data());
 }
 
 PotentialValue DeviceQuasi::residual(const double* u, double& size) {
