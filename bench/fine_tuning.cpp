@@ -9,18 +9,14 @@
 // FOLDER has hidden.tensors and generator.tensors. Prints a Markdown table; of the two rates the
 // row has the one with more nets inside.
 
-#include "core/error.hpp"
+#include "bench/generation_arguments.hpp"
 #include "core/parallel.hpp"
-#include "diffusion/generate_weights.hpp"
-#include "diffusion/hidden_hash.hpp"
 #include "diffusion/material_family.hpp"
-#include "io/safe_file.hpp"
 #include "training/fit_neural_mtl.hpp"
 #include "training/fit_report.hpp"
 
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
 #include <sstream>
 
 namespace elastogen::bench {
@@ -31,38 +27,8 @@ constexpr int64_t kSteps[] = {0, 100, 300, 1000};
 constexpr double kRates[] = {3e-3, 3e-4};
 constexpr double kNearIncompressible = 0.48;
 
-struct Arguments {
-  std::string folder, json, device = "cpu";
-  int64_t count = 200;
-  uint64_t seed = 1'000'003;
-};
-
-Arguments arguments_of(int argc, char** argv) {
-  Arguments arguments;
-  for (int k = 1; k < argc; ++k) {
-    const std::string word = argv[k];
-    if (word[0] != '-') {
-      arguments.folder = word;
-      continue;
-    }
-    ELASTOGEN_CHECK(k + 1 < argc, word, " needs a value");
-    const char* const value = argv[++k];
-    if (word == "--count")
-      arguments.count = std::atoll(value);
-    else if (word == "--seed")
-      arguments.seed = std::strtoull(value, nullptr, 10);
-    else if (word == "--device")
-      arguments.device = value;
-    else if (word == "--json")
-      arguments.json = value;
-    else
-      throw Error(concat("unknown option ", word));
-  }
-  ELASTOGEN_CHECK(!arguments.folder.empty() && arguments.count > 0,
-                  "usage: fine_tuning FOLDER [--count N] [--seed S] [--device cpu|cuda] "
-                  "[--json FILE]");
-  return arguments;
-}
+constexpr const char* kUsage =
+    "usage: fine_tuning FOLDER [--count N] [--seed S] [--device cpu|cuda] [--json FILE]";
 
 /// Weights that each net begins from, (materials, 17153).
 struct Beginning {
@@ -72,13 +38,8 @@ struct Beginning {
 
 std::vector<Beginning> beginnings(const Arguments& arguments,
                                   const std::vector<FitMaterial>& materials) {
-  const std::string hidden_path = arguments.folder + "/hidden.tensors";
-  const std::string path = arguments.folder + "/generator.tensors";
-  const std::vector<float> hidden = decode_tensors(read_file(hidden_path, 1 << 24), hidden_path)
-                                        .get("neural_mtl", {kMtlParameters})
-                                        .values;
-  const WeightGenerator generator(decode_tensors(read_file(path, 1 << 28), path), path);
-  ELASTOGEN_CHECK(generator.hidden() == hidden_hash(hidden), path, " is for other hidden layers");
+  const std::vector<float> hidden = read_hidden(arguments.folder);
+  const WeightGenerator generator = read_generator(arguments.folder + "/generator.tensors", hidden);
   const std::vector<float> drawn = initial_weights(arguments.seed);
   std::vector<Beginning> all = {{"scratch", {}}};
   for (size_t n = 0; n < materials.size(); ++n)
@@ -180,7 +141,7 @@ void run(const Arguments& arguments) {
 
 int main(int argc, char** argv) {
   try {
-    elastogen::bench::run(elastogen::bench::arguments_of(argc, argv));
+    elastogen::bench::run(elastogen::bench::arguments_of(argc, argv, elastogen::bench::kUsage));
     return 0;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "fine_tuning: %s\n", error.what());

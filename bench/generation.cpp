@@ -8,11 +8,8 @@
 // FOLDER has hidden.tensors and, unless named, generator.tensors; without it there are only the
 // starts at 0. Prints Markdown tables.
 
+#include "bench/generation_arguments.hpp"
 #include "bench/generation_tables.hpp"
-#include "core/error.hpp"
-#include "diffusion/generate_weights.hpp"
-#include "diffusion/hidden_hash.hpp"
-#include "io/safe_file.hpp"
 #include "training/strain_sampler.hpp"
 
 #include <fmt/format.h>
@@ -21,7 +18,6 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 
 namespace elastogen::bench {
@@ -29,54 +25,17 @@ namespace {
 
 constexpr int64_t kStrains = 4000;  // of a report
 
-struct Arguments {
-  std::string folder, generator, only, json;
-  int64_t count = 200;
-  uint64_t seed = 1'000'003;
-};
+constexpr const char* kUsage =
+    "usage: generation FOLDER [--count N] [--seed S] [--generator FILE] [--only START] "
+    "[--json FILE]";
 
-Arguments arguments_of(int argc, char** argv) {
-  Arguments arguments;
-  for (int k = 1; k < argc; ++k) {
-    const std::string word = argv[k];
-    if (word[0] != '-') {
-      arguments.folder = word;
-      continue;
-    }
-    ELASTOGEN_CHECK(k + 1 < argc, word, " needs a value");
-    const char* const value = argv[++k];
-    if (word == "--count")
-      arguments.count = std::atoll(value);
-    else if (word == "--seed")
-      arguments.seed = std::strtoull(value, nullptr, 10);
-    else if (word == "--generator")
-      arguments.generator = value;
-    else if (word == "--only")
-      arguments.only = value;
-    else if (word == "--json")
-      arguments.json = value;
-    else
-      throw Error(concat("unknown option ", word));
-  }
-  ELASTOGEN_CHECK(!arguments.folder.empty() && arguments.count > 0,
-                  "usage: generation FOLDER [--count N] [--seed S] [--generator FILE] "
-                  "[--only START] [--json FILE]");
-  return arguments;
-}
-
-std::vector<float> read_hidden(const std::string& folder) {
-  const std::string path = folder + "/hidden.tensors";
-  return decode_tensors(read_file(path, 1 << 24), path).get("neural_mtl", {kMtlParameters}).values;
-}
-
-std::optional<WeightGenerator> read_generator(const Arguments& arguments,
+/// The one that is named, or that of the folder, where it has one.
+std::optional<WeightGenerator> find_generator(const Arguments& arguments,
                                               const std::vector<float>& hidden) {
   const bool named = !arguments.generator.empty();
   const std::string path = named ? arguments.generator : arguments.folder + "/generator.tensors";
   if (!named && !std::filesystem::exists(path)) return std::nullopt;
-  WeightGenerator generator(decode_tensors(read_file(path, 1 << 28), path), path);
-  ELASTOGEN_CHECK(generator.hidden() == hidden_hash(hidden), path, " is for other hidden layers");
-  return generator;
+  return read_generator(path, hidden);
 }
 
 /// Hidden layers drawn as training/fit_neural_mtl.hpp begins.
@@ -145,7 +104,7 @@ void judge_codec(const WeightGenerator& generator, const std::vector<float>& hid
 
 void run(const Arguments& arguments) {
   const std::vector<float> hidden = read_hidden(arguments.folder);
-  const std::optional<WeightGenerator> generator = read_generator(arguments, hidden);
+  const std::optional<WeightGenerator> generator = find_generator(arguments, hidden);
   Results results;
   results.seed = arguments.seed, results.strains = kStrains;
   for (int64_t n = 0; n < arguments.count; ++n)
@@ -178,7 +137,7 @@ void run(const Arguments& arguments) {
 
 int main(int argc, char** argv) {
   try {
-    elastogen::bench::run(elastogen::bench::arguments_of(argc, argv));
+    elastogen::bench::run(elastogen::bench::arguments_of(argc, argv, elastogen::bench::kUsage));
     return 0;
   } catch (const std::exception& error) {
     fmt::print(stderr, "generation: {}\n", error.what());
