@@ -117,25 +117,6 @@ class Usage(Command):
         self.assertIn("pinned", done.err)
 
 
-class Device(Command):
-    """Exit code 7, and what iterations ran on."""
-
-    def test_a_card_that_is_asked_for_must_be_there(self) -> None:
-        report = self.folder / "r.json"
-        options = ("--voxels", 8, "--frames", 1, "--pin", "x<10%", "--report", report)
-        done = animate(self.source, self.output, *options, "--device", "cuda")
-        if done.code == 0:  # there is one
-            self.assertNotEqual(json.loads(report.read_text())["device"], "cpu")
-        else:
-            self.refused(done, 7, "CUDA", "--device")
-        self.assertEqual(animate(self.source, self.output, *options, "--device", "cpu").code, 0)
-        self.assertEqual(json.loads(report.read_text())["device"], "cpu")
-
-    def test_finite_elements_have_none(self) -> None:
-        self.refused(run("simulate", self.source, "-o", self.output, "--device", "cuda"), 2,
-                     "simulate", "--device")
-
-
 class Resources(Command):
     """Exit code 6."""
 
