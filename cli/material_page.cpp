@@ -196,8 +196,9 @@ std::string histograms(const StrainErrors& errors) {
 
 PageResult material_page(const MaterialPage& page) {
   const std::vector<float>& weights = page.weights.get("neural_mtl", {kMtlParameters}).values;
-  const StrainErrors errors = strain_errors(
-      page.material, weights, sample_strains(kDeclaredBox, kPageSeed, 0, kPageStrains));
+  const StrainErrors errors =
+      strain_errors(page.material, weights,
+                    sample_strains(declared_box(page.material), kPageSeed, 0, kPageStrains));
   const std::vector<ErrorRow> rows = error_rows(report_of(errors));
   PageResult result;
   result.passes = std::all_of(rows.begin(), rows.end(),

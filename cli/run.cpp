@@ -120,6 +120,7 @@ class Clip {
                                  "on average; the law gave their stress",
                                  steps_outside_, report_.steps,
                                  (report_.outside_fit + steps_outside_ - 1) / steps_outside_));
+    find_long_steps();
     const bool still = largest_motion_ < 1e-6 * setup_.longest_edge;
     if (still && report_.frames > 0 && converged_ == report_.steps)
       report_.warnings.push_back(nothing_moved(setup_.scene, o_));
@@ -128,6 +129,21 @@ class Clip {
  private:
   void raise(ExitCode code) {
     if (result_.code == kExitDone) result_.code = code;
+  }
+
+  /// Steps of more than 20 times the iterations of the median one, which counts as 50 at least.
+  void find_long_steps() {
+    constexpr double kLong = 20, kUsual = 50;
+    const double median = quantile(work_, 0.5), most = kLong * std::max(median, kUsual);
+    for (size_t k = 0; k < work_.size(); ++k)
+      if (work_[k] > most) report_.long_steps.push_back(int64_t(k) + 1);
+    if (report_.long_steps.empty()) return;
+    const int64_t first = report_.long_steps[0];
+    report_.notes.push_back(fmt::format(
+        "long steps: {} of {}, the first is step {} with {} "
+        "iterations, the median step takes {}",
+        report_.long_steps.size(), work_.size(), first, work_[size_t(first - 1)], median));
+    if (!o_.quiet) fmt::print("{}\n", report_.notes.back());
   }
 
   /// A signal came, or --max-time is over.
@@ -182,6 +198,7 @@ class Clip {
     report_.outside_fit += r.outside_fit;
     steps_outside_ += r.outside_fit > 0;
     report_.step_ms.push_back(r.ms);
+    work_.push_back(r.inner);
     if (!r.converged && !r.refusal.empty()) report_.warnings.push_back(r.refusal);
     if (outputs_.log) outputs_.log->write(frame, r);
     if (outputs_.state) outputs_.state->step(state_, r);
@@ -247,6 +264,7 @@ class Clip {
   Array<double> gradient_;  ///< of the carried points; empty where no writer needs it
   int64_t converged_ = 0;
   int64_t steps_outside_ = 0;  // in which voxels lay outside the box of their nets
+  std::vector<double> work_;   // inner iterations of the steps
   double largest_motion_ = 0;
   Stopwatch watch_;  ///< of the steps
 };

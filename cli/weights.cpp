@@ -52,8 +52,13 @@ void check_has_net(const Material& m) {
   ELASTOGEN_CHECK(m.law.kind != Law::Kind::kOgden || (shape >= -4 && shape <= 8),
                   "no net: the exponent of '", m.name, "' is ", shape,
                   ", nets are made from -4 to 8");
-  ELASTOGEN_CHECK(m.law.kind != Law::Kind::kGent || shape >= 12, "no net: the limit of '", m.name,
-                  "' is ", shape, ", nets are made from 12 on");
+  ELASTOGEN_CHECK(m.law.kind != Law::Kind::kGent || shape >= 7.5, "no net: the limit of '", m.name,
+                  "' is ", shape, ", nets are made from 7.5 on");
+}
+
+/// Whether the limit of Gent's law is so near that fits need layers and iterations of their own.
+bool near_limit(const FitMaterial& material) {
+  return least_limit(material) < 12;
 }
 
 /// What nets without a file are fitted on.
@@ -63,9 +68,10 @@ struct HiddenLayers {
 };
 
 HiddenLayers hidden_layers(const FitMaterial& material) {
-  const std::string path = find_file(kHiddenLayers);
+  const char* const name = near_limit(material) ? kGentHiddenLayers : kHiddenLayers;
+  const std::string path = find_file(name);
   ELASTOGEN_CHECK(!path.empty(), "there are no weights of ", law_text(material.terms),
-                  " with Poisson ratio ", material.poisson, ", and no ", kHiddenLayers,
+                  " with Poisson ratio ", material.poisson, ", and no ", name,
                   " to fit them on in ", fmt::format("{}", fmt::join(weight_folders(), ", ")));
   const std::string bytes = read_file(path, kMostBytes);
   return {decode_tensors(bytes, path), hex(sha256(bytes))};
@@ -75,6 +81,8 @@ MadeWeights made_on(const HiddenLayers& hidden, const FitMaterial& material) {
   const Stopwatch watch;
   LastLayerOptions options;
   options.enough = 1e-4;  // rms; the limits are on the median, p99 and largest error
+  options.box = fit_box({&material, 1});
+  if (near_limit(material)) options.iterations = 200;
   const std::vector<float>& layers = hidden.file.get("neural_mtl", {kMtlParameters}).values;
   const auto [fit, report] = fit_with_start(LastLayer(layers, options), layers, material);
   MadeWeights made;

@@ -26,6 +26,8 @@ std::string find_weight_file(const std::string& name);
 
 /// Name of the file with the hidden layers that nets are fitted on.
 inline constexpr const char* kHiddenLayers = "hidden.tensors";
+/// Those of Gent's law with limits below 12, whose singularity is near or within the box.
+inline constexpr const char* kGentHiddenLayers = "hidden-gent.tensors";
 
 /// A weight file that was made now.
 struct MadeWeights {
@@ -53,7 +55,7 @@ struct WeightFile {
 WeightFile weights_of(const FitMaterial& material);
 
 /// The net of a material, of weights_of, for Poisson ratios to 0.499, exponents of Ogden from -4 to
-/// 8 and limits of Gent from 12 on: beyond, fits miss their limits.
+/// 8 and limits of Gent from 7.5 on: beyond, fits miss their limits.
 /// @throws Error as weights_of; (usage) naming the material that is beyond, or whose fit misses its
 ///         limits; (asset) for a file that read_weights refuses.
 std::shared_ptr<const LearnedLaw> net_of(const Material& material, Evaluation evaluation);

@@ -88,6 +88,7 @@ void write_report(const std::string& path, const RunReport& report) {
       {"worst_residual", report.worst_residual},
       {"min_j", report.min_j},
       {"outside_fit", report.outside_fit},
+      {"long_steps", report.long_steps},
       {"stage_seconds", to_json(report.stage_seconds)},
       {"ms_per_step",
        {{"median", quantile(report.step_ms, 0.5)}, {"p95", quantile(report.step_ms, 0.95)}}},

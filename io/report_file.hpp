@@ -34,14 +34,15 @@ struct RunReport {
   int64_t nodes = 0;
   double h = 0;  ///< voxel edge [m]
   std::vector<Material> materials;
-  std::vector<std::string> nets;  ///< SHA-256 of the weights of each, "" for its law; empty: laws
-  std::string device = "cpu";     ///< what iterations ran on: "cpu", or the name of a card
-  int64_t steps = 0;              ///< taken
-  int64_t frames = 0;             ///< written, the rest frame not counted
-  double converged_share = 0;     ///< of the steps, 0 ... 1
-  double worst_residual = 0;      ///< largest of all steps
-  double min_j = 1;               ///< smallest det F of all steps
-  int64_t outside_fit = 0;        ///< voxels outside the box of their nets, summed over the steps
+  std::vector<std::string> nets;    ///< SHA-256 of the weights of each, "" for its law; empty: laws
+  std::string device = "cpu";       ///< what iterations ran on: "cpu", or the name of a card
+  int64_t steps = 0;                ///< taken
+  int64_t frames = 0;               ///< written, the rest frame not counted
+  double converged_share = 0;       ///< of the steps, 0 ... 1
+  double worst_residual = 0;        ///< largest of all steps
+  double min_j = 1;                 ///< smallest det F of all steps
+  int64_t outside_fit = 0;          ///< voxels outside the box of their nets, summed over the steps
+  std::vector<int64_t> long_steps;  ///< from 1, those of far more iterations than the median one
   StageSeconds stage_seconds;
   std::vector<double> step_ms;  ///< wall time of each step; the file has median and p95
   int64_t peak_memory_bytes = 0;

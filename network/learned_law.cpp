@@ -7,7 +7,6 @@
 namespace elastogen {
 namespace {
 
-constexpr int kCells = 16;  // of a table, in a unit of log stretch
 constexpr int kFirst[6] = {0, 1, 2, 0, 1, 2}, kSecond[6] = {0, 1, 2, 1, 2, 0};
 
 /// r = 1 - (10 x^3 - 15 x^4 + 6 x^5), x = (|y| - from)/(to - from), with derivatives in y.
@@ -24,26 +23,52 @@ Ramp ramp(double y, double from, double to) {
           -60 * x * (1 - x) * (1 - 2 * x) / ((to - from) * (to - from))};
 }
 
-/// w and its derivatives in e.
-LogJet weight(const double e[3]) {
-  const Ramp trace = ramp(e[0] + e[1] + e[2], kFittedTrace, kBlendedTrace);
-  Ramp r[3];
-  for (int i = 0; i < 3; ++i) r[i] = ramp(e[i], kFittedStretch, kBlendedStretch);
-  const double all = r[0].value * r[1].value * r[2].value;
-  double one[3], two[6];  // derivatives of the product of the three
-  for (int i = 0; i < 3; ++i) {
-    const int j = (i + 1) % 3, k = (i + 2) % 3;
-    one[i] = r[i].first * r[j].value * r[k].value;
-    two[i] = r[i].second * r[j].value * r[k].value;
-    two[3 + i] = r[i].first * r[j].first * r[k].value;
+/// a b with its derivatives.
+LogJet product(const LogJet& a, const LogJet& b) {
+  LogJet r;
+  r.psi = a.psi * b.psi;
+  for (int i = 0; i < 3; ++i) r.w[i] = a.psi * b.w[i] + a.w[i] * b.psi;
+  for (int c = 0; c < 6; ++c) {
+    const int i = kFirst[c], j = kSecond[c];
+    r.ww[c] = a.psi * b.ww[c] + a.w[i] * b.w[j] + a.w[j] * b.w[i] + a.ww[c] * b.psi;
   }
-  LogJet w;
-  w.psi = all * trace.value;
-  for (int i = 0; i < 3; ++i) w.w[i] = one[i] * trace.value + all * trace.first;
+  return r;
+}
+
+/// r(y(e)) with its derivatives, y_i and y_ij those of y.
+LogJet composed(const Ramp& r, const double y_i[3], const double y_ij[6]) {
+  LogJet jet;
+  jet.psi = r.value;
+  for (int i = 0; i < 3; ++i) jet.w[i] = r.first * y_i[i];
   for (int c = 0; c < 6; ++c)
-    w.ww[c] = two[c] * trace.value + (one[kFirst[c]] + one[kSecond[c]]) * trace.first +
-              all * trace.second;
-  return w;
+    jet.ww[c] = r.second * y_i[kFirst[c]] * y_i[kSecond[c]] + r.first * y_ij[c];
+  return jet;
+}
+
+/// The factor of the limit of I1 - 3 = sum E_i - 3, E_i = exp(2 e'_i).
+LogJet limit_weight(const double e[3], double limit) {
+  const double mean = (e[0] + e[1] + e[2]) / 3;
+  double E[3], y_i[3], y_ij[6];
+  for (int i = 0; i < 3; ++i) E[i] = std::exp(2 * (e[i] - mean)) / limit;
+  const double sum = E[0] + E[1] + E[2];
+  for (int i = 0; i < 3; ++i) y_i[i] = 2 * E[i] - 2 * sum / 3;
+  for (int c = 0; c < 6; ++c) {
+    const double Ei = E[kFirst[c]], Ej = E[kSecond[c]];
+    y_ij[c] = (c < 3 ? 4 * Ei : 0) - 4 * (Ei + Ej) / 3 + 4 * sum / 9;
+  }
+  return composed(ramp(sum - 3 / limit, kFittedShare, kBlendedShare), y_i, y_ij);
+}
+
+/// w and its derivatives in e.
+LogJet weight(const Law& law, const double e[3]) {
+  constexpr double kOne[3] = {1, 1, 1}, kNone[6] = {};
+  LogJet w = composed(ramp(e[0] + e[1] + e[2], kFittedTrace, kBlendedTrace), kOne, kNone);
+  for (int i = 0; i < 3 && w.psi > 0; ++i) {
+    double axis[3] = {};
+    axis[i] = 1;
+    w = product(w, composed(ramp(e[i], kFittedStretch, kBlendedStretch), axis, kNone));
+  }
+  return law.kind == Law::Kind::kGent && w.psi > 0 ? product(w, limit_weight(e, law.shape)) : w;
 }
 
 /// A law's response in log stretches: w_i = t_i s_i, w_ij = H_ij s_i s_j + d_ij w_i.
@@ -59,19 +84,19 @@ LogJet in_logs(const LawParameters<double>& law, const double e[3]) {
   return jet;
 }
 
-/// w (a - b) with its derivatives.
-LogJet weighted_gap(const LogJet& w, const LogJet& a, const LogJet& b) {
+/// a - b with its derivatives.
+LogJet gap(const LogJet& a, const LogJet& b) {
   LogJet r;
-  const double gap = a.psi - b.psi;
-  double slope[3];
-  for (int i = 0; i < 3; ++i) slope[i] = a.w[i] - b.w[i];
-  r.psi = w.psi * gap;
-  for (int i = 0; i < 3; ++i) r.w[i] = w.psi * slope[i] + w.w[i] * gap;
-  for (int c = 0; c < 6; ++c) {
-    const int i = kFirst[c], j = kSecond[c];
-    r.ww[c] = w.psi * (a.ww[c] - b.ww[c]) + w.w[i] * slope[j] + w.w[j] * slope[i] + w.ww[c] * gap;
-  }
+  r.psi = a.psi - b.psi;
+  for (int i = 0; i < 3; ++i) r.w[i] = a.w[i] - b.w[i];
+  for (int c = 0; c < 6; ++c) r.ww[c] = a.ww[c] - b.ww[c];
   return r;
+}
+
+/// Cells of a table in a unit of log stretch: a limit of Gent's law in or near the box takes the
+/// net back within a few of them.
+int table_cells(const Law& law) {
+  return law.kind == Law::Kind::kGent && law.shape < 12 ? 24 : 16;
 }
 
 /// Those of some log stretches where the net has a say, and their places.
@@ -80,10 +105,10 @@ struct Reached {
   std::vector<int64_t> index;
 };
 
-Reached reached_by_net(const double* e, int64_t n) {
+Reached reached_by_net(const Law& law, const double* e, int64_t n) {
   Reached reached;
   for (int64_t k = 0; k < n; ++k) {
-    if (weight(e + 3 * k).psi == 0) continue;
+    if (weight(law, e + 3 * k).psi == 0) continue;
     reached.e.insert(reached.e.end(), e + 3 * k, e + 3 * k + 3);
     reached.index.push_back(k);
   }
@@ -126,26 +151,26 @@ LearnedLaw::LearnedLaw(std::span<const float> weights, Law law, double poisson, 
       hash_(std::move(hash)),
       evaluation_(evaluation) {
   if (evaluation != Evaluation::kTable) return;
-  table_ =
-      MtlTable([this](const double* e, int64_t n, double* psi) { difference(e, n, psi); }, kCells);
+  table_ = MtlTable([this](const double* e, int64_t n, double* psi) { difference(e, n, psi); },
+                    table_cells(law));
 }
 
 template <bool kHessian>
 void LearnedLaw::difference(const double* e, int64_t n, LogJet* result) const {
   const LawParameters<double> law{law_, net_.mu(), net_.lambda()};
-  const Reached reached = reached_by_net(e, n);
+  const Reached reached = reached_by_net(law_, e, n);
   std::vector<LogJet> jets(reached.index.size());
   net_.evaluate<kHessian>(reached.e.data(), int64_t(jets.size()), jets.data());
   std::fill_n(result, n, LogJet{});
   for (size_t m = 0; m < jets.size(); ++m) {
     const double* place = reached.e.data() + 3 * m;
-    result[reached.index[m]] = weighted_gap(weight(place), jets[m], in_logs(law, place));
+    result[reached.index[m]] = product(weight(law_, place), gap(jets[m], in_logs(law, place)));
   }
 }
 
 void LearnedLaw::difference(const double* e, int64_t n, double* psi) const {
   const LawParameters<double> law{law_, net_.mu(), net_.lambda()};
-  const Reached reached = reached_by_net(e, n);
+  const Reached reached = reached_by_net(law_, e, n);
   std::vector<double> by_net(reached.index.size());
   net_.evaluate(reached.e.data(), int64_t(by_net.size()), by_net.data());
   std::fill_n(psi, n, 0.0);
@@ -153,7 +178,8 @@ void LearnedLaw::difference(const double* e, int64_t n, double* psi) const {
     const double* place = reached.e.data() + 3 * m;
     double s[3];
     for (int i = 0; i < 3; ++i) s[i] = std::exp(place[i]);
-    psi[reached.index[m]] = weight(place).psi * (by_net[m] - elastic_response<false>(law, s).psi);
+    psi[reached.index[m]] =
+        weight(law_, place).psi * (by_net[m] - elastic_response<false>(law, s).psi);
   }
 }
 

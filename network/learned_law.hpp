@@ -5,7 +5,9 @@
 //     psi = w psi_theta + (1 - w) psi_law,     w = prod_i r(|e_i|; 0.9, 1.25) r(|tr e|; ln 2, 1.2),
 //
 // r falls from 1 to 0 as a polynomial of degree five, so psi is C2 everywhere; at rest it is
-// psi_theta, far away the law with its extension to inverted states.
+// psi_theta, far away the law with its extension to inverted states. Gent's law, which is singular
+// at a limit of I1 - 3, has a box that ends at 0.9 of it: one more factor r((I1 - 3)/limit;
+// 0.9, 1.5).
 
 #pragma once
 
@@ -22,6 +24,8 @@ namespace elastogen {
 /// The box that nets are fitted in, |e_i| and |tr e|, and where the law alone is left.
 inline constexpr double kFittedStretch = 0.9, kFittedTrace = 0.69314718055994530942;
 inline constexpr double kBlendedStretch = MtlTable::kReach, kBlendedTrace = 1.2;
+/// The same of I1 - 3 over the limit of Gent's law.
+inline constexpr double kFittedShare = 0.9, kBlendedShare = 1.5;
 
 /// How psi_theta is evaluated: from the table of its difference to the law, or by the net itself in
 /// float64.
@@ -63,13 +67,19 @@ class LearnedLaw {
 /// Laws of the scene's materials by their index; null or missing: analytic.
 using LearnedLaws = std::vector<std::shared_ptr<const LearnedLaw>>;
 
-/// Whether log stretches lie in the box that nets are fitted in.
+/// Whether log stretches lie in the box that nets of a law are fitted in.
 template <class T>
-ELASTOGEN_HD inline auto in_fitted_box(const T e[3]) {
+ELASTOGEN_HD inline auto in_fitted_box(const Law& law, const T e[3]) {
   using S = Scalar<T>;
   const T largest = larger(larger(absolute(e[0]), absolute(e[1])), absolute(e[2]));
-  return decltype(largest < S(1))((largest <= S(kFittedStretch)) &
-                                  (absolute(T(e[0] + e[1] + e[2])) <= S(kFittedTrace)));
+  const T trace = e[0] + e[1] + e[2];
+  auto inside = (largest <= S(kFittedStretch)) & (absolute(trace) <= S(kFittedTrace));
+  if (law.kind == Law::Kind::kGent) {
+    T excess{};  // I1 - 3 = sum exp(2 e'_i) - 1 - 2 e'_i
+    for (int i = 0; i < 3; ++i) excess += law::continued_exp(T(2 * (e[i] - trace / 3))).value;
+    inside = inside & (excess <= S(kFittedShare * law.shape));
+  }
+  return decltype(largest < S(1))(inside);
 }
 
 /// Response of a law and what a net adds to it, `difference(e)` over E in the log stretches e:
@@ -88,7 +98,7 @@ ELASTOGEN_HD inline Response<T> corrected_response(const LawParameters<Scalar<T>
     safe[i] = smaller(larger(s[i], constant<T>(kSmallest)), constant<T>(kLargest));
     e[i] = log_1p(T(safe[i] - 1));
   }
-  outside = in_fitted_box(e) ? T{} : constant<T>(1);
+  outside = in_fitted_box(law.law, e) ? T{} : constant<T>(1);
   // E = mu (3 lambda + 2 mu)/(lambda + mu)
   const S young = law.mu * (3 * law.lambda + 2 * law.mu) / (law.lambda + law.mu);
   Response<T> r = elastic_response<kHessian>(law, s);

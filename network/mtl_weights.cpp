@@ -24,8 +24,8 @@ double card_number(const TensorFile& file, const std::string& key, const std::st
   return value;
 }
 
-/// A strain of the box; small ones on spheres around rest.
-void draw(std::mt19937_64& random, bool small, double e[3]) {
+/// A strain of the box of a law; small ones on spheres around rest.
+void draw(const Law& law, std::mt19937_64& random, bool small, double e[3]) {
   std::uniform_real_distribution<double> uniform(-1, 1);
   std::normal_distribution<double> normal;
   do {
@@ -37,7 +37,7 @@ void draw(std::mt19937_64& random, bool small, double e[3]) {
     const double radius =
         kFittedStretch * std::pow(1e-4 / kFittedStretch, (uniform(random) + 1) / 2);
     for (int i = 0; small && i < 3; ++i) e[i] *= radius / std::sqrt(length2);
-  } while (std::abs(e[0] + e[1] + e[2]) > kFittedTrace);
+  } while (!in_fitted_box(law, e));
 }
 
 template <int kCount>
@@ -65,7 +65,7 @@ FitErrors fit_errors(const LearnedLaw& learned, int count, uint64_t seed) {
   const double floor = 1e-4 * (2 * law.mu + law.lambda);
   std::mt19937_64 random(seed);
   std::vector<double> e(3 * size_t(count)), stress(static_cast<size_t>(count)), tangent(stress);
-  for (int k = 0; k < count; ++k) draw(random, k % 2 == 0, e.data() + 3 * k);
+  for (int k = 0; k < count; ++k) draw(learned.law(), random, k % 2 == 0, e.data() + 3 * k);
   for_each(count, [&](int64_t k) {
     double s[3], t[3], H[6], outside;
     for (int64_t i = 0; i < 3; ++i) s[i] = std::exp(e[size_t(3 * k + i)]);

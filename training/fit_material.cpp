@@ -4,8 +4,10 @@
 #include "core/error.hpp"
 #include "training/cells.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <set>
 #include <sstream>
 
@@ -86,6 +88,13 @@ std::vector<FitMaterial> read_fit_materials(const std::string& text, const std::
   }
   ELASTOGEN_CHECK_ASSET(!materials.empty(), source, ": no materials");
   return materials;
+}
+
+double least_limit(const FitMaterial& material) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const LawTerm& term : material.terms)
+    if (term.law.kind == Law::Kind::kGent) least = std::min(least, term.law.shape);
+  return least;
 }
 
 TargetLaw target_law(const FitMaterial& material) {

@@ -29,6 +29,9 @@ struct FitMaterial {
   double lambda() const { return poisson / ((1 + poisson) * (1 - 2 * poisson)); }  ///< [E]
 };
 
+/// The least limit of I1 - 3 that a term has, infinity where none is Gent's law.
+double least_limit(const FitMaterial& material);
+
 /// The same, as the loops over strains take it.
 struct TargetLaw {
   LawParameters<double> law[kMaxLawTerms];

@@ -132,7 +132,7 @@ class Run {
  private:
   void step() {
     const auto first = uint64_t(optimiser_.step) * uint64_t(options_.samples);
-    const Array<double> e = sample_strains(kFitBox, options_.seed, first, options_.samples);
+    const Array<double> e = sample_strains(box_, options_.seed, first, options_.samples);
     const int64_t second = (options_.samples + 2) / 3;
     const double rate = rate_at(options_, optimiser_.step);
     optimiser_.descend(loss_gradient(problem_, optimiser_.block, e, second, options_.shared, loss_),
@@ -181,6 +181,7 @@ class Run {
   }
 
   const std::vector<FitMaterial>& materials_;
+  StrainBox box_ = fit_box(materials_);
   const FitOptions& options_;
   const FitHooks& hooks_;
   at::Device device_;

@@ -94,8 +94,8 @@ FitReport fit_report(const FitMaterial& material, std::span<const float> weights
     report.strains = options.strains;
     return report;
   }
-  return report_of(strain_errors(material, weights,
-                                 sample_strains(kDeclaredBox, options.seed, 0, options.strains)));
+  return report_of(strain_errors(
+      material, weights, sample_strains(declared_box(material), options.seed, 0, options.strains)));
 }
 
 }  // namespace elastogen

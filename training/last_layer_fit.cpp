@@ -306,7 +306,7 @@ LastLayer::LastLayer(std::span<const float> weights, const LastLayerOptions& opt
   ELASTOGEN_CHECK(options.iterations > 0 && options.strains > 0,
                   "iterations and strains must be positive, got ", options.iterations, " and ",
                   options.strains);
-  e_ = sample_strains(kFitBox, options.seed, 0, options.strains);
+  e_ = sample_strains(options.box, options.seed, 0, options.strains);
   inputs_ = Array<double>(options.strains, 2 * kJet);
   features_ = Array<double>(options.strains * kJet, kWidth);
   const Hidden net(weights_);

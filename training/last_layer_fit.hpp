@@ -16,6 +16,7 @@
 
 #include "core/array.hpp"
 #include "training/fit_material.hpp"
+#include "training/strain_sampler.hpp"
 
 #include <functional>
 #include <span>
@@ -24,10 +25,11 @@
 namespace elastogen {
 
 struct LastLayerOptions {
-  int iterations = 80;     ///< at most; it ends when ten together gain less than 2 %
-  double enough = 0;       ///< it ends below this error
-  int64_t strains = 2048;  ///< of kFitBox
-  uint64_t seed = 2;       ///< of the strains
+  int iterations = 80;      ///< at most; it ends when ten together gain less than 2 %
+  double enough = 0;        ///< it ends below this error
+  int64_t strains = 2048;   ///< of the box
+  uint64_t seed = 2;        ///< of the strains
+  StrainBox box = kFitBox;  ///< fit_box of the materials to come
 };
 
 struct LastLayerFit {

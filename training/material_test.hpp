@@ -69,7 +69,7 @@ TestFit fit_test(const TestLaw& law, double poisson, const std::vector<TestPoint
 std::vector<TestFit> fit_tests(const std::vector<TestLaw>& laws, double poisson,
                                const std::vector<TestPoint>& points);
 
-/// Number of points that leave the box in which nets are fitted (kDeclaredBox) by a law.
+/// Number of points that leave the box in which nets are fitted (declared_box) by a law.
 int64_t points_outside(const Law& law, double poisson, const std::vector<TestPoint>& points);
 
 }  // namespace elastogen

@@ -12,36 +12,37 @@
 namespace elastogen {
 namespace {
 
-/// The state at a log stretch, if it lies in the box.
-std::optional<LoadState> state_in_box(const TargetLaw& law, LoadPath path, double e) {
-  const auto state = balanced_state(law, path, std::exp(e));
-  if (!state) return std::nullopt;
-  // rounding at the ends belongs to the box
-  constexpr double kSlack = 1e-12;
-  for (const double axis : state->e)
-    if (std::abs(axis) > kDeclaredBox.stretch + kSlack) return std::nullopt;
-  const double trace = state->e[0] + state->e[1] + state->e[2];
-  if (std::abs(trace) > kDeclaredBox.volume + kSlack) return std::nullopt;
-  return state;
-}
+/// A material's loads in the box of its net.
+struct Loads {
+  TargetLaw law;
+  StrainBox box;
+  LoadPath path;
+
+  /// The state at a log stretch, if it lies in the box.
+  std::optional<LoadState> state(double e) const {
+    const auto balanced = balanced_state(law, path, std::exp(e));
+    constexpr double kSlack = 1e-12;  // rounding at the ends belongs to the box
+    if (!balanced || !box.contains(balanced->e.data(), kSlack)) return std::nullopt;
+    return balanced;
+  }
+};
 
 /// Furthest log stretch on a side of rest whose state lies in the box, by bisection.
-double end_of(const TargetLaw& law, LoadPath path, double sign) {
-  double inside = 0, outside = sign * kDeclaredBox.stretch;
-  if (state_in_box(law, path, outside)) return outside;
+double end_of(const Loads& loads, double sign) {
+  double inside = 0, outside = sign * loads.box.stretch;
+  if (loads.state(outside)) return outside;
   for (int k = 0; k < 50; ++k) {
     const double middle = (inside + outside) / 2;
-    (state_in_box(law, path, middle) ? inside : outside) = middle;
+    (loads.state(middle) ? inside : outside) = middle;
   }
   return inside;
 }
 
-std::vector<LoadState> states_of(const TargetLaw& law, LoadPath path, int steps) {
-  const double low = end_of(law, path, -1), high = end_of(law, path, 1);
+std::vector<LoadState> states_of(const Loads& loads, int steps) {
+  const double low = end_of(loads, -1), high = end_of(loads, 1);
   std::vector<LoadState> states;
   for (int k = -steps; k <= steps; ++k)
-    if (const auto state = state_in_box(law, path, (k < 0 ? -low : high) * k / steps))
-      states.push_back(*state);
+    if (const auto state = loads.state((k < 0 ? -low : high) * k / steps)) states.push_back(*state);
   return states;
 }
 
@@ -50,7 +51,8 @@ std::vector<LoadState> states_of(const TargetLaw& law, LoadPath path, int steps)
 NetCurve net_curve(const FitMaterial& material, std::span<const float> weights, LoadPath path,
                    int steps) {
   ELASTOGEN_CHECK(steps > 0, "steps must be positive, got ", steps);
-  const std::vector<LoadState> states = states_of(target_law(material), path, steps);
+  const std::vector<LoadState> states =
+      states_of({target_law(material), declared_box(material), path}, steps);
   Array<double> e(int64_t(states.size()), 3);
   NetCurve curve;
   curve.path = path;

@@ -20,7 +20,7 @@ struct NetCurve {
   std::vector<double> stress_error, tangent_error, energy_error;  ///< as FitReport has them
 };
 
-/// A load to where the states leave kDeclaredBox or the law has none, with equal steps of the log
+/// A load to where the states leave declared_box or the law has none, with equal steps of the log
 /// stretch on both sides of rest, which is a state of it.
 /// @param weights  of the material's net, (17153). @param steps  on each side.
 /// @throws Error (asset) as NeuralMtl; (usage) unless steps is positive.

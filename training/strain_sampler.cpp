@@ -9,6 +9,7 @@ namespace elastogen {
 namespace {
 
 constexpr double kSmallestRadius = 1e-4;
+constexpr double kGentShare = 0.9;  // of the limit: there core/elastic_law.hpp leaves the logarithm
 
 /// The finaliser of splitmix64 (Steele, Lea, Flood 2014): a bijection that mixes all bits.
 uint64_t mix(uint64_t z) {
@@ -38,12 +39,33 @@ Vec3 strain(const StrainBox& box, uint64_t seed, uint64_t number) {
     const double trace = e[0] + e[1] + e[2];
     const double shift = (std::clamp(trace, -box.volume, box.volume) - trace) / 3;
     for (double& component : e) component += shift;
-    const auto inside = [&](double x) { return std::abs(x) <= box.stretch; };
-    if (std::all_of(e.begin(), e.end(), inside)) return e;
+    // the shift may leave the trace by its rounding
+    if (StrainBox{box.stretch, 2 * box.volume, box.invariant}.contains(e.data())) return e;
   }
 }
 
 }  // namespace
+
+bool StrainBox::contains(const double e[3], double slack) const {
+  const double trace = e[0] + e[1] + e[2];
+  double excess = -3;
+  for (int i = 0; i < 3; ++i) {
+    if (std::abs(e[i]) > stretch + slack) return false;
+    excess += std::exp(2 * (e[i] - trace / 3));
+  }
+  return std::abs(trace) <= volume + slack && excess <= invariant + 10 * slack;
+}
+
+StrainBox declared_box(const FitMaterial& material) {
+  return {kDeclaredBox.stretch, kDeclaredBox.volume, kGentShare * least_limit(material)};
+}
+
+StrainBox fit_box(std::span<const FitMaterial> materials) {
+  StrainBox box = kFitBox;
+  for (const FitMaterial& m : materials)
+    box.invariant = std::min(box.invariant, kGentShare * least_limit(m));
+  return box;
+}
 
 double counted_uniform(uint64_t seed, uint64_t number, uint64_t draw) {
   const uint64_t bits = mix(mix(mix(seed) ^ number) ^ draw);

@@ -71,7 +71,7 @@ Array<float> copies(const std::vector<float>& start, size_t count) {
   return weights;
 }
 
-/// Fits the last layers; features of like hidden layers are made once.
+/// Fits the last layers; features of like hidden layers and boxes are made once.
 void fit_last_layers(const std::vector<FitMaterial>& materials, int iterations,
                      Array<float>& weights) {
   LastLayerOptions options;
@@ -79,9 +79,13 @@ void fit_last_layers(const std::vector<FitMaterial>& materials, int iterations,
   std::optional<LastLayer> layer;
   for (size_t n = 0; n < materials.size(); ++n) {
     const auto now = row(weights, n);
+    const StrainBox box = fit_box({&materials[n], 1});
     const auto hidden = [](std::span<const float> w) { return w.first(w.size() - kMtlLast); };
-    if (n == 0 || !std::ranges::equal(hidden(now), hidden(row(weights, n - 1))))
+    if (n == 0 || box.invariant != options.box.invariant ||
+        !std::ranges::equal(hidden(now), hidden(row(weights, n - 1)))) {
+      options.box = box;
       layer.emplace(now, options);
+    }
     const LastLayerFit fit = layer->fit(materials[n], now.last(kMtlLast).first(kMtlLast - 1));
     std::copy(fit.weights.begin(), fit.weights.end(), weights.row(int64_t(n)));
   }

@@ -49,6 +49,7 @@ TEST(ReportFile, HasEveryFieldOfTheDocumentation) {
   report.worst_residual = 2e-3;
   report.min_j = 0.5;
   report.outside_fit = 12;
+  report.long_steps = {3, 7};
   report.stage_seconds = {1, 2, 3, 4, 5};
   report.step_ms = {1, 2, 3, 4, 5};
   report.peak_memory_bytes = 123456789012;
@@ -67,6 +68,7 @@ TEST(ReportFile, HasEveryFieldOfTheDocumentation) {
       "steps": 4, "frames": 2,
       "converged_share": 0.75, "worst_residual": 2e-3, "min_j": 0.5,
       "outside_fit": 12,
+      "long_steps": [3, 7],
       "stage_seconds": {"read": 1, "voxelize": 2, "setup": 3, "steps": 4, "write": 5},
       "ms_per_step": {"median": 3, "p95": 4.8}, "peak_memory_bytes": 123456789012,
       "notes": ["band is taken by its law"], "warnings": ["nothing moved"], "command": "elastogen animate cat.obj",

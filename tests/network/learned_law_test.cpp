@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <utility>
 
 namespace elastogen::test {
 namespace {
@@ -100,10 +101,38 @@ TEST(LearnedLaw, IsTheLawFarAwayAndSaysSo) {
   }
 }
 
+TEST(LearnedLaw, EndsAtTheLimitOfGentsLaw) {
+  // I1 - 3 in uniaxial tension: x^2 + 2/x - 3 = 1.8 at 1.9365, 3 at 2.2691
+  const Law law = Law::gent(2);
+  const LearnedLaw net = hencky_net(law, 0.3, Evaluation::kNet);
+  const LawParameters<double> gent = parameters<double>(law, 1, 0.3),
+                              hencky = parameters<double>(Law::kHencky, 1, 0.3);
+  for (const double stretch : {0.6, 1.5, 1.93, 1.95, 2.1, 2.26, 2.28}) {
+    const double across = 1 / std::sqrt(stretch), s[3] = {stretch, across, across};
+    double outside = -1;
+    const Response<double> r = learned_response<false>(net, gent, s, outside),
+                           inner = elastic_response<false>(hencky, s),
+                           outer = elastic_response<false>(gent, s);
+    EXPECT_EQ(outside, stretch > 1.9365 ? 1 : 0) << stretch;
+    if (stretch < 1.9365) {
+      EXPECT_NEAR(r.psi, inner.psi, 1e-12);
+    } else if (stretch > 2.2691) {
+      EXPECT_EQ(r.psi, outer.psi);
+    } else {
+      EXPECT_GT(r.psi, inner.psi);
+      EXPECT_LT(r.psi, outer.psi);
+    }
+  }
+}
+
 TEST(LearnedLaw, DerivativesAreThoseOfTheEnergyAcrossTheBorder) {
-  for (const Evaluation evaluation : {Evaluation::kNet, Evaluation::kTable}) {
-    const LearnedLaw net = hencky_net(Law::kNeoHookean, 0.4, evaluation);
-    const LawParameters<double> p = parameters<double>(Law::kNeoHookean, 1, 0.4);
+  const std::pair<Evaluation, Law> rows[] = {{Evaluation::kNet, Law::kNeoHookean},
+                                             {Evaluation::kTable, Law::kNeoHookean},
+                                             {Evaluation::kNet, Law::gent(3)},
+                                             {Evaluation::kTable, Law::gent(8)}};
+  for (const auto& [evaluation, law] : rows) {
+    const LearnedLaw net = hencky_net(law, 0.4, evaluation);
+    const LawParameters<double> p = parameters<double>(law, 1, 0.4);
     const std::vector<double> e = strains(300, 50, 1.3, 1.3);
     for (size_t k = 0; k < 300; ++k)
       for (size_t m = 0; m < 3; ++m) {

@@ -105,7 +105,7 @@ def make_body(state: State) -> Body:
         law = law_of(material.law)
         net = state.nets[index] if state.nets else None
         if net:
-            law = neural_law(net, law, material.young, material.poisson)
+            law = neural_law(net, material.law, material.young, material.poisson)
         for start in range(0, len(mine), BLOCK):
             part = mine[start : start + BLOCK]
             mean = grid["shape_mean"][part]

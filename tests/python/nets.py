@@ -11,16 +11,16 @@ D is evaluated by the net, or by the tricubic B-spline that the program says it 
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
+from laws import Law, law_of
 from state_file import Floats, Net
 
-Law = Callable[[Floats, float, float], tuple[Floats, Floats]]
 OTHERS = ((1, 2), (2, 0), (0, 1))
 STRETCH, TRACE = (0.9, 1.25), (np.log(2), 1.2)  # the fitted box and where the law alone is left
+SHARE = (0.9, 1.5)  # the same of I1 - 3 over the limit of Gent's law
 
 
 def ramp(y: Floats, start: float, end: float) -> tuple[Floats, Floats]:
@@ -30,12 +30,16 @@ def ramp(y: Floats, start: float, end: float) -> tuple[Floats, Floats]:
     return 1 - x**3 * (10 - 15 * x + 6 * x**2), slope
 
 
-def weight(e: Floats) -> tuple[Floats, Floats]:
-    """w (n,) and dw/de (n, 3)."""
+def weight(e: Floats, limit: float) -> tuple[Floats, Floats]:
+    """w (n,) and dw/de (n, 3); limit is that of I1 - 3, infinity where the law has none."""
     r, dr = ramp(e, *STRETCH)
     t, dt = ramp(e.sum(1), *TRACE)
+    E = 2 * np.exp(2 * (e - e.mean(1, keepdims=True))) / limit
+    g, dg = ramp(E.sum(1) / 2 - 3 / limit, *SHARE)
     slope = np.stack([dr[:, i] * r[:, j] * r[:, k] for i, (j, k) in enumerate(OTHERS)], 1)
-    return r.prod(1) * t, slope * t[:, None] + (r.prod(1) * dt)[:, None]
+    inner = slope * t[:, None] + (r.prod(1) * dt)[:, None]
+    return (r.prod(1) * t * g,
+            inner * g[:, None] + (r.prod(1) * t * dg)[:, None] * (E - E.mean(1, keepdims=True)))
 
 
 @dataclass(frozen=True)
@@ -118,18 +122,26 @@ def law_in_logs(law: Law, poisson: float, e: Floats) -> tuple[Floats, Floats]:
     return psi, np.einsum("nii->ni", P) * s
 
 
-def difference(net: Net, law: Law, poisson: float, e: Floats) -> tuple[Floats, Floats]:
-    """D and its slope by the net itself."""
+def difference(net: Net, name: str, poisson: float, e: Floats) -> tuple[Floats, Floats]:
+    """D and its slope by the net itself, which stands for the law of that name."""
+    law = law_of(name)
     safe = np.clip(e, -2, 2)
-    w, dw = weight(e)
+    w, dw = weight(e, limit_of(name))
     psi, slope = net_energy(net, poisson, safe)
     base, base_slope = law_in_logs(law, poisson, safe)
     gap = psi - base
     return w * gap, dw * gap[:, None] + w[:, None] * (slope - base_slope)
 
 
-def neural_law(net: Net, law: Law, young: float, poisson: float) -> Law:
+def limit_of(name: str) -> float:
+    """The limit of I1 - 3 of a law by its name."""
+    family, _, shape = name.partition("=")
+    return float(shape) if family == "gent" else np.inf
+
+
+def neural_law(net: Net, name: str, young: float, poisson: float) -> Law:
     """psi and P in F of a law with a net, with the arguments of a law."""
+    law = law_of(name)
 
     def response(F: Floats, mu: float, lam: float) -> tuple[Floats, Floats]:
         psi, P = law(F, mu, lam)
@@ -139,18 +151,19 @@ def neural_law(net: Net, law: Law, young: float, poisson: float) -> Law:
         sigma[:, 2] *= sign
         s = np.clip(sigma, 0.1, 10)  # there D is 0
         e = np.log(s)
-        D, slope = spline(net, e) if net.cells else difference(net, law, poisson, e)
+        D, slope = spline(net, e) if net.cells else difference(net, name, poisson, e)
         t = young * slope / s
         return psi + young * D, P + (U * t[:, None, :]) @ Vt
 
     return response
 
 
-def table_error(net: Net, law: Law, poisson: float, count: int = 4000) -> float:
+def table_error(net: Net, name: str, poisson: float, count: int = 4000) -> float:
     """Largest error of the table's stress over the local stress, in the fitted box."""
     random = np.random.default_rng(5)
     e = random.uniform(-1, 1, (count, 3)) * 0.9 * 10 ** random.uniform(-2, 0, (count, 1))
-    e = e[np.abs(e.sum(1)) <= np.log(2)]
-    stress = law_in_logs(law, poisson, e)[1]
-    error = spline(net, e)[1] - difference(net, law, poisson, e)[1]
+    excess = np.exp(2 * (e - e.mean(1, keepdims=True))).sum(1) - 3
+    e = e[(np.abs(e.sum(1)) <= np.log(2)) & (excess <= 0.9 * limit_of(name))]
+    stress = law_in_logs(law_of(name), poisson, e)[1]
+    error = spline(net, e)[1] - difference(net, name, poisson, e)[1]
     return float((np.linalg.norm(error, axis=1) / np.linalg.norm(stress, axis=1)).max())

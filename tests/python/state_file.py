@@ -23,7 +23,7 @@ Ints = NDArray[np.int64]
 Shape = tuple[Any, ...]
 
 LAWS = ("fixed-corotated", "neo-hookean", "stable-neo-hookean", "stvk", "hencky", "ogden=4.5",
-        "mooney-rivlin=0.3", "gent=15")  # the families with one of their members
+        "mooney-rivlin=0.3", "gent=8")  # the families with one of their members
 FAMILIES = ("ogden", "mooney-rivlin", "gent")
 
 # name -> (type, shape); a type of one letter is a numpy kind of any width

@@ -234,6 +234,25 @@ class Generate(Materials):
         self.assertEqual(clip.code, 0, clip.err)
         self.assertFalse((self.folder / "cache").exists())
 
+    def test_fits_gent_to_nine_tenths_of_its_limit(self) -> None:
+        weights = self.folder / "g.weights"
+        done = self.run_verb("materials", "generate", "gent=7.5", "--poisson", 0.2, "-o", weights)
+        self.assertEqual(done.code, 0, done.err)
+        random = np.random.default_rng(4)
+        e = random.uniform(-0.9, 0.9, (100000, 3))
+        excess = np.exp(2 * (e - e.mean(1, keepdims=True))).sum(1) - 3
+        e = e[(np.abs(e.sum(1)) <= np.log(2)) & (excess <= 0.9 * 7.5) & (excess > 0.7 * 7.5)]
+        self.assertGreater(len(e), 200)
+        _, stress = law_in_logs(law_of("gent=7.5"), 0.2, e)
+        _, by_net = net_energy(Net("", read_weights(weights)[1], 0), 0.2, e)
+        error = np.linalg.norm((by_net - stress) / np.exp(e), axis=1)
+        self.assertLess(float((error / np.linalg.norm(stress / np.exp(e), axis=1)).max()), 2e-2)
+        below = self.run_verb("animate", write_obj(self.folder / "bar.obj", *turned_box(
+            (1, 0.25, 0.25), (0, 0, 1), 0)), "-o", self.folder / "a.glb", "--energy", "neural",
+            "--law", "gent=7.4", "--poisson", "0.2", "--voxels", "8", "--frames", "1")
+        self.assertEqual(below.code, 2, below.err)
+        self.assertIn("nets are made from 7.5 on", below.err)
+
     def test_writes_what_misses_its_limits_with_code_4(self) -> None:
         out = self.folder / "a.weights"
         done = self.run_verb("materials", "generate", *UNFITTABLE, "-o", out)

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import sys
 import tempfile
@@ -61,6 +62,9 @@ class StressChecks(unittest.TestCase):
 
     def test_a_step_of_endless_work(self) -> None:
         self.assertIn("U5", self.change("steps/inner", lambda n: n.__setitem__(1, 100000)))
+        report = self.run.folder / "report.json"
+        report.write_text(json.dumps(json.loads(report.read_text()) | {"long_steps": [2]}))
+        self.assertEqual(self.faults(), "")
 
     def test_more_memory_than_the_budget(self) -> None:
         self.assertIn("U6", self.faults(replace(self.run, peak=2 * BASE)))

@@ -22,6 +22,27 @@ TEST(StrainSampler, StaysInTheBox) {
   }
 }
 
+TEST(StrainSampler, EndsAtNineTenthsOfTheLeastLimit) {
+  const FitMaterial steep = fit_material("0.5*gent=20+0.25*gent=4+0.25*hencky", 0.3),
+                    mild = fit_material("gent=60", 0.3), none = fit_material("stvk", 0.3);
+  EXPECT_DOUBLE_EQ(declared_box(steep).invariant, 3.6);
+  EXPECT_DOUBLE_EQ(fit_box({&mild, 1}).invariant, 54);
+  EXPECT_DOUBLE_EQ(fit_box(std::vector{mild, steep, none}).invariant, 3.6);
+  EXPECT_TRUE(std::isinf(declared_box(none).invariant));
+  const Array<double> e = sample_strains(declared_box(steep), 3, 0, 20000);
+  double largest = 0;
+  for (int64_t s = 0; s < e.rows(); ++s) {
+    const double mean = (e(s, 0) + e(s, 1) + e(s, 2)) / 3;
+    double excess = -3;
+    for (int i = 0; i < 3; ++i) excess += std::exp(2 * (e(s, i) - mean));
+    largest = std::max(largest, excess);
+  }
+  EXPECT_LE(largest, 3.6);
+  EXPECT_GT(largest, 3.5);
+  // a limit far beyond the box changes no strain
+  EXPECT_EQ(sample_strains(declared_box(mild), 3, 0, 500), sample_strains(kDeclaredBox, 3, 0, 500));
+}
+
 TEST(StrainSampler, DrawsAnyPartOfASequenceAgain) {
   const Array<double> all = sample_strains(kFitBox, 5, 0, 100);
   const Array<double> part = sample_strains(kFitBox, 5, 37, 20);
