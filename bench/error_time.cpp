@@ -1,58 +1,96 @@
 // SPDX-License-Identifier: Apache-2.0
-// Run time against error: one step of each scene by each solver mode at several tolerances, from
-// the same state, against newton at 1e-10. The error is the mass-weighted rms distance to the
-// reference over the rms motion of the step.
-//
-//   error_time [beam|ball] [VOXELS] [REPEATS] [C NU]     prints a Markdown table; without C and NU
-//                                                        of all nine combinations
-
+// One step of each scene by each solver, at several tolerances or with several budgets of loops,
+// all from one state. The reference is newton at 1e-10; the error is the mass-weighted rms distance
+// to it over the rms motion of the step.
+#include "bench/bench.hpp"
+#include "bench/lattice.hpp"
 #include "bench/measure.hpp"
-#include "bench/scenes.hpp"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
-#include <cstdlib>
-#include <string>
-#include <vector>
+#include <cstdio>
 
 namespace elastogen::bench {
 namespace {
 
 constexpr int kStepsBefore = 2;
+constexpr int kRepeats = 5;
 
-void run(const std::string& name, double voxels, int repeats, const std::vector<double>& courants,
-         const std::vector<double>& poissons) {
-  fmt::print(
-      "| scene | voxels | C | nu | mode | tolerance | outer | inner | float64 | residual | "
-      "error | ms | setup s |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
-  for (const double courant : courants)
-    for (const double poisson : poissons) {
-      const SceneOptions o{.voxels = voxels, .courant = courant, .poisson = poisson};
-      const Scene scene = name == "beam" ? cantilever(o) : porous_ball(o);
-      const Reference reference = make_reference(scene, {}, kStepsBefore);
-      for (const SolverMode mode : {SolverMode::kQuasi, SolverMode::kNewton})
-        for (const double tolerance : {1e-1, 1e-2, 1e-3, 1e-4}) {
-          const Timing t = time_step(scene, reference.start, {.mode = mode, .tolerance = tolerance},
-                                     repeats, reference.next.x);
-          const StepReport& r = t.report;
-          fmt::print(
-              "| {} | {} | {} | {} | {} | {:.0e} | {} | {} | {} | {:.1e} | {:.1e} | {:.1f} | "
-              "{:.2f} |\n",
-              name, scene.grid.voxel_count(), courant, poisson, solver_name(mode), tolerance,
-              r.outer, r.inner, r.float64 ? "yes" : "no", r.residual, t.error, t.ms,
-              t.setup_seconds);
-          std::fflush(stdout);
-        }
-    }
+/// The runs of a solver: a tolerance each, or outer loops.
+std::vector<SolverOptions> budgets(const BenchTask& task, SolverMode mode) {
+  std::vector<SolverOptions> result;
+  if (mode == SolverMode::kPaper) {
+    for (const int outer : {1, 3, 10, 30, 100})
+      result.push_back({.mode = mode, .paper = {outer, task.loops.inner, task.loops.modes}});
+    return result;
+  }
+  const bool card = mode == SolverMode::kQuasi && resolved(task.device) == Device::kCuda;
+  for (const double tolerance : task.tolerances)
+    result.push_back(
+        {.mode = mode, .device = card ? Device::kCuda : Device::kCpu, .tolerance = tolerance});
+  return result;
+}
+
+Json json(const std::string& name, const Scene& scene, const SolverOptions& s, const Timing& t) {
+  const StepReport& r = t.report;
+  const bool paper = s.mode == SolverMode::kPaper;
+  fmt::print("{} {} C {:.4g} nu {}: {:6} {:>7}: {:9.2f} ms, residual {:.1e}, error {:.1e}\n", name,
+             scene.grid.voxel_count(), courant_number(scene), scene.materials[0].poisson,
+             solver_name(s.mode),
+             paper ? fmt::format("{} x {}", s.paper.outer, s.paper.inner)
+                   : fmt::format("{:.0e}", s.tolerance),
+             t.ms, r.residual, t.error);
+  std::fflush(stdout);
+  return {{"scene", name},
+          {"voxels", scene.grid.voxel_count()},
+          {"courant", courant_number(scene)},
+          {"poisson", scene.materials[0].poisson},
+          {"solver", solver_name(s.mode)},
+          {"hourglass", paper ? "variance" : "full"},
+          {"device", s.device == Device::kCuda ? "cuda" : "cpu"},
+          {"tolerance", paper ? Json(nullptr) : Json(s.tolerance)},
+          {"outer", r.outer},
+          {"inner", r.inner},
+          {"float64", r.float64},
+          {"residual", r.finite ? Json(r.residual) : Json(nullptr)},
+          {"error", r.finite ? Json(t.error) : Json(nullptr)},
+          {"ms", t.ms},
+          {"setup_seconds", t.setup_seconds}};
+}
+
+/// The solvers of one hourglass term on one scene.
+void add_rows(const BenchTask& task, const std::string& name, SceneOptions o, bool paper,
+              Json& rows) {
+  std::vector<SolverOptions> runs;
+  for (const SolverMode mode : task.solvers)
+    if ((mode == SolverMode::kPaper) == paper)
+      for (const SolverOptions& s : budgets(task, mode)) runs.push_back(s);
+  if (runs.empty()) return;
+  o.hourglass = paper ? Hourglass::kVariance : Hourglass::kFull;
+  const Scene scene = step_scene(name, o, 1);
+  const Reference reference = make_reference(scene, {}, kStepsBefore);
+  const int repeats = task.repeats > 0 ? task.repeats : kRepeats;
+  for (const SolverOptions& s : runs)
+    rows.push_back(
+        json(name, scene, s, time_step(scene, reference.start, s, repeats, reference.next.x)));
 }
 
 }  // namespace
-}  // namespace elastogen::bench
 
-int main(int argc, char** argv) {
-  const std::string name = argc > 1 ? argv[1] : "beam";
-  std::vector<double> courants = {3, 10, 30}, poissons = {0.3, 0.45, 0.49};
-  if (argc > 5) courants = {std::atof(argv[4])}, poissons = {std::atof(argv[5])};
-  elastogen::bench::run(name, argc > 2 ? std::atof(argv[2]) : 1e4,
-                        argc > 3 ? std::atoi(argv[3]) : 3, courants, poissons);
+Json measure_error_time(const BenchTask& task) {
+  const std::vector<double> sizes = task.sizes.empty() ? std::vector{1e4} : task.sizes;
+  Json rows = Json::array();
+  for (const std::string& name : task.scenes) {
+    const bool own = name == "c84";  // C and nu
+    for (const double size : sizes)
+      for (const double courant : own ? std::vector{10.0} : task.courants)
+        for (const double poisson : own ? std::vector{0.4} : task.poissons)
+          for (const bool paper : {false, true})
+            add_rows(task, name, {.voxels = size, .courant = courant, .poisson = poisson}, paper,
+                     rows);
+  }
+  return rows;
 }
+
+}  // namespace elastogen::bench

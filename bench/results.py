@@ -1,60 +1,134 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
-"""Runs the benchmarks of docs/benchmarks.md and keeps their tables: docs/results/benchmarks.json.
+"""Tables of docs/benchmarks.md from what `elastogen bench --json` wrote: docs/results/NAME.json.
 
-    bench/results.py --build build/cpu
+    bench/results.py NAME BENCH.json [BENCH.json ...]
 
-Wants a machine with nothing else to do. Minutes; docs/generate.py puts the tables into the page."""
+NAME is benchmarks (of a CPU) or device (of a card). Run it on the commit that was measured; rows of
+one part in several files stand below each other. docs/generate.py puts the tables into the page."""
 
 from __future__ import annotations
 
-import argparse
 import json
-import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tests" / "scenes"))
-from definitions import definitions_hash, run_header  # noqa: E402
+from definitions import definitions_hash  # noqa: E402
 
-FILES = ["bench/error_time.cpp", "bench/kernels.cpp", "bench/measure.cpp", "bench/scenes.cpp",
-         "bench/startup.py", "bench/results.py"]
-RUNS = {  # rows of several runs stand below each other
-    "error time": ["{build}/bench_error_time beam 1e4 3", "{build}/bench_error_time ball 1e5 1"],
-    "kernels": ["{build}/bench_kernels 1e5"],
-    "start": ["python3 {source}/bench/startup.py {build}/elastogen"]}
+Row = dict[str, Any]
+Column = tuple[str, Callable[[Row], str]]
 
 
-def cells(line: str) -> list[str]:
-    """The cells of a row of a Markdown table."""
-    return [cell.strip() for cell in line.strip().strip("|").split("|")]
+def cell(key: str, form: str = "{}") -> Callable[[Row], str]:
+    """Of a number that may be missing."""
+    return lambda row: "" if row.get(key) is None else form.format(row[key])
+
+
+def stage(key: str) -> Callable[[Row], str]:
+    """Of a start [s]."""
+    return lambda row: f"{row['stage_seconds'][key]:.2f}"
+
+
+def yes(key: str) -> Callable[[Row], str]:
+    """Of a truth value."""
+    return lambda row: "yes" if row[key] else "no"
+
+
+SCENE: list[Column] = [("scene", cell("scene")), ("voxels", cell("voxels")),
+                       ("C", cell("courant", "{:.4g}")), ("nu", cell("poisson"))]
+TABLES: dict[str, list[Column]] = {
+    "ceilings": [("threads", cell("threads")), ("copy [GB/s]", cell("copy", "{:.1f}")),
+                 ("float [GFLOP/s]", cell("float", "{:.0f}")),
+                 ("double [GFLOP/s]", cell("double", "{:.0f}"))],
+    "kernels": [("kernel", cell("kernel")), ("voxels", cell("voxels")), ("ms", cell("ms", "{:.3f}")),
+                ("B a voxel", cell("bytes_a_voxel", "{:.0f}")),
+                ("GB/s", lambda r: f"{1e-9 * r['bytes_per_second']:.1f}"),
+                ("share of copy", lambda r: f"{100 * r['copy_share']:.0f} %")],
+    "step": [*SCENE, ("fill", cell("fill")),
+             ("numbers", lambda r: "double" if r["float64"] else "float"),
+             ("ms", cell("ms", "{:.2f}")),
+             ("quartiles", lambda r: f"{r['ms_lower_quartile']:.2f} ... {r['ms_upper_quartile']:.2f}"),
+             ("evaluations", cell("evaluations")), ("residual", cell("residual", "{:.1e}")),
+             ("set-up [s]", cell("setup_seconds", "{:.2f}")),
+             ("B a voxel, host", cell("host_bytes_a_voxel", "{:.0f}")),
+             ("card", cell("card_bytes_a_voxel", "{:.0f}"))],
+    "error-time": [*SCENE, ("mode", cell("solver")), ("tolerance", cell("tolerance", "{:.0e}")),
+                   ("outer", cell("outer")), ("inner", cell("inner")), ("float64", yes("float64")),
+                   ("residual", cell("residual", "{:.1e}")), ("error", cell("error", "{:.1e}")),
+                   ("ms", cell("ms", "{:.1f}")), ("setup s", cell("setup_seconds", "{:.2f}"))],
+    "baseline": [*SCENE, ("run", cell("run")), ("on", cell("device")), ("ms", cell("ms", "{:.2f}")),
+                 ("residual", cell("residual", "{:.1e}")), ("error", cell("error", "{:.1e}")),
+                 ("time over quasi", cell("time_ratio", "{:.3g}")),
+                 ("error over quasi", cell("error_ratio", "{:.3g}"))],
+    "startup": [("material", cell("material")), ("solver", cell("solver")), ("voxels", cell("voxels")),
+                ("read", stage("read")), ("voxelise", stage("voxelize")), ("set up", stage("setup")),
+                ("first step", stage("steps")), ("all s", cell("seconds", "{:.2f}")),
+                ("B a voxel", cell("bytes_a_voxel", "{:.0f}"))]}
+SOURCES = {"ceilings": ["ceilings.cpp", "card_ceilings.cu"],
+           "kernels": ["kernels.cpp", "card_kernels.cpp"], "step": ["step.cpp"], "error-time": ["error_time.cpp", "measure.cpp"],
+           "baseline": ["baseline.cpp", "baselines/dense_grid.py", "baselines/elastogen_paper.py",
+                        "baselines/local_step.py", "measure.cpp"],
+           "startup": ["startup.cpp"]}
+COMMON = ["lattice.cpp", "results.py", "scenes.cpp", "timing.cpp"]
+
+
+def ceiling_rows(part: dict[str, Any]) -> list[Row]:
+    """Threads of the host, and the card."""
+    def named(row: Row, name: str) -> Row:
+        return {"threads": name, "copy": 1e-9 * row["copy_bytes_per_second"],
+                "float": 1e-9 * row["float_flops_per_second"],
+                "double": 1e-9 * row["double_flops_per_second"]}
+    rows = [named(row, str(row["threads"])) for row in part["host"]]
+    return rows + ([named(part["card"], part["card"]["name"])] if part["card"] else [])
+
+
+def baseline_rows(part: list[dict[str, Any]]) -> list[Row]:
+    """The runs of every case, beside its first one, quasi."""
+    rows = []
+    for case in part:
+        ours = case["rows"][0]
+        for row in case["rows"]:
+            ratios = {f"{name}_ratio": row[key] / ours[key] for name, key in
+                      (("time", "ms"), ("error", "error")) if row.get(key) is not None}
+            rows.append({key: case[key] for key in ("scene", "voxels", "courant", "poisson")}
+                        | row | ratios)
+    return rows
+
+
+def rows_of(name: str, part: Any) -> list[Row]:
+    """Of a part."""
+    special = {"ceilings": ceiling_rows, "baseline": baseline_rows}
+    return special[name](part) if name in special else part
 
 
 def main() -> int:
-    """Runs them."""
-    options = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    options.add_argument("--build", type=Path, required=True)
-    build = options.parse_args().build.resolve()
-    tables: dict[str, dict[str, object]] = {}
-    for name, commands in RUNS.items():
-        rows: list[list[str]] = []
-        head: list[str] = []
-        notes: list[str] = []
-        for command in commands:
-            words = command.format(build=build, source=ROOT).split()
-            out = subprocess.run(words, check=True, capture_output=True, text=True).stdout
-            lines = [line for line in out.splitlines() if line.strip()]
-            found = [cells(line) for line in lines if line.startswith("|")]
-            notes += [line for line in lines if not line.startswith("|")]
-            head = found[0]
-            rows += found[2:]  # without the line below the head
-            print(command, len(found) - 2, "rows", flush=True)
-        tables[name] = {"commands": [c.format(build="build/cpu", source=".") for c in commands],
-                        "notes": notes, "head": head, "rows": rows}
-    stamp = {"files": FILES, "sha256": definitions_hash(FILES)}
-    (ROOT / "docs" / "results" / "benchmarks.json").write_text(json.dumps(
-        {"definitions": stamp, "header": run_header(), "tables": tables}, indent=1) + "\n")
+    """Writes the tables."""
+    if len(sys.argv) < 3:
+        print(__doc__, file=sys.stderr)
+        return 2
+    results = [json.loads(Path(path).read_text()) for path in sys.argv[2:]]
+    tables: dict[str, dict[str, Any]] = {}
+    for result in results:
+        for name in (part for part in TABLES if part in result):
+            columns = TABLES[name]
+            table = tables.setdefault(name, {"commands": [], "head": [head for head, _ in columns],
+                                             "rows": []})
+            table["commands"].append(result["command"])
+            table["rows"] += [[text(row) for _, text in columns]
+                              for row in rows_of(name, result[name])]
+    files = sorted({f"bench/{file}" for name in tables for file in SOURCES[name] + COMMON})
+    first = results[0]
+    header = {"commit": first["commit"], "date": first["date"][:10], "cpu": first["machine"]["cpu"]}
+    rates = first["copy_bytes_per_second"]
+    machine = (f"{first['card']}: copy {1e-12 * rates['card']:.2f} TB/s, read and written"
+               if first["card"] else f"{header['cpu']}: copy {1e-9 * rates['host']:.1f} GB/s")
+    (ROOT / "docs" / "results" / f"{sys.argv[1]}.json").write_text(json.dumps(
+        {"definitions": {"files": files, "sha256": definitions_hash(files)}, "header": header,
+         "card": machine, "tables": tables}, indent=1) + "\n")
     return 0
 
 

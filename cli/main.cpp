@@ -18,6 +18,7 @@ int main(int argc, char** argv) {
     if (line.inspect) return inspect(*line.inspect);
     if (line.doctor) return doctor(*line.doctor);
     if (line.study) return study(*line.study);
+    if (line.bench) return bench_verb(*line.bench);
     if (line.train) return train(*line.train);
     if (line.materials) return materials(*line.materials);
     return line.code;

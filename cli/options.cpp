@@ -303,6 +303,7 @@ struct Verbs {
   MaterialsTask materials_task;
   DemoOptions demo;
   TrainOptions train;
+  BenchOptions bench;
   const CLI::App* materials = nullptr;
 };
 
@@ -321,6 +322,7 @@ void add_verbs(CLI::App& app, Verbs& verbs, const std::string& command) {
   verbs.materials = add_materials(app, verbs.materials_task);
   add_demo(app, verbs.demo);
   verbs.train.add(app);
+  verbs.bench.add(app, command);
 }
 
 }  // namespace
@@ -355,6 +357,8 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
     result.doctor = verbs.doctor_task;
   } else if (verbs.train.parsed()) {
     result.train = verbs.train.take();
+  } else if (verbs.bench.parsed()) {
+    result.bench = verbs.bench.take();
   } else if (verbs.materials->parsed()) {
     result.materials = verbs.materials_task;
   } else {

@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include "cli/bench_options.hpp"
 #include "cli/train_options.hpp"
 #include "core/scene.hpp"
 #include "core/state.hpp"
@@ -130,6 +131,7 @@ struct CommandLine {
   std::optional<MaterialsTask> materials;
   std::optional<StudyTask> study;
   std::optional<TrainVerb> train;
+  std::optional<BenchVerb> bench;
   int code = 0;
 };
 

@@ -80,12 +80,15 @@ class Clip {
     if (!options.quiet)
       for (const std::string& note : report_.notes) fmt::print("{}\n", note);
     state_ = stepper_->start(options.motion);
+    stepper_->begin(state_);
     report_.stage_seconds.setup += watch.seconds();
     if (!o_.log.empty()) outputs_.log = std::make_unique<StepLog>(o_.log);
     outputs_.state = open_state(setup.scene, options, *stepper_, state_);
     displacement_ = Array<double>(setup.body.carried.rows(), 3);
-    for (const auto& animation : outputs_.animations)
+    for (const auto& animation : outputs_.animations) {
       if (animation->needs_gradient()) gradient_ = Array<double>(setup.body.carried.rows(), 9);
+      with_motion_ |= animation->needs_motion();
+    }
   }
 
   void run() {
@@ -168,11 +171,12 @@ class Clip {
     for (int k = 0; k < setup_.substeps; ++k) {
       StepReport r;
       r.interrupted = stopped();
-      if (!r.interrupted) r = stepper_->step(state_);
+      if (!r.interrupted) r = stepper_->advance(state_);
       if (r.interrupted) {
         say_why();
         return false;
       }
+      if (r.finite) read_state(k + 1 == setup_.substeps);
       if (!r.finite || !fits_single(state_.x)) {
         result_.code = kExitDiverged;
         report_.warnings.push_back(fmt::format("frame {}: step {}: {}; the clip ends before it",
@@ -185,6 +189,14 @@ class Clip {
       take(frame, r, certificate);
     }
     return true;
+  }
+
+  /// What a file is made of: of every step for a state file, else of the last one of a frame.
+  void read_state(bool frame_ends) {
+    if (outputs_.state || (frame_ends && with_motion_))
+      stepper_->read(state_, StateParts::kAll);
+    else if (frame_ends)
+      stepper_->read(state_, StateParts::kPositions);
   }
 
   void take(int64_t frame, const StepReport& r, FrameCertificate& certificate) {
@@ -236,11 +248,13 @@ class Clip {
     for (int64_t k = 0; k < displacement_.size(); ++k)
       largest_motion_ = std::max(largest_motion_, std::abs(displacement_.data()[k]));
     if (!gradient_.empty()) deformation_gradient(setup_.scene.grid, embedding_, state.x, gradient_);
+    Span<const double> residual;
+    if (with_motion_) residual = {stepper_->residual().data, state.x.rows(), 3};
     for (const auto& animation : outputs_.animations)
       animation->frame({.displacement = displacement_,
                         .gradient = gradient_,
                         .state = &state,
-                        .residual = {stepper_->residual().data, state.x.rows(), 3},
+                        .residual = residual,
                         .certificate = certificate});
     if (hooks_.on_frame) {
       Array<double> positions = setup_.body.carried;
@@ -259,7 +273,8 @@ class Clip {
   Embedding embedding_;
   std::unique_ptr<Stepper> stepper_;
   State state_;
-  State grid_state_;  ///< used where state_ has more nodes than the grid
+  State grid_state_;          ///< used where state_ has more nodes than the grid
+  bool with_motion_ = false;  ///< a writer needs velocities and residual
   Array<double> displacement_;
   Array<double> gradient_;  ///< of the carried points; empty where no writer needs it
   int64_t converged_ = 0;

@@ -30,6 +30,9 @@ class NetworkStepper : public Stepper {
 
   State start(const StartMotion& motion) const override { return initial_state(scene_, motion); }
   StepReport step(State& state) override { return solver_.step(state); }
+  void begin(const State& state) override { solver_.begin(state); }
+  StepReport advance(State&) override { return solver_.advance(); }
+  void read(State& state, StateParts parts) const override { solver_.read(state, parts); }
   Span<const double> residual() const override { return solver_.residual(); }
   std::string device() const override { return solver_.device(); }
 

@@ -19,6 +19,13 @@ class Stepper {
   virtual State start(const StartMotion& motion) const = 0;
   /// Advances by dt, as Solver::step.
   virtual StepReport step(State& state) = 0;
+  // for a clip, whose state may stay on a card between the frames
+  /// Takes the state to step from.
+  virtual void begin(const State&) {}
+  /// As step, with arrays that are those of the last read(): its caller reads what it needs.
+  virtual StepReport advance(State& state) { return step(state); }
+  /// Brings the state, or its positions, up to date.
+  virtual void read(State&, StateParts) const {}
   /// Gradient of the incremental potential [N], (nodes, 3); its first nodes are those of the grid.
   virtual Span<const double> residual() const = 0;
   /// What it runs on: "cpu", or the name of a card.

@@ -28,6 +28,10 @@ int doctor(const DoctorTask& task);
 /// study.html (docs/study.md), of the runs so far after a signal. @return the exit code.
 int study(const StudyTask& task);
 
+/// Measures the machine and the solvers on it (docs/user_guide.md, benchmarks).
+/// @return 0, or 4 where a step missed its tolerance or a run of the baseline failed.
+int bench_verb(const BenchVerb& verb);
+
 /// Fits NeuralMTLs, makes datasets of them and trains generators of weights, most of it by the
 /// library elastogen_learn. @return the exit code.
 int train(const TrainVerb& task);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Memory of the device: owned, and copied to and from the host.
+// Memory of the device: owned, and copied to and from the host; and memory of the host that both
+// reach.
 
 #pragma once
 
@@ -51,5 +52,32 @@ class DeviceArray {
   T* data_ = nullptr;
   int64_t size_ = 0;
 };
+
+/// Owns numbers of the host that do not leave its memory: the bus moves them at its full rate, and
+/// kernels write them in place. The host reads what kernels wrote after synchronise().
+template <class T>
+class PinnedArray {
+ public:
+  /// @throws Error (resources) where the host has no room.
+  explicit PinnedArray(int64_t size) {
+    if (size == 0) return;
+    check(cudaHostAlloc(&data_, size_t(size) * sizeof(T), cudaHostAllocMapped));
+    for (int64_t i = 0; i < size; ++i) data_[i] = T{};
+  }
+  PinnedArray(const PinnedArray&) = delete;
+  ~PinnedArray() { cudaFreeHost(data_); }
+
+  T* data() { return data_; }
+  T& operator[](int64_t i) { return data_[i]; }
+  const T& operator[](int64_t i) const { return data_[i]; }
+
+ private:
+  T* data_ = nullptr;
+};
+
+/// Waits for what this thread has launched.
+inline void synchronise() {
+  check(cudaStreamSynchronize(cudaStreamPerThread));
+}
 
 }  // namespace elastogen::cuda

@@ -31,25 +31,51 @@ __device__ inline Sum block_sum(const Sum& mine, Sum* all) {
   return all[0];
 }
 
+/// What a sum over the device needs there; zero at first, as a DeviceArray is at birth.
+template <class Sum>
+struct SumRoom {
+  Sum partial[kSumBlocks];
+  unsigned done;  ///< blocks; 0 between the launches
+};
+
 namespace detail {
 
-template <class Sum, class Body>
-__global__ void __launch_bounds__(kSumThreads) partial_sums(int64_t n, Sum* partial, Body body) {
+/// The sum of partial[0, n) by a block, each thread taking every kSumThreads-th.
+template <class Sum>
+__device__ inline Sum sum_of_partials(int64_t n, const Sum* partial, Sum* all) {
+  Sum mine;
+  for (int64_t k = threadIdx.x; k < n; k += kSumThreads) mine.add(partial[k]);
+  return block_sum(mine, all);
+}
+
+/// The block that ends last adds what all have left, in the order of the blocks: which one that is
+/// does not matter.
+template <class Sum, class Body, class Then>
+__global__ void __launch_bounds__(kSumThreads, 4)
+    ordered_sum_kernel(int64_t n, SumRoom<Sum>* room, Body body, Then then) {
   alignas(Sum) __shared__ unsigned char all[kSumThreads * sizeof(Sum)];
+  __shared__ bool last;
   Sum mine;
   for (int64_t i = int64_t(blockIdx.x) * kSumThreads + threadIdx.x; i < n;
-       i += int64_t(kSumBlocks) * kSumThreads)
+       i += int64_t(gridDim.x) * kSumThreads)
     body(i, mine);
-  const Sum sum = block_sum(mine, reinterpret_cast<Sum*>(all));
-  if (threadIdx.x == 0) partial[blockIdx.x] = sum;
+  const Sum of_block = block_sum(mine, reinterpret_cast<Sum*>(all));
+  if (threadIdx.x == 0) {
+    room->partial[blockIdx.x] = of_block;
+    __threadfence();
+    last = atomicInc(&room->done, gridDim.x - 1) == gridDim.x - 1;  // the last sets it back to 0
+    __threadfence();
+  }
+  __syncthreads();
+  if (!last) return;
+  const Sum sum = sum_of_partials(gridDim.x, room->partial, reinterpret_cast<Sum*>(all));
+  if (threadIdx.x == 0) then(sum);
 }
 
 template <class Sum, class Then>
 __global__ void __launch_bounds__(kSumThreads) total_sum(int64_t n, const Sum* partial, Then then) {
   alignas(Sum) __shared__ unsigned char all[kSumThreads * sizeof(Sum)];
-  Sum mine;
-  for (int64_t k = threadIdx.x; k < n; k += kSumThreads) mine.add(partial[k]);
-  const Sum sum = block_sum(mine, reinterpret_cast<Sum*>(all));
+  const Sum sum = sum_of_partials(n, partial, reinterpret_cast<Sum*>(all));
   if (threadIdx.x == 0) then(sum);
 }
 
@@ -63,12 +89,12 @@ void sum_of(int64_t n, const Sum* partial, const Then& then) {
 }
 
 /// Adds body(i, sum) over i of [0, n), then then(sum) by one thread of the device.
-/// @param partial  kSumBlocks Sums.
 template <class Sum, class Body, class Then>
-void ordered_sum(int64_t n, Sum* partial, const Body& body, const Then& then) {
-  detail::partial_sums<<<kSumBlocks, kSumThreads>>>(n, partial, body);
+void ordered_sum(int64_t n, SumRoom<Sum>* room, const Body& body, const Then& then) {
+  const int64_t blocks = (n + kSumThreads - 1) / kSumThreads;
+  const auto launched = unsigned(blocks < 1 ? 1 : blocks > kSumBlocks ? kSumBlocks : blocks);
+  detail::ordered_sum_kernel<<<launched, kSumThreads>>>(n, room, body, then);
   check(cudaGetLastError());
-  sum_of(kSumBlocks, partial, then);
 }
 
 }  // namespace elastogen::cuda

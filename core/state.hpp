@@ -21,6 +21,9 @@ struct State {
   Array<double> v_before;  ///< (nodes, 3)
 };
 
+/// What is read of a state that is stepped elsewhere: the positions alone, or all.
+enum class StateParts { kPositions, kAll };
+
 /// A uniform velocity and a spin [rad/s] about the centre of mass.
 struct StartMotion {
   double velocity[3] = {0, 0, 0};

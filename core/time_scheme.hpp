@@ -15,8 +15,11 @@ struct StepScheme {
   double a0 = 1;  ///< 1 for Euler, 9/4 for BDF2
 };
 
-/// BDF2 where the scene asks for it and the state has a step before; else implicit Euler.
-StepScheme step_scheme(const Scene& scene, const State& state);
+/// BDF2 where the scene asks for it and there is a step before; else implicit Euler.
+StepScheme step_scheme(const Scene& scene, bool has_before);
+inline StepScheme step_scheme(const Scene& scene, const State& state) {
+  return step_scheme(scene, !state.x_before.empty());
+}
 
 /// Predictor xhat of a node's coordinate,
 ///
@@ -24,16 +27,27 @@ StepScheme step_scheme(const Scene& scene, const State& state);
 ///     BDF2   (4 x - x') / 3 + (2 dt / 9) (4 v - v') + (4/9) dt^2 g,
 ///
 /// minus x, so that no digits are lost to the place of the body.
-double predicted_motion(const StepScheme& s, double x, double v, double x_before, double v_before,
-                        double gravity);
+ELASTOGEN_HD inline double predicted_motion(const StepScheme& s, double x, double v,
+                                            double x_before, double v_before, double gravity) {
+  if (s.scheme == TimeScheme::kEuler) return s.dt * (v + s.dt * gravity);
+  return (x - x_before) / 3 + 2 * s.dt / 9 * (4 * v - v_before) + 4 * s.dt * s.dt / 9 * gravity;
+}
 
 /// Velocity after the step: (x - x^n)/dt or (3 x - 4 x^n + x^{n-1})/(2 dt).
-double velocity_after(const StepScheme& s, double x, double x_now, double x_before);
+ELASTOGEN_HD inline double velocity_after(const StepScheme& s, double x, double x_now,
+                                          double x_before) {
+  if (s.scheme == TimeScheme::kEuler) return (x - x_now) / s.dt;
+  return (3 * (x - x_now) - (x_now - x_before)) / (2 * s.dt);
+}
 
 /// Velocity after a step without forces but gravity, that of the predictor:
 ///
 ///     Euler  v + dt g,          BDF2   (4 v - v')/3 + (2/3) dt g.
-double free_velocity(const StepScheme& s, double v, double v_before, double gravity);
+ELASTOGEN_HD inline double free_velocity(const StepScheme& s, double v, double v_before,
+                                         double gravity) {
+  if (s.scheme == TimeScheme::kEuler) return v + s.dt * gravity;
+  return (4 * v - v_before) / 3 + 2 * s.dt / 3 * gravity;
+}
 
 /// Share of its amplitude that a vibration of angular frequency omega keeps over one period.
 double amplitude_kept(TimeScheme scheme, double omega_dt);

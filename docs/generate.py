@@ -26,6 +26,7 @@ from fit_tables import fine_tuning, fits, generation  # noqa: E402
 from paper_tables import TABLES as PAPER_TABLES  # noqa: E402
 
 RESULTS = ROOT / "docs" / "results"
+BENCH_PARTS = ("ceilings", "kernels", "step", "error-time", "baseline", "startup")
 STUDIES = ("beam", "twist", "torus", "knot")
 
 
@@ -211,17 +212,12 @@ def neural() -> str:
                    str(r["steps_net"])] for r in read("neural")["rows"]])
 
 
-def bench(name: str) -> str:
-    """A table of bench/results.py."""
-    result = read("benchmarks")["tables"][name]
-    return table(result["head"], result["rows"])
-
-
-def device(name: str) -> str:
-    """A table of bench_device."""
-    result = read("device")
-    found = result["tables"][name]
-    return f"{result['card']}.\n\n{table(found['head'], found['rows'])}"
+def bench(file: str, part: str) -> str:
+    """A table of bench/results.py; that of a card begins with its name."""
+    result = read(file)
+    found = result["tables"][part]
+    rows = table(found["head"], found["rows"])
+    return f"{result['card']}.\n\n{rows}" if file == "device" else rows
 
 
 TABLES: dict[str, Callable[[], str]] = {"accuracy": accuracy, "peers": peers,
@@ -234,8 +230,8 @@ TABLES: dict[str, Callable[[], str]] = {"accuracy": accuracy, "peers": peers,
                                     "generation": lambda: table(*generation()),
                                     "fine tuning": lambda: table(*fine_tuning())} | {
     f"study {name}": (lambda n=name: study(n)) for name in STUDIES} | {
-    "device kernels": lambda: device("kernel"), "device steps": lambda: device("scene")} | {
-    f"bench {name}": (lambda n=name: bench(n)) for name in ("error time", "kernels", "start")} | {
+    f"{title} {part.replace('-', ' ')}": (lambda f=file, p=part: bench(f, p))
+    for title, file in (("bench", "benchmarks"), ("device", "device")) for part in BENCH_PARTS} | {
     name: (lambda lines=lines: table(*lines())) for name, lines in PAPER_TABLES.items()}
 
 

@@ -25,8 +25,9 @@ struct AnimationFrame {
   Span<const double> displacement;   ///< of the carried points [m], (points, 3), finite
   Span<const double> gradient = {};  ///< F at the carried points, row-major, (points, 9); filled
                                      ///< where a writer needs it
-  const State* state = nullptr;      ///< of the scene
-  Span<const double> residual = {};  ///< gradient of the incremental potential [N], (nodes, 3)
+  const State* state = nullptr;      ///< of the scene; velocities where a writer needs them
+  Span<const double> residual = {};  ///< gradient of the incremental potential [N], (nodes, 3);
+                                     ///< filled where a writer needs it
   FrameCertificate certificate = {};
 };
 
@@ -62,6 +63,9 @@ class AnimationWriter {
 
   /// Whether frames must come with the deformation gradient.
   virtual bool needs_gradient() const { return false; }
+
+  /// Whether frames must come with velocities and residual.
+  virtual bool needs_motion() const { return false; }
 
   /// Adds a frame.
   virtual void frame(const AnimationFrame& frame) = 0;

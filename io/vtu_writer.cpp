@@ -117,6 +117,8 @@ class VtuWriter : public AnimationWriter {
     SafeFile probe(path);  // refuses a folder at once
   }
 
+  bool needs_motion() const override { return true; }
+
   void frame(const AnimationFrame& frame) override {
     const VoxelGrid& grid = scene_->grid;
     ELASTOGEN_CHECK(frame.state && Span<const double>(frame.state->x).is(grid.node_count(), 3),

@@ -3,12 +3,27 @@
 
 #pragma once
 
+#include "core/time_scheme.hpp"
 #include "network/quasi_solver.hpp"
 
 #include <memory>
 #include <string>
 
-namespace elastogen::cuda {
+namespace elastogen {
+
+/// What a step says of its end.
+struct Certificate {
+  PotentialValue value;
+  double size = 0;      ///< |grad Phi|_2 over the free nodes [N]
+  bool finite = false;  ///< all of these and the displacement
+};
+
+/// Energies that a step has beside the potential [J].
+struct MotionEnergy {
+  double kinetic = 0, gravity = 0;
+};
+
+namespace cuda {
 
 /// Whether there is a device to run on; false in builds without CUDA.
 bool has_device();
@@ -16,31 +31,53 @@ bool has_device();
 /// Name of the device.
 std::string device_name();
 
-/// The quasi mode with all that it iterates on in the device's memory. Arrays are the host's.
-class DeviceIterations {
+/// The steps of a clip in the quasi mode, with the state and all that they work on in the device's
+/// memory. u is the displacement that a step works on, (nodes, 3).
+class DeviceStep {
  public:
-  virtual ~DeviceIterations() = default;
+  virtual ~DeviceStep() = default;
 
-  /// Takes the step that the host's potential has begun.
-  virtual void begin_step() = 0;
-  /// Nodal rotations of the preconditioner from the start value of the iteration, (nodes, 3).
-  virtual void set_nodal_rotations(const double* u) = 0;
-  /// As QuasiSolver<T>::solve with a first matrix in float; T is double with float64, else float.
-  virtual IterationResult solve(double* u, double target, int max_outer, bool float64,
+  /// Takes the arrays of a state to step from.
+  virtual void upload(const State& state) = 0;
+  /// Fills the arrays of a state, or its positions.
+  virtual void download(State& state, StateParts parts) = 0;
+  /// Whether there is a step before, for BDF2.
+  virtual bool has_before() const = 0;
+
+  /// Predictor, inertia and frozen rotations of a step from the state, and u where it starts
+  /// (network/predictor.hpp).
+  virtual void begin_step(const StepScheme& scheme) = 0;
+  /// Largest |u - u_now| of a component [m], u_now the displacement at the start of the step.
+  virtual double farthest() = 0;
+  /// u = u_now.
+  virtual void return_to_now() = 0;
+  /// Phi in float64 at u, and at u_now.
+  virtual double phi() = 0;
+  virtual double phi_now() = 0;
+
+  /// Nodal rotations of the preconditioner from u.
+  virtual void set_nodal_rotations() = 0;
+  /// As QuasiSolver<T>::solve on u with a first matrix in float; T is double with float64, else
+  /// float.
+  virtual IterationResult solve(double target, int max_outer, bool float64,
                                 const std::function<bool()>& interrupted) = 0;
-  /// Value of the potential in float64.
-  virtual PotentialValue value(const double* u) = 0;
-  /// IncrementalPotential::residual; the gradient stays on the device until it is asked for.
-  /// @param size  gets |gradient|_2.
-  virtual PotentialValue residual(const double* u, double& size) = 0;
-  /// The gradient of the last call of residual, (nodes, 3).
+  virtual void upload_u(const double* u) = 0;
+  virtual void download_u(double* u) = 0;
+
+  /// Rounds the new positions from u, u to them, and takes the residual there.
+  /// @param in_flight  gives free pieces the mean motion of their predictor (free_flight.hpp).
+  virtual Certificate certify(bool in_flight) = 0;
+  /// The new positions and their velocities become the state.
+  virtual MotionEnergy finish(bool in_flight) = 0;
+  /// The gradient of the last certificate, (nodes, 3).
   virtual void download_gradient(double* gradient) const = 0;
 };
 
 /// On the tables of both, which must outlive it.
 /// @throws Error (usage) for colliders and nets without a table, (resources) where the device has
 ///         no room, (device) in builds without CUDA.
-std::unique_ptr<DeviceIterations> make_device_iterations(const IncrementalPotential& potential,
-                                                         const Preconditioner<float>& first);
+std::unique_ptr<DeviceStep> make_device_step(const IncrementalPotential& potential,
+                                             const Preconditioner<float>& first);
 
-}  // namespace elastogen::cuda
+}  // namespace cuda
+}  // namespace elastogen

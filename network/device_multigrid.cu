@@ -1,231 +1,253 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "core/device_array.cuh"
 #include "network/device_multigrid.cuh"
-#include "network/device_rows.cuh"
+#include "network/device_stencil_pass.cuh"
 #include "network/multigrid_element.hpp"
+
+#include <cooperative_groups.h>
 
 namespace elastogen::cuda {
 namespace {
 
-/// The coefficients of the smoother in the type of the cycle.
-template <class T>
-struct Smoother {
-  explicit Smoother(const Chebyshev& c) : first(T(c.first)), keep(T(c.keep)), add(T(c.add)) {}
-  T first, keep, add;
-};
-
-/// What the kernels of a level work on.
-template <class T>
-struct LevelView {
-  const T *moduli, *border, *added, *inverse_diagonal, *inverses;
-  const uint8_t *pinned, *odd_axes;
-  const int32_t *parents, *children;
-  T *r, *d, *other;
-  int64_t nodes;
-  Smoother<T> smoother;
-};
-
-}  // namespace
+constexpr int kMaxLevels = 12;
+// nodes a thread, 512 / kRun threads a brick: long runs cost least where bricks fill the card,
+// short ones end sooner
+constexpr int kLongRun = 4, kShortRun = 2, kClusterRun = 1;
+constexpr int kShortBricks = 512;   // of levels with short runs
+constexpr int kClusterBricks = 32;  // of levels that a cluster of blocks works on
+constexpr int kClusterThreads = stencil::kSlots / kClusterRun;
 
 template <class T>
-struct DeviceMultigridLevel {
-  explicit DeviceMultigridLevel(const MultigridLevel<T>& host)
-      : rows(host.rows),
-        moduli(host.moduli),
-        border(std::vector<T>(host.rows.border.begin(), host.rows.border.end())),
-        added(host.added),
-        inverse_diagonal(host.inverse_diagonal),
+struct Level {
+  Level(const MultigridLevel<T>& host, const StencilBricks<T>& g)
+      : links(g.links),
+        begin(g.begin),
+        slot(g.slot),
+        row(g.row),
+        rows(g.rows),
         inverses(host.inverses),
-        pinned(host.pinned),
-        odd_axes(host.odd_axes),
-        parents(host.parents),
-        children(host.children),
-        parts(3 * rows.parts()),
-        r(3 * host.nodes),
-        z(3 * host.nodes),
-        d(3 * host.nodes),
-        other(3 * host.nodes),
-        nodes(host.nodes),
-        smoother(Chebyshev(host.lambda_max)) {}
+        r(g.brick_count() * stencil::kBrick),
+        z((g.brick_count() + 1) * stencil::kBrick),
+        other(z.size()),
+        partial((g.brick_count() + 1) * 3 * stencil::kPartial),
+        smoother(host.lambda_max) {}
 
-  LevelView<T> view() {
-    return {moduli.data(),   border.data(), added.data(),    inverse_diagonal.data(),
-            inverses.data(), pinned.data(), odd_axes.data(), parents.data(),
-            children.data(), r.data(),      d.data(),        other.data(),
-            nodes,           smoother};
+  StencilView<T> view() {
+    return {links.data(),
+            begin.data(),
+            slot.data(),
+            row.data(),
+            rows.data(),
+            inverses.data(),
+            r.data(),
+            z.data(),
+            other.data(),
+            partial.data(),
+            int32_t(links.size()),
+            int32_t(slot.size()),
+            T(smoother.first),
+            T(smoother.keep),
+            T(smoother.add)};
   }
 
-  DeviceRows rows;
-  DeviceArray<T> moduli, border, added, inverse_diagonal, inverses;
-  DeviceArray<uint8_t> pinned, odd_axes;
-  DeviceArray<int32_t> parents, children;
-  DeviceArray<T> parts, r, z, d, other;  // other: z between the two products of a smoothing
-  int64_t nodes;
-  Smoother<T> smoother;
+  DeviceArray<BrickLinks> links;
+  DeviceArray<int32_t> begin, slot, row;
+  DeviceArray<T> rows, inverses;
+  DeviceArray<T> r, z, other, partial;
+  Chebyshev smoother;
 };
 
-namespace {
-
+/// The levels, 0 the finest, as a kernel takes them.
 template <class T>
-using Level = DeviceMultigridLevel<T>;
+struct Views {
+  StencilView<T> level[kMaxLevels];
+  int count;
+};
 
-/// finish(k, (A p)_k) over the numbers k = 3 node + component; p(k) is 0 on pinned nodes, pinned
-/// rows are left as they come.
-template <class T, class Vector, class Finish>
-void product(Level<T>& level, const Vector& p, const Finish& finish) {
-  const LevelView<T> v = level.view();
-  for_each_voxel<T, NoSums>(
-      level.rows, level.parts.data(), nullptr,
-      [=] __device__(int64_t n, int64_t, T value[3]) {
-        for (int i = 0; i < 3; ++i) value[i] = p(3 * n + i);
-      },
-      [=] __device__(const VoxelRow& row, int64_t r, int lane, const T u[3][8], T f[3][8],
-                     NoSums&) {
-        T k[6], M[7] = {};
-        for (int j = 0; j < 6; ++j) k[j] = v.moduli[(r * 6 + j) * kLanes + lane];
-        if (row.border < 0) {
-          for (int i = 0; i < 3; ++i) scalar_element<false>(k, M, i, u[i], f[i]);
-          return;
-        }
-        for (int m = 0; m < 7; ++m) M[m] = v.border[(int64_t(row.border) * 7 + m) * kLanes + lane];
-        for (int i = 0; i < 3; ++i) scalar_element<true>(k, M, i, u[i], f[i]);
-      },
-      [=] __device__(int64_t n, const T force[3]) {
-        for (int i = 0; i < 3; ++i) {
-          const int64_t k = 3 * n + i;
-          finish(k, force[i] + v.added[k] * p(k));
-        }
-      });
+template <class T, int kRun>
+__global__ void __launch_bounds__(stencil::kSlots / kRun, sizeof(T) == 4 ? 2 * kRun : 1)
+    pass_kernel(const __grid_constant__ StencilView<T> v, Pass pass, T* out) {
+  extern __shared__ __align__(16) unsigned char room[];
+  stencil::run_pass<T, kRun>(v, pass, blockIdx.x, reinterpret_cast<T*>(room), out);
 }
 
-/// z = p(D^-1 A) D^-1 r from z = 0. The first step is a multiple of D^-1 r, which the product forms
-/// as it reads.
-template <class T>
-void smooth_from_zero(Level<T>& level, T* z) {
-  const LevelView<T> v = level.view();
-  const auto first = [=] __device__(int64_t k) {
-    return v.smoother.first * v.inverse_diagonal[k] * v.r[k];
-  };
-  product(level, first, [=] __device__(int64_t k, T Az) {
-    const T z0 = first(k);
-    z[k] = z0 + (v.smoother.keep * z0 + v.smoother.add * v.inverse_diagonal[k] * (v.r[k] - Az));
-  });
+/// body(k) for each k of [0, n) by the threads of the grid.
+template <class Body>
+__device__ void share(int n, const Body& body) {
+  for (int k = int(blockIdx.x * blockDim.x + threadIdx.x); k < n; k += int(gridDim.x * blockDim.x))
+    body(k);
 }
 
-/// The same polynomial on the residual of the present z. A product must not change what other
-/// bricks still read, so z goes to `other` and back.
 template <class T>
-void smooth(Level<T>& level, T* z) {
-  const LevelView<T> v = level.view();
-  const auto start = [=] __device__(int64_t k) { return z[k]; };
-  product(level, start, [=] __device__(int64_t k, T Az) {
-    v.d[k] = v.smoother.first * v.inverse_diagonal[k] * (v.r[k] - Az);
-    v.other[k] = z[k] + v.d[k];
-  });
-  const auto next = [=] __device__(int64_t k) { return v.other[k]; };
-  product(level, next, [=] __device__(int64_t k, T Az) {
-    const T step = v.smoother.add * v.inverse_diagonal[k] * (v.r[k] - Az);
-    z[k] = v.other[k] + (v.smoother.keep * v.d[k] + step);
-  });
+__device__ void cluster_pass(const StencilView<T>& v, Pass pass, T* out) {
+  extern __shared__ __align__(16) unsigned char room[];
+  for (int32_t brick = int32_t(blockIdx.x); brick < v.bricks; brick += int32_t(gridDim.x)) {
+    stencil::run_pass<T, kClusterRun>(v, pass, brick, reinterpret_cast<T*>(room), out);
+    __syncthreads();
+  }
+  cooperative_groups::this_cluster().sync();
 }
 
-/// d = r - A z on the free nodes, 0 on the pinned ones.
+/// The levels from `first` on as one cluster of blocks, which waits between passes within the card:
+/// down to the coarsest and back. `out` is z of level 0 by node, nullptr where first > 0.
 template <class T>
-void find_residual(Level<T>& level, const T* z) {
-  const LevelView<T> v = level.view();
-  const auto present = [=] __device__(int64_t k) { return z[k]; };
-  product(level, present,
-          [=] __device__(int64_t k, T Az) { v.d[k] = v.pinned[k / 3] ? T(0) : v.r[k] - Az; });
-}
-
-/// r of the coarse level = P^T d of the fine one, 0 on pinned coarse nodes.
-template <class T>
-void restrict_residual(Level<T>& fine, Level<T>& coarse) {
-  const LevelView<T> v = coarse.view();
-  const T* d = fine.d.data();
-  cuda::for_each(3 * v.nodes, [=] __device__(int64_t k) {
-    const int64_t n = k / 3, i = k % 3;
-    T sum = 0;
-    if (!v.pinned[n])
-#pragma unroll
-      for (int c = 0; c < 27; ++c) {
-        const int64_t child = v.children[27 * n + c];
-        if (child < 0) continue;
-        const T half = T(0.5), one = 1;
-        sum += (c % 3 == 1 ? one : half) * (c / 3 % 3 == 1 ? one : half) *
-               (c / 9 == 1 ? one : half) * d[3 * child + i];
-      }
-    v.r[k] = sum;
-  });
-}
-
-/// z of the fine level += P times that of the coarse one, on the free nodes.
-template <class T>
-void prolong_correction(Level<T>& fine, const T* coarse, T* z) {
-  const LevelView<T> v = fine.view();
-  cuda::for_each(3 * v.nodes, [=] __device__(int64_t k) {
-    const int64_t n = k / 3, i = k % 3;
-    if (v.pinned[n]) return;
-    // the corners that differ: those along the odd axes
-    const int odd = v.odd_axes[n];
-    T sum = 0;
-    int corners = 0;
-    for (int c = odd;; c = (c - 1) & odd) {
-      ++corners;
-      const int64_t parent = v.parents[8 * n + c];
-      if (parent >= 0) sum += coarse[3 * parent + i];
-      if (c == 0) break;
+__global__ void __launch_bounds__(kClusterThreads)
+    cluster_kernel(const __grid_constant__ Views<T> views, int first, T* out) {
+  const auto cluster = cooperative_groups::this_cluster();
+  const int last = views.count - 1;
+  for (int l = first; l <= last; ++l) {
+    const StencilView<T>& v = views.level[l];
+    if (l > 0) {
+      share(v.bricks * stencil::kSlots,
+            [&](int slot) { restrict_residual(views.level[l - 1], v, slot); });
+      cluster.sync();
     }
-    z[k] += sum / T(corners);
-  });
+    if (v.inverses != nullptr) {
+      share(3 * 32 * v.nodes, [&](int k) { solve(v, k / 32, l == 0 ? out : nullptr); });
+      cluster.sync();
+      continue;
+    }
+    cluster_pass<T>(v, Pass::kStart, nullptr);
+    if (l < last) cluster_pass<T>(v, Pass::kResidual, nullptr);
+  }
+  for (int l = last; l >= first; --l) {
+    const StencilView<T>& v = views.level[l];
+    if (v.inverses != nullptr) continue;
+    if (l < last) {
+      share(v.bricks * stencil::kSlots,
+            [&](int slot) { prolong_correction(v, views.level[l + 1], slot); });
+      cluster.sync();
+    }
+    cluster_pass<T>(v, Pass::kFirst, nullptr);
+    cluster_pass<T>(v, Pass::kSecond, l == 0 ? out : nullptr);
+  }
 }
 
-/// z_i = A_i^-1 r_i. Neighbouring threads take neighbouring rows of a component; the inverses are
-/// symmetric, so they read along a row of the matrix.
-template <class T>
-void solve(Level<T>& level, T* z) {
-  const LevelView<T> v = level.view();
-  cuda::for_each(3 * v.nodes, [=] __device__(int64_t k) {
-    const int64_t n = v.nodes, i = k / n, row = k % n;
-    const T* inverse = v.inverses + i * n * n + row;
-    T sum = 0;
-    for (int64_t j = 0; j < n; ++j) sum += inverse[j * n] * v.r[3 * j + i];
-    z[3 * row + i] = sum;
-  });
-}
+/// A launch of the cluster kernel by `blocks` blocks.
+struct ClusterLaunch {
+  ClusterLaunch(unsigned blocks, int shared_bytes) {
+    attribute.id = cudaLaunchAttributeClusterDimension;
+    attribute.val.clusterDim.x = blocks;
+    attribute.val.clusterDim.y = attribute.val.clusterDim.z = 1;
+    config.gridDim = dim3(blocks);
+    config.blockDim = dim3(kClusterThreads);
+    config.dynamicSmemBytes = size_t(shared_bytes);
+    config.stream = cudaStreamPerThread;
+    config.attrs = &attribute;
+    config.numAttrs = 1;
+  }
+  ClusterLaunch(const ClusterLaunch&) = delete;
+  cudaLaunchAttribute attribute{};
+  cudaLaunchConfig_t config{};
+};
 
 }  // namespace
 
 template <class T>
-DeviceMultigrid<T>::DeviceMultigrid(const Multigrid<T>& host) : scale_(T(1 / host.level(0).unit)) {
-  for (int l = 0; l < host.level_count(); ++l)
-    levels_.push_back(std::make_unique<DeviceMultigridLevel<T>>(host.level(l)));
-}
+struct DeviceMultigridLevels {
+  explicit DeviceMultigridLevels(const Multigrid<T>& host) : scale(T(1 / host.level(0).unit)) {
+    add_levels(host);
+    views.count = first_in_cluster = int(levels.size());
+    for (int l = 0; l < views.count; ++l) views.level[l] = levels[size_t(l)]->view();
+    while (first_in_cluster > 0 && fits_cluster(views.level[first_in_cluster - 1]))
+      --first_in_cluster;
+    prepare_kernels();
+  }
+
+  static bool fits_cluster(const StencilView<T>& v) {
+    return v.inverses != nullptr || v.bricks <= kClusterBricks;
+  }
+
+  void add_levels(const Multigrid<T>& host) {
+    ELASTOGEN_CHECK(host.level_count() <= kMaxLevels, "at most ", kMaxLevels, " levels");
+    StencilBricks<T> finer = make_stencil_bricks(host.level(0));
+    for (int l = 1; l < host.level_count(); ++l) {
+      StencilBricks<T> coarser = make_stencil_bricks(host.level(l));
+      link_levels(finer, coarser);
+      levels.push_back(std::make_unique<Level<T>>(host.level(l - 1), finer));
+      finer = std::move(coarser);
+    }
+    levels.push_back(std::make_unique<Level<T>>(host.level(host.level_count() - 1), finer));
+  }
+
+  /// Asks for shared memory, and for 16 blocks of a cluster where the card has room for them.
+  void prepare_kernels() {
+    constexpr int kBytes = stencil::kSharedBytes<T>;
+    constexpr auto kShared = cudaFuncAttributeMaxDynamicSharedMemorySize;
+    check(cudaFuncSetAttribute(pass_kernel<T, kLongRun>, kShared, kBytes));
+    check(cudaFuncSetAttribute(pass_kernel<T, kShortRun>, kShared, kBytes));
+    check(cudaFuncSetAttribute(cluster_kernel<T>, kShared, kBytes));
+    check(
+        cudaFuncSetAttribute(cluster_kernel<T>, cudaFuncAttributeNonPortableClusterSizeAllowed, 1));
+    int clusters = 0;
+    const ClusterLaunch launch(cluster_blocks, kBytes);
+    const cudaError_t asked =
+        cudaOccupancyMaxActiveClusters(&clusters, cluster_kernel<T>, &launch.config);
+    if (asked == cudaSuccess && clusters > 0) return;
+    cudaGetLastError();  // cleared, so that no later call reports it
+    cluster_blocks = 8;  // which every card grants
+  }
+
+  void run(int l, Pass pass, T* out = nullptr) {
+    const StencilView<T>& v = views.level[l];
+    const bool is_short = v.bricks <= kShortBricks;
+    const auto kernel = is_short ? pass_kernel<T, kShortRun> : pass_kernel<T, kLongRun>;
+    const int threads = stencil::kSlots / (is_short ? kShortRun : kLongRun);
+    // only the last pass needs room for z
+    const int bytes =
+        stencil::kSharedBytes<T> - (pass == Pass::kSecond ? 0 : stencil::kBrick * int(sizeof(T)));
+    kernel<<<unsigned(v.bricks), unsigned(threads), bytes>>>(v, pass, out);
+    check(cudaGetLastError());
+  }
+
+  void run_cluster(T* out) {
+    const ClusterLaunch launch(cluster_blocks, stencil::kSharedBytes<T>);
+    check(cudaLaunchKernelEx(&launch.config, cluster_kernel<T>, views, first_in_cluster, out));
+  }
+
+  /// The cycle from level l on; level 0 has its residual.
+  void cycle(int l, T* out) {
+    if (l == first_in_cluster) return run_cluster(out);
+    const StencilView<T> v = views.level[l];
+    const int64_t slots = int64_t(v.bricks) * stencil::kSlots;
+    if (l > 0) {
+      const StencilView<T> finer = views.level[l - 1];
+      cuda::for_each(slots, [=] __device__(int64_t s) { restrict_residual(finer, v, int(s)); });
+    }
+    run(l, Pass::kStart);
+    if (l + 1 < views.count) {
+      run(l, Pass::kResidual);
+      cycle(l + 1, nullptr);
+      const StencilView<T> coarser = views.level[l + 1];
+      cuda::for_each(slots, [=] __device__(int64_t s) { prolong_correction(v, coarser, int(s)); });
+    }
+    run(l, Pass::kFirst);
+    run(l, Pass::kSecond, out);
+  }
+
+  std::vector<std::unique_ptr<Level<T>>> levels;
+  Views<T> views;
+  int first_in_cluster;
+  unsigned cluster_blocks = 16;
+  T scale;  // 1 / unit
+};
+
+template <class T>
+DeviceMultigrid<T>::DeviceMultigrid(const Multigrid<T>& host)
+    : levels_(std::make_unique<DeviceMultigridLevels<T>>(host)) {}
 
 template <class T>
 DeviceMultigrid<T>::~DeviceMultigrid() = default;
 
 template <class T>
 void DeviceMultigrid<T>::apply(const T* r, T* z) {
-  T* const scaled = levels_.front()->r.data();
-  const T scale = scale_;
-  cuda::for_each(3 * levels_.front()->nodes,
-                 [=] __device__(int64_t k) { scaled[k] = scale * r[k]; });
-  cycle(0, z);
-}
-
-template <class T>
-void DeviceMultigrid<T>::cycle(size_t l, T* z) {
-  DeviceMultigridLevel<T>& level = *levels_[l];
-  if (level.inverses.size() > 0) return solve(level, z);
-  smooth_from_zero(level, z);
-  if (l + 1 < levels_.size()) {
-    DeviceMultigridLevel<T>& coarse = *levels_[l + 1];
-    find_residual(level, z);
-    restrict_residual(level, coarse);
-    cycle(l + 1, coarse.z.data());
-    prolong_correction(level, coarse.z.data(), z);
-  }
-  smooth(level, z);
+  const StencilView<T> v = levels_->views.level[0];
+  const T scale = levels_->scale;
+  cuda::for_each(int64_t(v.nodes), [=] __device__(int64_t n) {
+    const T value[3] = {scale * r[3 * n], scale * r[3 * n + 1], scale * r[3 * n + 2]};
+    set_residual(v, v.slot[n], value);
+  });
+  levels_->cycle(0, z);
 }
 
 template class DeviceMultigrid<float>;

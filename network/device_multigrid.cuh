@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // The V-cycle of network/multigrid.hpp on the device: the numbers of a finished hierarchy, copied
-// once, and the same cycle, launched level by level without waiting for the device.
+// once, and the same cycle, launched without waiting for the device: level by level where a level
+// fills the card, the small ones together as one cluster of blocks (compute capability 9.0).
 
 #pragma once
 
 #include "network/multigrid.hpp"
 
 #include <memory>
-#include <vector>
 
 namespace elastogen::cuda {
 
 template <class T>
-struct DeviceMultigridLevel;
+struct DeviceMultigridLevels;
 
 /// @tparam T  float or double.
 template <class T>
@@ -27,9 +27,7 @@ class DeviceMultigrid {
   void apply(const T* r, T* z);
 
  private:
-  void cycle(size_t l, T* z);
-  std::vector<std::unique_ptr<DeviceMultigridLevel<T>>> levels_;
-  T scale_;  // 1 / unit
+  std::unique_ptr<DeviceMultigridLevels<T>> levels_;
 };
 
 }  // namespace elastogen::cuda

@@ -15,8 +15,8 @@ std::string device_name() {
   throw Error("built without CUDA", ErrorKind::kDevice);
 }
 
-std::unique_ptr<DeviceIterations> make_device_iterations(const IncrementalPotential&,
-                                                         const Preconditioner<float>&) {
+std::unique_ptr<DeviceStep> make_device_step(const IncrementalPotential&,
+                                             const Preconditioner<float>&) {
   throw Error("built without CUDA", ErrorKind::kDevice);
 }
 

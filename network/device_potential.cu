@@ -68,7 +68,7 @@ struct VoxelSums {
   }
 };
 
-/// The numbers of a PotentialValue, brought to the host at once.
+/// The numbers of a PotentialValue, where kernels leave them for the host.
 struct DeviceValue {
   VoxelSums voxels;
   double inertia = 0;
@@ -88,7 +88,8 @@ struct DevicePotential::Impl {
         border_double(potential.rows().border),
         weights_float(in_float(potential.voxel_weights())),
         border_float(in_float(potential.rows().border)),
-        rotation_double(rows.row_count() * 9 * kLanes),
+        rotation_double(
+            potential.scene().hourglass == Hourglass::kFull ? rows.row_count() * 9 * kLanes : 0),
         rotation_float(rotation_double.size()),
         inertia(nodes()),
         predictor(3 * nodes()),
@@ -97,7 +98,7 @@ struct DevicePotential::Impl {
         pinned(nodes()),
         parts(3 * rows.parts()),
         brick_sums(rows.bricks()),
-        inertia_sums(kSumBlocks),
+        inertia_sums(1),
         value(1) {
     pinned.upload(potential.scene().pinned.data());
     std::vector<DeviceMaterial> list;
@@ -133,7 +134,11 @@ struct DevicePotential::Impl {
   }
 
   template <class T, bool kQuality>
-  PotentialValue evaluate(const double* u, T* gradient);
+  void start_gradient(const double* u, T* gradient);
+  InertiaTerms inertia_terms() {
+    return {inertia.data(), predictor.data(), pinned.data(), &value.data()->inertia};
+  }
+  void sum_inertia(const double* u);
   void freeze_rotations();
   void add_gradients(const double* u, int component);
 
@@ -148,14 +153,15 @@ struct DevicePotential::Impl {
   DeviceArray<uint8_t> pinned;
   DeviceArray<double> parts;  // floats take the first half
   DeviceArray<VoxelSums> brick_sums;
-  DeviceArray<Sums<1>> inertia_sums;
-  DeviceArray<DeviceValue> value;
+  DeviceArray<SumRoom<Sums<1>>> inertia_sums;
+  PinnedArray<DeviceValue> value;
   std::vector<DeviceArray<float>> tables;
   DeviceArray<DeviceMaterial> materials;
 };
 
-/// R_v of every voxel at u_now.
+/// R_v of every voxel at u_now, where the hourglass term needs it.
 void DevicePotential::Impl::freeze_rotations() {
+  if (rotation_double.size() == 0) return;
   const double* u = u_now.data();
   double* R = rotation_double.data();
   float* R_float = rotation_float.data();
@@ -216,6 +222,19 @@ void DevicePotential::begin_step() {
   s.freeze_rotations();
 }
 
+double* DevicePotential::inertia() {
+  return impl_->inertia.data();
+}
+double* DevicePotential::predictor() {
+  return impl_->predictor.data();
+}
+double* DevicePotential::now() {
+  return impl_->u_now.data();
+}
+void DevicePotential::freeze_rotations() {
+  impl_->freeze_rotations();
+}
+
 void DevicePotential::set_nodal_rotations(const double* u) {
   for (int component = 0; component < 3; ++component) impl_->add_gradients(u, component);
   float* rotation = impl_->nodal_rotation.data();
@@ -228,7 +247,7 @@ void DevicePotential::set_nodal_rotations(const double* u) {
 }
 
 template <class T, bool kQuality>
-PotentialValue DevicePotential::Impl::evaluate(const double* u, T* gradient) {
+void DevicePotential::Impl::start_gradient(const double* u, T* gradient) {
   const VoxelTables<T> table = voxels<T>();
   const double *mass = inertia.data(), *aim = predictor.data();
   const uint8_t* held = pinned.data();
@@ -255,18 +274,38 @@ PotentialValue DevicePotential::Impl::evaluate(const double* u, T* gradient) {
   DeviceValue* to = value.data();
   sum_of(rows.bricks(), brick_sums.data(),
          [=] __device__(const VoxelSums& sum) { to->voxels = sum; });
+}
+
+void DevicePotential::Impl::sum_inertia(const double* u) {
+  const InertiaTerms terms = inertia_terms();
   ordered_sum(
-      nodes(), inertia_sums.data(),
-      [=] __device__(int64_t n, Sums<1> & sum) {
-        if (held[n]) return;
-        for (int i = 0; i < 3; ++i) {
-          const double away = u[3 * n + i] - aim[3 * n + i];
-          sum.value[0] += mass[n] / 2 * away * away;
-        }
-      },
-      [=] __device__(const Sums<1>& sum) { to->inertia = sum.value[0]; });
-  DeviceValue found;
-  value.download(&found);
+      3 * nodes(), inertia_sums.data(),
+      [=] __device__(int64_t k, Sums<1> & sum) { sum.value[0] += terms.energy(k, u[k]); },
+      [=] __device__(const Sums<1>& sum) { *terms.total = sum.value[0]; });
+}
+
+template <class T>
+void DevicePotential::start_gradient(const double* u, T* gradient) {
+  impl_->start_gradient<T, false>(u, gradient);
+}
+
+InertiaTerms DevicePotential::inertia_terms() {
+  return impl_->inertia_terms();
+}
+
+template <class T>
+void DevicePotential::start_evaluation(const double* u, T* gradient) {
+  start_gradient(u, gradient);
+  impl_->sum_inertia(u);
+}
+
+void DevicePotential::start_residual(const double* u, double* gradient) {
+  impl_->start_gradient<double, true>(u, gradient);
+  impl_->sum_inertia(u);
+}
+
+PotentialValue DevicePotential::value() const {
+  const DeviceValue& found = impl_->value[0];
   PotentialValue result;
   result.inertia = found.inertia;
   result.elastic = found.voxels.elastic;
@@ -279,13 +318,15 @@ PotentialValue DevicePotential::Impl::evaluate(const double* u, T* gradient) {
 
 template <class T>
 PotentialValue DevicePotential::evaluate(const double* u, T* gradient) {
-  return impl_->evaluate<T, false>(u, gradient);
+  start_evaluation(u, gradient);
+  synchronise();
+  return value();
 }
 
-PotentialValue DevicePotential::residual(const double* u, double* gradient) {
-  return impl_->evaluate<double, true>(u, gradient);
-}
-
+template void DevicePotential::start_gradient<float>(const double*, float*);
+template void DevicePotential::start_gradient<double>(const double*, double*);
+template void DevicePotential::start_evaluation<float>(const double*, float*);
+template void DevicePotential::start_evaluation<double>(const double*, double*);
 template PotentialValue DevicePotential::evaluate<float>(const double*, float*);
 template PotentialValue DevicePotential::evaluate<double>(const double*, double*);
 

@@ -10,6 +10,19 @@
 
 namespace elastogen::cuda {
 
+/// What the inertial energy is a sum of, for those who take it along with other sums.
+struct InertiaTerms {
+  const double *inertia, *predictor;  ///< of DevicePotential
+  const uint8_t* pinned;
+  double* total;  ///< where value() looks for the sum
+
+  /// At the number k = 3 node + component of u.
+  ELASTOGEN_HD double energy(int64_t k, double u) const {
+    const double away = u - predictor[k];
+    return pinned[k / 3] ? 0 : inertia[k / 3] / 2 * away * away;
+  }
+};
+
 class DevicePotential {
  public:
   /// The host's potential must outlive it and have no colliders.
@@ -21,14 +34,29 @@ class DevicePotential {
   /// frozen rotations from the latter; after the host's begin_step.
   void begin_step();
 
+  // what a step begins with, on the device, for those who fill it there
+  double* inertia();    ///< a0 m / dt^2 [N/m], (nodes)
+  double* predictor();  ///< xhat - X [m], (nodes, 3)
+  double* now();        ///< displacement at the start of the step [m], (nodes, 3)
+  /// Takes the frozen rotations from now().
+  void freeze_rotations();
+
   /// Nodal rotations of the preconditioner from a displacement on the device, in float.
   void set_nodal_rotations(const double* u);
 
   /// Value, and gradient [N], (nodes, 3), 0 on pinned nodes; both arrays on the device.
   template <class T>
   PotentialValue evaluate(const double* u, T* gradient);
-  /// The same in float64 with the smallest Jacobians, for the certificate.
-  PotentialValue residual(const double* u, double* gradient);
+  /// The same without waiting for it: value() is there after synchronise().
+  template <class T>
+  void start_evaluation(const double* u, T* gradient);
+  /// The same but for the inertial energy, which the caller sums.
+  template <class T>
+  void start_gradient(const double* u, T* gradient);
+  InertiaTerms inertia_terms();
+  /// That in float64 with the smallest Jacobians, for the certificate.
+  void start_residual(const double* u, double* gradient);
+  PotentialValue value() const;
 
   int64_t nodes() const;
   const uint8_t* pinned() const;        ///< (nodes), on the device

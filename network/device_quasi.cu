@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/device_graph.cuh"
 #include "core/device_reduce.cuh"
 #include "core/line_search.hpp"
-#include "network/device_encoder.cuh"
-#include "network/device_multigrid.cuh"
+#include "network/device_preconditioner.cuh"
 #include "network/device_quasi.hpp"
+#include "network/lbfgs_products.hpp"
 
 #include <cmath>
 #include <limits>
@@ -15,52 +14,25 @@ namespace {
 
 constexpr int kPatience = 25;  // iterations, as on the CPU
 constexpr int kMostHalvings = 12;
-constexpr int kPairs = 5;
+constexpr int kPairs = LbfgsProducts::kPairs, kOlder = LbfgsProducts::kOlder;
+constexpr int kTrialSums = 7 + 2 * kOlder;
 
-/// Numbers of an iteration that live on the device.
-struct Scalars {
-  double alpha[kPairs], rho[kPairs], beta;
-  double slope;                        ///< Phi' along the direction, at its start
-  double trial_gradient, trial_slope;  ///< |g|^2 and Phi' at the trial, for a whole step
-  double sy, ss, yy;                   ///< of the newest pair
+/// What an iteration tells the host.
+struct Numbers {
+  double slope;                  ///< Phi' along the direction, at its start
+  double gradient, trial_slope;  ///< |g|^2 and Phi' at the trial, for a whole step
+  LbfgsProducts::Newest pair;
 };
 
-/// RNN-2's pass on the device (preconditioner.hpp).
-struct DevicePreconditioner {
-  DevicePreconditioner(DevicePotential& p, const Preconditioner<float>& host)
-      : potential(p), multigrid(host.multigrid()), r(3 * p.nodes()), z(3 * p.nodes()) {
-    if (host.encoder()) encoder.emplace(*host.encoder());
-  }
+/// The vectors of the pairs, the newest first.
+template <class T>
+struct PairVectors {
+  const T *s[kPairs], *y[kPairs];
+  int count;
+};
 
-  template <class T>
-  void apply(const T* in, T* out) {
-    const float* rotation = potential.nodal_rotation();
-    const uint8_t* pinned = potential.pinned();
-    float *turned = r.data(), *result = z.data();
-    cuda::for_each(potential.nodes(), [=] __device__(int64_t n) {
-      const float* R = rotation + 9 * n;
-      const T* v = in + 3 * n;
-      for (int i = 0; i < 3; ++i)
-        turned[3 * n + i] = R[i] * float(v[0]) + R[3 + i] * float(v[1]) + R[6 + i] * float(v[2]);
-    });
-    graph.run([&] {
-      multigrid.apply(turned, result);
-      if (encoder) encoder->add(turned, result);
-    });
-    cuda::for_each(potential.nodes(), [=] __device__(int64_t n) {
-      const float* R = rotation + 9 * n;
-      const float* w = result + 3 * n;
-      for (int i = 0; i < 3; ++i)
-        out[3 * n + i] =
-            pinned[n] ? T(0) : T(R[3 * i] * w[0] + R[3 * i + 1] * w[1] + R[3 * i + 2] * w[2]);
-    });
-  }
-
-  DevicePotential& potential;
-  DeviceMultigrid<float> multigrid;
-  std::optional<DeviceEncoder<float>> encoder;
-  DeviceArray<float> r, z;
-  DeviceGraph graph;
+struct FirstLoop {
+  double alpha[kPairs];
 };
 
 /// The vectors and the history of an iteration in T; lbfgs.hpp on the device.
@@ -71,144 +43,190 @@ struct Iteration {
         gradient(n),
         trial_gradient(n),
         direction(n),
-        work(n),
-        scalars(1),
-        partial(kSumBlocks) {
+        coefficients(kPairs),
+        pair_sums(1),
+        slope_sums(1),
+        trial_sums(1),
+        numbers(1) {
     for (int k = 0; k < kPairs; ++k) s.emplace_back(n), y.emplace_back(n);
   }
 
-  size_t pair(int newest) const { return size_t((next - 1 - newest + 2 * kPairs) % kPairs); }
-
-  /// then(sum a_i b_i) on the device.
-  template <class Then>
-  void dot(const T* a, const T* b, const Then& then) {
-    ordered_sum(
-        size, partial.data(),
-        [=] __device__(int64_t i, Sums<3> & sum) { sum.value[0] += double(a[i]) * double(b[i]); },
-        [=] __device__(const Sums<3>& sum) { then(sum.value[0]); });
+  void clear() { products.count = 0; }
+  int slot(int newest) const { return (next - 1 - newest + 2 * kPairs) % kPairs; }
+  PairVectors<T> pairs() const {
+    PairVectors<T> list{{}, {}, products.count};
+    for (int k = 0; k < kPairs; ++k)
+      list.s[k] = s[size_t(slot(k))].data(), list.y[k] = y[size_t(slot(k))].data();
+    return list;
   }
 
-  void find_direction(DevicePreconditioner& first);
-  void measure_trial();
-  void take_pair(double* u, const double* trial_u);
-  /// Keeps the newest pair if its curvature is safely positive.
-  void keep(const Scalars& found) {
-    if (!(found.sy > 1e-10 * std::sqrt(found.ss * found.yy)) || found.sy == 0) return;
-    next = (next + 1) % kPairs;
-    count = std::min(count + 1, kPairs);
+  void find_direction(DevicePreconditioner& first, const double* u, double* trial_u);
+  void first_loop(DevicePreconditioner& first, const FirstLoop& loop);
+  void second_loop(const UnturnedResult& result, const FirstLoop& loop);
+  void take_direction(const double* u, double* trial_u);
+  void measure_gradient();
+  void measure_trial(const double* u, const double* trial_u, const InertiaTerms& inertia);
+  /// The trial that was measured last is the new state.
+  void accept() {
+    std::swap(gradient, trial_gradient);
+    if (products.take(numbers[0].pair)) next = (next + 1) % kPairs;
   }
 
   int64_t size;
-  DeviceArray<T> gradient, trial_gradient, direction, work;
+  DeviceArray<T> gradient, trial_gradient, direction;
   std::vector<DeviceArray<T>> s, y;
-  DeviceArray<Scalars> scalars;
-  DeviceArray<Sums<3>> partial;
-  int next = 0, count = 0;
+  DeviceArray<double> coefficients;  // c of lbfgs_products.hpp
+  DeviceArray<SumRoom<Sums<kPairs>>> pair_sums;
+  DeviceArray<SumRoom<Sums<1>>> slope_sums;
+  DeviceArray<SumRoom<Sums<kTrialSums>>> trial_sums;
+  PinnedArray<Numbers> numbers;
+  LbfgsProducts products;
+  int next = 0;
 };
 
-/// The two-loop recursion around the preconditioner, and the slope along what it gives.
+/// d = H g, its slope, and trial_u = u - d.
 template <class T>
-void Iteration<T>::find_direction(DevicePreconditioner& first) {
-  Scalars* scalar = scalars.data();
-  T *q = work.data(), *d = direction.data();
-  check(cudaMemcpyAsync(q, gradient.data(), size_t(size) * sizeof(T), cudaMemcpyDeviceToDevice));
-  for (int k = 0; k < count; ++k) {
-    const size_t p = pair(k);
-    const T* y_p = y[p].data();
-    dot(s[p].data(), q, [=] __device__(double sum) { scalar->alpha[k] = scalar->rho[p] * sum; });
-    cuda::for_each(size, [=] __device__(int64_t i) { q[i] -= T(scalar->alpha[k]) * y_p[i]; });
-  }
-  first.apply(q, d);
-  for (int k = count - 1; k >= 0; --k) {
-    const size_t p = pair(k);
-    const T* s_p = s[p].data();
-    dot(y[p].data(), d, [=] __device__(double sum) { scalar->beta = scalar->rho[p] * sum; });
-    cuda::for_each(
-        size, [=] __device__(int64_t i) { d[i] += T(scalar->alpha[k] - scalar->beta) * s_p[i]; });
-  }
-  dot(gradient.data(), d, [=] __device__(double sum) { scalar->slope = -sum; });
+void Iteration<T>::find_direction(DevicePreconditioner& first, const double* u, double* trial_u) {
+  FirstLoop loop;
+  products.first_loop(loop.alpha);
+  first_loop(first, loop);
+  first.cycle();
+  second_loop(first.result(), loop);
+  take_direction(u, trial_u);
 }
 
-/// |g|^2 of the trial and its slope along the direction.
+/// q = g - sum alpha_k y_k, on its way into the preconditioner.
 template <class T>
-void Iteration<T>::measure_trial() {
-  Scalars* scalar = scalars.data();
-  const T *g = trial_gradient.data(), *d = direction.data();
+void Iteration<T>::first_loop(DevicePreconditioner& first, const FirstLoop& loop) {
+  const PairVectors<T> p = pairs();
+  const T* g = gradient.data();
+  first.turn([=] __device__(int64_t n, float q[3]) {
+    double sum[3];
+    for (int i = 0; i < 3; ++i) sum[i] = double(g[3 * n + i]);
+#pragma unroll
+    for (int k = 0; k < kPairs; ++k)
+      if (k < p.count)
+        for (int i = 0; i < 3; ++i) sum[i] -= loop.alpha[k] * double(p.y[k][3 * n + i]);
+    for (int i = 0; i < 3; ++i) q[i] = float(sum[i]);
+  });
+}
+
+/// d = B q and the coefficients of the s_k.
+template <class T>
+void Iteration<T>::second_loop(const UnturnedResult& result, const FirstLoop& loop) {
+  const PairVectors<T> p = pairs();
+  const LbfgsProducts numbers_of_pairs = products;
+  T* d = direction.data();
+  double* c = coefficients.data();
   ordered_sum(
-      size, partial.data(),
-      [=] __device__(int64_t i, Sums<3> & sum) {
-        sum.value[0] += double(g[i]) * double(g[i]);
-        sum.value[1] += double(g[i]) * double(d[i]);
+      size / 3, pair_sums.data(),
+      [=] __device__(int64_t n, Sums<kPairs> & sum) {
+        T v[3];
+        result.at(n, v);
+        for (int i = 0; i < 3; ++i) d[3 * n + i] = v[i];
+#pragma unroll
+        for (int k = 0; k < kPairs; ++k)
+          if (k < p.count)
+            for (int i = 0; i < 3; ++i) sum.value[k] += double(p.y[k][3 * n + i]) * double(v[i]);
       },
-      [=] __device__(const Sums<3>& sum) {
-        scalar->trial_gradient = sum.value[0];
-        scalar->trial_slope = -sum.value[1];
+      [=] __device__(const Sums<kPairs>& sum) {
+        double found[kPairs];
+        numbers_of_pairs.second_loop(loop.alpha, sum.value, found);
+        for (int k = 0; k < kPairs; ++k) c[k] = found[k];
       });
 }
 
-/// The pair of an accepted trial, which becomes u.
+/// d += sum c_k s_k, its slope, and the trial of the whole step.
 template <class T>
-void Iteration<T>::take_pair(double* u, const double* trial_u) {
-  Scalars* scalar = scalars.data();
-  const T *g = gradient.data(), *trial_g = trial_gradient.data();
+void Iteration<T>::take_direction(const double* u, double* trial_u) {
+  const PairVectors<T> p = pairs();
+  const T* g = gradient.data();
+  T* d = direction.data();
+  const double* c = coefficients.data();
+  Numbers* to = numbers.data();
+  ordered_sum(
+      size, slope_sums.data(),
+      [=] __device__(int64_t i, Sums<1> & sum) {
+        double found = double(d[i]);
+#pragma unroll
+        for (int k = 0; k < kPairs; ++k)
+          if (k < p.count) found += __ldg(c + k) * double(p.s[k][i]);
+        const T rounded = T(found);
+        d[i] = rounded;
+        trial_u[i] = u[i] - double(rounded);
+        sum.value[0] += double(g[i]) * double(rounded);
+      },
+      [=] __device__(const Sums<1>& sum) { to->slope = -sum.value[0]; });
+}
+
+/// |g|^2.
+template <class T>
+void Iteration<T>::measure_gradient() {
+  const T* g = gradient.data();
+  Numbers* to = numbers.data();
+  ordered_sum(
+      size, slope_sums.data(),
+      [=] __device__(int64_t i, Sums<1> & sum) { sum.value[0] += double(g[i]) * double(g[i]); },
+      [=] __device__(const Sums<1>& sum) { to->gradient = sum.value[0]; });
+}
+
+/// The trial's gradient, slope, inertial energy and pair; the pair takes the place of the oldest.
+template <class T>
+void Iteration<T>::measure_trial(const double* u, const double* trial_u,
+                                 const InertiaTerms& inertia) {
+  using Trial = Sums<kTrialSums>;
+  const PairVectors<T> p = pairs();
+  const int older = products.older();
+  const T *g = gradient.data(), *trial_g = trial_gradient.data(), *d = direction.data();
   T *s_n = s[size_t(next)].data(), *y_n = y[size_t(next)].data();
-  const int place = next;
+  Numbers* to = numbers.data();
   ordered_sum(
-      size, partial.data(),
-      [=] __device__(int64_t i, Sums<3> & sum) {
+      size, trial_sums.data(),
+      [=] __device__(int64_t i, Trial & sum) {
         const T step = T(trial_u[i] - u[i]), change = trial_g[i] - g[i];
-        s_n[i] = step, y_n[i] = change, u[i] = trial_u[i];
-        sum.value[0] += double(step) * double(change);
-        sum.value[1] += double(step) * double(step);
-        sum.value[2] += double(change) * double(change);
+        s_n[i] = step, y_n[i] = change;
+        const double force = double(trial_g[i]), a = double(step), b = double(change);
+        const double found[7] = {force * force, force * double(d[i]),         a * b, a * a, b * b,
+                                 a * force,     inertia.energy(i, trial_u[i])};
+        for (int k = 0; k < 7; ++k) sum.value[k] += found[k];
+#pragma unroll
+        for (int k = 0; k < kOlder; ++k) {
+          if (k >= older) continue;
+          const double s_k = double(p.s[k][i]);
+          sum.value[7 + k] += s_k * force, sum.value[7 + kOlder + k] += s_k * b;
+        }
       },
-      [=] __device__(const Sums<3>& sum) {
-        scalar->sy = sum.value[0], scalar->ss = sum.value[1], scalar->yy = sum.value[2];
-        scalar->rho[place] = 1 / sum.value[0];
+      [=] __device__(const Trial& sum) {
+        const double* v = sum.value;
+        to->gradient = v[0], to->trial_slope = -v[1], *inertia.total = v[6];
+        LbfgsProducts::Newest& pair = to->pair;
+        pair.sy = v[2], pair.ss = v[3], pair.yy = v[4], pair.sg = v[5];
+        for (int k = 0; k < kOlder; ++k)
+          pair.older_g[k] = v[7 + k], pair.older_y[k] = v[7 + kOlder + k];
       });
-  std::swap(gradient, trial_gradient);
 }
 
 }  // namespace
-
-bool has_device() {
-  int count = 0;
-  return cudaGetDeviceCount(&count) == cudaSuccess && count > 0;
-}
-
-std::string device_name() {
-  cudaDeviceProp properties;
-  int device = 0;
-  check(cudaGetDevice(&device));
-  check(cudaGetDeviceProperties(&properties, device));
-  return properties.name;
-}
 
 struct DeviceQuasi::Impl {
   Impl(const IncrementalPotential& host, const Preconditioner<float>& first_matrix)
       : potential(host),
         first(potential, first_matrix),
         u(3 * potential.nodes()),
-        trial_u(u.size()),
-        gradient(u.size()),
-        square_sums(kSumBlocks),
-        square(1) {}
+        trial_u(u.size()) {}
 
   template <class T>
   Iteration<T>& iteration();
   template <class T>
   IterationResult solve(double target, int max_outer, const std::function<bool()>& interrupted);
   template <class T>
-  bool line_search(Iteration<T>& it, PotentialValue& value, int& evaluations, Scalars& found);
+  bool line_search(Iteration<T>& it, PotentialValue& value, int& evaluations);
   template <class T>
   void move(const Iteration<T>& it, double a);
 
   DevicePotential potential;
   DevicePreconditioner first;
   DeviceArray<double> u, trial_u;
-  DeviceArray<double> gradient;  // of the certificate
-  DeviceArray<Sums<1>> square_sums;
-  DeviceArray<double> square;
   std::optional<Iteration<float>> single;
   std::optional<Iteration<double>> precise;
 };
@@ -233,19 +251,20 @@ void DeviceQuasi::Impl::move(const Iteration<T>& it, double a) {
   cuda::for_each(u.size(), [=] __device__(int64_t i) { to[i] = from[i] - a * double(d[i]); });
 }
 
-/// Halves the step until Phi falls.
+/// Halves the step until Phi falls; the first trial is there.
 template <class T>
-bool DeviceQuasi::Impl::line_search(Iteration<T>& it, PotentialValue& value, int& evaluations,
-                                    Scalars& found) {
+bool DeviceQuasi::Impl::line_search(Iteration<T>& it, PotentialValue& value, int& evaluations) {
   const double noise = potential.host().noise(value, std::numeric_limits<T>::epsilon());
   double a = 1;
   for (int halvings = 0; halvings <= kMostHalvings; ++halvings, a /= 2) {
-    move(it, a);
-    const PotentialValue trial = potential.evaluate<T>(trial_u.data(), it.trial_gradient.data());
+    if (halvings > 0) move(it, a);
+    potential.start_gradient<T>(trial_u.data(), it.trial_gradient.data());
+    it.measure_trial(u.data(), trial_u.data(), potential.inertia_terms());
+    synchronise();
     ++evaluations;
-    it.measure_trial();
-    it.scalars.download(&found);
+    const Numbers& found = it.numbers[0];
     if (!(found.slope < 0)) return false;
+    const PotentialValue trial = potential.value();
     const double difference = trial.total() - value.total(), slope = a * found.trial_slope;
     if (std::isfinite(difference) && std::isfinite(slope) &&
         sufficient_decrease(difference, a * found.slope, slope, noise)) {
@@ -260,32 +279,29 @@ template <class T>
 IterationResult DeviceQuasi::Impl::solve(double target, int max_outer,
                                          const std::function<bool()>& interrupted) {
   Iteration<T>& it = iteration<T>();
-  it.next = it.count = 0;
+  it.clear();
   IterationResult result;
-  PotentialValue value = potential.evaluate<T>(u.data(), it.gradient.data());
+  potential.start_evaluation<T>(u.data(), it.gradient.data());
+  it.measure_gradient();
+  synchronise();
+  PotentialValue value = potential.value();
   result.inner = 1;
-  std::swap(it.gradient, it.trial_gradient);
-  it.measure_trial();
-  std::swap(it.gradient, it.trial_gradient);
-  Scalars found;
-  it.scalars.download(&found);
-  double residual = std::sqrt(found.trial_gradient), half = 1e300;
+  double residual = std::sqrt(it.numbers[0].gradient), half = 1e300;
   int halved_at = 0;
   while (true) {
     if (residual < half) half = residual / 2, halved_at = result.outer;
     const bool stalled = sizeof(T) == 4 && result.outer - halved_at > kPatience;
     result.converged = residual <= target;
     if (result.converged || stalled || result.outer == max_outer || interrupted()) return result;
-    it.find_direction(first);
-    if (!line_search(it, value, result.inner, found)) {
-      if (it.count == 0) return result;
-      it.next = it.count = 0;
+    it.find_direction(first, u.data(), trial_u.data());
+    if (!line_search(it, value, result.inner)) {
+      if (it.products.count == 0) return result;
+      it.clear();
       continue;
     }
-    residual = std::sqrt(found.trial_gradient);
-    it.take_pair(u.data(), trial_u.data());
-    it.scalars.download(&found);
-    it.keep(found);
+    residual = std::sqrt(it.numbers[0].gradient);
+    it.accept();
+    std::swap(u, trial_u);
     ++result.outer;
   }
 }
@@ -295,64 +311,53 @@ DeviceQuasi::DeviceQuasi(const IncrementalPotential& potential, const Preconditi
 
 DeviceQuasi::~DeviceQuasi() = default;
 
+DevicePotential& DeviceQuasi::potential() {
+  return impl_->potential;
+}
+
+double* DeviceQuasi::u() {
+  return impl_->u.data();
+}
+
+void DeviceQuasi::set_nodal_rotations() {
+  impl_->potential.set_nodal_rotations(impl_->u.data());
+}
+
+IterationResult DeviceQuasi::solve(double target, int max_outer, bool float64,
+                                   const std::function<bool()>& interrupted) {
+  return float64 ? impl_->solve<double>(target, max_outer, interrupted)
+                 : impl_->solve<float>(target, max_outer, interrupted);
+}
+
 void DeviceQuasi::begin_step() {
   impl_->potential.begin_step();
 }
 
 void DeviceQuasi::set_nodal_rotations(const double* u) {
   impl_->u.upload(u);
-  impl_->potential.set_nodal_rotations(impl_->u.data());
-}
-
-PotentialValue DeviceQuasi::value(const double* u) {
-  impl_->u.upload(u);
-  // its gradient is of no use, that of the certificate stays
-  return impl_->potential.evaluate<double>(impl_->u.data(), impl_->trial_u.data());
-}
-
-PotentialValue DeviceQuasi::residual(const double* u, double& size) {
-  Impl& s = *impl_;
-  s.u.upload(u);
-  const PotentialValue result = s.potential.residual(s.u.data(), s.gradient.data());
-  const double* g = s.gradient.data();
-  double* square = s.square.data();
-  ordered_sum(
-      s.gradient.size(), s.square_sums.data(),
-      [=] __device__(int64_t i, Sums<1> & sum) { sum.value[0] += g[i] * g[i]; },
-      [=] __device__(const Sums<1>& sum) { *square = sum.value[0]; });
-  s.square.download(&size);
-  size = std::sqrt(size);
-  return result;
-}
-
-void DeviceQuasi::download_gradient(double* gradient) const {
-  impl_->gradient.download(gradient);
+  set_nodal_rotations();
 }
 
 IterationResult DeviceQuasi::solve(double* u, double target, int max_outer, bool float64,
                                    const std::function<bool()>& interrupted) {
   impl_->u.upload(u);
-  const IterationResult result = float64 ? impl_->solve<double>(target, max_outer, interrupted)
-                                         : impl_->solve<float>(target, max_outer, interrupted);
+  const IterationResult result = solve(target, max_outer, float64, interrupted);
   impl_->u.download(u);
   return result;
 }
 
-DevicePotential& DeviceQuasi::potential() {
-  return impl_->potential;
-}
-
 template <class T>
 void DeviceQuasi::precondition(const T* r, T* z) {
-  impl_->first.apply(r, z);
+  DevicePreconditioner& first = impl_->first;
+  first.turn([=] __device__(int64_t n, float v[3]) {
+    for (int i = 0; i < 3; ++i) v[i] = float(r[3 * n + i]);
+  });
+  first.cycle();
+  const UnturnedResult result = first.result();
+  cuda::for_each(impl_->potential.nodes(), [=] __device__(int64_t n) { result.at(n, z + 3 * n); });
 }
 
 template void DeviceQuasi::precondition(const float*, float*);
 template void DeviceQuasi::precondition(const double*, double*);
-
-std::unique_ptr<DeviceIterations> make_device_iterations(const IncrementalPotential& potential,
-                                                         const Preconditioner<float>& first) {
-  return std::make_unique<DeviceQuasi>(potential, first);
-}
 
 }  // namespace elastogen::cuda

@@ -9,21 +9,31 @@
 
 namespace elastogen::cuda {
 
-class DeviceQuasi : public DeviceIterations {
+class DeviceQuasi {
  public:
-  /// As make_device_iterations.
+  /// On the tables of both, which must outlive it.
+  /// @throws Error (usage) for colliders and nets without a table, (resources) where the device has
+  ///         no room.
   DeviceQuasi(const IncrementalPotential& potential, const Preconditioner<float>& first);
-  ~DeviceQuasi() override;
-
-  void begin_step() override;
-  void set_nodal_rotations(const double* u) override;
-  IterationResult solve(double* u, double target, int max_outer, bool float64,
-                        const std::function<bool()>& interrupted) override;
-  PotentialValue value(const double* u) override;
-  PotentialValue residual(const double* u, double& size) override;
-  void download_gradient(double* gradient) const override;
+  ~DeviceQuasi();
 
   DevicePotential& potential();
+
+  /// The displacement that is iterated on, (nodes, 3), on the device; solve() may move it.
+  double* u();
+  /// Nodal rotations of the preconditioner from u().
+  void set_nodal_rotations();
+  /// As QuasiSolver<T>::solve on u() with a first matrix in float; T is double with float64, else
+  /// float.
+  IterationResult solve(double target, int max_outer, bool float64,
+                        const std::function<bool()>& interrupted);
+
+  // the same with arrays of the host, for tests and benchmarks
+  void begin_step();  ///< takes the step that the host's potential has begun
+  void set_nodal_rotations(const double* u);
+  IterationResult solve(double* u, double target, int max_outer, bool float64,
+                        const std::function<bool()>& interrupted);
+
   /// z = B r, both (nodes, 3) on the device; for tests and benchmarks. T float or double.
   template <class T>
   void precondition(const T* r, T* z);

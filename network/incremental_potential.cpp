@@ -119,7 +119,7 @@ template void IncrementalPotential::read_voxel_data<float>(int64_t, VoxelData<Pa
 template void IncrementalPotential::read_voxel_data<double>(int64_t,
                                                             VoxelData<Pack<double>>&) const;
 
-void IncrementalPotential::begin_step(const State& state, const StepScheme& scheme, bool freeze) {
+void IncrementalPotential::begin_step(const State& state, const StepScheme& scheme) {
   scheme_ = scheme;
   const Array<double>& X = scene_.grid.rest;
   for_each(X.rows(), [&](int64_t n) {
@@ -136,14 +136,12 @@ void IncrementalPotential::begin_step(const State& state, const StepScheme& sche
       predictor_[size_t(3 * n + d)] = x - X(n, d) + motion;
     }
   });
-  frozen_ = false;
-  if (freeze) freeze_rotations();
+  freeze_rotations();
   contact_.begin_step(now_.data(), state.time);
 }
 
+/// R_v of every row at now_.
 void IncrementalPotential::freeze_rotations() {
-  if (frozen_) return;
-  frozen_ = true;
   deformation_gradients(now_.data(), rotation_);
   for_each(rows_.row_count(), [&](int64_t r) {
     Mat3<Pack<double>> F;

@@ -36,11 +36,7 @@ class IncrementalPotential {
 
   /// Sets the predictor, the frozen voxel rotations and the lagged normal forces of friction, all
   /// from the state at the start of the step.
-  /// @param freeze  false: the voxel rotations wait for freeze_rotations, which all but the
-  ///                predictor and rest_hessian_product need.
-  void begin_step(const State& state, const StepScheme& scheme, bool freeze = true);
-  /// Takes the frozen voxel rotations, if begin_step did not.
-  void freeze_rotations();
+  void begin_step(const State& state, const StepScheme& scheme);
 
   /// Takes the nodal rotations of the preconditioner, polar factors of the fill-weighted sum of
   /// F_v, from the start value of the iteration.
@@ -100,6 +96,7 @@ class IncrementalPotential {
     Pack<double> min_j = Pack<double>{} + 1e300, min_corner_j = min_j;
     Pack<double> outside = {};
   };
+  void freeze_rotations();
   uint32_t full_lanes(int64_t row) const;
   template <class T, bool kQuality>
   PotentialValue evaluate_all(const double* u, T* gradient);
@@ -117,7 +114,6 @@ class IncrementalPotential {
   std::vector<double> gradients_;  ///< F_v of set_nodal_rotations, [row][9][lane]
   std::vector<float> nodal_rotation_;
   std::vector<double> predictor_, inertia_, now_;
-  bool frozen_ = false;         ///< rotation_ is that of now_
   std::vector<float> tangent_;  ///< [row][45][lane]; filled by linearise
   BrickScratch<float> scratch_float_;
   BrickScratch<double> scratch_double_;

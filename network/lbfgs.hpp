@@ -27,14 +27,16 @@ class Lbfgs {
   T* next_s() { return s_[size_t(next_)].data(); }
   T* next_y() { return y_[size_t(next_)].data(); }
 
-  /// Keeps the pair if its curvature s.y is safely positive.
+  /// Keeps the pair if its curvature s.y is safely positive. The oldest of a full history is gone
+  /// in any case: the new one lies in its place.
   bool keep() {
     const double sy = dot(next_s(), next_y(), size_), ss = dot(next_s(), next_s(), size_),
                  yy = dot(next_y(), next_y(), size_);
+    count_ = std::min(count_, kPairs - 1);
     if (!(sy > 1e-10 * std::sqrt(ss * yy)) || sy == 0) return false;
     rho_[next_] = 1 / sy;
     next_ = (next_ + 1) % kPairs;
-    count_ = std::min(count_ + 1, kPairs);
+    ++count_;
     return true;
   }
 

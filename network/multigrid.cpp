@@ -273,16 +273,12 @@ template <class T>
 MultigridLevel<T> Multigrid<T>::level(int l) const {
   const Level& from = *levels_[size_t(l)];
   const LevelGrid& grid = from.grid;
-  std::vector<uint8_t> odd_axes(size_t(grid.nodes));
-  for (int64_t n = 0; n < grid.nodes; ++n) {
-    const int32_t* at = grid.node_coord.row(n);
-    odd_axes[size_t(n)] = uint8_t((at[0] & 1) | (at[1] & 1) << 1 | (at[2] & 1) << 2);
-  }
   std::vector<T> inverses;
   for (const auto& inverse : from.inverse)
     inverses.insert(inverses.end(), inverse.data(), inverse.data() + inverse.size());
-  return {grid.rows,     from.moduli, from.added, from.inverse_diagonal, grid.pinned, grid.parents,
-          grid.children, odd_axes,    inverses,   from.lambda_max,       grid.unit,   grid.nodes};
+  return {grid.rows,   from.moduli,     from.added, from.inverse_diagonal,
+          grid.pinned, grid.node_coord, inverses,   from.lambda_max,
+          grid.unit,   grid.nodes};
 }
 
 template class Multigrid<float>;

@@ -27,8 +27,7 @@ struct MultigridLevel {
   const std::vector<T>& added;             ///< inertia and nodal stiffness over unit, (nodes, 3)
   const std::vector<T>& inverse_diagonal;  ///< times unit, (nodes, 3); 0 on pinned nodes
   const std::vector<uint8_t>& pinned;      ///< (nodes)
-  const std::vector<int32_t>&parents, &children;  ///< as in LevelGrid; empty without that neighbour
-  std::vector<uint8_t> odd_axes;                  ///< axes of odd node coordinate as bits, (nodes)
+  const Array<int32_t>& node_coord;        ///< lattice coordinates of this level, (nodes, 3)
   std::vector<T> inverses;  ///< dense, row-major, (3, nodes, nodes); empty where the cycle smooths
   double lambda_max, unit;  ///< bound of the smoother; [N/m], what the operator is divided by
   int64_t nodes;

@@ -76,6 +76,13 @@ class Solver {
   /// @throws Error if the state is not one of this scene or holds a number that is not finite.
   StepReport step(State& state);
 
+  /// The same for a clip, whose state stays where the steps run: begin takes it, advance() makes a
+  /// step, read() fills it, or its positions, with time and steps. step() ends the clip.
+  /// @throws Error as step; advance() and read() without begin().
+  void begin(const State& state);
+  StepReport advance();
+  void read(State& state, StateParts parts = StateParts::kAll) const;
+
   /// Gradient of the incremental potential at the last state [N], (nodes, 3), 0 on pinned nodes;
   /// its norm is the residual of the report. Zero before the first step.
   Span<const double> residual() const;

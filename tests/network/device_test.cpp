@@ -9,11 +9,10 @@
 #include "network/device_quasi.hpp"
 #include "network/mtl_weights.hpp"
 #include "network/solver.hpp"
-#include "tests/network/scenes.hpp"
+#include "tests/network/device_support.hpp"
 #include "tests/support/laws.hpp"
 
 #include <cuda_runtime_api.h>
-#include <gtest/gtest.h>
 
 namespace elastogen::test {
 namespace {
@@ -72,13 +71,6 @@ class OnDevice {
  private:
   T* data_ = nullptr;
   size_t size_;
-};
-
-class OnCard : public testing::Test {
- protected:
-  void SetUp() override {
-    if (!cuda::has_device()) GTEST_SKIP() << "there is no CUDA device here";
-  }
 };
 
 /// Gradient and value by the device in T against the host's in double, within a relative bound.
@@ -222,57 +214,18 @@ TEST_F(OnCard, IterationsEndWhereThoseOfTheHostEnd) {
   }
 }
 
-TEST_F(OnCard, CertificateIsThatOfTheHost) {
+TEST_F(OnCard, ResidualIsThatOfTheHost) {
   const Scene scene = ragged(Law::kNeoHookean);
   const std::vector<double> now = bent(scene, 0.02 * kH, 5), u = bent(scene, 0.03 * kH, 6);
   Pair pair(scene, now, false);
-  std::vector<double> expected(u.size()), gradient(u.size());
-  double size = 0;
+  std::vector<double> expected(u.size());
   const PotentialValue a = pair.potential.residual(u.data(), expected.data());
-  const PotentialValue b = pair.device->residual(u.data(), size);
-  pair.device->download_gradient(gradient.data());
-  EXPECT_LT(relative_difference(gradient, expected), 1e-12);
-  EXPECT_NEAR(size, norm(expected), 1e-12 * size);
+  OnDevice<double> place(u), gradient(now);
+  pair.device->potential().start_residual(place.data(), gradient.data());
+  EXPECT_LT(relative_difference(gradient.host(), expected), 1e-12);  // which waits for it
+  const PotentialValue b = pair.device->potential().value();
   EXPECT_NEAR(b.min_corner_j, a.min_corner_j, 1e-12);
   EXPECT_NEAR(b.total(), a.total(), 1e-12 * a.total());
-  EXPECT_NEAR(pair.device->value(u.data()).total(), a.total(), 1e-12 * a.total());
-}
-
-/// The state after twelve steps, how many converged, and the last residual.
-State after_steps(const Scene& scene, SolverOptions options, Device device, int& converged,
-                  std::vector<double>& residual) {
-  options.device = device;
-  Solver solver(scene, options);
-  State state = initial_state(scene);
-  converged = 0;
-  for (int k = 0; k < 12; ++k) converged += solver.step(state).converged;
-  const Span<const double> g = solver.residual();
-  residual.assign(g.data, g.data + g.size());
-  return state;
-}
-
-TEST_F(OnCard, StepsEndInTheStatesOfTheHost) {
-  const double dt = 1.0 / 60, h = 0.025;
-  Scene free_bar = scene_on(turned_bar_grid(0.5, 0.07, h), solid(4e4, 0.4));  // falls and turns
-  free_bar.gravity = {0, -9.81, 0};
-  finish_scene(free_bar);
-  Scene late = clamped_beam(24, 5, 7, h, solid(young_of_courant(8, h, dt), 0.45));
-  late.scheme = TimeScheme::kBdf2;
-  const Scene scenes[] = {late, free_bar, ragged(Law::kNeoHookean)};
-  for (const Scene& scene : scenes) {
-    SolverOptions options;
-    options.tolerance = 1e-6;
-    int converged[2];
-    std::vector<double> residual[2];
-    const State a = after_steps(scene, options, Device::kCpu, converged[0], residual[0]);
-    const State b = after_steps(scene, options, Device::kCuda, converged[1], residual[1]);
-    EXPECT_EQ(converged[0], 12);
-    EXPECT_EQ(converged[1], 12);
-    const std::vector<double> u = displacement(scene, a), w = displacement(scene, b);
-    EXPECT_LT(relative_difference(w, u), 1e-5);
-    EXPECT_LE(norm(residual[1]), 1e-6 * reference_force(scene));
-    EXPECT_GT(norm(residual[1]), 0);
-  }
 }
 
 TEST_F(OnCard, AutoTakesItWhereItCan) {

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bench/bench.hpp"
+
+#include "core/error.hpp"
+#include "network/device.hpp"
+
+#include <nlohmann/json.hpp>
+
+namespace elastogen::bench {
+
+const std::vector<std::string>& part_names() {
+  static const std::vector<std::string> names = {"ceilings",   "kernels",  "step",
+                                                 "error-time", "baseline", "startup"};
+  return names;
+}
+
+Device resolved(Device asked) {
+  if (asked == Device::kCpu || (asked == Device::kAuto && !cuda::has_device())) return Device::kCpu;
+  if (!cuda::has_device())
+    throw Error("there is no CUDA device, or none that this build can use: leave out --device cuda",
+                ErrorKind::kDevice);
+  return Device::kCuda;
+}
+
+Json measure(const std::string& part, const BenchTask& task, const CopyRates& rates) {
+  if (part == "ceilings") return measure_ceilings(task);
+  if (part == "kernels") return measure_kernels(task, rates);
+  if (part == "step") return measure_steps(task, rates);
+  if (part == "error-time") return measure_error_time(task);
+  if (part == "baseline") return measure_baseline(task);
+  if (part == "startup") return measure_startup(task);
+  throw Error(concat("unknown part '", part,
+                     "'; known are ceilings, kernels, step, error-time, baseline, startup"));
+}
+
+}  // namespace elastogen::bench

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "network/device_pieces.cuh"
+
+#include <algorithm>
+
+namespace elastogen::cuda {
+namespace {
+
+constexpr int32_t kChunk = 1024;  // entries
+
+/// Nodes of the pieces without a pin.
+std::vector<std::vector<int32_t>> free_pieces(const Scene& scene) {
+  const VoxelGrid& grid = scene.grid;
+  std::vector<uint8_t> held(static_cast<size_t>(grid.pieces));
+  for (int64_t n = 0; n < grid.node_count(); ++n) held[size_t(grid.piece(n))] |= scene.pinned(n);
+  std::vector<std::vector<int32_t>> nodes(held.size());
+  for (int64_t n = 0; n < grid.node_count(); ++n)
+    if (!held[size_t(grid.piece(n))]) nodes[size_t(grid.piece(n))].push_back(int32_t(n));
+  std::erase_if(nodes, [](const auto& list) { return list.empty(); });
+  return nodes;
+}
+
+/// Whether a piece does not turn, as in predictor.cpp.
+__device__ bool same(const Mat3<double>& A, const Mat3<double>& B) {
+  double largest = 0;
+  for (int k = 0; k < 9; ++k) largest = fmax(largest, fabs(A.m[k] - B.m[k]));
+  return largest < 1e-9;
+}
+
+}  // namespace
+
+DevicePieces::DevicePieces(const Scene& scene) {
+  std::vector<int32_t> nodes, chunk_begin, first;
+  std::vector<PieceChunk> chunks;
+  std::vector<double> rest_centre, per_mass;
+  for (const std::vector<int32_t>& list : free_pieces(scene)) {
+    const int32_t piece = int32_t(first.size()), begin = int32_t(nodes.size());
+    double mass = 0, sum[3] = {};
+    for (const int32_t n : list) {
+      mass += scene.mass(n);
+      for (int i = 0; i < 3; ++i) sum[i] += scene.mass(n) * scene.grid.rest(n, i);
+    }
+    for (const double s : sum) rest_centre.push_back(s / mass);
+    per_mass.push_back(1 / mass);
+    first.push_back(list.front());
+    chunk_begin.push_back(int32_t(chunks.size()));
+    nodes.insert(nodes.end(), list.begin(), list.end());
+    const int32_t end = int32_t(nodes.size());
+    for (int32_t k = begin; k < end; k += kChunk)
+      chunks.push_back({piece, k, std::min(k + kChunk, end)});
+  }
+  chunk_begin.push_back(int32_t(chunks.size()));
+  nodes_ = DeviceArray<int32_t>(nodes);
+  chunks_ = DeviceArray<PieceChunk>(chunks);
+  chunk_begin_ = DeviceArray<int32_t>(chunk_begin);
+  first_ = DeviceArray<int32_t>(first);
+  rest_centre_ = DeviceArray<double>(rest_centre);
+  per_mass_ = DeviceArray<double>(per_mass);
+  shift_ = DeviceArray<double>(rest_centre_.size());
+  excess_ = DeviceArray<Sums<3>>(chunks_.size());
+  moments_ = DeviceArray<Sums<12>>(chunks_.size());
+  frames_ = DeviceArray<PieceFrame>(3 * count());
+}
+
+/// Frames of the pieces where number k = 3 node + component is at position(k). Positions are taken
+/// relative to the first node of a piece, so that no digits are lost to the place of the body; the
+/// moment sum m (x - c)(X - R)^T is the same about any c, as R is the centre at rest.
+template <class Position>
+void DevicePieces::find_frames(const double* rest, const double* mass, const Position& position,
+                               PieceFrame* frames) {
+  const PiecesView g = view();
+  sums(
+      moments_,
+      [=] __device__(int64_t p, int64_t n, Sums<12> & sum) {
+        const int64_t origin = g.first[p];
+        for (int i = 0; i < 3; ++i) {
+          const double weight = mass[n] * (position(3 * n + i) - position(3 * origin + i));
+          sum.value[i] += weight;
+          for (int j = 0; j < 3; ++j)
+            sum.value[3 + 3 * i + j] += weight * (rest[3 * n + j] - g.rest_centre[3 * p + j]);
+        }
+      },
+      [=] __device__(int64_t p, const Sums<12>& sum) {
+        PieceFrame frame;
+        Mat3<double> A;
+        for (int i = 0; i < 3; ++i)
+          frame.centre[i] = position(3 * int64_t(g.first[p]) + i) + sum.value[i] * g.per_mass[p];
+        for (int k = 0; k < 9; ++k) A.m[k] = sum.value[3 + k];
+        frame.rotation = polar_rotation(A);
+        frames[p] = frame;
+      });
+}
+
+void DevicePieces::start(const double* rest, const double* mass, const double* x,
+                         const double* x_before, const double* predictor, double* u) {
+  if (count() == 0) return;
+  PieceFrame *all = frames_.data(), *of_before = all + count(), *of_next = all + 2 * count();
+  find_frames(
+      rest, mass, [=] __device__(int64_t k) { return x[k]; }, all);
+  find_frames(
+      rest, mass, [=] __device__(int64_t k) { return x_before[k]; }, of_before);
+  find_frames(
+      rest, mass, [=] __device__(int64_t k) { return rest[k] + predictor[k]; }, of_next);
+  for_each([=] __device__(int64_t p, int64_t n) {
+    const PieceFrame &now = all[p], &before = of_before[p], &next = of_next[p];
+    if (same(now.rotation, next.rotation)) return;
+    double shape[3];
+    for (int j = 0; j < 3; ++j) {
+      shape[j] = 0;
+      for (int k = 0; k < 3; ++k)
+        shape[j] += 2 * now.rotation(k, j) * (x[3 * n + k] - now.centre[k]) -
+                    before.rotation(k, j) * (x_before[3 * n + k] - before.centre[k]);
+    }
+    for (int i = 0; i < 3; ++i) {
+      double sum = next.centre[i] - rest[3 * n + i];
+      for (int j = 0; j < 3; ++j) sum += next.rotation(i, j) * shape[j];
+      u[3 * n + i] = sum;
+    }
+  });
+}
+
+}  // namespace elastogen::cuda

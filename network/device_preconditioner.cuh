@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+// RNN-2's pass on the device (network/preconditioner.hpp), B = R (V-cycle + encoder) R^T, in three
+// parts, so that what makes its argument and what takes its result needs no pass of its own.
+
+#pragma once
+
+#include "core/device_graph.cuh"
+#include "network/device_encoder.cuh"
+#include "network/device_multigrid.cuh"
+#include "network/device_potential.hpp"
+#include "network/preconditioner.hpp"
+
+#include <optional>
+
+namespace elastogen::cuda {
+
+/// The result of a pass before it is turned back.
+struct UnturnedResult {
+  const float *rotation, *values;
+  const uint8_t* pinned;
+
+  /// B q at a node, 0 where it is pinned.
+  template <class T>
+  __device__ void at(int64_t n, T v[3]) const {
+    const float* R = rotation + 9 * n;
+    const float* w = values + 3 * n;
+    for (int i = 0; i < 3; ++i)
+      v[i] = pinned[n] ? T(0) : T(R[3 * i] * w[0] + R[3 * i + 1] * w[1] + R[3 * i + 2] * w[2]);
+  }
+};
+
+class DevicePreconditioner {
+ public:
+  /// Both must outlive it.
+  DevicePreconditioner(DevicePotential& potential, const Preconditioner<float>& host)
+      : potential_(potential),
+        multigrid_(host.multigrid()),
+        r_(3 * potential.nodes()),
+        z_(3 * potential.nodes()) {
+    if (host.encoder()) encoder_.emplace(*host.encoder());
+  }
+
+  /// R^T q; read(n, v) gives the values q of a node.
+  template <class Read>
+  void turn(const Read& read) {
+    const float* rotation = potential_.nodal_rotation();
+    float* turned = r_.data();
+    cuda::for_each(potential_.nodes(), [=] __device__(int64_t n) {
+      const float* R = rotation + 9 * n;
+      float v[3];
+      read(n, v);
+      for (int i = 0; i < 3; ++i)
+        turned[3 * n + i] = R[i] * v[0] + R[3 + i] * v[1] + R[6 + i] * v[2];
+    });
+  }
+
+  /// V-cycle and encoder on what turn() has left.
+  void cycle() {
+    graph_.run([&] {
+      multigrid_.apply(r_.data(), z_.data());
+      if (encoder_) encoder_->add(r_.data(), z_.data());
+    });
+  }
+
+  UnturnedResult result() const {
+    return {potential_.nodal_rotation(), z_.data(), potential_.pinned()};
+  }
+
+ private:
+  DevicePotential& potential_;
+  DeviceMultigrid<float> multigrid_;
+  std::optional<DeviceEncoder<float>> encoder_;
+  DeviceArray<float> r_, z_;
+  DeviceGraph graph_;
+};
+
+}  // namespace elastogen::cuda

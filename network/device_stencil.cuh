@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+// A level of network/stencil_bricks.hpp on the device, and the work of single threads on it: the
+// transfers between levels and the dense solve of the coarsest.
+//
+// Vectors of a level are (bricks, kSlots, 3), z and other with one brick more, which stands for
+// those that are missing. Slots without a free node hold 0 in every vector, always.
+
+#pragma once
+
+#include "network/stencil_bricks.hpp"
+
+namespace elastogen::cuda {
+
+/// What the kernels of a level work on.
+template <class T>
+struct StencilView {
+  const BrickLinks* links;
+  const int32_t *begin, *slot, *row;
+  const T *rows, *inverses;    ///< inverses: nullptr where the cycle smooths
+  T *r, *z, *other, *partial;  ///< partial: (bricks + 1, kPartial, 3)
+  int32_t bricks, nodes;
+  T first, keep, add;  ///< of the Chebyshev polynomial
+};
+
+/// Takes r of a slot, and starts the smoother from it; leaves slots without a free node alone.
+template <class T>
+__device__ inline void set_residual(const StencilView<T>& v, int slot, const T r[3]) {
+  const int64_t row = v.row[slot], k = 3 * int64_t(slot);
+  if (row == 0) return;
+  const T* inverse = v.rows + row * stencil::kRow + 27;
+  for (int i = 0; i < 3; ++i) {
+    v.r[k + i] = r[i];
+    v.other[k + i] = v.first * inverse[i * stencil::kComponent] * r[i];
+  }
+}
+
+/// r of a coarse slot from the finer level's partial sums: those of the brick that begins at its
+/// node or holds it, and of the bricks before that end there.
+template <class T>
+__device__ inline void restrict_residual(const StencilView<T>& fine, const StencilView<T>& coarse,
+                                         int slot) {
+  if (coarse.row[slot] == 0) return;
+  const BrickLinks& links = coarse.links[slot / stencil::kSlots];
+  const int at[3] = {slot % 8, slot / 8 % 8, slot / 64 % 8};
+  T sum[3] = {};
+#pragma unroll
+  for (int c = 0; c < 8; ++c) {
+    int brick = 0, q = 0, first = 1, width = 1;
+    bool reached = true;
+#pragma unroll
+    for (int d = 0; d < 3; ++d, first *= 3, width *= 5) {
+      const int before = c >> d & 1, rest = at[d] & 3;
+      reached &= !before || rest == 0;
+      brick += first * ((at[d] >> 2) + 1 - before);
+      q += width * (before ? 4 : rest);
+    }
+    if (!reached) continue;
+    const T* part = fine.partial + (int64_t(links.fine[brick]) * stencil::kPartial + q) * 3;
+    for (int i = 0; i < 3; ++i) sum[i] += part[i];
+  }
+  set_residual(coarse, slot, sum);
+}
+
+/// z of a fine slot += P times that of the coarser level, on free nodes.
+template <class T>
+__device__ inline void prolong_correction(const StencilView<T>& fine, const StencilView<T>& coarse,
+                                          int slot) {
+  if (fine.row[slot] == 0) return;
+  const BrickLinks& links = fine.links[slot / stencil::kSlots];
+  const int at[3] = {slot % 8, slot / 8 % 8, slot / 64 % 8};
+  // the corners that differ: those along the odd axes
+  const int odd = (at[0] & 1) | (at[1] & 1) << 1 | (at[2] & 1) << 2;
+  T sum[3] = {}, corners = 0;
+  for (int c = odd;; c = (c - 1) & odd, corners += 1) {
+    int brick = 0, place = 0;
+    for (int d = 0; d < 3; ++d) {
+      const int x = 4 * (links.odd >> d & 1) + (at[d] >> 1) + (c >> d & 1);
+      brick += (x >> 3) << d;
+      place += (x & 7) << (3 * d);
+    }
+    const T* z = coarse.z + (int64_t(links.coarse[brick]) * stencil::kSlots + place) * 3;
+    for (int i = 0; i < 3; ++i) sum[i] += z[i];
+    if (c == 0) break;
+  }
+  T* const z = fine.z + 3 * int64_t(slot);
+  for (int i = 0; i < 3; ++i) z[i] += sum[i] / (corners + 1);
+}
+
+/// z_i = A_i^-1 r_i at number k = component nodes + node, by a warp. The inverses are symmetric.
+/// @param out  z by node, (nodes, 3), or nullptr: z of the level.
+template <class T>
+__device__ inline void solve(const StencilView<T>& v, int k, T* out) {
+  const int component = k / v.nodes, node = k % v.nodes, lane = int(threadIdx.x) % 32;
+  const T* inverse = v.inverses + int64_t(k) * v.nodes;
+  T sum = 0;
+  for (int m = lane; m < v.nodes; m += 32)
+    sum += inverse[m] * v.r[3 * int64_t(v.slot[m]) + component];
+  for (int half = 16; half > 0; half /= 2) sum += __shfl_down_sync(~0u, sum, half);
+  if (lane > 0) return;
+  if (out != nullptr)
+    out[3 * node + component] = sum;
+  else
+    v.z[3 * int64_t(v.slot[node]) + component] = sum;
+}
+
+}  // namespace elastogen::cuda

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a solver holds, for the files that make it up: solver.cpp (modes), solver_step.cpp (a step).
+
+#pragma once
+
+#include "network/device.hpp"
+#include "network/free_flight.hpp"
+#include "network/newton_solver.hpp"
+#include "network/paper_solver.hpp"
+#include "network/predictor.hpp"
+#include "network/quasi_solver.hpp"
+#include "network/solver.hpp"
+
+#include <optional>
+
+namespace elastogen {
+
+struct Solver::Impl {
+  Impl(const Scene& s, const SolverOptions& o);
+
+  bool stiff() const;
+  const char* unfit_for_device() const;
+  void take_device();
+
+  // the modes, which improve u
+  IterationResult iterate(double target, StepReport& report);
+  IterationResult choose(double target, StepReport& report);
+  double cost(const IterationResult& r) const;
+  template <class T, class P>
+  IterationResult quasi(std::unique_ptr<QuasiSolver<T>>& solver, double target,
+                        Preconditioner<P>& first) {
+    if (on_device)
+      return on_device->solve(target, options.max_outer, sizeof(T) == 8, options.interrupted);
+    if (!solver) solver = std::make_unique<QuasiSolver<T>>(potential);
+    return solver->solve(u.data(), target, options.max_outer, first, options.interrupted);
+  }
+  IterationResult newton(double target);
+  void bring_step_to_host();
+
+  // the parts of a step
+  StepReport advance(State& state);
+  const Collider* begin_step(const State& state);
+  const Collider* start(const State& state);
+  void cut_start_on_device();
+  double phi(const std::vector<double>& at);
+  IterationResult retreat(double target);
+  bool solve(const State& state, StepReport& report);
+  void balance();
+  Certificate measure(const State& state);
+  void certify(const State& state, StepReport& report);
+  void conserve_momentum(const State& state, Array<double>& v);
+  MotionEnergy take_positions(State& state);
+  void finish(State& state, StepReport& report);
+
+  const Scene& scene;
+  SolverOptions options;
+  IncrementalPotential potential;
+  Predictor predictor;
+  FreeFlight flight;
+  bool in_flight = false;  // free pieces are there, and nothing touches
+  double force, courant;
+  bool pinned = false;
+  SolverMode mode;
+  double last_cost[4] = {};  // of each mode
+  int64_t last_step[4];      // that it took
+  std::optional<Preconditioner<float>> single;
+  std::optional<Preconditioner<double>> precise;
+  std::unique_ptr<QuasiSolver<float>> quasi_float;
+  std::unique_ptr<QuasiSolver<double>> quasi_double;
+  std::unique_ptr<NewtonSolver> newton_solver;
+  std::optional<PaperSolver> paper;
+  std::vector<double> u, gradient, u_before_shift;
+  Array<double> x;  // of the new state
+
+  // with a device, which then holds u and the arrays of the state
+  std::unique_ptr<cuda::DeviceStep> on_device;
+  bool gradient_on_device = false;  // that of the certificate
+  bool step_on_host = false;        // the host's potential has begun the step too
+  StepScheme scheme;
+  State host_state;  // for what the CPU takes over
+
+  // of a clip
+  State clip;  // without arrays where the device has them
+  bool in_clip = false;
+};
+
+}  // namespace elastogen
