@@ -10,6 +10,7 @@ one part in several files stand below each other. docs/generate.py puts the tabl
 from __future__ import annotations
 
 import json
+import re
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -48,7 +49,7 @@ TABLES: dict[str, list[Column]] = {
                 ("B a voxel", cell("bytes_a_voxel", "{:.0f}")),
                 ("GB/s", lambda r: f"{1e-9 * r['bytes_per_second']:.1f}"),
                 ("share of copy", lambda r: f"{100 * r['copy_share']:.0f} %")],
-    "step": [*SCENE, ("fill", cell("fill")),
+    "step": [*SCENE, ("fill", cell("fill")), ("on", cell("device")),
              ("numbers", lambda r: "double" if r["float64"] else "float"),
              ("ms", cell("ms", "{:.2f}")),
              ("quartiles", lambda r: f"{r['ms_lower_quartile']:.2f} ... {r['ms_upper_quartile']:.2f}"),
@@ -117,7 +118,7 @@ def main() -> int:
             columns = TABLES[name]
             table = tables.setdefault(name, {"commands": [], "head": [head for head, _ in columns],
                                              "rows": []})
-            table["commands"].append(result["command"])
+            table["commands"].append(re.sub(r" --(json|python) \S+", "", result["command"]))
             table["rows"] += [[text(row) for _, text in columns]
                               for row in rows_of(name, result[name])]
     files = sorted({f"bench/{file}" for name in tables for file in SOURCES[name] + COMMON})
