@@ -30,9 +30,16 @@ class NetworkStepper : public Stepper {
 
   State start(const StartMotion& motion) const override { return initial_state(scene_, motion); }
   StepReport step(State& state) override { return solver_.step(state); }
-  void begin(const State& state) override { solver_.begin(state); }
-  StepReport advance(State&) override { return solver_.advance(); }
-  void read(State& state, StateParts parts) const override { solver_.read(state, parts); }
+  // steps on the CPU work on the state in place
+  void begin(const State& state) override {
+    if (on_card()) solver_.begin(state);
+  }
+  StepReport advance(State& state) override {
+    return on_card() ? solver_.advance() : solver_.step(state);
+  }
+  void read(State& state, StateParts parts) const override {
+    if (on_card()) solver_.read(state, parts);
+  }
   Span<const double> residual() const override { return solver_.residual(); }
   std::string device() const override { return solver_.device(); }
 
@@ -46,6 +53,8 @@ class NetworkStepper : public Stepper {
   }
 
  private:
+  bool on_card() const { return solver_.device() != "cpu"; }
+
   const Scene& scene_;
   LearnedLaws nets_;
   double tolerance_;
