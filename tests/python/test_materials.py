@@ -6,7 +6,6 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-import struct
 import subprocess
 import tempfile
 import unittest
@@ -20,32 +19,11 @@ from command import BINARY, Run, turned_box, write_obj
 from laws import lame, law_of
 from nets import law_in_logs, net_energy
 from state_file import Floats, Net
+from weight_file import read_weights
 
 SOURCE_WEIGHTS = Path(__file__).resolve().parents[2] / "network/weights"
 SVG = "{http://www.w3.org/2000/svg}"
 UNFITTABLE = ("gent=0.1", "--poisson", "0.3")  # hardens without bound well inside the box
-
-
-def read_weights(path: Path) -> tuple[dict[str, str], Floats]:
-    """Model card and weights of a file, by docs/formats.md."""
-    data, at = path.read_bytes(), 20
-    assert data[:16] == b"elastogen-tensor"
-    assert hashlib.sha256(data[:-32]).digest() == data[-32:]
-
-    def word() -> bytes:
-        nonlocal at
-        length, = struct.unpack_from("<I", data, at)
-        at += 4 + length
-        return data[at - length:at]
-
-    count, = struct.unpack_from("<I", data, at)
-    at += 4
-    card = {}
-    for _ in range(count):
-        key = word().decode()
-        card[key] = word().decode()
-    weights = np.frombuffer(data[-32 - 4 * 17153:-32], "<f4").astype(float)
-    return card, weights
 
 
 def stress_errors(weights: Floats, law: Any, poisson: float) -> Floats:
