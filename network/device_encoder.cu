@@ -106,7 +106,8 @@ DeviceEncoder<T>::DeviceEncoder(const Encoder<T>& host) {
   for (const auto& piece : host.pieces()) {
     const int32_t number = int32_t(chunk_begin.size()), first = int32_t(nodes.size());
     append(nodes, piece.nodes);
-    append(modes, piece.modes);
+    modes.insert(modes.end(), piece.modes.begin(),
+                 piece.modes.begin() + int64_t(piece.nodes.size()) * kModes);
     for (int column = 0; column < kSize; ++column)
       for (int row = 0; row < kSize; ++row)
         inverses.push_back(piece.inverse[size_t(row * kSize + column)]);

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "network/encoder.hpp"
 
+#include "network/encoder_operator.hpp"
 #include "network/smooth_modes.hpp"
 
 #include <Eigen/Cholesky>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace elastogen {
@@ -18,7 +20,7 @@ constexpr int kCosines = 18;
 }  // namespace
 
 template <class T>
-Encoder<T>::Encoder(IncrementalPotential& potential) {
+Encoder<T>::Encoder(const IncrementalPotential& potential) {
   find_pieces(potential.scene());
   for (Piece& piece : pieces_) fill_modes(potential.scene(), piece);
   build_operators(potential);
@@ -48,77 +50,49 @@ void Encoder<T>::fill_modes(const Scene& scene, Piece& piece) {
     pinned |= scene.pinned(n) != 0;
   }
   const double size = std::max({box.extent(0), box.extent(1), box.extent(2)});
-  const std::vector<Wave> waves = lowest_waves(box, kCosines);
+  const PlaneCosines cosines(scene.grid, piece.nodes, lowest_waves(box, kCosines), box);
   std::vector<double> distance;
   if (pinned) distance = pin_distance(scene, piece.nodes);
-  piece.modes.resize(piece.nodes.size() * kModes);
+  piece.modes.resize((piece.nodes.size() - 1) * kModes + kPacks * kLanes);
   for_each(int64_t(piece.nodes.size()), [&](int64_t k) {
     const double* X = scene.grid.rest.row(piece.nodes[size_t(k)]);
     const double d = pinned ? distance[size_t(k)] : 0;
     const double factor = pinned ? d / (d + size / 8) : 1;
     T* mode = piece.modes.data() + k * kModes;
-    for (int w = 0; w < kCosines; ++w) mode[w] = T(factor * cosine(waves[size_t(w)], box, X));
+    for (int w = 0; w < kCosines; ++w)
+      mode[w] = T(factor * cosines(w, scene.grid.node_coord.row(piece.nodes[size_t(k)])));
     for (int i = 0; i < 3; ++i)
       mode[kCosines + i] =
           T(factor * (2 * X[i] - box.lower[size_t(i)] - box.upper[size_t(i)]) / size);
   });
 }
 
-/// sums = B^T p of one piece in float64.
+/// A_r of the pieces at rest.
 template <class T>
-void Encoder<T>::project(const Piece& piece, const double* p, double sums[]) {
-  constexpr int64_t kChunk = 1024, kSize = 3 * kModes;
-  const int64_t n = int64_t(piece.nodes.size());
-  std::vector<double> partial(size_t((n + kChunk - 1) / kChunk * kSize));
-  for_blocks(
-      n,
-      [&](int64_t begin, int64_t end) {
-        double* sum = partial.data() + begin / kChunk * kSize;
-        for (int64_t k = begin; k < end; ++k) {
-          const T* mode = piece.modes.data() + k * kModes;
-          const double* value = p + 3 * int64_t(piece.nodes[size_t(k)]);
-          for (int i = 0; i < 3; ++i)
-            for (int m = 0; m < kModes; ++m) sum[i * kModes + m] += double(mode[m]) * value[i];
-        }
-      },
-      kChunk);
-  std::fill(sums, sums + kSize, 0);
-  for (size_t c = 0; c < partial.size(); c += kSize)
-    for (int i = 0; i < 3; ++i)
-      for (int m = 0; m < kModes; ++m) sums[3 * m + i] += partial[c + size_t(i * kModes + m)];
-}
-
-/// A_r of all pieces at once: they do not touch, so one product serves a mode of each.
-template <class T>
-void Encoder<T>::build_operators(IncrementalPotential& potential) {
-  constexpr int kSize = 3 * kModes;
-  using Matrix = Eigen::Matrix<double, kSize, kSize, Eigen::RowMajor>;
-  const size_t nodes = size_t(potential.scene().grid.node_count());
-  std::vector<Matrix, Eigen::aligned_allocator<Matrix>> A(pieces_.size());
-  std::vector<double> p(3 * nodes), Ap(3 * nodes);
-  reduced_.resize(pieces_.size() * kSize);
-  solution_.resize(reduced_.size());
-  for (int column = 0; column < kSize; ++column) {
-    const int mode = column / 3, component = column % 3;
-    std::fill(p.begin(), p.end(), 0);
-    for (const Piece& piece : pieces_)
-      for (size_t k = 0; k < piece.nodes.size(); ++k)
-        p[3 * size_t(piece.nodes[k]) + size_t(component)] =
-            double(piece.modes[k * kModes + size_t(mode)]);
-    potential.rest_hessian_product(p.data(), Ap.data());
-    for (size_t s = 0; s < pieces_.size(); ++s) {
-      double sums[kSize];
-      project(pieces_[s], Ap.data(), sums);
-      for (int row = 0; row < kSize; ++row) A[s](row, column) = sums[row];
+void Encoder<T>::build_operators(const IncrementalPotential& potential) {
+  const VoxelGrid& grid = potential.scene().grid;
+  std::vector<int32_t> place(size_t(grid.node_count()), -1), piece_of(size_t(grid.pieces), -1);
+  place_.assign(place.size(), {-1, -1});
+  for (size_t s = 0; s < pieces_.size(); ++s) {
+    const std::vector<int32_t>& nodes = pieces_[s].nodes;
+    piece_of[size_t(grid.piece(nodes[0]))] = int32_t(s);
+    for (size_t k = 0; k < nodes.size(); ++k) {
+      place[size_t(nodes[k])] = int32_t(k);
+      place_[size_t(nodes[k])] = {int32_t(s), int32_t(k)};
     }
   }
-  place_.assign(nodes, {-1, -1});
-  for (size_t s = 0; s < pieces_.size(); ++s) {
-    pieces_[s].rest.assign(A[s].data(), A[s].data() + kSize * kSize);
-    invert(pieces_[s], pieces_[s].rest);
-    for (size_t k = 0; k < pieces_[s].nodes.size(); ++k)
-      place_[size_t(pieces_[s].nodes[k])] = {int32_t(s), int32_t(k)};
+  std::vector<std::vector<int32_t>> voxels(pieces_.size());
+  for (int64_t v = 0; v < grid.voxel_count(); ++v) {
+    const int32_t s = piece_of[size_t(grid.piece(grid.corners(v, 0)))];
+    if (s >= 0) voxels[size_t(s)].push_back(int32_t(v));
   }
+  for (size_t s = 0; s < pieces_.size(); ++s) {
+    Piece& piece = pieces_[s];
+    piece.rest = reduced_rest_operator<T>(potential, {piece.nodes, place, voxels[s], piece.modes});
+    invert(piece, piece.rest);
+  }
+  reduced_.resize(pieces_.size() * 3 * kModes);
+  solution_.resize(reduced_.size());
 }
 
 /// Inverse of A scaled to unit diagonal; 1e-9 keeps directions that the modes hold twice harmless.
@@ -160,50 +134,62 @@ void Encoder<T>::set_nodal_stiffness(const std::vector<int32_t>& nodes,
     invert(pieces_[p], A[p].empty() ? pieces_[p].rest : A[p]);
 }
 
+/// The modes of node k in packs; the last one goes on into the next node.
+template <class T>
+void Encoder<T>::load_modes(const Piece& piece, int64_t k, Pack<T> mode[kPacks]) {
+  for (int p = 0; p < kPacks; ++p) mode[p] = load(piece.modes.data() + k * kModes + p * kLanes);
+}
+
 template <class T>
 void Encoder<T>::encode(const T* r, double* y) const {
   constexpr int64_t kChunk = 1024;
   constexpr int kSize = 3 * kModes;
+  using Partial = std::array<Pack<T>, 3 * kPacks>;
   for (size_t s = 0; s < pieces_.size(); ++s) {
     const Piece& piece = pieces_[s];
-    const int64_t n = int64_t(piece.nodes.size()), chunks = (n + kChunk - 1) / kChunk;
-    std::vector<T> partial(size_t(chunks) * kSize);
+    const int64_t n = int64_t(piece.nodes.size());
+    std::vector<Partial> partial(size_t((n + kChunk - 1) / kChunk));
     for_blocks(
         n,
         [&](int64_t begin, int64_t end) {
-          T* sum = partial.data() + begin / kChunk * kSize;
+          Partial sum = {};
           for (int64_t k = begin; k < end; ++k) {
-            const T* mode = piece.modes.data() + k * kModes;
+            Pack<T> mode[kPacks];
+            load_modes(piece, k, mode);
             const T* value = r + 3 * int64_t(piece.nodes[size_t(k)]);
-            for (int i = 0; i < 3; ++i)
-              for (int m = 0; m < kModes; ++m) sum[i * kModes + m] += mode[m] * value[i];
+            for (size_t i = 0; i < 3; ++i)
+              for (size_t p = 0; p < kPacks; ++p) sum[i * kPacks + p] += mode[p] * value[i];
           }
+          partial[size_t(begin / kChunk)] = sum;
         },
         kChunk);
     double* result = y + s * kSize;
     std::fill(result, result + kSize, 0);
-    for (int64_t c = 0; c < chunks; ++c)
+    for (const Partial& sum : partial)
       for (int i = 0; i < 3; ++i)
         for (int m = 0; m < kModes; ++m)
-          result[3 * m + i] += double(partial[size_t(c * kSize + i * kModes + m)]);
+          result[3 * m + i] += double(sum[size_t(i * kPacks + m / kLanes)][m % kLanes]);
   }
 }
 
 template <class T>
 void Encoder<T>::decode(const double* y, T* z) const {
-  constexpr int kSize = 3 * kModes;
   for (size_t s = 0; s < pieces_.size(); ++s) {
     const Piece& piece = pieces_[s];
-    T coefficient[3][kModes];
+    // 0 beyond the last mode
+    Pack<T> coefficient[3][kPacks] = {};
     for (int i = 0; i < 3; ++i)
-      for (int m = 0; m < kModes; ++m) coefficient[i][m] = T(y[s * kSize + size_t(3 * m + i)]);
+      for (int m = 0; m < kModes; ++m)
+        coefficient[i][m / kLanes][m % kLanes] = T(y[int(s) * 3 * kModes + 3 * m + i]);
     for_each(int64_t(piece.nodes.size()), [&](int64_t k) {
-      const T* mode = piece.modes.data() + k * kModes;
+      Pack<T> mode[kPacks];
+      load_modes(piece, k, mode);
       T* value = z + 3 * int64_t(piece.nodes[size_t(k)]);
       for (int i = 0; i < 3; ++i) {
-        T sum = 0;
-        for (int m = 0; m < kModes; ++m) sum += mode[m] * coefficient[i][m];
-        value[i] += sum;
+        Pack<T> sum = {};
+        for (int p = 0; p < kPacks; ++p) sum += mode[p] * coefficient[i][p];
+        value[i] +=
+            ((sum[0] + sum[4]) + (sum[1] + sum[5])) + ((sum[2] + sum[6]) + (sum[3] + sum[7]));
       }
     });
   }

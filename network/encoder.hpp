@@ -13,6 +13,7 @@
 
 #pragma once
 
+#include "core/pack.hpp"
 #include "network/incremental_potential.hpp"
 
 #include <utility>
@@ -24,17 +25,18 @@ template <class T>
 class Encoder {
  public:
   static constexpr int kModes = 21;
+  static constexpr int kPacks = (kModes + kLanes - 1) / kLanes;  ///< that hold the modes of a node
 
   /// A connected piece; row 3 m + i of A_r is mode m of component i.
   struct Piece {
     std::vector<int32_t> nodes;
-    std::vector<T> modes;         ///< (nodes, kModes)
+    std::vector<T> modes;         ///< (nodes, kModes), and zeros that fill the last pack
     std::vector<double> rest;     ///< A_r at rest, (3 kModes, 3 kModes)
     std::vector<double> inverse;  ///< of A_r, the same shape
   };
 
   /// Builds modes and A_r; the potential must have begun a step of the scheme that will be used.
-  explicit Encoder(IncrementalPotential& potential);
+  explicit Encoder(const IncrementalPotential& potential);
 
   /// z += B A_r^-1 B^T r; (nodes, 3).
   void add(const T* r, T* z);
@@ -53,8 +55,8 @@ class Encoder {
  private:
   void find_pieces(const Scene& scene);
   void fill_modes(const Scene& scene, Piece& piece);
-  void build_operators(IncrementalPotential& potential);
-  static void project(const Piece& piece, const double* p, double sums[]);
+  void build_operators(const IncrementalPotential& potential);
+  static void load_modes(const Piece& piece, int64_t k, Pack<T> mode[kPacks]);
   static void invert(Piece& piece, const std::vector<double>& A);
 
   std::vector<Piece> pieces_;

@@ -58,16 +58,10 @@ struct Multigrid<T>::Level {
         },
         [&](int64_t r, const Pack<T> u[3][8], Pack<T> f[3][8], NoSums&) {
           Pack<T> k[6], M[7];
-          for (int j = 0; j < 6; ++j) k[j] = load(moduli.data() + (r * 6 + j) * kLanes);
-          const int32_t border = grid.rows.rows[size_t(r)].border;
-          if (border < 0) {
-            for (int i = 0; i < 3; ++i) scalar_element<false>(k, M, i, u[i], f[i]);
-            return;
-          }
-          for (int m = 0; m < 7; ++m)
-            M[m] = __builtin_convertvector(
-                load(grid.rows.border.data() + (size_t(border) * 7 + size_t(m)) * kLanes), Pack<T>);
-          for (int i = 0; i < 3; ++i) scalar_element<true>(k, M, i, u[i], f[i]);
+          const bool border = load_row(r, k, M);
+          for (int i = 0; i < 3; ++i)
+            border ? scalar_element<true>(k, M, i, u[i], f[i])
+                   : scalar_element<false>(k, M, i, u[i], f[i]);
         },
         [&](int64_t n, const T force[3]) {
           T sum[3];
@@ -78,24 +72,40 @@ struct Multigrid<T>::Level {
 
   void set_diagonal() {
     const size_t size = 3 * size_t(grid.nodes);
-    std::vector<double> diagonal(size);
-    for (size_t v = 0; v < grid.rows.slot.size(); ++v) {
-      double k[6], M[7] = {};
-      for (size_t j = 0; j < 6; ++j) k[j] = grid.moduli[6 * v + j] * grid.h / grid.unit;
-      if (!grid.shape_mean.empty()) hex8::fill_moments(grid.shape_mean.data() + 8 * v, M);
-      const bool full = std::all_of(M + 1, M + 7, [](double m) { return m == 0; });
-      const double full_corner = (4 * k[0] + k[1]) / 16 + (k[2] + k[3] + k[4]) / 24 + k[5] / 48;
-      for (int c = 0; c < 8; ++c)
-        for (int i = 0; i < 3; ++i) {
-          double unit[8] = {}, f[8];
-          unit[c] = 1;
-          if (!full) scalar_element<true>(k, M, i, unit, f);
-          diagonal[3 * size_t(grid.corners[8 * v + size_t(c)]) + size_t(i)] +=
-              full ? full_corner : f[c];
-        }
-    }
-    elastic_diagonal.assign(diagonal.begin(), diagonal.end());
+    elastic_diagonal.resize(size);
+    for_each_row(
+        grid.rows, scratch, no_sums,
+        [](int64_t, int64_t, T value[3]) { std::fill_n(value, 3, T()); },
+        [&](int64_t r, const Pack<T>[3][8], Pack<T> f[3][8], NoSums&) { corner_diagonal(r, f); },
+        [&](int64_t n, const T sum[3]) { std::copy_n(sum, 3, elastic_diagonal.data() + 3 * n); });
     set_added(std::vector<T>(size));
+  }
+
+  /// What the voxels of a row add to the diagonal at their corners.
+  void corner_diagonal(int64_t r, Pack<T> f[3][8]) const {
+    Pack<T> k[6], M[7];
+    const bool border = load_row(r, k, M);
+    for (int i = 0; i < 3; ++i)
+      for (int c = 0; c < 8; ++c) {
+        if (border) {
+          Pack<T> unit[8] = {}, force[8];
+          unit[c] += T(1);
+          scalar_element<true>(k, M, i, unit, force);
+          f[i][c] = force[c];
+        } else {
+          f[i][c] = (4 * k[0] + k[1]) / 16 + (k[2] + k[3] + k[4]) / 24 + k[5] / 48;
+        }
+      }
+  }
+
+  /// Moduli of a row, and the moments of its fill where that has a border.
+  bool load_row(int64_t r, Pack<T> k[6], Pack<T> M[7]) const {
+    for (int j = 0; j < 6; ++j) k[j] = load(moduli.data() + (r * 6 + j) * kLanes);
+    const int32_t border = grid.rows.rows[size_t(r)].border;
+    for (int m = 0; m < 7 && border >= 0; ++m)
+      M[m] = __builtin_convertvector(
+          load(grid.rows.border.data() + (size_t(border) * 7 + size_t(m)) * kLanes), Pack<T>);
+    return border >= 0;
   }
 
   /// Inertia plus a further stiffness of each node and component, in units of the level.

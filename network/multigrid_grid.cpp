@@ -1,97 +1,103 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "network/multigrid_grid.hpp"
 
-#include "core/error.hpp"
+#include "core/parallel.hpp"
+#include "voxelize/brick_index.hpp"
 #include "voxelize/bricks.hpp"
 
 #include <algorithm>
-#include <array>
-#include <unordered_map>
 
 namespace elastogen {
 namespace {
 
-using Coord = std::array<int32_t, 3>;
-
-uint64_t key(int32_t x, int32_t y, int32_t z) {
-  const auto part = [](int32_t a) { return uint64_t(uint32_t(a + (1 << 20))) & 0x1fffff; };
-  return part(x) << 42 | part(y) << 21 | part(z);
-}
-
-/// Index of each lattice coordinate, (items, 3), by its key.
-class CoordIndex {
+/// Looks lattice points up that mostly lie in the brick of the one before.
+class Lookup {
  public:
-  explicit CoordIndex(const Array<int32_t>& coord) : keys_(size_t(coord.rows())) {
-    for (int64_t i = 0; i < coord.rows(); ++i)
-      keys_[size_t(i)] = {key(coord(i, 0), coord(i, 1), coord(i, 2)), int32_t(i)};
-    std::sort(keys_.begin(), keys_.end());
-  }
-  int32_t find(int32_t x, int32_t y, int32_t z) const {
-    const std::pair<uint64_t, int32_t> wanted(key(x, y, z), -1);
-    const auto at = std::lower_bound(keys_.begin(), keys_.end(), wanted);
-    return at != keys_.end() && at->first == wanted.first ? at->second : -1;
+  explicit Lookup(const BrickIndex& index) : index_(index) {}
+  /// Number of the point, -1 if it is not there.
+  int32_t operator()(int32_t x, int32_t y, int32_t z) {
+    const uint64_t key = brick_key({x, y, z});
+    if (key >> 9 != brick_) {
+      brick_ = key >> 9;
+      place_ = index_.find_brick(brick_);
+    }
+    return place_ < 0 ? -1 : int32_t(index_.find(place_, int(key & 511)));
   }
 
  private:
-  std::vector<std::pair<uint64_t, int32_t>> keys_;
+  const BrickIndex& index_;
+  uint64_t brick_ = ~uint64_t{0};
+  int64_t place_ = -1;
 };
 
 /// The voxels of twice the edge that hold a voxel of the fine level, each once.
 Array<int32_t> coarse_voxels(const Array<int32_t>& fine) {
-  std::vector<Coord> coords;
-  for (int64_t v = 0; v < fine.rows(); ++v)
-    coords.push_back({fine(v, 0) >> 1, fine(v, 1) >> 1, fine(v, 2) >> 1});
-  std::sort(coords.begin(), coords.end());
-  coords.erase(std::unique(coords.begin(), coords.end()), coords.end());
-  Array<int32_t> result(int64_t(coords.size()), 3);
-  for (size_t v = 0; v < coords.size(); ++v)
-    std::copy(coords[v].begin(), coords[v].end(), result.row(int64_t(v)));
-  return result;
+  Array<int32_t> halves(fine.rows(), 3);
+  for_each(fine.size(), [&](int64_t k) { halves.data()[k] = fine.data()[k] >> 1; });
+  return BrickIndex(halves).points();
 }
 
 /// Means of the eight children, empty ones counted as 0; one variance weight for all patterns.
 void average_moduli(const LevelGrid& fine, LevelGrid& coarse) {
-  const CoordIndex index(coarse.voxel_coord);
-  coarse.moduli.resize(6 * size_t(coarse.voxel_coord.rows()));
-  for (int64_t v = 0; v < fine.voxel_coord.rows(); ++v) {
-    const int32_t parent = index.find(fine.voxel_coord(v, 0) >> 1, fine.voxel_coord(v, 1) >> 1,
-                                      fine.voxel_coord(v, 2) >> 1);
-    const double* k = fine.moduli.data() + 6 * v;
-    double* sum = coarse.moduli.data() + 6 * parent;
-    sum[0] += k[0] / 8;
-    sum[1] += k[1] / 8;
-    const double variance = (k[2] + k[3] + k[4] + k[5]) / 4;
-    for (int j = 2; j < 6; ++j) sum[j] += variance / 8;
-  }
-}
-
-/// Parents of the fine nodes, children and masses of the coarse ones.
-void connect(LevelGrid& fine, LevelGrid& coarse) {
-  const CoordIndex coarse_index(coarse.node_coord), fine_index(fine.node_coord);
-  fine.parents.resize(8 * size_t(fine.nodes));
-  for_each(fine.nodes, [&](int64_t n) {
-    const int32_t* at = fine.node_coord.row(n);
-    for (int c = 0; c < 8; ++c) {
-      // an even coordinate has one parent, an odd one the two beside it
-      int32_t q[3];
-      for (int d = 0; d < 3; ++d) q[d] = (at[d] + (c >> d & 1 ? at[d] & 1 : 0)) >> 1;
-      const int32_t parent = coarse_index.find(q[0], q[1], q[2]);
-      fine.parents[size_t(8 * n + c)] = coarse.pinned[size_t(parent)] ? -1 : parent;
+  const BrickIndex index(fine.voxel_coord);
+  const int64_t voxels = coarse.voxel_coord.rows();
+  coarse.moduli.resize(6 * size_t(voxels));
+  for_blocks(voxels, [&](int64_t begin, int64_t end) {
+    Lookup find(index);
+    for (int64_t v = begin; v < end; ++v) {
+      const int32_t* at = coarse.voxel_coord.row(v);
+      double* sum = coarse.moduli.data() + 6 * v;
+      for (int c = 0; c < 8; ++c) {
+        const int32_t child =
+            find(2 * at[0] + (c & 1), 2 * at[1] + (c >> 1 & 1), 2 * at[2] + (c >> 2));
+        if (child < 0) continue;
+        const double* k = fine.moduli.data() + 6 * child;
+        sum[0] += k[0] / 8;
+        sum[1] += k[1] / 8;
+        const double variance = (k[2] + k[3] + k[4] + k[5]) / 4;
+        for (int j = 2; j < 6; ++j) sum[j] += variance / 8;
+      }
     }
   });
-  coarse.children.resize(27 * size_t(coarse.nodes));
-  for_each(coarse.nodes, [&](int64_t n) {
-    const int32_t* at = coarse.node_coord.row(n);
-    double inertia = 0;
-    for (int k = 0; k < 27; ++k) {
-      const int o[3] = {k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1};
-      const int32_t child = fine_index.find(2 * at[0] + o[0], 2 * at[1] + o[1], 2 * at[2] + o[2]);
-      coarse.children[size_t(27 * n + k)] = child;
-      if (child < 0) continue;
-      const int odd = (o[0] != 0) + (o[1] != 0) + (o[2] != 0);
-      inertia += fine.inertia[size_t(child)] / double(1 << odd);
+}
+
+/// Parents of the fine nodes.
+void find_parents(const BrickIndex& coarse_index, const LevelGrid& coarse, LevelGrid& fine) {
+  fine.parents.resize(8 * size_t(fine.nodes));
+  for_blocks(fine.nodes, [&](int64_t begin, int64_t end) {
+    Lookup find(coarse_index);
+    for (int64_t n = begin; n < end; ++n) {
+      const int32_t* at = fine.node_coord.row(n);
+      for (int c = 0; c < 8; ++c) {
+        // an even coordinate has one parent, an odd one the two beside it
+        int32_t q[3];
+        for (int d = 0; d < 3; ++d) q[d] = (at[d] + (c >> d & 1 ? at[d] & 1 : 0)) >> 1;
+        const int32_t parent = find(q[0], q[1], q[2]);
+        fine.parents[size_t(8 * n + c)] = coarse.pinned[size_t(parent)] ? -1 : parent;
+      }
     }
-    coarse.inertia[size_t(n)] = inertia;
+  });
+}
+
+/// Children and masses of the coarse nodes; those on a pinned node are pinned.
+void find_children(const BrickIndex& fine_index, const LevelGrid& fine, LevelGrid& coarse) {
+  coarse.children.resize(27 * size_t(coarse.nodes));
+  for_blocks(coarse.nodes, [&](int64_t begin, int64_t end) {
+    Lookup find(fine_index);
+    for (int64_t n = begin; n < end; ++n) {
+      const int32_t* at = coarse.node_coord.row(n);
+      double inertia = 0;
+      for (int k = 0; k < 27; ++k) {
+        const int o[3] = {k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1};
+        const int32_t child = find(2 * at[0] + o[0], 2 * at[1] + o[1], 2 * at[2] + o[2]);
+        coarse.children[size_t(27 * n + k)] = child;
+        if (child < 0) continue;
+        const int odd = (o[0] != 0) + (o[1] != 0) + (o[2] != 0);
+        if (odd == 0) coarse.pinned[size_t(n)] = fine.pinned[size_t(child)];
+        inertia += fine.inertia[size_t(child)] / double(1 << odd);
+      }
+      coarse.inertia[size_t(n)] = inertia;
+    }
   });
 }
 
@@ -103,8 +109,6 @@ LevelGrid finest_level(const Scene& scene, double a0) {
   level.rows = make_brick_rows(grid, scene.material);
   level.nodes = grid.node_count();
   level.h = grid.h;
-  level.corners.assign(grid.corners.data(), grid.corners.data() + grid.corners.size());
-  level.shape_mean.assign(grid.shape_mean.data(), grid.shape_mean.data() + grid.shape_mean.size());
   level.moduli.resize(6 * size_t(grid.voxel_count()));
   for (int64_t v = 0; v < grid.voxel_count(); ++v) {
     const Material& m = scene.materials[size_t(scene.material(v))];
@@ -134,26 +138,18 @@ LevelGrid coarser_level(LevelGrid& fine) {
   coarse.nodes = grid.node_count();
   coarse.h = 2 * fine.h;
   coarse.unit = fine.unit;
-  coarse.corners.assign(grid.corners.data(), grid.corners.data() + grid.corners.size());
   coarse.voxel_coord = grid.voxel_coord;
   coarse.node_coord = grid.node_coord;
   coarse.inertia.resize(size_t(coarse.nodes));
   coarse.pinned.resize(size_t(coarse.nodes));
-  const CoordIndex fine_index(fine.node_coord);
-  for (int64_t n = 0; n < coarse.nodes; ++n) {
-    const int32_t* at = grid.node_coord.row(n);
-    const int32_t same = fine_index.find(2 * at[0], 2 * at[1], 2 * at[2]);
-    coarse.pinned[size_t(n)] = same >= 0 && fine.pinned[size_t(same)];
-  }
   average_moduli(fine, coarse);
-  connect(fine, coarse);
+  find_children(BrickIndex(fine.node_coord), fine, coarse);
+  find_parents(BrickIndex(coarse.node_coord), coarse, fine);
   return coarse;
 }
 
 void release_setup(LevelGrid& level) {
-  level.corners = {};
   level.moduli = {};
-  level.shape_mean = {};
   level.voxel_coord = {};
   level.rows.slot = {};
   level.rows.voxel = {};

@@ -15,11 +15,9 @@ struct LevelGrid {
   int64_t nodes = 0;
   double h = 0;     ///< edge [m]
   double unit = 1;  ///< [N/m]; the cycle runs on the operator divided by it, whatever the scale
-  std::vector<int32_t> corners;  ///< (voxels, 8)
-  std::vector<double> moduli;  ///< phi times mu, lambda, c_xy, c_yz, c_zx, c_xyz [Pa], (voxels, 6)
-  std::vector<double> shape_mean;  ///< (voxels, 8); empty on coarse levels: centre gradients
-  std::vector<double> inertia;     ///< a0 m / dt^2 [N/m], (nodes)
-  std::vector<uint8_t> pinned;     ///< (nodes)
+  std::vector<double> moduli;   ///< phi times mu, lambda, c_xy, c_yz, c_zx, c_xyz [Pa], (voxels, 6)
+  std::vector<double> inertia;  ///< a0 m / dt^2 [N/m], (nodes)
+  std::vector<uint8_t> pinned;  ///< (nodes)
   Array<int32_t> voxel_coord, node_coord;  ///< lattice coordinates of this level
 
   // to the next coarser level; filled by coarser_level
@@ -35,8 +33,7 @@ LevelGrid finest_level(const Scene& scene, double a0);
 /// The next level; fills `parents` of the fine one.
 LevelGrid coarser_level(LevelGrid& fine);
 
-/// Frees what only the construction of the hierarchy needs: corners, moduli, means, voxel
-/// coordinates.
+/// Frees what only the construction of the hierarchy needs: moduli and voxel coordinates.
 void release_setup(LevelGrid& level);
 
 /// coarse = P^T fine, gathered, 0 on pinned coarse nodes; (nodes, 3).

@@ -93,15 +93,15 @@ void PaperSolver::fill_modes() {
   Box box;
   for (int64_t n = 0; n < nodes; ++n) box.add({X(n, 0), X(n, 1), X(n, 2)});
   const double size = std::max({box.extent(0), box.extent(1), box.extent(2)});
-  const std::vector<Wave> waves = lowest_waves(box, waves_);
   std::vector<int32_t> all(static_cast<size_t>(nodes));
   std::iota(all.begin(), all.end(), 0);
+  const PlaneCosines cosines(scene.grid, all, lowest_waves(box, waves_), box);
   const std::vector<double> distance = pin_distance(scene, all);
   modes_.resize(size_t(waves_) * size_t(nodes));
   for_each(nodes, [&](int64_t n) {
     const double d = distance[size_t(n)];
     for (int k = 0; k < waves_; ++k)
-      modes_[size_t(k * nodes + n)] = d / (d + size / 8) * cosine(waves[size_t(k)], box, X.row(n));
+      modes_[size_t(k * nodes + n)] = d / (d + size / 8) * cosines(k, scene.grid.node_coord.row(n));
   });
   column_.resize(3 * size_t(nodes));
 }
