@@ -9,8 +9,8 @@
 namespace elastogen::bench {
 
 const std::vector<std::string>& part_names() {
-  static const std::vector<std::string> names = {"ceilings",   "kernels",  "step",
-                                                 "error-time", "baseline", "startup"};
+  static const std::vector<std::string> names = {"ceilings", "kernels",  "step",   "error-time",
+                                                 "tip",      "baseline", "startup"};
   return names;
 }
 
@@ -27,10 +27,11 @@ Json measure(const std::string& part, const BenchTask& task, const CopyRates& ra
   if (part == "kernels") return measure_kernels(task, rates);
   if (part == "step") return measure_steps(task, rates);
   if (part == "error-time") return measure_error_time(task);
+  if (part == "tip") return measure_tip(task);
   if (part == "baseline") return measure_baseline(task);
   if (part == "startup") return measure_startup(task);
   throw Error(concat("unknown part '", part,
-                     "'; known are ceilings, kernels, step, error-time, baseline, startup"));
+                     "'; known are ceilings, kernels, step, error-time, tip, baseline, startup"));
 }
 
 }  // namespace elastogen::bench

@@ -26,6 +26,7 @@ struct BenchTask {
   std::vector<SolverMode> solvers = {SolverMode::kQuasi, SolverMode::kNewton, SolverMode::kPaper};
   std::vector<double> tolerances = {1e-1, 1e-2, 1e-3, 1e-4};  ///< of error-time
   double tolerance = 1e-3;                                    ///< of step and baseline
+  bool fem = false;    ///< tip: quadratic tetrahedra, six in each of the voxels of `sizes`
   int repeats = 0;     ///< of each time; 0: those of the part
   PaperLoops loops;    ///< of the published algorithm
   std::string python;  ///< program that runs the baseline
@@ -39,7 +40,7 @@ struct CopyRates {
   double host = 0, card = 0;
 };
 
-/// ceilings, kernels, step, error-time, baseline, startup.
+/// ceilings, kernels, step, error-time, tip, baseline, startup.
 const std::vector<std::string>& part_names();
 
 /// kCuda or kCpu. @throws Error (device) if the device is asked for and there is none.
@@ -59,6 +60,8 @@ Json measure_kernels(const BenchTask& task, const CopyRates& rates);
 Json measure_steps(const BenchTask& task, const CopyRates& rates);
 /// One step by every solver at every tolerance, beside its error.
 Json measure_error_time(const BenchTask& task);
+/// The tip of c84 in 24 frames, by quasi or by quadratic tetrahedra.
+Json measure_tip(const BenchTask& task);
 /// The published algorithm in PyTorch beside the solvers, on the same step.
 Json measure_baseline(const BenchTask& task);
 /// Start of the command to its first step, on a mesh of 20448 triangles.

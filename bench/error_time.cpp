@@ -32,20 +32,23 @@ std::vector<SolverOptions> budgets(const BenchTask& task, SolverMode mode) {
   return result;
 }
 
-Json json(const std::string& name, const Scene& scene, const SolverOptions& s, const Timing& t) {
+Json json(const std::string& name, const Scene& scene, double fill, const SolverOptions& s,
+          const Timing& t) {
   const StepReport& r = t.report;
   const bool paper = s.mode == SolverMode::kPaper;
-  fmt::print("{} {} C {:.4g} nu {}: {:6} {:>7}: {:9.2f} ms, residual {:.1e}, error {:.1e}\n", name,
-             scene.grid.voxel_count(), courant_number(scene), scene.materials[0].poisson,
-             solver_name(s.mode),
-             paper ? fmt::format("{} x {}", s.paper.outer, s.paper.inner)
-                   : fmt::format("{:.0e}", s.tolerance),
-             t.ms, r.residual, t.error);
+  fmt::print(
+      "{} {} C {:.4g} nu {} fill {}: {:6} {:>7}: {:9.2f} ms, residual {:.1e}, error {:.1e}\n", name,
+      scene.grid.voxel_count(), courant_number(scene), scene.materials[0].poisson, fill,
+      solver_name(s.mode),
+      paper ? fmt::format("{} x {}", s.paper.outer, s.paper.inner)
+            : fmt::format("{:.0e}", s.tolerance),
+      t.ms, r.residual, t.error);
   std::fflush(stdout);
   return {{"scene", name},
           {"voxels", scene.grid.voxel_count()},
           {"courant", courant_number(scene)},
           {"poisson", scene.materials[0].poisson},
+          {"fill", fill},
           {"solver", solver_name(s.mode)},
           {"hourglass", paper ? "variance" : "full"},
           {"device", s.device == Device::kCuda ? "cuda" : "cpu"},
@@ -60,20 +63,20 @@ Json json(const std::string& name, const Scene& scene, const SolverOptions& s, c
 }
 
 /// The solvers of one hourglass term on one scene.
-void add_rows(const BenchTask& task, const std::string& name, SceneOptions o, bool paper,
-              Json& rows) {
+void add_rows(const BenchTask& task, const std::string& name, SceneOptions o, double fill,
+              bool paper, Json& rows) {
   std::vector<SolverOptions> runs;
   for (const SolverMode mode : task.solvers)
     if ((mode == SolverMode::kPaper) == paper)
       for (const SolverOptions& s : budgets(task, mode)) runs.push_back(s);
   if (runs.empty()) return;
   o.hourglass = paper ? Hourglass::kVariance : Hourglass::kFull;
-  const Scene scene = step_scene(name, o, 1);
+  const Scene scene = step_scene(name, o, fill);
   const Reference reference = make_reference(scene, {}, kStepsBefore);
   const int repeats = task.repeats > 0 ? task.repeats : kRepeats;
   for (const SolverOptions& s : runs)
-    rows.push_back(
-        json(name, scene, s, time_step(scene, reference.start, s, repeats, reference.next.x)));
+    rows.push_back(json(name, scene, fill, s,
+                        time_step(scene, reference.start, s, repeats, reference.next.x)));
 }
 
 }  // namespace
@@ -82,13 +85,15 @@ Json measure_error_time(const BenchTask& task) {
   const std::vector<double> sizes = task.sizes.empty() ? std::vector{1e4} : task.sizes;
   Json rows = Json::array();
   for (const std::string& name : task.scenes) {
-    const bool own = name == "c84";  // C and nu
+    // C, nu and fill of c84 are its own, and only the beam has a fill
+    const bool own = name == "c84", beam = name == "beam";
     for (const double size : sizes)
       for (const double courant : own ? std::vector{10.0} : task.courants)
         for (const double poisson : own ? std::vector{0.4} : task.poissons)
-          for (const bool paper : {false, true})
-            add_rows(task, name, {.voxels = size, .courant = courant, .poisson = poisson}, paper,
-                     rows);
+          for (const double fill : beam ? task.fills : std::vector{1.0})
+            for (const bool paper : {false, true})
+              add_rows(task, name, {.voxels = size, .courant = courant, .poisson = poisson}, fill,
+                       paper, rows);
   }
   return rows;
 }

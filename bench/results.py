@@ -57,10 +57,16 @@ TABLES: dict[str, list[Column]] = {
              ("set-up [s]", cell("setup_seconds", "{:.2f}")),
              ("B a voxel, host", cell("host_bytes_a_voxel", "{:.0f}")),
              ("card", cell("card_bytes_a_voxel", "{:.0f}"))],
-    "error-time": [*SCENE, ("mode", cell("solver")), ("tolerance", cell("tolerance", "{:.0e}")),
+    "error-time": [*SCENE, ("fill", cell("fill")), ("mode", cell("solver")), ("tolerance", cell("tolerance", "{:.0e}")),
                    ("outer", cell("outer")), ("inner", cell("inner")), ("float64", yes("float64")),
                    ("residual", cell("residual", "{:.1e}")), ("error", cell("error", "{:.1e}")),
                    ("ms", cell("ms", "{:.1f}")), ("setup s", cell("setup_seconds", "{:.2f}"))],
+    "tip": [("run", cell("run")), ("voxels", cell("voxels")), ("on", cell("device")),
+            ("ms a frame", cell("ms", "{:.2f}")), ("converged", lambda r: f"{r['converged']} of {r['frames']}"),
+            ("worst residual", cell("residual", "{:.1e}")),
+            *[(f"tip at {(k + 1) / 30:.1f} s [mm]", lambda r, k=k: f"{1e3 * r['tip'][k]:.2f}")
+              for k in (5, 11, 17, 23)],
+            ("largest distance to the finest tet10 [% of its last]", cell("away", "{:.2f}"))],
     "baseline": [*SCENE, ("run", cell("run")), ("on", cell("device")), ("ms", cell("ms", "{:.2f}")),
                  ("residual", cell("residual", "{:.1e}")), ("error", cell("error", "{:.1e}")),
                  ("time over quasi", cell("time_ratio", "{:.3g}")),
@@ -71,6 +77,7 @@ TABLES: dict[str, list[Column]] = {
                 ("B a voxel", cell("bytes_a_voxel", "{:.0f}"))]}
 SOURCES = {"ceilings": ["ceilings.cpp", "card_ceilings.cu"],
            "kernels": ["kernels.cpp", "card_kernels.cpp"], "step": ["step.cpp"], "error-time": ["error_time.cpp", "measure.cpp"],
+           "tip": ["tip.cpp"],
            "baseline": ["baseline.cpp", "baselines/dense_grid.py", "baselines/elastogen_paper.py",
                         "baselines/local_step.py", "measure.cpp"],
            "startup": ["startup.cpp"]}
@@ -106,6 +113,14 @@ def rows_of(name: str, part: Any) -> list[Row]:
     return special[name](part) if name in special else part
 
 
+def judge_tips(rows: list[Row]) -> None:
+    """Adds how far each curve strays from that of the finest elements, in per cent of its end."""
+    best = max((row for row in rows if row["run"] == "tet10"), key=lambda row: row["voxels"])["tip"]
+    for row in rows:
+        away = max(abs(tip - truth) for tip, truth in zip(row["tip"], best, strict=True))
+        row["away"] = 100 * away / abs(best[-1])
+
+
 def main() -> int:
     """Writes the tables."""
     if len(sys.argv) < 3:
@@ -113,14 +128,16 @@ def main() -> int:
         return 2
     results = [json.loads(Path(path).read_text()) for path in sys.argv[2:]]
     tables: dict[str, dict[str, Any]] = {}
-    for result in results:
-        for name in (part for part in TABLES if part in result):
-            columns = TABLES[name]
-            table = tables.setdefault(name, {"commands": [], "head": [head for head, _ in columns],
-                                             "rows": []})
-            table["commands"].append(re.sub(r" --(json|python) \S+", "", result["command"]))
-            table["rows"] += [[text(row) for _, text in columns]
-                              for row in rows_of(name, result[name])]
+    for name, columns in TABLES.items():
+        having = [result for result in results if name in result]
+        if not having:
+            continue
+        rows = [row for result in having for row in rows_of(name, result[name])]
+        if name == "tip":
+            judge_tips(rows)
+        commands = [re.sub(r" --(json|python) \S+", "", result["command"]) for result in having]
+        tables[name] = {"commands": commands, "head": [head for head, _ in columns],
+                        "rows": [[text(row) for _, text in columns] for row in rows]}
     files = sorted({f"bench/{file}" for name in tables for file in SOURCES[name] + COMMON})
     first = results[0]
     header = {"commit": first["commit"], "date": first["date"][:10], "cpu": first["machine"]["cpu"]}

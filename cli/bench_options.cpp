@@ -36,11 +36,12 @@ void BenchOptions::add_axes(CLI::App& verb) {
   add("--sizes", task.sizes, "voxels, like 3.2e4,1e6; default by part and device");
   add("--courant", task.courants, "(dt/h) sqrt(E/rho)");
   add("--poisson", task.poissons, "Poisson's ratios");
-  add("--fill", task.fills, "step, beam: shares of the box that are solid, 0.01 to 1");
+  add("--fill", task.fills, "step, error-time, beam: shares of the box that are solid, 0.01 to 1");
   add("--solvers", solvers_, "error-time: quasi, newton, paper");
   add("--tolerances", task.tolerances, "error-time");
-  verb.add_option("--tolerance", task.tolerance, "step, baseline: of the residual")
+  verb.add_option("--tolerance", task.tolerance, "step, tip, baseline: of the residual")
       ->capture_default_str();
+  verb.add_flag("--fem", task.fem, "tip: by quadratic tetrahedra, six in a voxel");
   verb.add_option("--repeat", task.repeats, "runs of each time; 0: those of the part")
       ->capture_default_str();
 }
@@ -66,7 +67,7 @@ void BenchOptions::add(CLI::App& app, const std::string& command) {
   CLI::App* verb = app.add_subcommand("bench", "measures the machine and the solvers on it");
   verb->add_option(
           "PART", verb_.task.parts,
-          "ceilings, kernels, step, error-time, baseline, startup; several are run in turn")
+          "ceilings, kernels, step, error-time, tip, baseline, startup; several are run in turn")
       ->required();
   verb->add_option("--device", device_, "auto, cpu or cuda")->capture_default_str();
   verb->add_option("--json", verb_.json, "what was measured, on what");

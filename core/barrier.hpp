@@ -15,9 +15,24 @@ struct Curve {
   double value = 0, first = 0, second = 0;
 };
 
-/// b(s) = -(1 - s)^2 ln s for 0 < s < 1, 0 for s >= 1: C2, convex, infinite at s = 0.
+/// Below it the barrier goes on as a parabola: a point that an impact has driven to a millionth of
+/// the layer would otherwise have a stiffness that no other one can be told from in float, and
+/// never come off. What keeps points from crossing is that steps are cut before they do.
+inline constexpr double kBarrierCut = 1e-3;
+
+/// Share of the layer that cut steps leave a point at least.
+inline constexpr double kLeastDistance = 1e-6;
+
+/// b(s) = -(1 - s)^2 ln s for kBarrierCut < s < 1, 0 for s >= 1, and below its Taylor polynomial of
+/// second degree about kBarrierCut: C2 and convex.
 inline Curve barrier(double s) {
   if (s >= 1) return {};
+  if (s < kBarrierCut) {
+    const Curve cut = barrier(kBarrierCut);
+    const double d = s - kBarrierCut;
+    return {cut.value + d * (cut.first + d / 2 * cut.second), cut.first + d * cut.second,
+            cut.second};
+  }
   const double l = std::log(s), r = 1 - s;
   return {-r * r * l, 2 * r * l - r * r / s, -2 * l + 4 * r / s + r * r / (s * s)};
 }

@@ -78,18 +78,19 @@ Collider core_of(const Collider& collider, double layer) {
   return core;
 }
 
-double free_share(const Collider& c, const Vec3& offset, const Vec3& a, const Vec3& b) {
+double free_share(const Collider& c, const Vec3& offset, const Vec3& a, const Vec3& b,
+                  double least) {
   constexpr double kLeft = 0.1;
   const double distance = proximity(c, offset, a).distance;
+  const double left = std::max(kLeft * distance, std::min(distance, least));
   if (c.shape == Collider::Shape::kPlane) {
     const double approach = distance - proximity(c, offset, b).distance;
-    return (1 - kLeft) * distance < approach ? (1 - kLeft) * distance / approach : 1;
+    return distance - left < approach ? (distance - left) / approach : 1;
   }
   const Vec3 q = minus(minus(a, c.centre), offset), m = minus(b, a);
-  if (c.shape == Collider::Shape::kSphere)
-    return share_to_sphere(q, m, c.radius + kLeft * distance);
+  if (c.shape == Collider::Shape::kSphere) return share_to_sphere(q, m, c.radius + left);
   Vec3 half;
-  for (size_t d = 0; d < 3; ++d) half[d] = c.half[d] + kLeft * distance;
+  for (size_t d = 0; d < 3; ++d) half[d] = c.half[d] + left;
   return share_to_box(q, m, half);
 }
 

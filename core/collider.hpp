@@ -50,8 +50,10 @@ Proximity proximity(const Collider& collider, const Vec3& offset, const Vec3& po
 Collider core_of(const Collider& collider, double layer);
 
 /// Largest share, at most 1, of the straight way from a to b that leaves a point outside a collider
-/// a tenth of its distance all along; a little less where the way ends at the edge of a box.
-double free_share(const Collider& collider, const Vec3& offset, const Vec3& a, const Vec3& b);
+/// a tenth of its distance all along, and no less than `least` [m] where it has that at a; a little
+/// less where the way ends at the edge of a box.
+double free_share(const Collider& collider, const Vec3& offset, const Vec3& a, const Vec3& b,
+                  double least);
 
 /// @throws Error (usage) naming the collider: a normal that is no unit vector, a size or friction
 ///         that is negative or not finite, times that do not ascend.

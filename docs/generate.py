@@ -26,7 +26,7 @@ from fit_tables import fine_tuning, fits, generation  # noqa: E402
 from paper_tables import TABLES as PAPER_TABLES  # noqa: E402
 
 RESULTS = ROOT / "docs" / "results"
-BENCH_PARTS = ("ceilings", "kernels", "step", "error-time", "baseline", "startup")
+BENCH_PARTS = ("ceilings", "kernels", "step", "error-time", "tip", "baseline", "startup")
 STUDIES = ("beam", "twist", "torus", "knot")
 
 

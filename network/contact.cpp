@@ -246,7 +246,8 @@ double Contact::longest_step(const double* u, const double* end) {
     const Ball swept = {from.centre, std::max(from.radius, way + to.radius)};
     if (!reaches(wall, swept, 0)) continue;
     for (size_t p = 0; p < size_t(points_); ++p)
-      longest = std::min(longest, free_share(wall.core, wall.to, place_[p], end_[p]));
+      longest = std::min(
+          longest, free_share(wall.core, wall.to, place_[p], end_[p], kLeastDistance * layer_));
   }
   return longest;
 }

@@ -20,10 +20,13 @@ std::vector<std::vector<int32_t>> free_pieces(const Scene& scene) {
   return nodes;
 }
 
-/// Whether a piece does not turn, as in predictor.cpp.
-__device__ bool same(const Mat3<double>& A, const Mat3<double>& B) {
+/// As in predictor.cpp.
+__device__ bool steady(const PieceFrame& before, const PieceFrame& now, const PieceFrame& next) {
   double largest = 0;
-  for (int k = 0; k < 9; ++k) largest = fmax(largest, fabs(A.m[k] - B.m[k]));
+  for (int k = 0; k < 9; ++k)
+    for (const double turn :
+         {now.rotation.m[k] - before.rotation.m[k], next.rotation.m[k] - now.rotation.m[k]})
+      largest = fmax(largest, fabs(turn));
   return largest < 1e-9;
 }
 
@@ -103,7 +106,7 @@ void DevicePieces::start(const double* rest, const double* mass, const double* x
       rest, mass, [=] __device__(int64_t k) { return rest[k] + predictor[k]; }, of_next);
   for_each([=] __device__(int64_t p, int64_t n) {
     const PieceFrame &now = all[p], &before = of_before[p], &next = of_next[p];
-    if (same(now.rotation, next.rotation)) return;
+    if (steady(before, now, next)) return;
     double shape[3];
     for (int j = 0; j < 3; ++j) {
       shape[j] = 0;

@@ -58,7 +58,8 @@ struct Multigrid<T>::Level {
         },
         [&](int64_t r, const Pack<T> u[3][8], Pack<T> f[3][8], NoSums&) {
           Pack<T> k[6], M[7];
-          const bool border = load_row(r, k, M);
+          for (int j = 0; j < 6; ++j) k[j] = load(moduli.data() + (r * 6 + j) * kLanes);
+          const bool border = load_moments<T>(r, M);
           for (int i = 0; i < 3; ++i)
             border ? scalar_element<true>(k, M, i, u[i], f[i])
                    : scalar_element<false>(k, M, i, u[i], f[i]);
@@ -70,26 +71,37 @@ struct Multigrid<T>::Level {
         });
   }
 
+  /// In double, and rounded once.
   void set_diagonal() {
     const size_t size = 3 * size_t(grid.nodes);
     elastic_diagonal.resize(size);
+    BrickScratch<double> room(grid.rows);
     for_each_row(
-        grid.rows, scratch, no_sums,
-        [](int64_t, int64_t, T value[3]) { std::fill_n(value, 3, T()); },
-        [&](int64_t r, const Pack<T>[3][8], Pack<T> f[3][8], NoSums&) { corner_diagonal(r, f); },
-        [&](int64_t n, const T sum[3]) { std::copy_n(sum, 3, elastic_diagonal.data() + 3 * n); });
+        grid.rows, room, no_sums,
+        [](int64_t, int64_t, double value[3]) { std::fill_n(value, 3, 0.0); },
+        [&](int64_t r, const Pack<double>[3][8], Pack<double> f[3][8], NoSums&) {
+          corner_diagonal(r, f);
+        },
+        [&](int64_t n, const double sum[3]) {
+          for (int i = 0; i < 3; ++i) elastic_diagonal[size_t(3 * n + i)] = T(sum[i]);
+        });
     set_added(std::vector<T>(size));
   }
 
   /// What the voxels of a row add to the diagonal at their corners.
-  void corner_diagonal(int64_t r, Pack<T> f[3][8]) const {
-    Pack<T> k[6], M[7];
-    const bool border = load_row(r, k, M);
+  void corner_diagonal(int64_t r, Pack<double> f[3][8]) const {
+    Pack<double> k[6] = {}, M[7];
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const int32_t v = grid.rows.voxel[size_t(r * kLanes + lane)];
+      for (int j = 0; j < 6 && v >= 0; ++j)
+        k[j][lane] = grid.moduli[size_t(6 * v + j)] * grid.h / grid.unit;
+    }
+    const bool border = load_moments<double>(r, M);
     for (int i = 0; i < 3; ++i)
       for (int c = 0; c < 8; ++c) {
         if (border) {
-          Pack<T> unit[8] = {}, force[8];
-          unit[c] += T(1);
+          Pack<double> unit[8] = {}, force[8];
+          unit[c] += 1;
           scalar_element<true>(k, M, i, unit, force);
           f[i][c] = force[c];
         } else {
@@ -98,13 +110,13 @@ struct Multigrid<T>::Level {
       }
   }
 
-  /// Moduli of a row, and the moments of its fill where that has a border.
-  bool load_row(int64_t r, Pack<T> k[6], Pack<T> M[7]) const {
-    for (int j = 0; j < 6; ++j) k[j] = load(moduli.data() + (r * 6 + j) * kLanes);
+  /// Moments of the fill of a row; false where that has no border.
+  template <class S>
+  bool load_moments(int64_t r, Pack<S> M[7]) const {
     const int32_t border = grid.rows.rows[size_t(r)].border;
     for (int m = 0; m < 7 && border >= 0; ++m)
       M[m] = __builtin_convertvector(
-          load(grid.rows.border.data() + (size_t(border) * 7 + size_t(m)) * kLanes), Pack<T>);
+          load(grid.rows.border.data() + (size_t(border) * 7 + size_t(m)) * kLanes), Pack<S>);
     return border >= 0;
   }
 

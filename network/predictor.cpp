@@ -37,10 +37,13 @@ Frame mean_frame(const Scene& scene, const std::vector<int32_t>& nodes, const Ar
   return frame;
 }
 
-/// Whether a piece does not turn: then the straight predictor is kept to the bit.
-bool same(const Mat3<double>& A, const Mat3<double>& B) {
+/// Whether a piece neither turns nor has turned: then the straight predictor is kept to the bit.
+bool steady(const Frame& before, const Frame& now, const Frame& next) {
   double largest = 0;
-  for (int k = 0; k < 9; ++k) largest = std::max(largest, std::abs(A.m[k] - B.m[k]));
+  for (int k = 0; k < 9; ++k)
+    for (const double turn :
+         {now.rotation.m[k] - before.rotation.m[k], next.rotation.m[k] - now.rotation.m[k]})
+      largest = std::max(largest, std::abs(turn));
   return largest < 1e-9;
 }
 
@@ -70,7 +73,7 @@ void Predictor::start(const State& state, const std::vector<double>& predictor, 
         const Frame now = mean_frame(scene_, nodes, state.x);
         const Frame before = mean_frame(scene_, nodes, x_before);
         const Frame next = mean_frame(scene_, nodes, predicted);
-        if (same(now.rotation, next.rotation)) return;
+        if (steady(before, now, next)) return;
         for (const int32_t n : nodes)
           for (int i = 0; i < 3; ++i) {
             double sum = next.centre[i] - X(n, i);

@@ -224,7 +224,9 @@ double ColliderContact::longest_step(In<double> u, In<double> end) {
   double share = 1;
   for (int64_t p = 0; p < points_.nodes.rows(); ++p) {
     const Vec3 a = place(u, p), b = place(end, p);
-    for (const Wall& wall : walls_) share = std::min(share, free_share(wall.core, wall.now, a, b));
+    for (const Wall& wall : walls_)
+      share =
+          std::min(share, free_share(wall.core, wall.now, a, b, kLeastDistance * points_.layer));
   }
   return share;
 }

@@ -19,7 +19,7 @@ TEST(Barrier, DerivativesAreThoseOfTheValue) {
   }
 }
 
-TEST(Barrier, IsConvexRepelsAndHasNoBoundAtContact) {
+TEST(Barrier, IsConvexAndRepelsUpToContact) {
   double before = std::numeric_limits<double>::infinity();
   for (double s = 1e-12; s < 1; s *= 1.3) {
     const Curve b = barrier(s);
@@ -28,7 +28,17 @@ TEST(Barrier, IsConvexRepelsAndHasNoBoundAtContact) {
     EXPECT_GT(b.second, 0);
     before = b.value;
   }
-  EXPECT_GT(barrier(1e-12).value, 27);
+}
+
+TEST(Barrier, GoesOnAsItsTaylorPolynomialBelowTheCut) {
+  const double c = kBarrierCut, l = std::log(c), r = 1 - c;
+  const double first = 2 * r * l - r * r / c, second = -2 * l + 4 * r / c + r * r / (c * c);
+  for (const double s : {0.0, 1e-9, 0.3 * c, c * (1 - 1e-12)}) {
+    const double d = s - c;
+    EXPECT_NEAR(barrier(s).value, -r * r * l + d * first + d * d / 2 * second, 1e-12);
+    EXPECT_NEAR(barrier(s).first, first + d * second, 1e-9 * std::abs(first));
+    EXPECT_NEAR(barrier(s).second, second, 1e-9 * second);
+  }
 }
 
 TEST(Barrier, EndsTwiceContinuouslyDifferentiable) {

@@ -79,7 +79,7 @@ TEST(Collider, AFreeShareKeepsATenthOfTheDistanceAllAlong) {
          {half_space({0, 0.6, 0.8}, 0, 0), ball({0.1, 0, 0}, 1), block({}, {1, 0.01, 1.5})}) {
       const double distance = proximity(c, {}, a).distance;
       if (distance <= 0) continue;
-      const double share = free_share(c, {}, a, b);
+      const double share = free_share(c, {}, a, b, 0);
       ASSERT_GT(share, 0);
       ASSERT_LE(share, 1);
       cut += share < 1;

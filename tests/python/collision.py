@@ -34,10 +34,14 @@ def nearest(state: State, collider: int, offset: Floats, places: Floats) -> Floa
 
 
 def barrier(s: Floats) -> tuple[Floats, Floats]:
-    """b(s) and b'(s)."""
+    """b(s) and b'(s); below the cut b is its Taylor polynomial of second degree."""
+    cut = 1e-3
     outside = s >= 1
-    t = np.where(outside, 1.0, s)
+    t = np.clip(np.where(outside, 1.0, s), cut, None)
+    curvature = -2 * np.log(t) + 4 * (1 - t) / t + (1 - t) ** 2 / t**2
+    below = np.minimum(s - cut, 0)
     value, slope = -(1 - t) ** 2 * np.log(t), 2 * (1 - t) * np.log(t) - (1 - t) ** 2 / t
+    value, slope = value + below * (slope + below / 2 * curvature), slope + below * curvature
     return np.where(outside, 0.0, value), np.where(outside, 0.0, slope)
 
 
