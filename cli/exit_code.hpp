@@ -5,6 +5,9 @@
 
 #include "core/error.hpp"
 
+#include <exception>
+#include <new>
+
 namespace elastogen {
 
 enum ExitCode : int {
@@ -34,6 +37,23 @@ inline ExitCode exit_code(ErrorKind kind) {
       return kExitDevice;
   }
   return kExitUsage;
+}
+
+/// The code that action() returns; an exception has one too, and its text goes to say(text).
+template <class Action, class Say>
+int exit_code_of(const Action& action, const Say& say) {
+  try {
+    return action();
+  } catch (const Error& error) {
+    say(error.what());
+    return exit_code(error.kind());
+  } catch (const std::bad_alloc&) {
+    say("out of memory; a coarser grid (--voxels) needs less");
+    return kExitResources;
+  } catch (const std::exception& error) {
+    say(error.what());
+    return kExitResources;
+  }
 }
 
 }  // namespace elastogen

@@ -5,31 +5,29 @@
 #include "cli/verbs.hpp"
 
 #include <cstdio>
-#include <exception>
-#include <new>
+
+namespace {
+
+int run(int argc, char** argv) {
+  using namespace elastogen;
+  const CommandLine line = parse_command_line(argc, argv);
+  if (line.animate) return animate(*line.animate);
+  if (line.batch) return animate_batch(*line.batch);
+  if (line.demo) return demo(*line.demo);
+  if (line.voxelize) return voxelize(*line.voxelize);
+  if (line.inspect) return inspect(*line.inspect);
+  if (line.doctor) return doctor(*line.doctor);
+  if (line.study) return study(*line.study);
+  if (line.bench) return bench_verb(*line.bench);
+  if (line.train) return train(*line.train);
+  if (line.materials) return materials(*line.materials);
+  return line.code;
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
-  using namespace elastogen;
-  try {
-    const CommandLine line = parse_command_line(argc, argv);
-    if (line.animate) return animate(*line.animate);
-    if (line.demo) return demo(*line.demo);
-    if (line.voxelize) return voxelize(*line.voxelize);
-    if (line.inspect) return inspect(*line.inspect);
-    if (line.doctor) return doctor(*line.doctor);
-    if (line.study) return study(*line.study);
-    if (line.bench) return bench_verb(*line.bench);
-    if (line.train) return train(*line.train);
-    if (line.materials) return materials(*line.materials);
-    return line.code;
-  } catch (const Error& error) {
-    std::fprintf(stderr, "elastogen: %s\n", error.what());
-    return exit_code(error.kind());
-  } catch (const std::bad_alloc&) {
-    std::fprintf(stderr, "elastogen: out of memory; a coarser grid (--voxels) needs less\n");
-    return kExitResources;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "elastogen: %s\n", error.what());
-    return kExitResources;
-  }
+  return elastogen::exit_code_of(
+      [&] { return run(argc, argv); },
+      [](const char* text) { std::fprintf(stderr, "elastogen: %s\n", text); });
 }

@@ -103,6 +103,26 @@ void add_run(CLI::App& app, Verb& verb, const char* name, const char* text,
   add_scene_groups(*verb.app, verb.scene, verb.typed);
 }
 
+void add_animate(CLI::App& app, Verb& verb, BatchTask& batch) {
+  add_run(app, verb, "animate", "asset, material and pins to an animation", kReadFormats);
+  verb.app->add_option("--batch", batch.files, "scene files with outputs of their own, at once");
+  verb.app->add_option(
+      "--jobs", batch.jobs,
+      "with --batch: scenes at a time; 0, the default: 8 on a card, else one a core");
+}
+
+/// What holds for all scenes of a batch is typed; what each needs for itself stands in its file.
+BatchTask take_batch(const Verb& verb, BatchTask batch, int argc, const char* const* argv) {
+  for (const char* name :
+       {"--scene", "--print-resolved", "--output", "--state", "--log-json", "--report"})
+    ELASTOGEN_CHECK(!given(*verb.app, name), name,
+                    " does not go with --batch: each scene file has its own outputs");
+  ELASTOGEN_CHECK(batch.jobs >= 0, "--jobs must not be negative, got ", batch.jobs);
+  batch.words = words_without_batch(argc, argv, batch.files);
+  batch.quiet = verb.scene.quiet;
+  return batch;
+}
+
 void add_simulate(CLI::App& app, Verb& verb) {
   verb.scene.fem.emplace();
   verb.scene.solver.tolerance = 1e-8;
@@ -122,6 +142,7 @@ void add_simulate(CLI::App& app, Verb& verb) {
 /// Options of animate or simulate, called `name`.
 AnimateOptions take_run(Verb& verb) {
   const std::string name = verb.app->get_name();
+  ELASTOGEN_CHECK(!given(*verb.app, "--jobs"), "--jobs goes with --batch only");
   resolve(verb);
   AnimateOptions& o = verb.scene;
   if (o.print_resolved) return finish_resolved(o);
@@ -301,6 +322,7 @@ struct Verbs {
   StudyNames study_names;
   DoctorTask doctor_task;
   MaterialsTask materials_task;
+  BatchTask batch;
   DemoOptions demo;
   TrainOptions train;
   BenchOptions bench;
@@ -312,7 +334,7 @@ void add_verbs(CLI::App& app, Verbs& verbs, const std::string& command) {
                      &verbs.doctor})
     verb->scene.command = command;
   verbs.demo.command = command;
-  add_run(app, verbs.animate, "animate", "asset, material and pins to an animation", kReadFormats);
+  add_animate(app, verbs.animate, verbs.batch);
   add_simulate(app, verbs.simulate);
   add_study(app, verbs.study, verbs.study_task, verbs.study_names);
   add_voxelize(app, verbs.voxelize, verbs.voxelize_task);
@@ -325,23 +347,12 @@ void add_verbs(CLI::App& app, Verbs& verbs, const std::string& command) {
   verbs.bench.add(app, command);
 }
 
-}  // namespace
-
-CommandLine parse_command_line(int argc, const char* const* argv) {
-  CLI::App app("Any 3D asset in, physically accurate animation out.", "elastogen");
-  app.set_version_flag("--version", version_text());
-  app.require_subcommand(1);
-  Verbs verbs;
-  add_verbs(app, verbs, joined(argc, argv));
-
+/// The task of the verb that was parsed.
+CommandLine taken(Verbs& verbs, int argc, const char* const* argv) {
   CommandLine result;
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    result.code = app.exit(error) == 0 ? kExitDone : kExitUsage;
-    return result;
-  }
-  if (verbs.animate.app->parsed()) {
+  if (!verbs.batch.files.empty()) {
+    result.batch = take_batch(verbs.animate, verbs.batch, argc, argv);
+  } else if (verbs.animate.app->parsed()) {
     result.animate = take_run(verbs.animate);
   } else if (verbs.simulate.app->parsed()) {
     result.animate = take_run(verbs.simulate);
@@ -365,6 +376,24 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
     result.demo = verbs.demo;
   }
   return result;
+}
+
+}  // namespace
+
+CommandLine parse_command_line(int argc, const char* const* argv) {
+  CLI::App app("Any 3D asset in, physically accurate animation out.", "elastogen");
+  app.set_version_flag("--version", version_text());
+  app.require_subcommand(1);
+  Verbs verbs;
+  add_verbs(app, verbs, joined(argc, argv));
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    CommandLine result;
+    result.code = app.exit(error) == 0 ? kExitDone : kExitUsage;
+    return result;
+  }
+  return taken(verbs, argc, argv);
 }
 
 }  // namespace elastogen

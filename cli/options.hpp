@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include "cli/batch_task.hpp"
 #include "cli/bench_options.hpp"
 #include "cli/train_options.hpp"
 #include "core/scene.hpp"
@@ -124,6 +125,7 @@ struct DemoOptions {
 /// usage errors, which have been printed).
 struct CommandLine {
   std::optional<AnimateOptions> animate;  ///< and simulate, where fem is set
+  std::optional<BatchTask> batch;         ///< animate --batch
   std::optional<DemoOptions> demo;
   std::optional<VoxelizeTask> voxelize;
   std::optional<InspectTask> inspect;

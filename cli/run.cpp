@@ -293,8 +293,12 @@ void print_summary(const RunResult& result) {
                  r.stage_seconds.steps + r.stage_seconds.write);
 }
 
-void warn(const std::vector<std::string>& warnings) {
-  for (const std::string& w : warnings) fmt::print(stderr, "warning: {}\n", w);
+void warn(const std::vector<std::string>& warnings, const RunHooks& hooks) {
+  for (const std::string& w : warnings)
+    if (hooks.on_warning)
+      hooks.on_warning(w);
+    else
+      fmt::print(stderr, "warning: {}\n", w);
 }
 
 }  // namespace
@@ -315,7 +319,7 @@ RunResult run_animation(const Asset& asset, const AnimateOptions& options, doubl
     for (std::string& text : unheld_pieces(fem_scene(setup, options)))
       report.warnings.push_back(std::move(text));
   if (!options.quiet) print_setup(setup, report.asset, options);
-  warn(report.warnings);
+  warn(report.warnings, hooks);
   ELASTOGEN_CHECK(!options.strict || report.warnings.empty(), "--strict: ", report.warnings[0]);
   const size_t warned = report.warnings.size();
 
@@ -325,7 +329,7 @@ RunResult run_animation(const Asset& asset, const AnimateOptions& options, doubl
   clip.finish();
   report.peak_memory_bytes = peak_memory_bytes();
   if (!options.report.empty()) write_report(options.report, report);
-  warn({report.warnings.begin() + int64_t(warned), report.warnings.end()});
+  warn({report.warnings.begin() + int64_t(warned), report.warnings.end()}, hooks);
   if (options.strict && report.warnings.size() > warned && result.code == kExitDone)
     result.code = kExitUsage;
   if (!options.quiet) print_summary(result);

@@ -22,6 +22,7 @@ struct RunHooks {
   /// Called with each frame, the first included: positions of the surface [m], (vertices, 3).
   std::function<void(const Array<double>& positions)> on_frame;
   std::function<void(const StepReport&)> on_step;
+  std::function<void(const std::string& text)> on_warning;  ///< instead of standard error
 };
 
 struct RunResult {

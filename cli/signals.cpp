@@ -4,15 +4,19 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <atomic>
+
 namespace elastogen {
 
 namespace {
 
-volatile sig_atomic_t pending = 0;
+// a signal comes on any thread, and every scene of a batch asks for it on its own
+std::atomic<int> pending = 0;
+static_assert(std::atomic<int>::is_always_lock_free);
 
 extern "C" void remember(int signal) {
-  if (pending != 0) _exit(128 + signal);
-  pending = signal;
+  int none = 0;
+  if (!pending.compare_exchange_strong(none, signal)) _exit(128 + signal);
 }
 
 }  // namespace

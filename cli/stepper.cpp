@@ -26,19 +26,20 @@ class NetworkStepper : public Stepper {
       : scene_(scene),
         nets_(options.learned),
         tolerance_(options.tolerance),
-        solver_(scene, options) {}
+        solver_(scene, options),
+        on_card_(solver_.device() != "cpu") {}
 
   State start(const StartMotion& motion) const override { return initial_state(scene_, motion); }
   StepReport step(State& state) override { return solver_.step(state); }
   // steps on the CPU work on the state in place
   void begin(const State& state) override {
-    if (on_card()) solver_.begin(state);
+    if (on_card_) solver_.begin(state);
   }
   StepReport advance(State& state) override {
-    return on_card() ? solver_.advance() : solver_.step(state);
+    return on_card_ ? solver_.advance() : solver_.step(state);
   }
   void read(State& state, StateParts parts) const override {
-    if (on_card()) solver_.read(state, parts);
+    if (on_card_) solver_.read(state, parts);
   }
   Span<const double> residual() const override { return solver_.residual(); }
   std::string device() const override { return solver_.device(); }
@@ -53,12 +54,11 @@ class NetworkStepper : public Stepper {
   }
 
  private:
-  bool on_card() const { return solver_.device() != "cpu"; }
-
   const Scene& scene_;
   LearnedLaws nets_;
   double tolerance_;
   Solver solver_;
+  bool on_card_;  // asking the card for its name takes longer than a small step
 };
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <utility>
 
 namespace elastogen {
@@ -192,6 +193,69 @@ class TakenNames {
   std::vector<std::string> taken_;
 };
 
+/// Files of scenes that run at the same time, each with the scene that it belongs to.
+class SharedNames {
+ public:
+  void take(const NamedScene& scene) {
+    const AnimateOptions& o = scene.options;
+    read(scene, o.input);
+    read(scene, scene.file);
+    for (const std::string* name : {&o.log, &o.state, &o.report}) write(scene, *name);
+    for (const std::string& name : o.outputs) {
+      const std::string ending = frame_ending(name);
+      if (!ending.empty()) {
+        const std::string first = frame_path(name, 0, ending);
+        write(scene, first);
+        numbered_.insert({place_of(first), {&scene, name}});
+      }
+      if (ending != ".ply") write(scene, name);
+    }
+  }
+
+  /// After the last scene: frames in the places of single files.
+  void check_frames() const {
+    for (const auto& [place, file] : files_) {
+      const std::filesystem::path path(place);
+      const std::string stem = path.stem().string(), base = stem.substr(0, stem.rfind('_'));
+      const std::string ending = path.extension().string();
+      const auto found =
+          numbered_.find(frame_path((path.parent_path() / (base + ending)).string(), 0, ending));
+      if (found == numbered_.end()) continue;
+      const auto& [scene, name] = found->second;
+      if (scene != file.scene && is_frame_of(place_of(name), scene->options.frames, place))
+        refuse(*scene, *file.scene, place);
+    }
+  }
+
+ private:
+  struct File {
+    const NamedScene* scene;
+    bool written;
+  };
+  struct Numbered {
+    const NamedScene* scene;
+    std::string name;
+  };
+
+  [[noreturn]] static void refuse(const NamedScene& a, const NamedScene& b,
+                                  const std::string& name) {
+    throw Error(concat(name, ": ", a.file, " and ", b.file,
+                       " cannot share a file that one of them writes: give each its own outputs"));
+  }
+
+  void read(const NamedScene& scene, const std::string& name) { use(scene, name, false); }
+  void write(const NamedScene& scene, const std::string& name) { use(scene, name, true); }
+  void use(const NamedScene& scene, const std::string& name, bool writes) {
+    if (name.empty()) return;
+    File& file = files_.try_emplace(place_of(name), File{&scene, writes}).first->second;
+    if (file.scene != &scene && (writes || file.written)) refuse(*file.scene, scene, name);
+    file.written |= writes;
+  }
+
+  std::map<std::string, File> files_;         // by place
+  std::map<std::string, Numbered> numbered_;  // by the place of their first frame
+};
+
 }  // namespace
 
 void resolve(const Typed& typed, AnimateOptions& options) {
@@ -219,6 +283,12 @@ void check_outputs(const AnimateOptions& o, const std::string& scene_file) {
       names.take(name);
   }
   for (const std::string& name : o.outputs) names.check_frames(name, o.frames);
+}
+
+void check_outputs(const std::vector<NamedScene>& scenes) {
+  SharedNames names;
+  for (const NamedScene& scene : scenes) names.take(scene);
+  names.check_frames();
 }
 
 }  // namespace elastogen

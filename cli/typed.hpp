@@ -29,4 +29,14 @@ void resolve(const Typed& typed, AnimateOptions& options);
 /// @throws Error (usage) naming the file.
 void check_outputs(const AnimateOptions& options, const std::string& scene_file = "");
 
+/// A scene of a batch, by its file.
+struct NamedScene {
+  std::string file;
+  const AnimateOptions& options;
+};
+
+/// No scene may write a file that another one writes or reads.
+/// @throws Error (usage) naming the file and both scenes.
+void check_outputs(const std::vector<NamedScene>& scenes);
+
 }  // namespace elastogen

@@ -10,6 +10,11 @@ namespace elastogen {
 /// Asset, material and pins to an animation. @return the exit code.
 int animate(const AnimateOptions& options);
 
+/// The scenes of a batch, several at a time; one that fails does not stop the others.
+/// @return the exit code of the first in the order given that is not 0, or that of a signal.
+/// @throws Error (usage) before anything runs where two scenes would write the same file.
+int animate_batch(const BatchTask& task);
+
 /// Builds a character, drops it while one hand is held, and writes demo.glb, demo.png and a table
 /// of certificates. @return the exit code.
 int demo(const DemoOptions& options);

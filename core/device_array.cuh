@@ -6,12 +6,26 @@
 
 #include "core/cuda_loop.cuh"
 
+#include <mutex>
 #include <utility>
 #include <vector>
 
 namespace elastogen::cuda {
 
-/// Owns numbers on the device, zeroed at birth.
+/// Waits for what this thread has launched.
+inline void synchronise() {
+  check(cudaStreamSynchronize(cudaStreamPerThread));
+}
+
+/// Held while memory is freed, which waits for the whole device, and while a graph is recorded: a
+/// stream that is being recorded may not be waited for, from no thread.
+inline std::mutex& device_wide() {
+  static std::mutex mutex;
+  return mutex;
+}
+
+/// Owns numbers on the device, zeroed at birth. They are set and moved on the stream of the thread,
+/// whatever the source is compiled for: threads with other scenes go on.
 template <class T>
 class DeviceArray {
  public:
@@ -20,7 +34,7 @@ class DeviceArray {
   explicit DeviceArray(int64_t size) : size_(size) {
     if (size == 0) return;
     check(cudaMalloc(&data_, bytes()));
-    check(cudaMemset(data_, 0, bytes()));
+    check(cudaMemsetAsync(data_, 0, bytes(), cudaStreamPerThread));
   }
   explicit DeviceArray(const std::vector<T>& host) : DeviceArray(int64_t(host.size())) {
     upload(host.data());
@@ -32,22 +46,27 @@ class DeviceArray {
     std::swap(size_, other.size_);
     return *this;
   }
-  ~DeviceArray() { cudaFree(data_); }
+  ~DeviceArray() {
+    if (!data_) return;
+    const std::lock_guard lock(device_wide());
+    cudaFree(data_);
+  }
 
   T* data() { return data_; }
   const T* data() const { return data_; }
   int64_t size() const { return size_; }
 
   /// From and to size() numbers of the host.
-  void upload(const T* host) {
-    if (size_ > 0) check(cudaMemcpy(data_, host, bytes(), cudaMemcpyHostToDevice));
-  }
-  void download(T* host) const {
-    if (size_ > 0) check(cudaMemcpy(host, data_, bytes(), cudaMemcpyDeviceToHost));
-  }
+  void upload(const T* host) { copy(data_, host, cudaMemcpyHostToDevice); }
+  void download(T* host) const { copy(host, data_, cudaMemcpyDeviceToHost); }
 
  private:
   size_t bytes() const { return size_t(size_) * sizeof(T); }
+  void copy(void* to, const void* from, cudaMemcpyKind kind) const {
+    if (size_ == 0) return;
+    check(cudaMemcpyAsync(to, from, bytes(), kind, cudaStreamPerThread));
+    synchronise();
+  }
 
   T* data_ = nullptr;
   int64_t size_ = 0;
@@ -65,7 +84,11 @@ class PinnedArray {
     for (int64_t i = 0; i < size; ++i) data_[i] = T{};
   }
   PinnedArray(const PinnedArray&) = delete;
-  ~PinnedArray() { cudaFreeHost(data_); }
+  ~PinnedArray() {
+    if (!data_) return;
+    const std::lock_guard lock(device_wide());
+    cudaFreeHost(data_);
+  }
 
   T* data() { return data_; }
   T& operator[](int64_t i) { return data_[i]; }
@@ -74,10 +97,5 @@ class PinnedArray {
  private:
   T* data_ = nullptr;
 };
-
-/// Waits for what this thread has launched.
-inline void synchronise() {
-  check(cudaStreamSynchronize(cudaStreamPerThread));
-}
 
 }  // namespace elastogen::cuda

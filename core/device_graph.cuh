@@ -5,7 +5,7 @@
 
 #pragma once
 
-#include "core/cuda_loop.cuh"
+#include "core/device_array.cuh"
 
 namespace elastogen::cuda {
 
@@ -32,6 +32,7 @@ class DeviceGraph {
  private:
   template <class Body>
   void record(const Body& body) {
+    const std::lock_guard lock(device_wide());
     cudaGraph_t recorded;
     check(cudaStreamBeginCapture(cudaStreamPerThread, cudaStreamCaptureModeThreadLocal));
     body();

@@ -12,6 +12,7 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <mutex>
 
 namespace elastogen {
 
@@ -291,6 +292,9 @@ void StateWriter::step(const State& state, const StepReport& report) {
 }
 
 void StateWriter::finish() {
+  // HDF5 need not be built for threads, and scenes of a batch may end at the same time
+  static std::mutex one_at_a_time;
+  const std::lock_guard lock(one_at_a_time);
   const auto entries = int64_t(time_.size());
   SafeFile safe(path_);
   hdf5::Handle file = hdf5::create_file(safe.descriptor(), path_);
