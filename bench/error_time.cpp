@@ -25,7 +25,7 @@ std::vector<SolverOptions> budgets(const BenchTask& task, SolverMode mode) {
       result.push_back({.mode = mode, .paper = {outer, task.loops.inner, task.loops.modes}});
     return result;
   }
-  const bool card = mode == SolverMode::kQuasi && resolved(task.device) == Device::kCuda;
+  const bool card = resolved(task.device) == Device::kCuda;
   for (const double tolerance : task.tolerances)
     result.push_back(
         {.mode = mode, .device = card ? Device::kCuda : Device::kCpu, .tolerance = tolerance});

@@ -24,6 +24,24 @@ inline std::mutex& device_wide() {
   return mutex;
 }
 
+/// While one lives, the arrays that its thread makes take no room; it adds up what they would.
+class RoomCount {
+ public:
+  RoomCount() { present() = this; }
+  RoomCount(const RoomCount&) = delete;
+  ~RoomCount() { present() = nullptr; }
+
+  void add(size_t bytes) { bytes_ += bytes; }
+  size_t bytes() const { return bytes_; }
+  static RoomCount*& present() {
+    static thread_local RoomCount* count = nullptr;
+    return count;
+  }
+
+ private:
+  size_t bytes_ = 0;
+};
+
 /// Owns numbers on the device, zeroed at birth. They are set and moved on the stream of the thread,
 /// whatever the source is compiled for: threads with other scenes go on.
 template <class T>
@@ -33,6 +51,10 @@ class DeviceArray {
   /// @throws Error (resources) where the device has no room.
   explicit DeviceArray(int64_t size) : size_(size) {
     if (size == 0) return;
+    if (RoomCount* count = RoomCount::present()) {
+      count->add(bytes());
+      return;
+    }
     check(cudaMalloc(&data_, bytes()));
     check(cudaMemsetAsync(data_, 0, bytes(), cudaStreamPerThread));
   }
@@ -63,7 +85,7 @@ class DeviceArray {
  private:
   size_t bytes() const { return size_t(size_) * sizeof(T); }
   void copy(void* to, const void* from, cudaMemcpyKind kind) const {
-    if (size_ == 0) return;
+    if (!data_) return;  // no numbers, or counted only
     check(cudaMemcpyAsync(to, from, bytes(), kind, cudaStreamPerThread));
     synchronise();
   }

@@ -31,8 +31,8 @@ bool has_device();
 /// Name of the device.
 std::string device_name();
 
-/// The steps of a clip in the quasi mode, with the state and all that they work on in the device's
-/// memory. u is the displacement that a step works on, (nodes, 3).
+/// The steps of a clip in the modes quasi and newton, with the state and all that they work on in
+/// the device's memory. u is the displacement that a step works on, (nodes, 3).
 class DeviceStep {
  public:
   virtual ~DeviceStep() = default;
@@ -61,8 +61,12 @@ class DeviceStep {
   /// float.
   virtual IterationResult solve(double target, int max_outer, bool float64,
                                 const std::function<bool()>& interrupted) = 0;
+  /// u from and to the host; for tests.
   virtual void upload_u(const double* u) = 0;
   virtual void download_u(double* u) = 0;
+  /// As NewtonSolver::solve on u.
+  virtual IterationResult newton(double target, int max_outer, int max_inner,
+                                 const std::function<bool()>& interrupted) = 0;
 
   /// Rounds the new positions from u, u to them, and takes the residual there.
   /// @param in_flight  gives free pieces the mean motion of their predictor (free_flight.hpp).
@@ -75,7 +79,8 @@ class DeviceStep {
 
 /// On the tables of both, which must outlive it.
 /// @throws Error (usage) for colliders and nets without a table, (resources) where the device has
-///         no room, (device) in builds without CUDA.
+///         no room for what the scene takes to the end of its clip, with both amounts, (device) in
+///         builds without CUDA.
 std::unique_ptr<DeviceStep> make_device_step(const IncrementalPotential& potential,
                                              const Preconditioner<float>& first);
 

@@ -58,6 +58,14 @@ class DevicePotential {
   void start_residual(const double* u, double* gradient);
   PotentialValue value() const;
 
+  /// Freezes the projected Hessian at u, in float; hessian_product then gives A p, 0 on pinned
+  /// nodes. All arrays are (nodes, 3), on the device.
+  void linearise(const double* u);
+  template <class T>
+  void hessian_product(const T* p, T* product);
+  /// What the first linearise takes of the device's memory.
+  size_t tangent_bytes() const;
+
   int64_t nodes() const;
   const uint8_t* pinned() const;        ///< (nodes), on the device
   const float* nodal_rotation() const;  ///< (nodes, 9), on the device

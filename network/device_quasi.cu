@@ -311,8 +311,19 @@ DeviceQuasi::DeviceQuasi(const IncrementalPotential& potential, const Preconditi
 
 DeviceQuasi::~DeviceQuasi() = default;
 
+size_t DeviceQuasi::later_bytes(int64_t nodes) {
+  constexpr size_t kVectors = 3 + 2 * kPairs;  // of an iteration; they are made when it comes first
+  return 3 * size_t(nodes) * kVectors * (sizeof(float) + sizeof(double)) +
+         2 * (sizeof(SumRoom<Sums<kPairs>>) + sizeof(SumRoom<Sums<1>>) +
+              sizeof(SumRoom<Sums<kTrialSums>>));
+}
+
 DevicePotential& DeviceQuasi::potential() {
   return impl_->potential;
+}
+
+DevicePreconditioner& DeviceQuasi::preconditioner() {
+  return impl_->first;
 }
 
 double* DeviceQuasi::u() {

@@ -9,6 +9,8 @@
 
 namespace elastogen::cuda {
 
+class DevicePreconditioner;
+
 class DeviceQuasi {
  public:
   /// On the tables of both, which must outlive it.
@@ -17,7 +19,11 @@ class DeviceQuasi {
   DeviceQuasi(const IncrementalPotential& potential, const Preconditioner<float>& first);
   ~DeviceQuasi();
 
+  /// What steps of that many nodes take beyond what the constructor does, at most.
+  static size_t later_bytes(int64_t nodes);
+
   DevicePotential& potential();
+  DevicePreconditioner& preconditioner();
 
   /// The displacement that is iterated on, (nodes, 3), on the device; solve() may move it.
   double* u();

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/parallel.hpp"
 #include "network/device.hpp"
+#include "network/device_newton.hpp"
 #include "network/device_pieces.cuh"
 #include "network/device_quasi.hpp"
+
+#include <optional>
 
 namespace elastogen::cuda {
 namespace {
@@ -47,9 +50,19 @@ class StepOnDevice : public DeviceStep {
   }
   void upload_u(const double* u) override;
   void download_u(double* u) override;
+  IterationResult newton(double target, int max_outer, int max_inner,
+                         const std::function<bool()>& interrupted) override {
+    if (!newton_) newton_.emplace(quasi_);
+    return newton_->solve(target, max_outer, max_inner, interrupted);
+  }
   Certificate certify(bool in_flight) override;
   MotionEnergy finish(bool in_flight) override;
   void download_gradient(double* gradient) const override { gradient_.download(gradient); }
+
+  /// What steps take beyond what the constructor does, at most.
+  size_t later_bytes() {
+    return DeviceQuasi::later_bytes(size() / 3) + DeviceNewton::bytes(potential());
+  }
 
   // called by the above; kernels may not be started from private functions
   DevicePotential& potential() { return quasi_.potential(); }
@@ -67,6 +80,7 @@ class StepOnDevice : public DeviceStep {
 
   const Scene& scene_;
   DeviceQuasi quasi_;
+  std::optional<DeviceNewton> newton_;  // from its first step on
   DevicePieces pieces_;
   DeviceArray<double> rest_, mass_;
   DeviceArray<double> x_, v_, x_before_, v_before_;  // the state
@@ -300,9 +314,41 @@ std::string device_name() {
   return properties.name;
 }
 
+namespace {
+
+size_t free_bytes() {
+  size_t free = 0, total = 0;
+  check(cudaMemGetInfo(&free, &total));
+  return free;
+}
+
+/// What the scene takes on the device before its clip ends.
+size_t bytes_needed(const IncrementalPotential& potential, const Preconditioner<float>& first) {
+  const RoomCount count;
+  StepOnDevice counted(potential, first);
+  return count.bytes() + counted.later_bytes();
+}
+
+int64_t mebibytes(size_t bytes) {
+  return int64_t((bytes >> 20) + 1);
+}
+
+}  // namespace
+
 std::unique_ptr<DeviceStep> make_device_step(const IncrementalPotential& potential,
                                              const Preconditioner<float>& first) {
-  return std::make_unique<StepOnDevice>(potential, first);
+  const size_t room = free_bytes();
+  try {
+    auto step = std::make_unique<StepOnDevice>(potential, first);
+    if (step->later_bytes() <= free_bytes()) return step;
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::kResources) throw;
+    if (bytes_needed(potential, first) <= room) throw;  // it was not for want of room
+  }
+  throw Error(concat("the scene needs ", mebibytes(bytes_needed(potential, first)),
+                     " MiB of the card's memory, of which ", mebibytes(room),
+                     " are free: a coarser grid (--voxels) needs less, and --device cpu none"),
+              ErrorKind::kResources);
 }
 
 }  // namespace elastogen::cuda

@@ -124,9 +124,11 @@ struct Tangent {
   T m[45];
 };
 
-/// Projected tangent of a voxel at corner displacements u.
-template <bool kBorder, class T>
-ELASTOGEN_HD inline Tangent<T> voxel_tangent(const VoxelData<T>& v, const T u[3][8]) {
+/// Projected tangent of a voxel at corner displacements u; `respond(sigma, outside)` is the
+/// response of its material, with second derivatives.
+template <bool kBorder, class T, class Respond>
+ELASTOGEN_HD inline Tangent<T> voxel_tangent(const VoxelData<T>& v, const Respond& respond,
+                                             const T u[3][8]) {
   T g[3][8];
   for (int i = 0; i < 3; ++i) {
     for (int c = 0; c < 8; ++c) g[i][c] = u[i][c];
@@ -134,7 +136,7 @@ ELASTOGEN_HD inline Tangent<T> voxel_tangent(const VoxelData<T>& v, const T u[3]
   }
   const Svd3<T> F = svd3(deformation_gradient<kBorder>(v, g));
   T outside;
-  const Response<T> r = material_response<true>(v.learned, v.law, F.sigma, outside);
+  const Response<T> r = respond(F.sigma, outside);
   const PrincipalHessian<T> H = positive_part(principal_hessian(F.sigma, r));
   Tangent<T> result;
   for (int row = 0, k = 0; row < 9; ++row) {
@@ -144,6 +146,15 @@ ELASTOGEN_HD inline Tangent<T> voxel_tangent(const VoxelData<T>& v, const T u[3]
     for (int col = row; col < 9; ++col) result.m[k++] = column.m[col];
   }
   return result;
+}
+
+/// The same by the voxel's own material.
+template <bool kBorder, class T>
+inline Tangent<T> voxel_tangent(const VoxelData<T>& v, const T u[3][8]) {
+  const auto respond = [&](const T sigma[3], T& outside) {
+    return material_response<true>(v.learned, v.law, sigma, outside);
+  };
+  return voxel_tangent<kBorder>(v, respond, u);
 }
 
 /// Product f of a voxel's Hessian with the direction p; `stress(dF, dP)` is the tangent's part.

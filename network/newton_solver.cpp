@@ -8,9 +8,7 @@
 #include <limits>
 
 namespace elastogen {
-namespace {
 
-/// Eisenstat and Walker's second choice with safeguards: how far the linear system is solved.
 double forcing_term(double residual, double before, double last, double target) {
   double eta = 0.1;
   if (before > 0) {
@@ -20,8 +18,6 @@ double forcing_term(double residual, double before, double last, double target) 
   }
   return std::max(eta, 0.5 * target / residual);
 }
-
-}  // namespace
 
 NewtonSolver::NewtonSolver(IncrementalPotential& potential)
     : potential_(potential),

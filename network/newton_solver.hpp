@@ -9,6 +9,10 @@
 
 namespace elastogen {
 
+/// Eisenstat and Walker's second choice with safeguards: how far the linear system of a Newton step
+/// is solved, from the present residual, the one before (0: none) and the last choice.
+double forcing_term(double residual, double before, double last, double target);
+
 class NewtonSolver {
  public:
   explicit NewtonSolver(IncrementalPotential& potential);

@@ -69,7 +69,6 @@ bool Solver::Impl::stiff() const {
 /// Why the device cannot take this scene, null if it can.
 const char* Solver::Impl::unfit_for_device() const {
   if (!single) return "float has too few digits for it";
-  if (mode != SolverMode::kQuasi) return "it is one for newton, which runs on the CPU";
   if (potential.contact().exists()) return "colliders are left to the CPU";
   for (size_t m = 0; m < scene.materials.size(); ++m) {
     const LearnedLaw* net = potential.learned(m);
@@ -94,28 +93,15 @@ void Solver::Impl::take_device() {
   }
 }
 
-/// A step that the device has begun, for newton.
-void Solver::Impl::bring_step_to_host() {
-  if (!step_on_host) {
-    on_device->download(host_state, StateParts::kAll);
-    potential.begin_step(host_state, scheme);
-    step_on_host = true;
-  }
-  on_device->download_u(u.data());
-  potential.set_nodal_rotations(u.data());
-}
-
 IterationResult Solver::Impl::newton(double target) {
-  if (!newton_solver) newton_solver = std::make_unique<NewtonSolver>(potential);
-  if (on_device) bring_step_to_host();
   const int outer = std::max(1, options.max_outer / 4);
+  if (on_device) return on_device->newton(target, outer, options.max_inner, options.interrupted);
+  if (!newton_solver) newton_solver = std::make_unique<NewtonSolver>(potential);
   const auto solve = [&](auto& first) {
     return newton_solver->solve(u.data(), target, outer, options.max_inner, first,
                                 options.interrupted);
   };
-  const IterationResult result = precise ? solve(*precise) : solve(*single);
-  if (on_device) on_device->upload_u(u.data());
-  return result;
+  return precise ? solve(*precise) : solve(*single);
 }
 
 /// The mode that was asked for.
@@ -141,7 +127,6 @@ double Solver::Impl::cost(const IterationResult& r) const {
 }
 
 /// auto: quasi while that is cheap, else the cheaper of both; what one cannot do the other tries.
-/// The device stays with quasi.
 IterationResult Solver::Impl::choose(double target, StepReport& report) {
   if (options.mode != SolverMode::kAuto || stiff()) return iterate(target, report);
   IterationResult result = iterate(target, report);
@@ -149,12 +134,11 @@ IterationResult Solver::Impl::choose(double target, StepReport& report) {
   last_cost[int(mode)] = cost(result);
   last_step[int(mode)] = report.step;
   const bool stale = report.step - last_step[int(other)] >= kRetry;
-  const bool dear = !on_device && (last_cost[int(mode)] > kCheap || mode == SolverMode::kNewton);
+  const bool dear = last_cost[int(mode)] > kCheap || mode == SolverMode::kNewton;
   const bool better = last_cost[int(other)] < last_cost[int(mode)];
   if (!result.converged && !options.interrupted()) {
     mode = other;
     result = sum(result, iterate(target, report));
-    if (on_device) mode = SolverMode::kQuasi;
   } else if (dear && (stale || better)) {
     mode = other;
   }

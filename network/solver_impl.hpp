@@ -35,7 +35,6 @@ struct Solver::Impl {
     return solver->solve(u.data(), target, options.max_outer, first, options.interrupted);
   }
   IterationResult newton(double target);
-  void bring_step_to_host();
 
   // the parts of a step
   StepReport advance(State& state);
@@ -75,9 +74,7 @@ struct Solver::Impl {
   // with a device, which then holds u and the arrays of the state
   std::unique_ptr<cuda::DeviceStep> on_device;
   bool gradient_on_device = false;  // that of the certificate
-  bool step_on_host = false;        // the host's potential has begun the step too
   StepScheme scheme;
-  State host_state;  // for what the CPU takes over
 
   // of a clip
   State clip;  // without arrays where the device has them

@@ -31,7 +31,6 @@ double Solver::Impl::phi(const std::vector<double>& at) {
 /// Predictor, inertia and rotations of the step, and u where it starts; gives the collider that
 /// rules it out, else null.
 const Collider* Solver::Impl::begin_step(const State& state) {
-  step_on_host = !on_device;
   if (on_device) {
     on_device->begin_step(scheme);
     cut_start_on_device();

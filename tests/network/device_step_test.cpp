@@ -266,8 +266,46 @@ TEST_F(OnCard, PiecesFallAsOneMassPointWhateverTheTolerance) {
   }
 }
 
-/// Few iterations are left to quasi, so that Newton on the CPU ends each step.
-TEST_F(OnCard, NewtonOnTheHostTakesOverASingleStep) {
+TEST_F(OnCard, NewtonEndsInTheStatesOfTheHost) {
+  constexpr int kSteps = 12;
+  const StartMotion spinning{.velocity = {0.5, 1, 0}, .spin = {2, 3, -1}};
+  for (const Scene& scene : scenes()) {
+    SCOPED_TRACE(concat(scene.grid.voxel_count(), " voxels, scheme ", int(scene.scheme)));
+    const SolverOptions options{.mode = SolverMode::kNewton, .tolerance = 1e-6};
+    const Outcome a = run(scene, options, Device::kCpu, spinning, kSteps);
+    const Outcome b = run(scene, options, Device::kCuda, spinning, kSteps);
+    EXPECT_EQ(a.converged, kSteps);
+    EXPECT_EQ(b.converged, kSteps);
+    EXPECT_LT(distance_of_ways(scene, b.state, a.state), 1e-5);
+    EXPECT_NEAR(b.report.outer, a.report.outer, 1);
+    EXPECT_NEAR(b.report.inner, a.report.inner, 3 + a.report.inner / 5);
+  }
+}
+
+TEST_F(OnCard, NewtonRepeatsToTheBit) {
+  const Scene scene = three_blocks(TimeScheme::kBdf2);
+  const SolverOptions options{.mode = SolverMode::kNewton};
+  const StartMotion spinning{.spin = {1, 2, 3}};
+  const Outcome a = run(scene, options, Device::kCuda, spinning, 40);
+  const Outcome b = run(scene, options, Device::kCuda, spinning, 40);
+  EXPECT_GE(a.converged, 39);
+  EXPECT_EQ(a.state.x, b.state.x);
+  EXPECT_EQ(a.residual, b.residual);
+}
+
+TEST_F(OnCard, AutoTakesNewtonOfStiffScenesThere) {
+  Scene scene = beam_of_regions(TimeScheme::kEuler);
+  scene.materials[0].poisson = 0.49;
+  finish_scene(scene);
+  Solver solver(scene, {.device = Device::kAuto});
+  EXPECT_EQ(solver.mode(), SolverMode::kNewton);
+  EXPECT_NE(solver.device(), "cpu");
+  State state = initial_state(scene);
+  EXPECT_TRUE(solver.step(state).converged);
+}
+
+/// Few iterations are left to quasi, so that newton ends each step.
+TEST_F(OnCard, NewtonTakesOverASingleStep) {
   const Scene scene = beam_of_regions(TimeScheme::kBdf2);
   SolverOptions options{.tolerance = 1e-9, .max_outer = 16};
   const Outcome a = run(scene, options, Device::kCpu, {}, 1);
@@ -278,8 +316,7 @@ TEST_F(OnCard, NewtonOnTheHostTakesOverASingleStep) {
   EXPECT_LT(distance_of_ways(scene, b.state, a.state), 1e-6);
 }
 
-/// A start that tears a body apart, and no iteration of quasi: Newton on the CPU begins at the
-/// state before, and the card certifies where it ends.
+/// A start that tears a body apart, and no iteration of quasi: newton begins at the state before.
 TEST_F(OnCard, StepsThatCannotEndAtTheirStartRetreat) {
   const Scene scene = falling_bar(TimeScheme::kBdf2);
   State state = in_motion(scene);

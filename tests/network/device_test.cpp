@@ -123,6 +123,72 @@ TEST_F(OnCard, EnergyAndGradientOfNetsByTheirTables) {
   }
 }
 
+/// A p of the projected Hessian at u against the host's, which is in float.
+void expect_hessian_of_host(IncrementalPotential& host, cuda::DevicePotential& device,
+                            const std::vector<double>& u, const std::vector<double>& direction) {
+  const std::vector<float> p(direction.begin(), direction.end());
+  std::vector<float> expected(p.size());
+  host.linearise(u.data());
+  host.hessian_product(p.data(), expected.data());
+  OnDevice<double> place(u);
+  OnDevice<float> from(p), to{std::vector<float>(p.size(), 7.f)};
+  device.linearise(place.data());
+  device.hessian_product(from.data(), to.data());
+  EXPECT_LT(relative_difference(to.host(), expected), 2e-5);
+  // in double on the same tangents, which are float
+  OnDevice<double> precise_from(direction), precise_to{std::vector<double>(p.size(), 7)};
+  device.hessian_product(precise_from.data(), precise_to.data());
+  EXPECT_LT(relative_difference(precise_to.host(), expected), 2e-5);
+}
+
+TEST_F(OnCard, HessianOfEveryLawAndHourglassTerm) {
+  for (const Law law : kLaws)
+    for (const Hourglass hourglass : {Hourglass::kFull, Hourglass::kVariance, Hourglass::kOff}) {
+      SCOPED_TRACE(concat(law_name(law), " hourglass ", int(hourglass)));
+      const Scene scene = ragged(law, hourglass);
+      const std::vector<double> now = bent(scene, 0.02 * kH, 5), u = bent(scene, 0.03 * kH, 6);
+      IncrementalPotential host(scene);
+      host.begin_step(state_at(scene, now), {TimeScheme::kEuler, scene.dt, 1});
+      cuda::DevicePotential device(host);
+      device.begin_step();
+      expect_hessian_of_host(host, device, u, bent(scene, 0.5 * kH, 7));
+    }
+}
+
+/// Where nothing is projected A p is the derivative of the gradient along p, in double but for the
+/// tangents.
+TEST_F(OnCard, HessianIsTheDerivativeOfTheGradientNearRest) {
+  const Scene scene = ragged(Law::kNeoHookean);
+  IncrementalPotential host(scene);
+  host.begin_step(initial_state(scene), {TimeScheme::kEuler, scene.dt, 1});
+  cuda::DevicePotential device(host);
+  device.begin_step();
+  const std::vector<double> p = bent(scene, 0.5 * kH, 8);
+  const std::vector<double> rest(p.size());
+  OnDevice<double> place(rest), direction(p), product(rest);
+  device.linearise(place.data());
+  device.hessian_product(direction.data(), product.data());
+  const double step = 1e-5;
+  std::vector<double> ahead(p), behind(p), difference(p.size());
+  for (size_t k = 0; k < p.size(); ++k) ahead[k] = step * p[k], behind[k] = -step * p[k];
+  OnDevice<double> at_ahead(ahead), at_behind(behind), g_ahead(rest), g_behind(rest);
+  device.evaluate<double>(at_ahead.data(), g_ahead.data());
+  device.evaluate<double>(at_behind.data(), g_behind.data());
+  const std::vector<double> a = g_ahead.host(), b = g_behind.host();
+  for (size_t k = 0; k < p.size(); ++k) difference[k] = (a[k] - b[k]) / (2 * step);
+  EXPECT_LT(relative_difference(product.host(), difference), 1e-6);
+}
+
+TEST_F(OnCard, HessianOfNetsByTheirTables) {
+  const Scene scene = ragged(Law::kNeoHookean);
+  IncrementalPotential host(scene, {shipped(0.4, Evaluation::kTable), nullptr});
+  const std::vector<double> now = bent(scene, 0.02 * kH, 5), u = bent(scene, 0.03 * kH, 6);
+  host.begin_step(state_at(scene, now), {TimeScheme::kEuler, scene.dt, 1});
+  cuda::DevicePotential device(host);
+  device.begin_step();
+  expect_hessian_of_host(host, device, u, bent(scene, 0.5 * kH, 7));
+}
+
 TEST_F(OnCard, NodalRotations) {
   const Scene scene = ragged(Law::kNeoHookean);
   const std::vector<double> u = bent(scene, 0.05 * kH, 6);
@@ -274,11 +340,42 @@ TEST_F(OnCard, AutoGoesOnWithoutItWhereThereIsNoRoom) {
       ADD_FAILURE() << "there was room";
     } catch (const Error& error) {
       EXPECT_EQ(error.kind(), ErrorKind::kResources);
+      const std::string text = error.what();
+      EXPECT_NE(text.find("MiB of the card's memory"), std::string::npos) << text;
     }
     options.device = Device::kAuto;
     EXPECT_EQ(Solver(scene, options).device(), "cpu");
   }
   EXPECT_NE(Solver(scene, options).device(), "cpu");
+}
+
+size_t free_on_card() {
+  size_t free = 0, total = 0;
+  cudaMemGetInfo(&free, &total);
+  return free;
+}
+
+TEST_F(OnCard, TheRoomThatIsAskedForIsWhatIsTaken) {
+  // the message of a card that is full, against the memory that a step has taken from an empty one
+  const Scene scene = clamped_beam(96, 48, 48, kH, solid(1e5, 0.3));
+  SolverOptions options;
+  options.device = Device::kCuda;
+  double asked = 0;
+  {
+    const AllRoom taken;
+    try {
+      Solver(scene, options);
+    } catch (const Error& error) {
+      std::sscanf(error.what(), "the scene needs %lf", &asked);
+    }
+  }
+  const size_t before = free_on_card();
+  Solver solver(scene, options);
+  State state = initial_state(scene);
+  solver.step(state);
+  const double taken = double(before - free_on_card()) / (1 << 20);
+  EXPECT_GE(asked, 0.98 * taken);  // kernels that are loaded late count as taken
+  EXPECT_LE(asked, 2 * taken);     // only one of the two iterations was made
 }
 
 TEST_F(OnCard, RefusesCollidersAndNetsWithoutATable) {

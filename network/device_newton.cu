@@ -1,0 +1,258 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/device_reduce.cuh"
+#include "core/line_search.hpp"
+#include "network/device_newton.hpp"
+#include "network/device_preconditioner.cuh"
+#include "network/newton_solver.hpp"
+
+#include <cmath>
+#include <limits>
+
+namespace elastogen::cuda {
+namespace {
+
+constexpr int kMostHalvings = 12;
+constexpr size_t kDoubles = 3, kFloats = 5;  // vectors
+
+/// The numbers of conjugate gradients that kernels hand to each other.
+struct PcgNumbers {
+  double rz, rz_before, curvature;
+};
+
+/// What the host asks for.
+struct HostNumbers {
+  double square;         ///< |g|^2 or |r|^2
+  double slope;          ///< g . step
+  double rz, curvature;  ///< of the present PCG iteration
+};
+
+}  // namespace
+
+struct DeviceNewton::Impl {
+  explicit Impl(DeviceQuasi& q)
+      : quasi(q),
+        potential(q.potential()),
+        size(3 * potential.nodes()),
+        trial_u(size),
+        gradient(size),
+        trial_gradient(size),
+        x(size),
+        r(size),
+        z(size),
+        p(size),
+        Ap(size),
+        pcg(1),
+        sums(1),
+        pair_sums(1),
+        numbers(1) {}
+
+  // one pass each
+  void measure(const DeviceArray<double>& g);
+  void start_pcg(double unit);
+  void find_direction(bool first);
+  void find_curvature();
+  void advance();
+  void scale_step(double unit);
+  void move(double a);
+
+  int solve_linear(double unit, double eta, int most, const std::function<bool()>& interrupted);
+  bool line_search(PotentialValue& value);
+
+  DeviceQuasi& quasi;
+  DevicePotential& potential;
+  int64_t size;
+  DeviceArray<double> trial_u, gradient, trial_gradient;
+  DeviceArray<float> x, r, z, p, Ap;  // x is the step
+  DeviceArray<PcgNumbers> pcg;
+  DeviceArray<SumRoom<Sums<1>>> sums;
+  DeviceArray<SumRoom<Sums<2>>> pair_sums;
+  PinnedArray<HostNumbers> numbers;
+};
+
+/// |g|^2 and its slope along the step.
+void DeviceNewton::Impl::measure(const DeviceArray<double>& g) {
+  const double* values = g.data();
+  const float* step = x.data();
+  HostNumbers* to = numbers.data();
+  ordered_sum(
+      size, pair_sums.data(),
+      [=] __device__(int64_t k, Sums<2> & sum) {
+        sum.value[0] += values[k] * values[k];
+        sum.value[1] += values[k] * double(step[k]);
+      },
+      [=] __device__(const Sums<2>& sum) { to->square = sum.value[0], to->slope = sum.value[1]; });
+}
+
+/// r = -g/unit, x = 0, and |r|^2.
+void DeviceNewton::Impl::start_pcg(double unit) {
+  const double* g = gradient.data();
+  float *to_r = r.data(), *to_x = x.data();
+  HostNumbers* to = numbers.data();
+  ordered_sum(
+      size, sums.data(),
+      [=] __device__(int64_t k, Sums<1> & sum) {
+        const float right = float(-g[k] / unit);
+        to_r[k] = right;
+        to_x[k] = 0;
+        sum.value[0] += double(right) * double(right);
+      },
+      [=] __device__(const Sums<1>& sum) { to->square = sum.value[0]; });
+}
+
+/// z = B r and p = z + beta p.
+void DeviceNewton::Impl::find_direction(bool first) {
+  DevicePreconditioner& B = quasi.preconditioner();
+  float *residual = r.data(), *preconditioned = z.data(), *direction = p.data();
+  B.turn([=] __device__(int64_t n, float v[3]) {
+    for (int i = 0; i < 3; ++i) v[i] = residual[3 * n + i];
+  });
+  B.cycle();
+  const UnturnedResult result = B.result();
+  PcgNumbers* of = pcg.data();
+  ordered_sum(
+      size / 3, sums.data(),
+      [=] __device__(int64_t n, Sums<1> & sum) {
+        float v[3];
+        result.at(n, v);
+        for (int i = 0; i < 3; ++i) {
+          preconditioned[3 * n + i] = v[i];
+          sum.value[0] += double(residual[3 * n + i]) * double(v[i]);
+        }
+      },
+      [=] __device__(const Sums<1>& sum) { of->rz = sum.value[0]; });
+  cuda::for_each(size, [=] __device__(int64_t k) {
+    const float beta = first ? 0.f : float(of->rz / of->rz_before);
+    direction[k] = first ? preconditioned[k] : preconditioned[k] + beta * direction[k];
+  });
+}
+
+/// A p and p . A p.
+void DeviceNewton::Impl::find_curvature() {
+  potential.hessian_product(p.data(), Ap.data());
+  const float *direction = p.data(), *product = Ap.data();
+  PcgNumbers* of = pcg.data();
+  ordered_sum(
+      size, sums.data(),
+      [=] __device__(int64_t k, Sums<1> & sum) {
+        sum.value[0] += double(direction[k]) * double(product[k]);
+      },
+      [=] __device__(const Sums<1>& sum) { of->curvature = sum.value[0]; });
+}
+
+/// x += alpha p, r -= alpha A p and |r|^2; nothing where round-off has made the curvature negative.
+void DeviceNewton::Impl::advance() {
+  const float *direction = p.data(), *product = Ap.data();
+  float *to_x = x.data(), *to_r = r.data();
+  PcgNumbers* of = pcg.data();
+  HostNumbers* to = numbers.data();
+  ordered_sum(
+      size, sums.data(),
+      [=] __device__(int64_t k, Sums<1> & sum) {
+        const bool sound = of->curvature > 0 && of->rz > 0;
+        const float alpha = sound ? float(of->rz / of->curvature) : 0.f;
+        if (sound) to_x[k] += alpha * direction[k];
+        const float left = sound ? to_r[k] - alpha * product[k] : to_r[k];
+        to_r[k] = left;
+        sum.value[0] += double(left) * double(left);
+      },
+      [=] __device__(const Sums<1>& sum) {
+        to->square = sum.value[0], to->rz = of->rz, to->curvature = of->curvature;
+        of->rz_before = of->rz;
+      });
+}
+
+/// The PCG of core/pcg.hpp for the step in units of `unit`; gives its iterations.
+int DeviceNewton::Impl::solve_linear(double unit, double eta, int most,
+                                     const std::function<bool()>& interrupted) {
+  start_pcg(unit);
+  synchronise();
+  const double start = std::sqrt(numbers[0].square);
+  double residual = start > 0 ? 1 : 0;
+  int iterations = 0;
+  while (residual > eta && iterations < most && !interrupted()) {
+    find_direction(iterations == 0);
+    find_curvature();
+    advance();
+    synchronise();
+    if (!(numbers[0].curvature > 0) || !(numbers[0].rz > 0)) break;
+    residual = std::sqrt(numbers[0].square) / start;
+    ++iterations;
+  }
+  return iterations;
+}
+
+void DeviceNewton::Impl::scale_step(double unit) {
+  float* step = x.data();
+  cuda::for_each(size, [=] __device__(int64_t k) { step[k] *= float(unit); });
+}
+
+/// trial_u = u + a step.
+void DeviceNewton::Impl::move(double a) {
+  const double* from = quasi.u();
+  const float* step = x.data();
+  double* to = trial_u.data();
+  cuda::for_each(size, [=] __device__(int64_t k) { to[k] = from[k] + a * double(step[k]); });
+}
+
+/// Moves u along the step until Phi falls; gradient and value follow. False: it never did.
+bool DeviceNewton::Impl::line_search(PotentialValue& value) {
+  measure(gradient);
+  synchronise();
+  const double slope = numbers[0].slope;
+  if (!(slope < 0)) return false;
+  const double noise = potential.host().noise(value, std::numeric_limits<double>::epsilon());
+  double a = 1;
+  for (int halvings = 0; halvings <= kMostHalvings; ++halvings, a /= 2) {
+    move(a);
+    potential.start_evaluation<double>(trial_u.data(), trial_gradient.data());
+    measure(trial_gradient);
+    synchronise();
+    const PotentialValue trial = potential.value();
+    const double difference = trial.total() - value.total();
+    if (!std::isfinite(difference) ||
+        !sufficient_decrease(difference, a * slope, a * numbers[0].slope, noise))
+      continue;
+    check(cudaMemcpyAsync(quasi.u(), trial_u.data(), size_t(size) * sizeof(double),
+                          cudaMemcpyDeviceToDevice, cudaStreamPerThread));
+    std::swap(gradient, trial_gradient);
+    value = trial;
+    return true;
+  }
+  return false;
+}
+
+DeviceNewton::DeviceNewton(DeviceQuasi& quasi) : impl_(std::make_unique<Impl>(quasi)) {}
+
+DeviceNewton::~DeviceNewton() = default;
+
+IterationResult DeviceNewton::solve(double target, int max_outer, int max_inner,
+                                    const std::function<bool()>& interrupted) {
+  Impl& s = *impl_;
+  IterationResult result;
+  s.potential.start_evaluation<double>(s.quasi.u(), s.gradient.data());
+  s.measure(s.gradient);
+  synchronise();
+  PotentialValue value = s.potential.value();
+  double before = 0, eta = 0.1;
+  while (true) {
+    const double residual = std::sqrt(s.numbers[0].square);
+    result.converged = residual <= target;
+    if (result.converged || result.outer == max_outer || interrupted()) return result;
+    s.potential.linearise(s.quasi.u());
+    eta = forcing_term(residual, before, eta, target);
+    before = residual;
+    const double unit = residual / std::sqrt(double(s.size));  // as on the host
+    result.inner += std::max(s.solve_linear(unit, eta, max_inner, interrupted), 1);
+    s.scale_step(unit);
+    ++result.outer;
+    if (!s.line_search(value)) return result;
+  }
+}
+
+size_t DeviceNewton::bytes(const DevicePotential& potential) {
+  return 3 * size_t(potential.nodes()) * (kDoubles * sizeof(double) + kFloats * sizeof(float)) +
+         sizeof(SumRoom<Sums<1>>) + sizeof(SumRoom<Sums<2>>) + sizeof(PcgNumbers) +
+         potential.tangent_bytes();
+}
+
+}  // namespace elastogen::cuda

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: Apache-2.0
+// What DevicePotential holds, and what its kernels know of a voxel, for the files that make it up:
+// device_potential.cu (energy and gradient), device_tangent.cu (Hessian).
+
+#pragma once
+
+#include "network/device_potential.hpp"
+#include "network/device_rows.cuh"
+
+namespace elastogen::cuda {
+
+/// A material, as kernels take it.
+struct DeviceMaterial {
+  LawParameters<double> law;
+  MtlTableView table = {};  ///< without coefficients: the law itself
+};
+
+/// Response of a material to stretches.
+template <class T, bool kHessian = false>
+struct Respond {
+  LawParameters<T> law;
+  MtlTableView table;
+
+  __device__ Response<T> operator()(const T sigma[3], T& outside) const {
+    outside = 0;
+    if (!table.coefficients) return elastic_response<kHessian>(law, sigma);
+    const auto difference = [&](const T e[3]) { return table.evaluate<kHessian>(e); };
+    return corrected_response<kHessian>(law, sigma, difference, outside);
+  }
+};
+
+/// What voxels have, each [row][field][lane].
+template <class T>
+struct VoxelTables {
+  const T *weights, *border, *rotation;
+  const DeviceMaterial* materials;
+  T h;
+  Hourglass hourglass;
+
+  __device__ VoxelData<T> data(const VoxelRow& row, int64_t r, int lane) const {
+    VoxelData<T> v;
+    const LawParameters<double>& law = materials[row.material].law;
+    v.law = {law.law, T(law.mu), T(law.lambda)};
+    v.h = h;
+    v.hourglass = hourglass;
+    v.phi = weights[(r * 5) * kLanes + lane];
+    for (int k = 0; k < 4; ++k) v.c[k] = weights[(r * 5 + k + 1) * kLanes + lane];
+    for (int p = 0; p < 7; ++p)
+      v.M[p] = row.border < 0 ? T(0) : border[(int64_t(row.border) * 7 + p) * kLanes + lane];
+    if (hourglass == Hourglass::kFull)
+      for (int k = 0; k < 9; ++k) v.R[k] = rotation[(r * 9 + k) * kLanes + lane];
+    return v;
+  }
+};
+
+/// A voxel of the grid that is filled to its corners.
+template <class T>
+__device__ bool is_full(const VoxelData<T>& v) {
+  for (int p = 1; p < 7; ++p)
+    if (v.M[p] != 0) return false;
+  return true;
+}
+
+/// What a brick adds to the value of the potential.
+struct VoxelSums {
+  double elastic = 0, hourglass = 0, outside = 0, min_j = 1e300, min_corner_j = 1e300;
+  __device__ void add(const VoxelSums& o) {
+    elastic += o.elastic, hourglass += o.hourglass, outside += o.outside;
+    min_j = o.min_j < min_j ? o.min_j : min_j;
+    min_corner_j = o.min_corner_j < min_corner_j ? o.min_corner_j : min_corner_j;
+  }
+};
+
+/// The numbers of a PotentialValue, where kernels leave them for the host.
+struct DeviceValue {
+  VoxelSums voxels;
+  double inertia = 0;
+};
+
+inline std::vector<float> in_float(const std::vector<double>& values) {
+  return {values.begin(), values.end()};
+}
+
+struct DevicePotential::Impl {
+  explicit Impl(const IncrementalPotential& potential)
+      : host(potential),
+        rows(potential.rows()),
+        weights_double(potential.voxel_weights()),
+        border_double(potential.rows().border),
+        weights_float(in_float(potential.voxel_weights())),
+        border_float(in_float(potential.rows().border)),
+        rotation_double(
+            potential.scene().hourglass == Hourglass::kFull ? rows.row_count() * 9 * kLanes : 0),
+        rotation_float(rotation_double.size()),
+        inertia(nodes()),
+        predictor(3 * nodes()),
+        u_now(3 * nodes()),
+        nodal_rotation(9 * nodes()),
+        pinned(nodes()),
+        parts(3 * rows.parts()),
+        brick_sums(rows.bricks()),
+        inertia_sums(1),
+        value(1) {
+    pinned.upload(potential.scene().pinned.data());
+    std::vector<DeviceMaterial> list;
+    for (size_t m = 0; m < potential.scene().materials.size(); ++m) {
+      const Material& material = potential.scene().materials[m];
+      list.push_back({{material.law, material.mu(), material.lambda()}, {}});
+      const LearnedLaw* learned = potential.learned(m);
+      if (!learned) continue;
+      ELASTOGEN_CHECK(learned->evaluation() == Evaluation::kTable,
+                      "the device evaluates nets by their tables only");
+      tables.emplace_back(learned->table().coefficients());
+      list.back().table = learned->table().view();
+      list.back().table.coefficients = tables.back().data();
+    }
+    materials = DeviceArray<DeviceMaterial>(list);
+  }
+
+  int64_t nodes() const { return host.scene().grid.node_count(); }
+
+  template <class T>
+  VoxelTables<T> voxels() const {
+    VoxelTables<T> tables;
+    if constexpr (sizeof(T) == 4)
+      tables.weights = weights_float.data(), tables.border = border_float.data(),
+      tables.rotation = rotation_float.data();
+    else
+      tables.weights = weights_double.data(), tables.border = border_double.data(),
+      tables.rotation = rotation_double.data();
+    tables.materials = materials.data();
+    tables.h = T(host.scene().grid.h);
+    tables.hourglass = host.scene().hourglass;
+    return tables;
+  }
+
+  template <class T, bool kQuality>
+  void start_gradient(const double* u, T* gradient);
+  InertiaTerms inertia_terms() {
+    return {inertia.data(), predictor.data(), pinned.data(), &value.data()->inertia};
+  }
+  void sum_inertia(const double* u);
+  void freeze_rotations();
+  void add_gradients(const double* u, int component);
+  void linearise(const double* u);
+  template <class T>
+  void hessian_product(const T* p, T* product);
+
+  const IncrementalPotential& host;
+  DeviceRows rows;
+  DeviceArray<double> weights_double, border_double;
+  DeviceArray<float> weights_float, border_float;
+  DeviceArray<double> rotation_double;
+  DeviceArray<float> rotation_float;
+  DeviceArray<double> inertia, predictor, u_now;
+  DeviceArray<float> nodal_rotation;
+  DeviceArray<uint8_t> pinned;
+  DeviceArray<double> parts;  // floats take the first half
+  DeviceArray<VoxelSums> brick_sums;
+  DeviceArray<SumRoom<Sums<1>>> inertia_sums;
+  PinnedArray<DeviceValue> value;
+  std::vector<DeviceArray<float>> tables;
+  DeviceArray<DeviceMaterial> materials;
+  DeviceArray<float> tangent;  // [row][45][lane]; from the first linearise on
+};
+
+}  // namespace elastogen::cuda
