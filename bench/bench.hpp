@@ -60,7 +60,7 @@ Json measure_kernels(const BenchTask& task, const CopyRates& rates);
 Json measure_steps(const BenchTask& task, const CopyRates& rates);
 /// One step by every solver at every tolerance, beside its error.
 Json measure_error_time(const BenchTask& task);
-/// The tip of c84 in 24 frames, by quasi or by quadratic tetrahedra.
+/// The tip of c84 in 24 frames, by the network or by quadratic tetrahedra.
 Json measure_tip(const BenchTask& task);
 /// The published algorithm in PyTorch beside the solvers, on the same step.
 Json measure_baseline(const BenchTask& task);

@@ -61,11 +61,9 @@ struct Curve {
 };
 
 Curve by_network(const BenchTask& task, const Scene& scene) {
-  Solver solver(
-      scene,
-      {.mode = SolverMode::kQuasi, .device = resolved(task.device), .tolerance = task.tolerance});
+  Solver solver(scene, {.device = resolved(task.device), .tolerance = task.tolerance});
   const std::vector<int64_t> tip = tip_nodes(scene.grid.rest);
-  Curve curve("quasi", solver.device());
+  Curve curve("auto", solver.device());
   State state = initial_state(scene);
   solver.begin(state);
   for (int frame = 0; frame < kFrames; ++frame) {

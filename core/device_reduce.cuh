@@ -19,7 +19,7 @@ struct Sums {
 
 inline constexpr int kSumThreads = 256, kSumBlocks = 512;
 
-/// The sum over the threads of a block in a fixed order; thread 0 has it. `all` holds
+/// The sum over the threads of a block in a fixed order, for thread 0 alone. `all` holds
 /// kSumThreads Sums of shared memory.
 template <class Sum>
 __device__ inline Sum block_sum(const Sum& mine, Sum* all) {
@@ -28,7 +28,7 @@ __device__ inline Sum block_sum(const Sum& mine, Sum* all) {
     __syncthreads();
     if (threadIdx.x < half) all[threadIdx.x].add(all[threadIdx.x + half]);
   }
-  return all[0];
+  return threadIdx.x == 0 ? all[0] : mine;  // which thread 0 was the last to write
 }
 
 /// What a sum over the device needs there; zero at first, as a DeviceArray is at birth.

@@ -300,9 +300,13 @@ TEST_F(OnCard, AutoTakesItWhereItCan) {
   options.device = Device::kAuto;
   EXPECT_NE(Solver(scene, options).device(), "cpu");
   options.mode = SolverMode::kNewton;
-  EXPECT_EQ(Solver(scene, options).device(), "cpu");
+  EXPECT_NE(Solver(scene, options).device(), "cpu");
+  Scene touching = scene;
+  touching.colliders = {half_space({0, 1, 0}, -1, 0.5)};
+  touching.surface = face_points(scene.grid);
+  EXPECT_EQ(Solver(touching, options).device(), "cpu");
   options.device = Device::kCuda;
-  EXPECT_THROW(Solver(scene, options), Error);
+  EXPECT_THROW(Solver(touching, options), Error);
   options.mode = SolverMode::kPaper;
   EXPECT_THROW(Solver(scene, options), Error);
 }
