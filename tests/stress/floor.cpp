@@ -42,13 +42,26 @@ double stiffness(const Scene& scene, int64_t p, double D) {
   return scene.surface.area(p) * m.young * D * D / scene.grid.h;
 }
 
-/// b and b' of b(s) = -(1-s)^2 ln s.
+/// b and b' of b(s) = -(1-s)^2 ln s; below s = 1e-3 the parabola that meets it there with both
+/// derivatives.
+constexpr double kCut = 1e-3;
+double log_slope(double s) {
+  return 2 * (1 - s) * std::log(s) - (1 - s) * (1 - s) / s;
+}
+double cut_curvature() {
+  const double r = 1 - kCut;
+  return 4 * r / kCut - 2 * std::log(kCut) + r * r / (kCut * kCut);
+}
 double b_value(double s) {
   if (s <= 0) return std::numeric_limits<double>::infinity();
-  return s < 1 ? -(1 - s) * (1 - s) * std::log(s) : 0;
+  if (s >= 1) return 0;
+  if (s >= kCut) return -(1 - s) * (1 - s) * std::log(s);
+  const double d = kCut - s;
+  return b_value(kCut) - d * log_slope(kCut) + d * d / 2 * cut_curvature();
 }
 double b_slope(double s) {
-  return s < 1 ? 2 * (1 - s) * std::log(s) - (1 - s) * (1 - s) / s : 0;
+  if (s >= 1) return 0;
+  return s >= kCut ? log_slope(s) : log_slope(kCut) - (kCut - s) * cut_curvature();
 }
 
 }  // namespace
