@@ -66,7 +66,7 @@ double true_residual(const Case& c, const Array<double>& x) {
 }
 
 Json solver_row(const Case& c, const BenchTask& task, SolverMode mode) {
-  const bool card = mode != SolverMode::kPaper && resolved(task.device) == Device::kCuda;
+  const bool card = resolved(task.device) == Device::kCuda;
   const SolverOptions options{.mode = mode,
                               .device = card ? Device::kCuda : Device::kCpu,
                               .tolerance = task.tolerance,

@@ -20,15 +20,18 @@ constexpr int kRepeats = 5;
 /// The runs of a solver: a tolerance each, or outer loops.
 std::vector<SolverOptions> budgets(const BenchTask& task, SolverMode mode) {
   std::vector<SolverOptions> result;
-  if (mode == SolverMode::kPaper) {
-    for (const int outer : {1, 3, 10, 30, 100})
-      result.push_back({.mode = mode, .paper = {outer, task.loops.inner, task.loops.modes}});
-    return result;
-  }
-  const bool card = resolved(task.device) == Device::kCuda;
-  for (const double tolerance : task.tolerances)
-    result.push_back(
-        {.mode = mode, .device = card ? Device::kCuda : Device::kCpu, .tolerance = tolerance});
+  SolverOptions o{.mode = mode};
+  if (resolved(task.device) == Device::kCuda) o.device = Device::kCuda;
+  if (mode == SolverMode::kPaper)
+    for (const int outer : {1, 3, 10, 30, 100}) {
+      o.paper = {outer, task.loops.inner, task.loops.modes};
+      result.push_back(o);
+    }
+  else
+    for (const double tolerance : task.tolerances) {
+      o.tolerance = tolerance;
+      result.push_back(o);
+    }
   return result;
 }
 

@@ -5,6 +5,7 @@
 
 #include "core/time_scheme.hpp"
 #include "network/quasi_solver.hpp"
+#include "network/solver.hpp"
 
 #include <memory>
 #include <string>
@@ -31,8 +32,8 @@ bool has_device();
 /// Name of the device.
 std::string device_name();
 
-/// The steps of a clip in the modes quasi and newton, with the state and all that they work on in
-/// the device's memory. u is the displacement that a step works on, (nodes, 3).
+/// The steps of a clip in the modes quasi, newton and paper, with the state and all that they work
+/// on in the device's memory. u is the displacement that a step works on, (nodes, 3).
 class DeviceStep {
  public:
   virtual ~DeviceStep() = default;
@@ -67,6 +68,8 @@ class DeviceStep {
   /// As NewtonSolver::solve on u.
   virtual IterationResult newton(double target, int max_outer, int max_inner,
                                  const std::function<bool()>& interrupted) = 0;
+  /// As PaperSolver::solve on u, in float; of a step that was made for it.
+  virtual IterationResult paper(const std::function<bool()>& interrupted) = 0;
 
   /// Rounds the new positions from u, u to them, and takes the residual there.
   /// @param in_flight  gives free pieces the mean motion of their predictor (free_flight.hpp).
@@ -83,6 +86,11 @@ class DeviceStep {
 ///         builds without CUDA.
 std::unique_ptr<DeviceStep> make_device_step(const IncrementalPotential& potential,
                                              const Preconditioner<float>& first);
+
+/// The same for the published algorithm, which has no first matrix.
+/// @throws Error as above, and as check_paper_scene.
+std::unique_ptr<DeviceStep> make_device_step(const IncrementalPotential& potential,
+                                             const PaperLoops& loops);
 
 }  // namespace cuda
 }  // namespace elastogen

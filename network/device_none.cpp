@@ -20,6 +20,10 @@ std::unique_ptr<DeviceStep> make_device_step(const IncrementalPotential&,
   throw Error("built without CUDA", ErrorKind::kDevice);
 }
 
+std::unique_ptr<DeviceStep> make_device_step(const IncrementalPotential&, const PaperLoops&) {
+  throw Error("built without CUDA", ErrorKind::kDevice);
+}
+
 }  // namespace elastogen::cuda
 
 #endif

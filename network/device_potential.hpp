@@ -72,6 +72,7 @@ class DevicePotential {
   const IncrementalPotential& host() const;
 
   struct Impl;
+  Impl& impl() { return *impl_; }  ///< for other operators on the same tables
 
  private:
   std::unique_ptr<Impl> impl_;

@@ -209,11 +209,8 @@ void Iteration<T>::measure_trial(const double* u, const double* trial_u,
 }  // namespace
 
 struct DeviceQuasi::Impl {
-  Impl(const IncrementalPotential& host, const Preconditioner<float>& first_matrix)
-      : potential(host),
-        first(potential, first_matrix),
-        u(3 * potential.nodes()),
-        trial_u(u.size()) {}
+  explicit Impl(const IncrementalPotential& host)
+      : potential(host), u(3 * potential.nodes()), trial_u(u.size()) {}
 
   template <class T>
   Iteration<T>& iteration();
@@ -225,7 +222,7 @@ struct DeviceQuasi::Impl {
   void move(const Iteration<T>& it, double a);
 
   DevicePotential potential;
-  DevicePreconditioner first;
+  std::optional<DevicePreconditioner> first;
   DeviceArray<double> u, trial_u;
   std::optional<Iteration<float>> single;
   std::optional<Iteration<double>> precise;
@@ -293,7 +290,7 @@ IterationResult DeviceQuasi::Impl::solve(double target, int max_outer,
     const bool stalled = sizeof(T) == 4 && result.outer - halved_at > kPatience;
     result.converged = residual <= target;
     if (result.converged || stalled || result.outer == max_outer || interrupted()) return result;
-    it.find_direction(first, u.data(), trial_u.data());
+    it.find_direction(*first, u.data(), trial_u.data());
     if (!line_search(it, value, result.inner)) {
       if (it.products.count == 0) return result;
       it.clear();
@@ -307,7 +304,12 @@ IterationResult DeviceQuasi::Impl::solve(double target, int max_outer,
 }
 
 DeviceQuasi::DeviceQuasi(const IncrementalPotential& potential, const Preconditioner<float>& first)
-    : impl_(std::make_unique<Impl>(potential, first)) {}
+    : DeviceQuasi(potential) {
+  impl_->first.emplace(impl_->potential, first);
+}
+
+DeviceQuasi::DeviceQuasi(const IncrementalPotential& potential)
+    : impl_(std::make_unique<Impl>(potential)) {}
 
 DeviceQuasi::~DeviceQuasi() = default;
 
@@ -323,11 +325,19 @@ DevicePotential& DeviceQuasi::potential() {
 }
 
 DevicePreconditioner& DeviceQuasi::preconditioner() {
-  return impl_->first;
+  return *impl_->first;
 }
 
 double* DeviceQuasi::u() {
   return impl_->u.data();
+}
+
+double* DeviceQuasi::trial_u() {
+  return impl_->trial_u.data();
+}
+
+void DeviceQuasi::accept_trial() {
+  std::swap(impl_->u, impl_->trial_u);
 }
 
 void DeviceQuasi::set_nodal_rotations() {
@@ -342,6 +352,10 @@ IterationResult DeviceQuasi::solve(double target, int max_outer, bool float64,
 
 void DeviceQuasi::begin_step() {
   impl_->potential.begin_step();
+}
+
+void DeviceQuasi::download_u(double* u) {
+  impl_->u.download(u);
 }
 
 void DeviceQuasi::set_nodal_rotations(const double* u) {
@@ -359,7 +373,7 @@ IterationResult DeviceQuasi::solve(double* u, double target, int max_outer, bool
 
 template <class T>
 void DeviceQuasi::precondition(const T* r, T* z) {
-  DevicePreconditioner& first = impl_->first;
+  DevicePreconditioner& first = *impl_->first;
   first.turn([=] __device__(int64_t n, float v[3]) {
     for (int i = 0; i < 3; ++i) v[i] = float(r[3 * n + i]);
   });

@@ -17,6 +17,8 @@ class DeviceQuasi {
   /// @throws Error (usage) for colliders and nets without a table, (resources) where the device has
   ///         no room.
   DeviceQuasi(const IncrementalPotential& potential, const Preconditioner<float>& first);
+  /// Without a first matrix there are no iterations: for the displacement and the potential.
+  explicit DeviceQuasi(const IncrementalPotential& potential);
   ~DeviceQuasi();
 
   /// What steps of that many nodes take beyond what the constructor does, at most.
@@ -27,6 +29,9 @@ class DeviceQuasi {
 
   /// The displacement that is iterated on, (nodes, 3), on the device; solve() may move it.
   double* u();
+  /// Room of its size for the next one; accept_trial() makes that u().
+  double* trial_u();
+  void accept_trial();
   /// Nodal rotations of the preconditioner from u().
   void set_nodal_rotations();
   /// As QuasiSolver<T>::solve on u() with a first matrix in float; T is double with float64, else
@@ -37,6 +42,7 @@ class DeviceQuasi {
   // the same with arrays of the host, for tests and benchmarks
   void begin_step();  ///< takes the step that the host's potential has begun
   void set_nodal_rotations(const double* u);
+  void download_u(double* u);
   IterationResult solve(double* u, double target, int max_outer, bool float64,
                         const std::function<bool()>& interrupted);
 

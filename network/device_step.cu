@@ -2,6 +2,7 @@
 #include "core/parallel.hpp"
 #include "network/device.hpp"
 #include "network/device_newton.hpp"
+#include "network/device_paper.hpp"
 #include "network/device_pieces.cuh"
 #include "network/device_quasi.hpp"
 
@@ -33,7 +34,9 @@ struct StepNumbers {
 
 class StepOnDevice : public DeviceStep {
  public:
-  StepOnDevice(const IncrementalPotential& potential, const Preconditioner<float>& first);
+  /// With a first matrix, or for the published algorithm without one.
+  StepOnDevice(const IncrementalPotential& potential, const Preconditioner<float>* first,
+               const PaperLoops* paper);
 
   void upload(const State& state) override;
   void download(State& state, StateParts parts) override;
@@ -55,12 +58,16 @@ class StepOnDevice : public DeviceStep {
     if (!newton_) newton_.emplace(quasi_);
     return newton_->solve(target, max_outer, max_inner, interrupted);
   }
+  IterationResult paper(const std::function<bool()>& interrupted) override {
+    return paper_.value().solve(interrupted);
+  }
   Certificate certify(bool in_flight) override;
   MotionEnergy finish(bool in_flight) override;
   void download_gradient(double* gradient) const override { gradient_.download(gradient); }
 
   /// What steps take beyond what the constructor does, at most.
   size_t later_bytes() {
+    if (paper_) return 0;
     return DeviceQuasi::later_bytes(size() / 3) + DeviceNewton::bytes(potential());
   }
 
@@ -81,6 +88,7 @@ class StepOnDevice : public DeviceStep {
   const Scene& scene_;
   DeviceQuasi quasi_;
   std::optional<DeviceNewton> newton_;  // from its first step on
+  std::optional<DevicePaper> paper_;
   DevicePieces pieces_;
   DeviceArray<double> rest_, mass_;
   DeviceArray<double> x_, v_, x_before_, v_before_;  // the state
@@ -98,10 +106,14 @@ std::vector<double> values_of(const Array<double>& array) {
   return {array.data(), array.data() + array.size()};
 }
 
+DeviceQuasi make_quasi(const IncrementalPotential& potential, const Preconditioner<float>* first) {
+  return first ? DeviceQuasi(potential, *first) : DeviceQuasi(potential);
+}
+
 StepOnDevice::StepOnDevice(const IncrementalPotential& potential,
-                           const Preconditioner<float>& first)
+                           const Preconditioner<float>* first, const PaperLoops* paper)
     : scene_(potential.scene()),
-      quasi_(potential, first),
+      quasi_(make_quasi(potential, first)),
       pieces_(scene_),
       rest_(values_of(scene_.grid.rest)),
       mass_(values_of(scene_.mass)),
@@ -115,7 +127,9 @@ StepOnDevice::StepOnDevice(const IncrementalPotential& potential,
       largest_(1),
       pair_sums_(1),
       numbers_(1),
-      staging_(size()) {}
+      staging_(size()) {
+  if (paper) paper_.emplace(quasi_, *paper);
+}
 
 void StepOnDevice::copy(const double* from, double* to) const {
   check(cudaMemcpyAsync(to, from, size_t(size()) * sizeof(double), cudaMemcpyDeviceToDevice,
@@ -322,33 +336,52 @@ size_t free_bytes() {
   return free;
 }
 
-/// What the scene takes on the device before its clip ends.
-size_t bytes_needed(const IncrementalPotential& potential, const Preconditioner<float>& first) {
-  const RoomCount count;
-  StepOnDevice counted(potential, first);
-  return count.bytes() + counted.later_bytes();
-}
-
 int64_t mebibytes(size_t bytes) {
   return int64_t((bytes >> 20) + 1);
+}
+
+/// What a step is made of: it is made twice where there is no room, the second time to count.
+struct Recipe {
+  const IncrementalPotential& potential;
+  const Preconditioner<float>* first;
+  const PaperLoops* paper;
+
+  std::unique_ptr<StepOnDevice> make() const {
+    return std::make_unique<StepOnDevice>(potential, first, paper);
+  }
+  /// What the scene takes on the device before its clip ends.
+  size_t bytes() const {
+    const RoomCount count;
+    const auto counted = make();
+    return count.bytes() + counted->later_bytes();
+  }
+};
+
+std::unique_ptr<DeviceStep> within_budget(const Recipe& recipe) {
+  const size_t room = free_bytes();
+  try {
+    auto step = recipe.make();
+    if (step->later_bytes() <= free_bytes()) return step;
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::kResources) throw;
+    if (recipe.bytes() <= room) throw;  // it was not for want of room
+  }
+  throw Error(concat("the scene needs ", mebibytes(recipe.bytes()),
+                     " MiB of the card's memory, of which ", mebibytes(room),
+                     " are free: a coarser grid (--voxels) needs less, and --device cpu none"),
+              ErrorKind::kResources);
 }
 
 }  // namespace
 
 std::unique_ptr<DeviceStep> make_device_step(const IncrementalPotential& potential,
                                              const Preconditioner<float>& first) {
-  const size_t room = free_bytes();
-  try {
-    auto step = std::make_unique<StepOnDevice>(potential, first);
-    if (step->later_bytes() <= free_bytes()) return step;
-  } catch (const Error& error) {
-    if (error.kind() != ErrorKind::kResources) throw;
-    if (bytes_needed(potential, first) <= room) throw;  // it was not for want of room
-  }
-  throw Error(concat("the scene needs ", mebibytes(bytes_needed(potential, first)),
-                     " MiB of the card's memory, of which ", mebibytes(room),
-                     " are free: a coarser grid (--voxels) needs less, and --device cpu none"),
-              ErrorKind::kResources);
+  return within_budget({potential, &first, nullptr});
+}
+
+std::unique_ptr<DeviceStep> make_device_step(const IncrementalPotential& potential,
+                                             const PaperLoops& loops) {
+  return within_budget({potential, nullptr, &loops});
 }
 
 }  // namespace elastogen::cuda

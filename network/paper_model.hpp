@@ -11,7 +11,7 @@
 #pragma once
 
 #include "core/svd3.hpp"
-#include "network/learned_law.hpp"
+#include "network/local_model.hpp"
 
 namespace elastogen {
 
@@ -19,9 +19,15 @@ namespace elastogen {
 template <class T>
 struct LaggedTarget {
   T NN[6];          ///< N N^T: 00, 11, 22, 01, 12, 20
-  T RN[9];          ///< R N^T, row-major
+  T rest[9];        ///< N N^T - R N^T, row-major: its stress at F = I, over omega
   T largest_slope;  ///< max n_i^2
 };
+
+/// omega, Young's modulus.
+template <class S>
+ELASTOGEN_HD inline S lagged_weight(const LawParameters<S>& law) {
+  return law.mu * (3 * law.lambda + 2 * law.mu) / (law.lambda + law.mu);
+}
 
 /// n_i fitted to the energy of a law, or of its net: the strain q_i = sigma_i n_i - 1 has the
 /// direction that is exact at rest and the length that gives the energy,
@@ -30,12 +36,12 @@ struct LaggedTarget {
 ///     a = sqrt(2 mu/omega),   b = (sqrt(3K/omega) - a)/3.
 ///
 /// Stretches below 0.1 count as 0.1: n ~ 1/sigma would change its sign through collapse.
-template <class T>
-ELASTOGEN_HD inline void energy_fitted_stretches(const LearnedLaw* learned,
-                                                 const LawParameters<Scalar<T>>& law,
-                                                 const T sigma[3], T n[3]) {
+/// @param respond  the response of the material, as in local_model.hpp.
+template <class T, class Respond>
+ELASTOGEN_HD inline void fit_stretches(const Respond& respond, const LawParameters<Scalar<T>>& law,
+                                       const T sigma[3], T n[3]) {
   using S = Scalar<T>;
-  const S omega = law.mu * (3 * law.lambda + 2 * law.mu) / (law.lambda + law.mu);
+  const S omega = lagged_weight(law);
   const S a = std::sqrt(2 * law.mu / omega);
   const S b = (std::sqrt((3 * law.lambda + 2 * law.mu) / omega) - a) / 3;
   T s[3], e[3], q[3], length2{};
@@ -48,20 +54,30 @@ ELASTOGEN_HD inline void energy_fitted_stretches(const LearnedLaw* learned,
     length2 += q[i] * q[i];
   }
   T outside;
-  const T psi = larger(material_response<false>(learned, law, s, outside).psi, T{});
+  const T psi = larger(respond(s, outside).psi, T{});
   const T rest = constant<T>(S(1e-300));
   const T scale = length2 > rest ? square_root(T(2 * psi / (omega * larger(length2, rest)))) : T{};
   for (int i = 0; i < 3; ++i) n[i] = (1 + q[i] * scale) / s[i];
 }
 
-/// The frozen quadratic of a voxel at F.
+/// The same for a law, or its net.
 template <class T>
-ELASTOGEN_HD inline LaggedTarget<T> lagged_target(const LearnedLaw* learned,
+inline void energy_fitted_stretches(const LearnedLaw* learned, const LawParameters<Scalar<T>>& law,
+                                    const T sigma[3], T n[3]) {
+  const auto respond = [&](const T s[3], T& outside) {
+    return material_response<false>(learned, law, s, outside);
+  };
+  fit_stretches(respond, law, sigma, n);
+}
+
+/// The frozen quadratic of a voxel at F.
+template <class T, class Respond>
+ELASTOGEN_HD inline LaggedTarget<T> lagged_target(const Respond& respond,
                                                   const LawParameters<Scalar<T>>& law,
                                                   const Mat3<T>& F) {
   const Svd3<T> s = svd3(F);
   T n[3];
-  energy_fitted_stretches(learned, law, s.sigma, n);
+  fit_stretches(respond, law, s.sigma, n);
   LaggedTarget<T> target;
   target.largest_slope = T{};
   Mat3<T> Un, Vn;
@@ -70,20 +86,12 @@ ELASTOGEN_HD inline LaggedTarget<T> lagged_target(const LearnedLaw* learned,
     for (int i = 0; i < 3; ++i) Un(i, j) = s.U(i, j) * n[j], Vn(i, j) = s.V(i, j) * n[j] * n[j];
   }
   const Mat3<T> RN = times_transposed(Un, s.V), NN = times_transposed(Vn, s.V);
-  for (int k = 0; k < 9; ++k) target.RN[k] = RN.m[k];
+  for (int k = 0; k < 9; ++k) target.rest[k] = NN.m[k] - RN.m[k];
   for (int k = 0; k < 3; ++k) {
     target.NN[k] = NN(k, k);
     target.NN[3 + k] = NN(k, (k + 1) % 3);
   }
   return target;
-}
-
-/// d N N^T for a row d of the gradient.
-template <class T>
-ELASTOGEN_HD inline void times_slope(const T NN[6], const T d[3], T result[3]) {
-  result[0] = d[0] * NN[0] + d[1] * NN[3] + d[2] * NN[5];
-  result[1] = d[0] * NN[3] + d[1] * NN[1] + d[2] * NN[4];
-  result[2] = d[0] * NN[5] + d[1] * NN[4] + d[2] * NN[2];
 }
 
 }  // namespace elastogen

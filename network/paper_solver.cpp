@@ -2,6 +2,7 @@
 #include "network/paper_solver.hpp"
 
 #include "core/error.hpp"
+#include "network/paper_operator.hpp"
 #include "network/smooth_modes.hpp"
 
 #include <Eigen/Cholesky>
@@ -13,81 +14,38 @@
 namespace elastogen {
 namespace {
 
-constexpr size_t kFields = 15;  // NN and RN of a voxel
+constexpr size_t kFields = 15;  // NN and rest of a voxel
 constexpr int kMostModes = 192;
 
-/// Young's modulus of a law, the paper's weight omega.
-double weight_of(const Material& m) {
-  return m.young;
-}
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// The functional of each corner on the re-centred patterns xy, yz, zx, xyz.
-void corner_patterns(const double M[7], double q[8][4]) {
-  for (int c = 0; c < 8; ++c) {
-    double g[8] = {};
-    g[c] = 1;
-    hex8::to_patterns(g);
-    hex8::centred_patterns<true>(g, M, q[c]);
-  }
-}
-
-/// Gradient of each corner's shape function, mean over the fill [1/m].
-void corner_gradients(const double M[7], double h, double D[8][3]) {
-  for (int c = 0; c < 8; ++c) {
-    double g[8] = {};
-    g[c] = 1;
-    hex8::to_patterns(g);
-    hex8::gradient<true>(g, M, D[c]);
-    for (double& d : D[c]) d /= 4 * h;
-  }
-}
-
-/// Stress of the lagged quadratic, omega (dF - R) N N^T, R with kAffine only; dF is the gradient of
-/// the motion times 4 h, and so is the result. @param lagged  NN and RN of a row.
+/// The lagged stress of a row of voxels. @param lagged  NN and rest of the row.
 template <bool kAffine>
-void lagged_stress(double h, double omega, const double* lagged, const Pack<double> dF[9],
-                   Pack<double> dP[9]) {
-  Pack<double> NN[6];
+void row_stress(const VoxelData<Pack<double>>& data, const double* lagged, const Pack<double> dF[9],
+                Pack<double> dP[9]) {
+  Pack<double> NN[6], rest[9];
   for (int k = 0; k < 6; ++k) NN[k] = load(lagged + k * kLanes);
-  for (int i = 0; i < 3; ++i) {
-    Pack<double> d[3] = {dF[3 * i], dF[3 * i + 1], dF[3 * i + 2]};
-    if constexpr (kAffine) d[i] += 4 * h;
-    times_slope(NN, d, dP + 3 * i);
-    for (int j = 0; j < 3; ++j) {
-      if constexpr (kAffine) dP[3 * i + j] -= 4 * h * load(lagged + (6 + 3 * i + j) * kLanes);
-      dP[3 * i + j] = omega * dP[3 * i + j];
-    }
-  }
+  if constexpr (kAffine)
+    for (int k = 0; k < 9; ++k) rest[k] = load(lagged + (6 + k) * kLanes);
+  lagged_stress<kAffine>(data.h, lagged_weight(data.law), NN, rest, dF, dP);
 }
 
 }  // namespace
 
-PaperSolver::PaperSolver(IncrementalPotential& potential, const PaperLoops& loops)
-    : potential_(potential), loops_(loops), scratch_(potential.rows()) {
-  const Scene& scene = potential.scene();
+void check_paper_scene(const IncrementalPotential& potential, const PaperLoops& loops) {
   ELASTOGEN_CHECK(loops.outer >= 1 && loops.inner >= 1,
                   "the paper solver needs one loop at least, ", "got ", loops.outer, " outer and ",
                   loops.inner, " inner");
   ELASTOGEN_CHECK(loops.modes >= 0 && loops.modes <= kMostModes && loops.modes % 3 == 0,
                   "modes must be a multiple of 3 from 0 to ", kMostModes, ", got ", loops.modes);
-  ELASTOGEN_CHECK(scene.hourglass != Hourglass::kFull,
+  ELASTOGEN_CHECK(potential.scene().hourglass != Hourglass::kFull,
                   "the paper solver relaxes x, y and z apart: it needs hourglass variance or off");
   ELASTOGEN_CHECK(!potential.contact().exists(),
                   "the paper solver has no contact: no floor and no ", "colliders with it");
-  const size_t rows = size_t(potential.rows().row_count()), nodes = size_t(scene.grid.node_count());
-  lagged_.resize(rows * kFields * kLanes);
-  slope_.resize(rows * kLanes);
-  corner_.resize(8 * size_t(scene.grid.voxel_count()));
-  diagonal_.resize(nodes);
-  force_.resize(3 * nodes);
-  waves_ = loops.modes / 3;
-  fill_modes();
 }
 
-/// Cosines over the box of the whole grid, times d/(d + L/8), d the distance to the nearest pin.
-void PaperSolver::fill_modes() {
-  if (waves_ == 0) return;
-  const Scene& scene = potential_.scene();
+std::vector<double> paper_modes(const Scene& scene, int waves) {
+  if (waves == 0) return {};
   const Array<double>& X = scene.grid.rest;
   const int64_t nodes = X.rows();
   Box box;
@@ -95,15 +53,37 @@ void PaperSolver::fill_modes() {
   const double size = std::max({box.extent(0), box.extent(1), box.extent(2)});
   std::vector<int32_t> all(static_cast<size_t>(nodes));
   std::iota(all.begin(), all.end(), 0);
-  const PlaneCosines cosines(scene.grid, all, lowest_waves(box, waves_), box);
+  const PlaneCosines cosines(scene.grid, all, lowest_waves(box, waves), box);
   const std::vector<double> distance = pin_distance(scene, all);
-  modes_.resize(size_t(waves_) * size_t(nodes));
+  std::vector<double> modes(size_t(waves) * size_t(nodes));
   for_each(nodes, [&](int64_t n) {
     const double d = distance[size_t(n)];
-    for (int k = 0; k < waves_; ++k)
-      modes_[size_t(k * nodes + n)] = d / (d + size / 8) * cosines(k, scene.grid.node_coord.row(n));
+    for (int k = 0; k < waves; ++k)
+      modes[size_t(k * nodes + n)] = d / (d + size / 8) * cosines(k, scene.grid.node_coord.row(n));
   });
-  column_.resize(3 * size_t(nodes));
+  return modes;
+}
+
+void solve_reduced(int waves, const double* A_r, double* right) {
+  RowMajor A = Eigen::Map<const RowMajor>(A_r, waves, waves);
+  A.diagonal().array() += 1e-12 * A.trace() / waves;
+  Eigen::Map<RowMajor> y(right, waves, 3);
+  y = A.ldlt().solve(y).eval();
+}
+
+PaperSolver::PaperSolver(IncrementalPotential& potential, const PaperLoops& loops)
+    : potential_(potential), loops_(loops), scratch_(potential.rows()) {
+  check_paper_scene(potential, loops);
+  const Scene& scene = potential.scene();
+  const size_t rows = size_t(potential.rows().row_count()), nodes = size_t(scene.grid.node_count());
+  lagged_.resize(rows * kFields * kLanes);
+  slope_.resize(rows * kLanes);
+  corner_.resize(8 * size_t(scene.grid.voxel_count()));
+  diagonal_.resize(nodes);
+  force_.resize(3 * nodes);
+  waves_ = loops.modes / 3;
+  modes_ = paper_modes(scene, waves_);
+  column_.resize(waves_ > 0 ? 3 * nodes : 0);
 }
 
 void PaperSolver::freeze(const double* u) {
@@ -123,54 +103,32 @@ void PaperSolver::freeze(const double* u) {
         const Mat3<Pack<double>> F = rows.rows[size_t(r)].border >= 0
                                          ? deformation_gradient<true>(data, corner)
                                          : deformation_gradient<false>(data, corner);
-        const LaggedTarget<Pack<double>> target = lagged_target(data.learned, data.law, F);
+        const auto respond = [&](const Pack<double> sigma[3], Pack<double>& outside) {
+          return material_response<false>(data.learned, data.law, sigma, outside);
+        };
+        const LaggedTarget<Pack<double>> target = lagged_target(respond, data.law, F);
         double* to = lagged_.data() + size_t(r) * kFields * kLanes;
         for (int k = 0; k < 6; ++k) store(to + k * kLanes, target.NN[k]);
-        for (int k = 0; k < 9; ++k) store(to + (6 + k) * kLanes, target.RN[k]);
+        for (int k = 0; k < 9; ++k) store(to + (6 + k) * kLanes, target.rest[k]);
         store(slope_.data() + size_t(r) * kLanes, target.largest_slope);
       },
       [](int64_t, const double*) {});
   set_diagonal();
 }
 
-/// Shares of a voxel's corners in the diagonal.
-void PaperSolver::corner_diagonal(int64_t row, int lane, double result[8]) const {
-  const VoxelRow& r = potential_.rows().rows[size_t(row)];
+void PaperSolver::corner_diagonal(int64_t row, int lane, double share[8]) const {
   VoxelData<Pack<double>> data;
   potential_.read_voxel_data<double>(row, data);
-  const double h = data.h, phi = data.phi[lane];
-  const double omega = weight_of(potential_.scene().materials[size_t(r.material)]);
-  const double slope = slope_[size_t(row) * kLanes + size_t(lane)];
-  double M[7] = {}, c_h[4], D[8][3], q[8][4];
-  for (int p = 1; p < 7 && r.border >= 0; ++p) M[p] = data.M[p][lane];
-  for (int k = 0; k < 4; ++k) c_h[k] = data.c[k][lane];
-  const bool variance = data.hourglass != Hourglass::kOff;
-  const bool full = std::all_of(M, M + 7, [](double m) { return m == 0; });
-  if (full && variance) {
-    const double kappa = *std::max_element(c_h, c_h + 4) / omega;
-    for (int c = 0; c < 8; ++c)
-      result[c] = phi * omega * h * (3.0 / 16 * slope + 7.0 / 48 * std::max(kappa, slope));
-    return;
-  }
-  corner_gradients(M, h, D);
-  corner_patterns(M, q);
+  VoxelData<double> voxel{data.law,       data.learned, data.h, data.hourglass,
+                          data.phi[lane], {},           {},     {}};
+  for (int k = 0; k < 4; ++k) voxel.c[k] = data.c[k][lane];
+  for (int p = 1; p < 7 && potential_.rows().rows[size_t(row)].border >= 0; ++p)
+    voxel.M[p] = data.M[p][lane];
+  const bool border = std::any_of(voxel.M, voxel.M + 7, [](double m) { return m != 0; });
   const double* lagged = lagged_.data() + size_t(row) * kFields * kLanes + lane;
   double NN[6];
   for (int k = 0; k < 6; ++k) NN[k] = lagged[k * kLanes];
-  for (int c = 0; c < 8; ++c) {
-    double sum = 0, along[3];
-    times_slope(NN, D[c], along);
-    for (int e = 0; e < 8; ++e) {
-      if (!variance && e != c) continue;
-      const double gradient =
-          h * h * omega * (along[0] * D[e][0] + along[1] * D[e][1] + along[2] * D[e][2]);
-      double patterns = 0;
-      for (int k = 0; k < 4 && variance; ++k)
-        patterns += c_h[k] * q[c][k] * q[e][k] / (k < 3 ? 24 : 48);
-      sum += std::abs(gradient + patterns);
-    }
-    result[c] = phi * h * sum;
-  }
+  diagonal_shares(voxel, border, NN, slope_[size_t(row) * kLanes + size_t(lane)], share);
 }
 
 void PaperSolver::set_diagonal() {
@@ -199,10 +157,9 @@ void PaperSolver::apply(const double* p, double* f) {
                        NoSums&) {
     VoxelData<Pack<double>> data;
     potential_.read_voxel_data<double>(r, data);
-    const double omega = weight_of(scene.materials[size_t(rows.rows[size_t(r)].material)]);
     const double* lagged = lagged_.data() + size_t(r) * kFields * kLanes;
     const auto stress = [&](const Pack<double> dF[9], Pack<double> dP[9]) {
-      lagged_stress<kAffine>(data.h, omega, lagged, dF, dP);
+      row_stress<kAffine>(data, lagged, dF, dP);
     };
     if (rows.rows[size_t(r)].border >= 0)
       hessian_product<true>(data, stress, corner, force);
@@ -239,10 +196,10 @@ void PaperSolver::project(double* u) {
       return sum;
     });
   };
-  Eigen::MatrixXd A(waves_, waves_), right(waves_, 3);
+  RowMajor A(waves_, waves_), y(waves_, 3);
   apply<true>(u, force_.data());
   for (int k = 0; k < waves_; ++k)
-    for (int i = 0; i < 3; ++i) right(k, i) = dot(modes_.data() + k * nodes, force_.data(), i);
+    for (int i = 0; i < 3; ++i) y(k, i) = dot(modes_.data() + k * nodes, force_.data(), i);
   // three modes at a time stand in for the three components
   for (int first = 0; first < waves_; first += 3) {
     const int count = std::min(3, waves_ - first);
@@ -255,8 +212,7 @@ void PaperSolver::project(double* u) {
       for (int i = 0; i < count; ++i)
         A(k, first + i) = dot(modes_.data() + k * nodes, force_.data(), i);
   }
-  A.diagonal().array() += 1e-12 * A.trace() / waves_;
-  const Eigen::MatrixXd y = A.ldlt().solve(right);
+  solve_reduced(waves_, A.data(), y.data());
   for_each(nodes, [&](int64_t n) {
     for (int k = 0; k < waves_; ++k)
       for (int i = 0; i < 3; ++i) u[3 * n + i] -= modes_[size_t(k * nodes + n)] * y(k, i);

@@ -15,16 +15,25 @@
 
 #pragma once
 
-#include "network/paper_model.hpp"
 #include "network/quasi_solver.hpp"
 #include "network/solver.hpp"
 
 namespace elastogen {
 
+/// @throws Error (usage) for loops below 1, modes that are no multiple of 3 or beyond 192, the
+///         torsion correction (it couples the components) and colliders.
+void check_paper_scene(const IncrementalPotential& potential, const PaperLoops& loops);
+
+/// The encoder's cosines over the box of the whole grid, times d/(d + L/8), d the distance to the
+/// nearest pin and L the longest side; (waves, nodes).
+std::vector<double> paper_modes(const Scene& scene, int waves);
+
+/// y of A_r y = right (A_r (waves, waves), right (waves, 3), both row-major), into right.
+void solve_reduced(int waves, const double* A_r, double* right);
+
 class PaperSolver {
  public:
-  /// @throws Error (usage) for loops below 1, modes that are no multiple of 3 or beyond 192, the
-  ///         torsion correction (it couples the components) and colliders.
+  /// @throws Error as check_paper_scene.
   PaperSolver(IncrementalPotential& potential, const PaperLoops& loops);
 
   /// Runs the loops from the predictor xhat; never says converged: the certificate does.
@@ -41,16 +50,15 @@ class PaperSolver {
  private:
   template <bool kAffine>
   void apply(const double* p, double* f);
-  void fill_modes();
   void set_diagonal();
-  void corner_diagonal(int64_t row, int lane, double result[8]) const;
+  void corner_diagonal(int64_t row, int lane, double share[8]) const;
   void project(double* u);
   void sweep(double* u);
 
   IncrementalPotential& potential_;
   PaperLoops loops_;
   int waves_ = 0;               // cosines
-  std::vector<double> lagged_;  // NN and RN, [row][15][lane]
+  std::vector<double> lagged_;  // NN and rest, [row][15][lane]
   std::vector<double> slope_;   // max n^2, [row][lane]
   std::vector<double> corner_;  // share of each corner in D, (voxels, 8)
   std::vector<double> diagonal_, force_, column_;

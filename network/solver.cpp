@@ -40,8 +40,9 @@ Solver::Impl::Impl(const Scene& s, const SolverOptions& o)
   mode = o.mode;
   if (mode == SolverMode::kAuto) mode = stiff() ? SolverMode::kNewton : SolverMode::kQuasi;
   if (mode == SolverMode::kPaper) {
-    ELASTOGEN_CHECK(o.device != Device::kCuda, "the paper mode runs on the CPU");
-    paper.emplace(potential, o.paper);
+    check_paper_scene(potential, o.paper);
+    take_device();
+    if (!on_device) paper.emplace(potential, o.paper);
     return;
   }
   // the preconditioner is built for the scheme of the run, at rest
@@ -68,7 +69,7 @@ bool Solver::Impl::stiff() const {
 
 /// Why the device cannot take this scene, null if it can.
 const char* Solver::Impl::unfit_for_device() const {
-  if (!single) return "float has too few digits for it";
+  if (!single && mode != SolverMode::kPaper) return "float has too few digits for it";
   if (potential.contact().exists()) return "colliders are left to the CPU";
   for (size_t m = 0; m < scene.materials.size(); ++m) {
     const LearnedLaw* net = potential.learned(m);
@@ -87,7 +88,8 @@ void Solver::Impl::take_device() {
                 ErrorKind::kDevice);
   ELASTOGEN_CHECK(!unfit_for_device(), "the device cannot take the scene: ", unfit_for_device());
   try {
-    on_device = cuda::make_device_step(potential, *single);
+    on_device = mode == SolverMode::kPaper ? cuda::make_device_step(potential, options.paper)
+                                           : cuda::make_device_step(potential, *single);
   } catch (const Error& error) {  // no room there: auto goes on here
     if (asked || error.kind() != ErrorKind::kResources) throw;
   }
@@ -107,7 +109,11 @@ IterationResult Solver::Impl::newton(double target) {
 /// The mode that was asked for.
 IterationResult Solver::Impl::iterate(double target, StepReport& report) {
   report.float64 = true;
-  if (paper) return paper->solve(u.data(), options.interrupted);
+  if (mode == SolverMode::kPaper) {
+    report.float64 = !on_device;
+    return on_device ? on_device->paper(options.interrupted)
+                     : paper->solve(u.data(), options.interrupted);
+  }
   if (mode == SolverMode::kNewton) return newton(target);
   if (precise) return quasi(quasi_double, target, *precise);
   IterationResult result;

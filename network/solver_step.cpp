@@ -33,6 +33,7 @@ double Solver::Impl::phi(const std::vector<double>& at) {
 const Collider* Solver::Impl::begin_step(const State& state) {
   if (on_device) {
     on_device->begin_step(scheme);
+    if (mode == SolverMode::kPaper) return nullptr;
     cut_start_on_device();
     on_device->set_nodal_rotations();
     return nullptr;
@@ -106,7 +107,7 @@ void Solver::Impl::balance() {
 Certificate Solver::Impl::measure(const State& state) {
   gradient_on_device = on_device != nullptr;
   if (on_device) {
-    in_flight = flight.exists();
+    in_flight = flight.exists() && mode != SolverMode::kPaper;
     return on_device->certify(in_flight);
   }
   balance();
@@ -186,11 +187,13 @@ bool Solver::Impl::solve(const State& state, StepReport& report) {
   // a margin, because the state that is written is rounded once more
   const double target = 0.95 * options.tolerance * force;
   IterationResult result = choose(target, report);
-  if (!result.converged && !paper && !options.interrupted()) result = sum(result, retreat(target));
+  const bool paper_mode = mode == SolverMode::kPaper;
+  if (!result.converged && !paper_mode && !options.interrupted())
+    result = sum(result, retreat(target));
   report.interrupted = options.interrupted();
   if (report.interrupted) return false;
   certify(state, report);
-  if (!report.converged && !report.float64 && report.finite) {
+  if (!report.converged && !report.float64 && report.finite && !paper_mode) {
     report.float64 = true;
     result = sum(result, quasi(quasi_double, target, *single));
     certify(state, report);

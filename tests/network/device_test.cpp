@@ -307,8 +307,6 @@ TEST_F(OnCard, AutoTakesItWhereItCan) {
   EXPECT_EQ(Solver(touching, options).device(), "cpu");
   options.device = Device::kCuda;
   EXPECT_THROW(Solver(touching, options), Error);
-  options.mode = SolverMode::kPaper;
-  EXPECT_THROW(Solver(scene, options), Error);
 }
 
 /// All memory of the card that is left.

@@ -2,6 +2,7 @@
 #include "network/paper_solver.hpp"
 
 #include "core/error.hpp"
+#include "network/paper_model.hpp"
 #include "network/solver.hpp"
 #include "tests/network/scenes.hpp"
 
