@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The loop of network/brick_rows.hpp on the device: a block of threads a brick, a thread a voxel,
-// the tile in shared memory. Voxels leave what they give their corners there, nodes gather it
-// corner by corner, and partial sums of shared nodes are added in the order of the bricks: the same
-// bits on every run, without atomics.
+// the tile in shared memory. Voxels add what they give their corners there, corner by corner (no
+// two voxels share a node as the same corner), and partial sums of shared nodes are added in the
+// order of the bricks: the same bits on every run, without atomics.
 
 #pragma once
 
@@ -52,39 +52,24 @@ class DeviceRows {
 namespace bricks {
 
 inline constexpr int kThreads = kSumThreads, kTile = ::elastogen::bricks::kTile;
-inline constexpr int kCells = 512;  // of a brick
 
-/// Shared memory of a block: values of the nodes, (3, kTile), and what each cell gives its corners,
-/// (3, 8, kCells).
+/// Shared memory of a block: what nodes have and what they are given, (3, kTile) each.
 template <class T>
-inline constexpr int kSharedBytes = (3 * kTile + 24 * kCells) * int(sizeof(T));
+inline constexpr int kSharedBytes = 6 * kTile* int(sizeof(T));
 
 /// Place of a voxel's corner in the tile, from that of corner 0.
 __device__ inline int corner_offset(int c) {
   return (c & 1) + (c & 2 ? 9 : 0) + (c & 4 ? 81 : 0);
 }
 
-/// What the cells around a node give one of its components.
-template <class T>
-__device__ inline T gathered(const T* of_corners, int place) {
-  const int x = place % 9, y = place / 9 % 9, z = place / 81;
-  T sum = 0;
-  for (int c = 0; c < 8; ++c) {
-    const int cell[3] = {x - (c & 1), y - (c >> 1 & 1), z - (c >> 2)};
-    if ((cell[0] | cell[1] | cell[2]) < 0 || cell[0] > 7 || cell[1] > 7 || cell[2] > 7) continue;
-    sum += of_corners[c * kCells + cell[0] + 8 * (cell[1] + 8 * cell[2])];
-  }
-  return sum;
-}
-
 template <class T, class Sums, class Read, class Voxel, class Finish>
 __global__ void __launch_bounds__(kThreads, sizeof(T) == 4 ? 2 : 1)
     voxel_kernel(RowsView g, T* parts, Sums* sums, Read read, Voxel voxel, Finish finish) {
   extern __shared__ __align__(16) unsigned char room[];
-  T *const in = reinterpret_cast<T*>(room), *const out = in + 3 * kTile;
+  T *const in = reinterpret_cast<T*>(room), *const given = in + 3 * kTile;
   const int64_t b = blockIdx.x;
   const int32_t begin = g.tile_begin[b], end = g.tile_begin[b + 1], row_end = g.row_begin[b + 1];
-  for (int k = threadIdx.x; k < 24 * kCells; k += kThreads) out[k] = 0;
+  for (int k = threadIdx.x; k < 3 * kTile; k += kThreads) given[k] = 0;
   for (int k = begin + int(threadIdx.x); k < end; k += kThreads) {
     T value[3];
     read(int64_t(g.tile_node[k]), int64_t(g.tile_node[begin]), value);
@@ -93,23 +78,27 @@ __global__ void __launch_bounds__(kThreads, sizeof(T) == 4 ? 2 : 1)
   __syncthreads();
   Sums mine;
   const int lane = int(threadIdx.x) % kLanes;
-  for (int32_t r = g.row_begin[b] + int(threadIdx.x) / kLanes; r < row_end;
-       r += kThreads / kLanes) {
-    const VoxelRow row = g.rows[r];
-    if (!(row.mask >> lane & 1)) continue;
+  for (int32_t first = g.row_begin[b]; first < row_end; first += kThreads / kLanes) {
+    const int32_t r = first + int(threadIdx.x) / kLanes;
+    const VoxelRow row = r < row_end ? g.rows[r] : VoxelRow{};
+    const bool there = r < row_end && (row.mask >> lane & 1);
+    const int place = row.offset + lane;
     T u[3][8], f[3][8];
-    const int place = row.offset + lane, line = row.offset / 9;
-    for (int i = 0; i < 3; ++i)
-      for (int c = 0; c < 8; ++c) u[i][c] = in[i * kTile + place + corner_offset(c)], f[i][c] = 0;
-    voxel(row, int64_t(r), lane, u, f, mine);
-    const int cell = lane + 8 * (line % 9 + 8 * (line / 9));
-    for (int i = 0; i < 3; ++i)
-      for (int c = 0; c < 8; ++c) out[(8 * i + c) * kCells + cell] = f[i][c];
+    if (there) {
+      for (int i = 0; i < 3; ++i)
+        for (int c = 0; c < 8; ++c) u[i][c] = in[i * kTile + place + corner_offset(c)], f[i][c] = 0;
+      voxel(row, int64_t(r), lane, u, f, mine);
+    }
+    for (int c = 0; c < 8; ++c) {
+      __syncthreads();
+      if (there)
+        for (int i = 0; i < 3; ++i) given[i * kTile + place + corner_offset(c)] += f[i][c];
+    }
   }
   __syncthreads();
   for (int k = begin + int(threadIdx.x); k < end; k += kThreads) {
     T sum[3];
-    for (int i = 0; i < 3; ++i) sum[i] = gathered(out + 8 * i * kCells, g.tile_place[k]);
+    for (int i = 0; i < 3; ++i) sum[i] = given[i * kTile + g.tile_place[k]];
     const int32_t part = g.tile_part[k];
     if (part < 0)
       finish(int64_t(g.tile_node[k]), sum);
@@ -117,6 +106,7 @@ __global__ void __launch_bounds__(kThreads, sizeof(T) == 4 ? 2 : 1)
       for (int i = 0; i < 3; ++i) parts[3 * int64_t(part) + i] = sum[i];
   }
   if constexpr (!std::is_same_v<Sums, NoSums>) {
+    static_assert(kThreads * sizeof(Sums) <= kSharedBytes<T>);
     __syncthreads();
     const Sums sum = block_sum(mine, reinterpret_cast<Sums*>(room));
     if (threadIdx.x == 0) sums[b] = sum;

@@ -1,0 +1,128 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""The scene c84 of `elastogen bench` in libuipc (pyuipc on PyPI): time of a frame and height of the tip.
+
+    python bench/peers/libuipc_c84.py --sizes 3.2e4,2.56e5 --json FILE
+
+A cantilever of 1 x 0.25 x 0.25 m, E 1e5 Pa, nu 0.4, 1000 kg/m^3, held at x = 0, falls from rest under 9.81 m/s^2; one implicit
+Euler step of 1/30 s a frame, 24 frames, no contact. Each cell of the lattice is cut into five tetrahedra, mirrored from cell to
+cell. `--tight` asks for a hundredth of the library's tolerances. Its only elastic solid is a stable neo-Hookean law
+that takes Young's modulus and Poisson's ratio as Lame's constants of another law."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import statistics
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+
+LENGTH, FRAMES, DT = 1.0, 24, 1 / 30
+YOUNG, POISSON, DENSITY, GRAVITY = 1e5, 0.4, 1000.0, 9.81
+# corners x + 2 y + 4 z of the five tetrahedra of an even cell; an odd one is its mirror image in x
+EVEN = np.array([[0, 3, 5, 6], [1, 3, 0, 5], [2, 0, 3, 6], [4, 5, 0, 6], [7, 6, 3, 5]])
+ODD = EVEN ^ 1
+
+
+def lattice(size: float) -> tuple[np.ndarray, np.ndarray, int]:
+    """Nodes (nodes, 3), tetrahedra (tets, 4) of positive volume, and the number of cells, about `size`."""
+    n = max(1, round((size / 4) ** (1 / 3)))
+    counts = np.array([4 * n, n, n])
+    shape = counts + 1
+    x, y, z = np.meshgrid(*(np.arange(k) for k in shape), indexing="ij")
+    nodes = np.stack([x, y, z], axis=-1).reshape(-1, 3) * (LENGTH / counts[0])
+    cells = np.stack(np.meshgrid(*(np.arange(k) for k in counts), indexing="ij"), axis=-1).reshape(-1, 3)
+    parity = cells.sum(axis=1) % 2
+    corner = np.array([[c & 1, c >> 1 & 1, c >> 2] for c in range(8)])
+    index = cells[:, None, :] + corner
+    index = (index[..., 0] * shape[1] + index[..., 1]) * shape[2] + index[..., 2]
+    cut = np.where(parity[:, None, None] == 0, EVEN, ODD)
+    tets = np.take_along_axis(index[:, None, :], cut, axis=2).reshape(-1, 4)
+    edges = nodes[tets[:, 1:]] - nodes[tets[:, :1]]
+    turned = np.linalg.det(edges) < 0
+    tets[turned, :2] = tets[turned, 1::-1]
+    return nodes, tets.astype(np.int32), len(cells)
+
+
+def tip_of(nodes: np.ndarray) -> np.ndarray:
+    """The nodes nearest to the middle of the free end."""
+    away = np.linalg.norm(nodes - [LENGTH, LENGTH / 8, LENGTH / 8], axis=1)
+    return np.flatnonzero(away < away.min() + 1e-9)
+
+
+def make_scene(uipc, nodes: np.ndarray, tets: np.ndarray, tight: bool):  # noqa: ANN001, ANN201
+    """The scene and the slot of its geometry."""
+    from uipc.constitution import ElasticModuli, StableNeoHookean
+    from uipc.geometry import label_surface, tetmesh
+    config = uipc.Scene.default_config()
+    config["dt"] = DT
+    config["gravity"] = [[0.0], [0.0], [-GRAVITY]]
+    config["contact"]["enable"] = 0
+    config["sanity_check"]["enable"] = 0
+    if tight:
+        config["newton"]["velocity_tol"] /= 100
+        config["newton"]["transrate_tol"] /= 100
+        config["newton"]["semi_implicit"]["enable"] = 0
+        config["linear_system"]["tol_rate"] /= 100
+    scene = uipc.Scene(config)
+    body = tetmesh(nodes, tets)
+    label_surface(body)
+    StableNeoHookean().apply_to(body, ElasticModuli.youngs_poisson(YOUNG, POISSON), DENSITY)
+    held = uipc.view(body.vertices().find(uipc.builtin.is_fixed))
+    held[:] = nodes[:, 0] < 1e-9
+    slot, _ = scene.objects().create("beam").geometries().create(body)
+    return scene, slot
+
+
+def run(uipc, size: float, tight: bool, backend: str) -> dict:  # noqa: ANN001
+    """Milliseconds of the frames and the way of the tip [m]."""
+    nodes, tets, cells = lattice(size)
+    scene, slot = make_scene(uipc, nodes, tets, tight)
+    tip = tip_of(nodes)
+    with tempfile.TemporaryDirectory() as folder:
+        begin = time.perf_counter()
+        engine = uipc.Engine(backend, folder)  # the world does not keep it
+        world = uipc.World(engine)
+        world.init(scene)
+        setup = time.perf_counter() - begin
+        ms, way = [], []
+        for _ in range(FRAMES):
+            begin = time.perf_counter()
+            world.advance()
+            world.sync()
+            ms.append(1e3 * (time.perf_counter() - begin))
+            world.retrieve()
+            places = np.asarray(uipc.view(slot.geometry().positions())).reshape(-1, 3)
+            way.append(float((places[tip, 2] - nodes[tip, 2]).mean()))
+    row = {"run": "libuipc, tight" if tight else "libuipc", "cells": cells, "setup_seconds": setup,
+           "ms": statistics.median(ms), "slowest_ms": max(ms), "tip": way}
+    print(f"{row['run']} {cells} cells: {row['ms']:.1f} ms a frame (longest {row['slowest_ms']:.1f}), tip {way[-1]:.5f} m", flush=True)
+    return row
+
+
+def main() -> int:
+    """Runs the sizes."""
+    options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    options.add_argument("--sizes", default="3.2e4,2.56e5,1e6", help="cells, about")
+    options.add_argument("--tight", action="store_true")
+    options.add_argument("--backend", default="cuda", help="of the library: cuda, or none (nothing moves)")
+    options.add_argument("--json", type=Path)
+    given = options.parse_args()
+    try:
+        import uipc
+    except ImportError as error:
+        print(f"{error}: install pyuipc", file=sys.stderr)
+        return 3
+    uipc.Logger.set_level(uipc.Logger.Level.Warn)
+    rows = [run(uipc, float(size), given.tight, given.backend) for size in given.sizes.split(",")]
+    if given.json:
+        given.json.write_text(json.dumps(rows, indent=1) + "\n")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
