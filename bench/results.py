@@ -5,7 +5,8 @@
     bench/results.py NAME BENCH.json [BENCH.json ...]
 
 NAME is benchmarks (of a CPU) or device (of a card). Run it on the commit that was measured; rows of
-one part in several files stand below each other. docs/generate.py puts the tables into the page."""
+one part in several files stand below each other. Parts that no file has keep the table that they have;
+each says on which commit, day and machine it was measured. docs/generate.py puts the tables into the page."""
 
 from __future__ import annotations
 
@@ -81,7 +82,7 @@ SOURCES = {"ceilings": ["ceilings.cpp", "card_ceilings.cu"],
            "baseline": ["baseline.cpp", "baselines/dense_grid.py", "baselines/elastogen_paper.py",
                         "baselines/local_step.py", "measure.cpp"],
            "startup": ["startup.cpp"]}
-COMMON = ["lattice.cpp", "results.py", "scenes.cpp", "timing.cpp"]
+COMMON = ["lattice.cpp", "scenes.cpp", "timing.cpp"]
 
 
 def ceiling_rows(part: dict[str, Any]) -> list[Row]:
@@ -107,6 +108,27 @@ def baseline_rows(part: list[dict[str, Any]]) -> list[Row]:
     return rows
 
 
+def budget(row: Row) -> str:
+    """Time of a run with its error."""
+    error = "refused" if row["error"] is None else f"{row['error']:.0e}"
+    return f"{row['ms']:.2f} ({error})"
+
+
+def curve_rows(part: list[Row]) -> list[Row]:
+    """The runs of a solver on a scene, a row each: the loosest budget first."""
+    curves: dict[tuple[Any, ...], Row] = {}
+    for row in part:
+        key = tuple(row[name] for name in ("scene", "voxels", "courant", "poisson", "fill", "solver"))
+        curve = curves.setdefault(key, row | {"runs": []})
+        curve["runs"].append(budget(row))
+    return list(curves.values())
+
+
+CURVES: list[Column] = [*SCENE, ("fill", cell("fill")), ("mode", cell("solver")),
+                        ("ms (error) of each tolerance or number of outer loops",
+                         lambda r: ", ".join(r["runs"]))]
+
+
 def rows_of(name: str, part: Any) -> list[Row]:
     """Of a part."""
     special = {"ceilings": ceiling_rows, "baseline": baseline_rows}
@@ -121,32 +143,40 @@ def judge_tips(rows: list[Row]) -> None:
         row["away"] = 100 * away / abs(best[-1])
 
 
+def make_table(name: str, having: list[dict[str, Any]]) -> dict[str, Any]:
+    """The table of a part, from the results that have it."""
+    columns = TABLES[name]
+    rows = [row for result in having for row in rows_of(name, result[name])]
+    if name == "tip":
+        judge_tips(rows)
+    if name == "error-time" and having[0]["card"]:
+        columns, rows = CURVES, curve_rows(rows)
+    commands = [re.sub(r" --(json|python) \S+", "", result["command"]) for result in having]
+    files = sorted(f"bench/{file}" for file in SOURCES[name] + COMMON)
+    first = having[0]
+    rates = first["copy_bytes_per_second"]
+    cpu = first["machine"]["cpu"]
+    machine = (f"{first['card']}: copy {1e-12 * rates['card']:.2f} TB/s, read and written"
+               if first["card"] else f"{cpu}: copy {1e-9 * rates['host']:.1f} GB/s")
+    return {"definitions": {"files": files, "sha256": definitions_hash(files)},
+            "commit": ", ".join(dict.fromkeys(result["commit"] for result in having)),
+            "date": first["date"][:10], "machine": machine, "commands": commands,
+            "head": [head for head, _ in columns],
+            "rows": [[text(row) for _, text in columns] for row in rows]}
+
+
 def main() -> int:
     """Writes the tables."""
     if len(sys.argv) < 3:
         print(__doc__, file=sys.stderr)
         return 2
     results = [json.loads(Path(path).read_text()) for path in sys.argv[2:]]
-    tables: dict[str, dict[str, Any]] = {}
-    for name, columns in TABLES.items():
-        having = [result for result in results if name in result]
-        if not having:
-            continue
-        rows = [row for result in having for row in rows_of(name, result[name])]
-        if name == "tip":
-            judge_tips(rows)
-        commands = [re.sub(r" --(json|python) \S+", "", result["command"]) for result in having]
-        tables[name] = {"commands": commands, "head": [head for head, _ in columns],
-                        "rows": [[text(row) for _, text in columns] for row in rows]}
-    files = sorted({f"bench/{file}" for name in tables for file in SOURCES[name] + COMMON})
-    first = results[0]
-    header = {"commit": first["commit"], "date": first["date"][:10], "cpu": first["machine"]["cpu"]}
-    rates = first["copy_bytes_per_second"]
-    machine = (f"{first['card']}: copy {1e-12 * rates['card']:.2f} TB/s, read and written"
-               if first["card"] else f"{header['cpu']}: copy {1e-9 * rates['host']:.1f} GB/s")
-    (ROOT / "docs" / "results" / f"{sys.argv[1]}.json").write_text(json.dumps(
-        {"definitions": {"files": files, "sha256": definitions_hash(files)}, "header": header,
-         "card": machine, "tables": tables}, indent=1) + "\n")
+    to = ROOT / "docs" / "results" / f"{sys.argv[1]}.json"
+    tables: dict[str, dict[str, Any]] = json.loads(to.read_text())["tables"] if to.exists() else {}
+    for name in TABLES:
+        if having := [result for result in results if name in result]:
+            tables[name] = make_table(name, having)
+    to.write_text(json.dumps({"tables": tables}, indent=1) + "\n")
     return 0
 
 

@@ -19,16 +19,19 @@ struct Sums {
 
 inline constexpr int kSumThreads = 256, kSumBlocks = 512;
 
-/// The sum over the threads of a block in a fixed order, for thread 0 alone. `all` holds
-/// kSumThreads Sums of shared memory.
+/// The sum over the threads of a block in a fixed order, for thread 0 alone, in a register. `all`
+/// holds kSumThreads Sums of shared memory.
 template <class Sum>
 __device__ inline Sum block_sum(const Sum& mine, Sum* all) {
-  all[threadIdx.x] = mine;
+  Sum sum = mine;
+  all[threadIdx.x] = sum;
   for (int half = kSumThreads / 2; half > 0; half /= 2) {
     __syncthreads();
-    if (threadIdx.x < half) all[threadIdx.x].add(all[threadIdx.x + half]);
+    if (threadIdx.x >= half) continue;
+    sum.add(all[threadIdx.x + half]);
+    if (half > 1) all[threadIdx.x] = sum;
   }
-  return threadIdx.x == 0 ? all[0] : mine;  // which thread 0 was the last to write
+  return sum;
 }
 
 /// What a sum over the device needs there; zero at first, as a DeviceArray is at birth.

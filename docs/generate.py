@@ -213,11 +213,10 @@ def neural() -> str:
 
 
 def bench(file: str, part: str) -> str:
-    """A table of bench/results.py; that of a card begins with its name."""
-    result = read(file)
-    found = result["tables"][part]
-    rows = table(found["head"], found["rows"])
-    return f"{result['card']}.\n\n{rows}" if file == "device" else rows
+    """A table of bench/results.py, after what it was measured on."""
+    found = read(file)["tables"][part]
+    return (f"{found['machine']}; commit {found['commit']}, {found['date']}.\n\n"
+            f"{table(found['head'], found['rows'])}")
 
 
 TABLES: dict[str, Callable[[], str]] = {"accuracy": accuracy, "peers": peers,
@@ -249,9 +248,10 @@ def outdated() -> list[str]:
     found = []
     for path in sorted(RESULTS.glob("*.json")):
         result = json.loads(path.read_text())
-        stamp = result.get("definitions")
-        if stamp and definitions_hash(stamp["files"]) != stamp["sha256"]:
-            found.append(f"{path.relative_to(ROOT)}: older than {', '.join(stamp['files'])}")
+        for part in (result, *result.get("tables", {}).values()):
+            stamp = part.get("definitions") if isinstance(part, dict) else None
+            if stamp and definitions_hash(stamp["files"]) != stamp["sha256"]:
+                found.append(f"{path.relative_to(ROOT)}: older than {', '.join(stamp['files'])}")
     return found
 
 
