@@ -5,8 +5,9 @@
     bench/results.py NAME BENCH.json [BENCH.json ...]
 
 NAME is benchmarks (of a CPU) or device (of a card). Run it on the commit that was measured; rows of
-one part in several files stand below each other. Parts that no file has keep the table that they have;
-each says on which commit, day and machine it was measured. docs/generate.py puts the tables into the page."""
+one part in several files stand below each other. Parts that no file has keep the table that they
+have; each says on which commit, day and machine it was measured. docs/generate.py puts the tables
+into the page."""
 
 from __future__ import annotations
 
@@ -46,24 +47,28 @@ TABLES: dict[str, list[Column]] = {
     "ceilings": [("threads", cell("threads")), ("copy [GB/s]", cell("copy", "{:.1f}")),
                  ("float [GFLOP/s]", cell("float", "{:.0f}")),
                  ("double [GFLOP/s]", cell("double", "{:.0f}"))],
-    "kernels": [("kernel", cell("kernel")), ("voxels", cell("voxels")), ("ms", cell("ms", "{:.3f}")),
+    "kernels": [("kernel", cell("kernel")), ("voxels", cell("voxels")),
+                ("ms", cell("ms", "{:.3f}")),
                 ("B a voxel", cell("bytes_a_voxel", "{:.0f}")),
                 ("GB/s", lambda r: f"{1e-9 * r['bytes_per_second']:.1f}"),
                 ("share of copy", lambda r: f"{100 * r['copy_share']:.0f} %")],
     "step": [*SCENE, ("fill", cell("fill")), ("on", cell("device")),
              ("numbers", lambda r: "double" if r["float64"] else "float"),
              ("ms", cell("ms", "{:.2f}")),
-             ("quartiles", lambda r: f"{r['ms_lower_quartile']:.2f} ... {r['ms_upper_quartile']:.2f}"),
+             ("quartiles",
+              lambda r: f"{r['ms_lower_quartile']:.2f} ... {r['ms_upper_quartile']:.2f}"),
              ("evaluations", cell("evaluations")), ("residual", cell("residual", "{:.1e}")),
              ("set-up [s]", cell("setup_seconds", "{:.2f}")),
              ("B a voxel, host", cell("host_bytes_a_voxel", "{:.0f}")),
              ("card", cell("card_bytes_a_voxel", "{:.0f}"))],
-    "error-time": [*SCENE, ("fill", cell("fill")), ("mode", cell("solver")), ("tolerance", cell("tolerance", "{:.0e}")),
+    "error-time": [*SCENE, ("fill", cell("fill")), ("mode", cell("solver")),
+                   ("tolerance", cell("tolerance", "{:.0e}")),
                    ("outer", cell("outer")), ("inner", cell("inner")), ("float64", yes("float64")),
                    ("residual", cell("residual", "{:.1e}")), ("error", cell("error", "{:.1e}")),
                    ("ms", cell("ms", "{:.1f}")), ("setup s", cell("setup_seconds", "{:.2f}"))],
     "tip": [("run", cell("run")), ("voxels", cell("voxels")), ("on", cell("device")),
-            ("ms a frame", cell("ms", "{:.2f}")), ("converged", lambda r: f"{r['converged']} of {r['frames']}"),
+            ("ms a frame", cell("ms", "{:.2f}")),
+            ("converged", lambda r: f"{r['converged']} of {r['frames']}"),
             ("worst residual", cell("residual", "{:.1e}")),
             *[(f"tip at {(k + 1) / 30:.1f} s [mm]", lambda r, k=k: f"{1e3 * r['tip'][k]:.2f}")
               for k in (5, 11, 17, 23)],
@@ -72,12 +77,14 @@ TABLES: dict[str, list[Column]] = {
                  ("residual", cell("residual", "{:.1e}")), ("error", cell("error", "{:.1e}")),
                  ("time over quasi", cell("time_ratio", "{:.3g}")),
                  ("error over quasi", cell("error_ratio", "{:.3g}"))],
-    "startup": [("material", cell("material")), ("solver", cell("solver")), ("voxels", cell("voxels")),
-                ("read", stage("read")), ("voxelise", stage("voxelize")), ("set up", stage("setup")),
+    "startup": [("material", cell("material")), ("solver", cell("solver")),
+                ("voxels", cell("voxels")), ("read", stage("read")),
+                ("voxelise", stage("voxelize")), ("set up", stage("setup")),
                 ("first step", stage("steps")), ("all s", cell("seconds", "{:.2f}")),
                 ("B a voxel", cell("bytes_a_voxel", "{:.0f}"))]}
 SOURCES = {"ceilings": ["ceilings.cpp", "card_ceilings.cu"],
-           "kernels": ["kernels.cpp", "card_kernels.cpp"], "step": ["step.cpp"], "error-time": ["error_time.cpp", "measure.cpp"],
+           "kernels": ["kernels.cpp", "card_kernels.cpp"], "step": ["step.cpp"],
+           "error-time": ["error_time.cpp", "measure.cpp"],
            "tip": ["tip.cpp"],
            "baseline": ["baseline.cpp", "baselines/dense_grid.py", "baselines/elastogen_paper.py",
                         "baselines/local_step.py", "measure.cpp"],
@@ -118,7 +125,8 @@ def curve_rows(part: list[Row]) -> list[Row]:
     """The runs of a solver on a scene, a row each: the loosest budget first."""
     curves: dict[tuple[Any, ...], Row] = {}
     for row in part:
-        key = tuple(row[name] for name in ("scene", "voxels", "courant", "poisson", "fill", "solver"))
+        names = ("scene", "voxels", "courant", "poisson", "fill", "solver")
+        key = tuple(row[name] for name in names)
         curve = curves.setdefault(key, row | {"runs": []})
         curve["runs"].append(budget(row))
     return list(curves.values())

@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The scene c84 of `elastogen bench` in libuipc (pyuipc on PyPI): time of a frame and height of the tip.
+"""The scene c84 of `elastogen bench` in libuipc (pyuipc on PyPI): time of a frame, and the tip.
 
     python bench/peers/libuipc_c84.py --sizes 3.2e4,2.56e5 --json FILE
 
-A cantilever of 1 x 0.25 x 0.25 m, E 1e5 Pa, nu 0.4, 1000 kg/m^3, held at x = 0, falls from rest under 9.81 m/s^2; one implicit
-Euler step of 1/30 s a frame, 24 frames, no contact. Each cell of the lattice is cut into five tetrahedra, mirrored from cell to
-cell. `--tight` asks for a hundredth of the library's tolerances. Its only elastic solid is a stable neo-Hookean law
-that takes Young's modulus and Poisson's ratio as Lame's constants of another law."""
+A cantilever of 1 x 0.25 x 0.25 m, E 1e5 Pa, nu 0.4, 1000 kg/m^3, held at x = 0, falls from rest
+under 9.81 m/s^2; one implicit Euler step of 1/30 s a frame, 24 frames, no contact. Each cell of the
+lattice is cut into five tetrahedra, mirrored from cell to cell. `--tight` asks for a hundredth of
+the library's tolerances. Of its elastic solids the nearest to log neo-Hookean is its stable neo-Hookean
+law, which takes Young's modulus and Poisson's ratio through Lame's constants."""
 
 from __future__ import annotations
 
@@ -29,13 +30,14 @@ ODD = EVEN ^ 1
 
 
 def lattice(size: float) -> tuple[np.ndarray, np.ndarray, int]:
-    """Nodes (nodes, 3), tetrahedra (tets, 4) of positive volume, and the number of cells, about `size`."""
+    """Nodes (nodes, 3), tetrahedra (tets, 4) of positive volume, and the number of cells."""
     n = max(1, round((size / 4) ** (1 / 3)))
     counts = np.array([4 * n, n, n])
     shape = counts + 1
     x, y, z = np.meshgrid(*(np.arange(k) for k in shape), indexing="ij")
     nodes = np.stack([x, y, z], axis=-1).reshape(-1, 3) * (LENGTH / counts[0])
-    cells = np.stack(np.meshgrid(*(np.arange(k) for k in counts), indexing="ij"), axis=-1).reshape(-1, 3)
+    cells = np.stack(np.meshgrid(*(np.arange(k) for k in counts), indexing="ij"), axis=-1)
+    cells = cells.reshape(-1, 3)
     parity = cells.sum(axis=1) % 2
     corner = np.array([[c & 1, c >> 1 & 1, c >> 2] for c in range(8)])
     index = cells[:, None, :] + corner
@@ -96,20 +98,23 @@ def run(uipc, size: float, tight: bool, backend: str) -> dict:  # noqa: ANN001
             world.sync()
             ms.append(1e3 * (time.perf_counter() - begin))
             world.retrieve()
-            places = np.asarray(uipc.view(slot.geometry().positions())).reshape(-1, 3)
+            positions = slot.geometry().positions()
+            places = np.asarray(uipc.view(positions)).reshape(-1, 3)
             way.append(float((places[tip, 2] - nodes[tip, 2]).mean()))
-    row = {"run": "libuipc, tight" if tight else "libuipc", "cells": cells, "setup_seconds": setup,
-           "ms": statistics.median(ms), "slowest_ms": max(ms), "tip": way}
-    print(f"{row['run']} {cells} cells: {row['ms']:.1f} ms a frame (longest {row['slowest_ms']:.1f}), tip {way[-1]:.5f} m", flush=True)
-    return row
+    name, median = "libuipc, tight" if tight else "libuipc", statistics.median(ms)
+    print(f"{name} {cells} cells: {median:.1f} ms a frame (longest {max(ms):.1f}), "
+          f"tip {way[-1]:.5f} m", flush=True)
+    return {"run": name, "cells": cells, "setup_seconds": setup, "ms": median,
+            "slowest_ms": max(ms), "tip": way}
 
 
 def main() -> int:
     """Runs the sizes."""
-    options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    options = argparse.ArgumentParser(description=__doc__,
+                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     options.add_argument("--sizes", default="3.2e4,2.56e5,1e6", help="cells, about")
     options.add_argument("--tight", action="store_true")
-    options.add_argument("--backend", default="cuda", help="of the library: cuda, or none (nothing moves)")
+    options.add_argument("--backend", default="cuda", help="cuda, or none (nothing moves)")
     options.add_argument("--json", type=Path)
     given = options.parse_args()
     try:
@@ -118,7 +123,8 @@ def main() -> int:
         print(f"{error}: install pyuipc", file=sys.stderr)
         return 3
     uipc.Logger.set_level(uipc.Logger.Level.Warn)
-    rows = [run(uipc, float(size), given.tight, given.backend) for size in given.sizes.split(",")]
+    rows = [run(uipc, float(size), given.tight, given.backend)
+            for size in given.sizes.split(",")]
     if given.json:
         given.json.write_text(json.dumps(rows, indent=1) + "\n")
     return 0
