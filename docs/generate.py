@@ -27,7 +27,7 @@ from paper_tables import TABLES as PAPER_TABLES  # noqa: E402
 
 RESULTS = ROOT / "docs" / "results"
 BENCH_PARTS = ("ceilings", "kernels", "step", "error-time", "tip", "baseline", "startup")
-STUDIES = ("beam", "twist", "torus", "knot")
+STUDIES = ("beam", "twist", "torus", "knot", "porous", "asset")
 
 
 def read(name: str) -> dict[str, Any]:
@@ -104,7 +104,7 @@ def reached(name: str) -> list[list[str]]:
 
 
 def time_to_error() -> str:
-    """The same of all four scenes."""
+    """The same of all scenes."""
     return table(["scene", "solver", "against", "1e-1", "1e-2", "1e-3", "1e-4"],
                  [line for name in STUDIES for line in reached(name)])
 
