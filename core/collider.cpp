@@ -14,10 +14,6 @@ double length(const Vec3& v) {
   return std::hypot(v[0], v[1], v[2]);
 }
 
-bool finite(const Vec3& v) {
-  return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]);
-}
-
 /// p from the centre of a box: outside to the nearest point, inside to the nearest face.
 Proximity box_proximity(const Vec3& half, const Vec3& p) {
   Vec3 beyond;

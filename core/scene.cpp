@@ -12,10 +12,6 @@
 namespace elastogen {
 namespace {
 
-bool finite(const Vec3& v) {
-  return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]);
-}
-
 /// @throws Error naming the first entry that is not in [lower, upper] (NaN never is).
 template <class T>
 void check_range(const Array<T>& array, double lower, double upper, const char* name) {

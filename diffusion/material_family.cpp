@@ -9,7 +9,7 @@
 namespace elastogen {
 namespace {
 
-constexpr uint64_t kStream = 0x6d61'7465'7269'616c;  // draws that no strain of the seed uses
+constexpr uint64_t kFamilyStream = 0x6d61'7465'7269'616c;  // draws that no strain of the seed uses
 
 double rounded(double value, double digits) {
   return std::round(value * digits) / digits;
@@ -18,7 +18,7 @@ double rounded(double value, double digits) {
 /// The draws of one material, in [0, 1).
 class Draws {
  public:
-  Draws(uint64_t seed, uint64_t number) : seed_(~seed ^ kStream), number_(number) {}
+  Draws(uint64_t seed, uint64_t number) : seed_(~seed ^ kFamilyStream), number_(number) {}
   double next() { return counted_uniform(seed_, number_, draw_++); }
   double next(double low, double high) { return low + (high - low) * next(); }
 

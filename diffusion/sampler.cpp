@@ -12,7 +12,7 @@ namespace elastogen {
 namespace {
 
 constexpr double kOffset = 0.008, kLeastStep = 1e-3;
-constexpr uint64_t kStream = 0x6e6f'6973'65;  // numbers that no strain of the seed uses
+constexpr uint64_t kNoiseStream = 0x6e6f'6973'65;  // numbers that no strain of the seed uses
 
 std::vector<double> noise(int64_t size, uint64_t seed, uint64_t number) {
   std::vector<double> x;
@@ -34,8 +34,8 @@ std::vector<double> noise_schedule(int steps) {
 }
 
 double counted_normal(uint64_t seed, uint64_t number, uint64_t draw) {
-  const double u = counted_uniform(seed ^ kStream, number, 2 * draw),
-               v = counted_uniform(seed ^ kStream, number, 2 * draw + 1);
+  const double u = counted_uniform(seed ^ kNoiseStream, number, 2 * draw),
+               v = counted_uniform(seed ^ kNoiseStream, number, 2 * draw + 1);
   return std::sqrt(-2 * std::log(u)) * std::cos(2 * std::numbers::pi * v);
 }
 

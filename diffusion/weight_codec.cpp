@@ -19,19 +19,19 @@ constexpr int kWidth = kMtlWidthOfLast;
 constexpr double kRidge = 1e-14;
 
 using Square = Eigen::Matrix<double, kWidth, kWidth>;
-using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+using CodeRows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-Rows doubles(In<float> layers) {
+CodeRows doubles(In<float> layers) {
   return Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
              layers.data, layers.rows, layers.cols)
       .cast<double>();
 }
 
-Eigen::Map<const Rows> map(const Array<double>& array) {
+Eigen::Map<const CodeRows> map(const Array<double>& array) {
   return {array.data(), array.rows(), array.cols()};
 }
 
-Array<double> array(const Rows& rows) {
+Array<double> array(const CodeRows& rows) {
   Array<double> result(rows.rows(), int(rows.cols()));
   std::copy_n(rows.data(), rows.size(), result.data());
   return result;
@@ -45,19 +45,19 @@ WeightCodec::WeightCodec(In<float> layers, In<double> metric, int components) {
   ELASTOGEN_CHECK(metric.is(kWidth, kWidth) && components > 0,
                   "the metric must be (128, 128) and components positive, got ", metric, " and ",
                   components);
-  Square M = Eigen::Map<const Rows>(metric.data, kWidth, kWidth);
+  Square M = Eigen::Map<const CodeRows>(metric.data, kWidth, kWidth);
   M.diagonal().array() += kRidge * M.trace();
   const Eigen::LLT<Square> factor(M);
   ELASTOGEN_CHECK(factor.info() == Eigen::Success, "the metric is not positive");
-  Rows w = doubles(layers);
+  CodeRows w = doubles(layers);
   const Eigen::RowVectorXd mean = w.colwise().mean();
   w.rowwise() -= mean;
   const Square L = factor.matrixL();
-  const Rows z = w * L;
+  const CodeRows z = w * L;
   const Square covariance = z.transpose() * z / double(layers.rows);
   const Eigen::SelfAdjointEigenSolver<Square> solved(covariance);  // the smallest first
   const auto kept = int(std::min<int64_t>({components, kWidth, layers.rows - 1}));
-  const Rows P = solved.eigenvectors().rightCols(kept).rowwise().reverse();
+  const CodeRows P = solved.eigenvectors().rightCols(kept).rowwise().reverse();
   mean_ = array(mean);
   to_ = array(P.transpose() * L.transpose());
   from_ = array(factor.matrixU().solve(P));
@@ -94,7 +94,7 @@ void WeightCodec::write(TensorFile& file) const {
 
 Array<double> WeightCodec::encode(In<float> layers) const {
   ELASTOGEN_CHECK(layers.cols == kWidth, "a last layer has ", kWidth, " weights, got ", layers);
-  Rows w = doubles(layers);
+  CodeRows w = doubles(layers);
   w.rowwise() -= Eigen::RowVectorXd(map(mean_));
   return array(w * map(to_).transpose());
 }

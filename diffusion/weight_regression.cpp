@@ -18,7 +18,7 @@ constexpr double kLeastRidge = 1e-12, kLargestRidge = 1e-4;
 constexpr int64_t kMostSearched = 1024, kMostKnown = 1 << 16;
 constexpr double kFirstLength = 2, kFloor = 1e-8;  // of an error whose logarithm is taken
 
-using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+using FeatureRows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 double distance(const double* x, const double* y, const std::vector<double>& lengths) {
   double sum = 0;
@@ -48,7 +48,7 @@ Eigen::MatrixXd kernel(In<double> x, In<double> y, const std::vector<double>& le
 }
 
 /// The solution of (K + ridge) A = B with the least ridge that the factorisation bears.
-Eigen::MatrixXd solve(const Eigen::MatrixXd& K, const Rows& B) {
+Eigen::MatrixXd solve(const Eigen::MatrixXd& K, const FeatureRows& B) {
   for (double ridge = kLeastRidge; ridge <= kLargestRidge; ridge *= 10) {
     Eigen::MatrixXd damped = K;
     damped.diagonal().array() += ridge;
@@ -69,7 +69,7 @@ Array<double> rows(In<double> from, int64_t count, bool (*taken)(int64_t)) {
   return result;
 }
 
-Eigen::Map<const Rows> map(const Array<double>& array) {
+Eigen::Map<const FeatureRows> mapped(const Array<double>& array) {
   return {array.data(), array.rows(), array.cols()};
 }
 
@@ -114,8 +114,8 @@ class LengthSearch {
   }
 
   double score(const std::vector<double>& lengths) const {
-    const Eigen::MatrixXd A = solve(kernel(x_, x_, lengths), map(c_));
-    const Rows miss = kernel(held_x_, x_, lengths) * A - map(held_c_);
+    const Eigen::MatrixXd A = solve(kernel(x_, x_, lengths), mapped(c_));
+    const FeatureRows miss = kernel(held_x_, x_, lengths) * A - mapped(held_c_);
     return (miss.rowwise().squaredNorm().array() + kFloor).log().mean();
   }
 
@@ -138,8 +138,8 @@ WeightRegression::WeightRegression(In<double> features, In<double> codes,
                       std::all_of(lengths_.begin(), lengths_.end(), [](double l) { return l > 0; }),
                   "a regression needs ", kMaterialFeatures, " positive lengths");
   for (double& length : lengths_) length = float(length);
-  const Rows B = Eigen::Map<const Rows>(codes.data, codes.rows, codes.cols);
-  const Rows A = solve(kernel(features_, features_, lengths_), B);
+  const FeatureRows B = Eigen::Map<const FeatureRows>(codes.data, codes.rows, codes.cols);
+  const FeatureRows A = solve(kernel(features_, features_, lengths_), B);
   std::copy_n(A.data(), A.size(), coefficients_.data());
 }
 

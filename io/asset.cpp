@@ -11,7 +11,7 @@
 namespace elastogen {
 namespace {
 
-constexpr int64_t kMaxCount = std::numeric_limits<int32_t>::max();
+constexpr int64_t kMaxAssetCount = std::numeric_limits<int32_t>::max();
 
 Matrix4 product(const Matrix4& a, const Matrix4& b) {
   Matrix4 c = {};
@@ -82,9 +82,9 @@ std::vector<SurfaceInstance> instances_of(const Asset& asset, int64_t& vertices,
     instances.push_back({node, index, vertices, triangles, own});
     vertices += int64_t(mesh.position.size());
     triangles += own;
-    if (vertices > kMaxCount || triangles > kMaxCount / 3)
-      throw Error(concat(asset.path, ": its instances have more than ", kMaxCount, " vertices or ",
-                         kMaxCount / 3, " triangles"),
+    if (vertices > kMaxAssetCount || triangles > kMaxAssetCount / 3)
+      throw Error(concat(asset.path, ": its instances have more than ", kMaxAssetCount,
+                         " vertices or ", kMaxAssetCount / 3, " triangles"),
                   ErrorKind::kResources);
   }
   return instances;

@@ -21,7 +21,7 @@ namespace {
 
 using Json = GltfEdit::Json;
 
-constexpr const char* kExtension = "KHR_draco_mesh_compression";
+constexpr const char* kDracoExtension = "KHR_draco_mesh_compression";
 /// No real stream packs more triangles into a byte.
 constexpr uint64_t kMaxFacesPerByte = 1024;
 /// Room for attributes of a vertex that nobody asks for [bytes].
@@ -101,7 +101,7 @@ std::unique_ptr<draco::Mesh> decoded(const uint8_t* data, size_t size, const Lim
                ? decoded_by<draco::MeshEdgebreakerDecoder>(buffer, limits)
                : decoded_by<draco::MeshSequentialDecoder>(buffer, limits);
   } catch (const std::exception& failure) {
-    throw Error(concat(place, ": its ", kExtension, " stream cannot be used: ", failure.what(),
+    throw Error(concat(place, ": its ", kDracoExtension, " stream cannot be used: ", failure.what(),
                        "; re-export without compression"),
                 ErrorKind::kAsset);
   }
@@ -173,7 +173,7 @@ class DracoDecoder {
   void decode(Json& primitive, const Json& extension, const std::string& place) {
     ELASTOGEN_CHECK_ASSET(extension.is_object() && extension.contains("attributes") &&
                               extension["attributes"].is_object(),
-                          place, ": ", kExtension, " must have attributes");
+                          place, ": ", kDracoExtension, " must have attributes");
     const uint64_t view = count_of(extension, "bufferView", place);
     const Limits limits = limits_of(primitive, extension, place);
     const auto [data, size] = bytes_of(view, place);
@@ -202,7 +202,7 @@ class DracoDecoder {
   Limits limits_of(const Json& primitive, const Json& extension, const std::string& place) {
     const uint64_t mode = count_of(primitive, "mode", place, 4);
     ELASTOGEN_CHECK_ASSET(mode == 4 || mode == 5, place, ": only triangles are packed by ",
-                          kExtension);
+                          kDracoExtension);
     const size_t indices = size_t(count_of(primitive, "indices", place));
     const uint64_t corners = count_of(edit_.entry("accessors", indices, place), "count", place);
     Limits limits = {mode == 4 ? corners / 3 : corners, 0, kSpareBytes};
@@ -239,7 +239,8 @@ class DracoDecoder {
     const Json plain = {
         {"componentType", 5125}, {"count", mesh.num_faces() * 3}, {"type", "SCALAR"}};
     const Bytes bytes = indices_of(mesh, place);
-    ELASTOGEN_CHECK_ASSET(!bytes.empty(), place, ": its ", kExtension, " data hold no triangle");
+    ELASTOGEN_CHECK_ASSET(!bytes.empty(), place, ": its ", kDracoExtension,
+                          " data hold no triangle");
     const size_t accessor = primitive["indices"].get<size_t>();
     primitive["indices"] = place_values({view, kIndices, accessor}, plain, bytes, 0);
     primitive["mode"] = 4;
@@ -253,9 +254,10 @@ class DracoDecoder {
         id <= UINT32_MAX ? mesh.GetAttributeByUniqueId(uint32_t(id)) : nullptr;
     const size_t width = components(stated, place), vertices = mesh.num_points();
     ELASTOGEN_CHECK_ASSET(attribute && attribute->num_components() == int(width), place, ": its ",
-                          kExtension, " data hold no attribute ", id, " of ", width, " components");
+                          kDracoExtension, " data hold no attribute ", id, " of ", width,
+                          " components");
     const Bytes bytes = values_of(*attribute, vertices, width, stated.value("componentType", 0));
-    ELASTOGEN_CHECK_ASSET(!bytes.empty(), place, ": its ", kExtension,
+    ELASTOGEN_CHECK_ASSET(!bytes.empty(), place, ": its ", kDracoExtension,
                           " data do not fit the component type of its accessor");
     accessor = place_values({view, id, accessor.get<size_t>()}, {{"count", vertices}}, bytes,
                             bytes.size() / vertices);
@@ -288,9 +290,9 @@ std::optional<Json> taken_extension(Json& primitive) {
   if (!primitive.contains("extensions")) return {};
   Json& extensions = primitive["extensions"];
   std::optional<Json> taken;
-  if (extensions.is_object() && extensions.contains(kExtension)) {
-    taken = extensions[kExtension];
-    extensions.erase(kExtension);
+  if (extensions.is_object() && extensions.contains(kDracoExtension)) {
+    taken = extensions[kDracoExtension];
+    extensions.erase(kDracoExtension);
   }
   if (extensions.empty()) primitive.erase("extensions");
   return taken;

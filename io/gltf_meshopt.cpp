@@ -11,7 +11,7 @@ namespace {
 
 using Json = GltfEdit::Json;
 
-constexpr const char* kExtension = "EXT_meshopt_compression";
+constexpr const char* kMeshoptExtension = "EXT_meshopt_compression";
 
 /// A packed buffer view, checked.
 struct Packed {
@@ -54,7 +54,8 @@ void check_rules(const Packed& packed, const std::string& place) {
 
 Packed checked(const GltfEdit& edit, const Json& view, const Json& extension,
                const std::string& place) {
-  ELASTOGEN_CHECK_ASSET(extension.is_object(), place, ": ", kExtension, " must be an object");
+  ELASTOGEN_CHECK_ASSET(extension.is_object(), place, ": ", kMeshoptExtension,
+                        " must be an object");
   const uint64_t index = count_of(extension, "buffer", place);
   ELASTOGEN_CHECK_ASSET(index < edit.file_buffers(), place, ": there is no buffer ", index);
   const Bytes& buffer = edit.buffers()[size_t(index)];
@@ -87,7 +88,7 @@ Bytes decoded(const Packed& packed, const std::string& place) {
     failure = meshopt_decodeIndexSequence(bytes.data(), packed.count, packed.stride, packed.data,
                                           packed.size);
   }
-  ELASTOGEN_CHECK_ASSET(failure == 0, place, ": its ", kExtension,
+  ELASTOGEN_CHECK_ASSET(failure == 0, place, ": its ", kMeshoptExtension,
                         " data are broken; re-export without compression");
   if (packed.filter == "OCTAHEDRAL") {
     meshopt_decodeFilterOct(bytes.data(), packed.count, packed.stride);
@@ -106,12 +107,12 @@ void decode_meshopt(GltfEdit& edit) {
   for (size_t v = 0; v < edit.json["bufferViews"].size(); ++v) {
     Json& view = edit.json["bufferViews"][v];
     const Json extensions = view.value("extensions", Json());
-    if (!extensions.is_object() || !extensions.contains(kExtension)) continue;
+    if (!extensions.is_object() || !extensions.contains(kMeshoptExtension)) continue;
     const std::string place = concat(edit.path(), ": bufferViews[", v, ']');
-    const Packed packed = checked(edit, view, extensions[kExtension], place);
+    const Packed packed = checked(edit, view, extensions[kMeshoptExtension], place);
     edit.claim(packed.count * packed.stride, place);
     view.update(edit.view_of(decoded(packed, place)));
-    view["extensions"].erase(kExtension);
+    view["extensions"].erase(kMeshoptExtension);
     if (view["extensions"].empty()) view.erase("extensions");
   }
 }

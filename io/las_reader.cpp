@@ -14,7 +14,7 @@ constexpr int kRecordBytes[] = {20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};
 constexpr int kRgbOffset[] = {0, 0, 20, 28, 0, 28, 0, 30, 30, 0, 30};
 constexpr size_t kHeaderBytes = 227, kHeaderBytes14 = 375;
 
-struct Header {
+struct LasHeader {
   int64_t points = 0;      ///< records
   size_t data_offset = 0;  ///< of the first record [bytes]
   int format = 0;          ///< of the points
@@ -28,7 +28,7 @@ T at(std::string_view bytes, size_t offset) {
   return ByteReader(bytes.substr(offset), "").read<T>();
 }
 
-Header read_header(std::string_view bytes, const std::string& path) {
+LasHeader read_las_header(std::string_view bytes, const std::string& path) {
   ELASTOGEN_CHECK_ASSET(bytes.starts_with("LASF") && bytes.size() >= kHeaderBytes, path,
                         ": has no LAS header of ", kHeaderBytes, " bytes that begin with LASF");
   const int major = at<uint8_t>(bytes, 24), minor = at<uint8_t>(bytes, 25);
@@ -40,7 +40,7 @@ Header read_header(std::string_view bytes, const std::string& path) {
                         "into LAS");
   ELASTOGEN_CHECK_ASSET(format <= 10, path, ": the point format ", format,
                         " is not read; 0 to 10 are");
-  Header header;
+  LasHeader header;
   header.format = format;
   header.data_offset = at<uint32_t>(bytes, 96);
   header.record_bytes = at<uint16_t>(bytes, 105);
@@ -67,7 +67,7 @@ Header read_header(std::string_view bytes, const std::string& path) {
 }  // namespace
 
 Asset parse_las(std::string_view bytes, const std::string& path) {
-  const Header header = read_header(bytes, path);
+  const LasHeader header = read_las_header(bytes, path);
   const std::string_view records = bytes.substr(header.data_offset);
   ByteReader(records, path).claim(header.points, header.record_bytes, "points");
   Asset asset;

@@ -36,7 +36,7 @@ struct Face {
 };
 
 constexpr const char* kIndexNames[3] = {"vertex", "texture", "normal"};
-constexpr int64_t kMaxCount = std::numeric_limits<int32_t>::max();
+constexpr int64_t kMaxObjCount = std::numeric_limits<int32_t>::max();
 
 class ObjParser {
  public:
@@ -127,7 +127,7 @@ class ObjParser {
 
   void read_position(std::string_view line) {
     const auto [v, n] = read_numbers(line, 3);
-    check(int64_t(position_.size()) < kMaxCount, line_, "too many vertices");
+    check(int64_t(position_.size()) < kMaxObjCount, line_, "too many vertices");
     position_.push_back({v[0], v[1], v[2]});
     if (n < 6) return;
     // colours behind positions: white up to here
@@ -144,7 +144,7 @@ class ObjParser {
       check(++face.corners <= kMaxPolygonCorners, line_, "a face has more than ",
             kMaxPolygonCorners, " corners; save it as triangles");
     }
-    check(int64_t(corners_.size() + position_.size()) < kMaxCount, line_, "too many corners");
+    check(int64_t(corners_.size() + position_.size()) < kMaxObjCount, line_, "too many corners");
     if (face.corners >= 3) {
       faces_.push_back(face);
       return;
@@ -167,7 +167,7 @@ class ObjParser {
       const std::optional<int64_t> i = to_integer(part);
       check(i.has_value(), line_, "a corner is expected, not \"", word.substr(0, 40), '"');
       const int64_t index = *i < 0 ? int64_t(counts[k]) + *i : *i - 1;
-      check(index >= 0 && index < kMaxCount, line_, kIndexNames[k], " index ", *i,
+      check(index >= 0 && index < kMaxObjCount, line_, kIndexNames[k], " index ", *i,
             " is out of range, there are ", counts[k], " so far");
       corner[k] = int32_t(index);
     }

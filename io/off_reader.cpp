@@ -11,7 +11,7 @@
 namespace elastogen {
 namespace {
 
-constexpr int64_t kMaxCount = std::numeric_limits<int32_t>::max();
+constexpr int64_t kMaxOffCount = std::numeric_limits<int32_t>::max();
 
 class OffParser {
  public:
@@ -24,8 +24,8 @@ class OffParser {
   Asset parse() {
     const bool has_normals = read_keyword();
     if (current_.empty()) begin_line("counts");
-    const int64_t vertices = integer("the number of vertices", kMaxCount);
-    const int64_t faces = integer("the number of faces", kMaxCount);
+    const int64_t vertices = integer("the number of vertices", kMaxOffCount);
+    const int64_t faces = integer("the number of faces", kMaxOffCount);
     const int64_t left = int64_t(rest_.size()) + 1;  // the last line may lack its end
     check(vertices <= left / 6 && faces <= left / 2, vertices, " vertices and ", faces,
           " faces are claimed but only ", rest_.size(), " bytes follow");

@@ -14,7 +14,7 @@
 namespace elastogen {
 namespace {
 
-using Json = nlohmann::json;
+using SceneJson = nlohmann::json;
 using Kind = SceneValue::Kind;
 
 /// The bytes of a text; counts the lines that it passes.
@@ -47,7 +47,7 @@ class LineIterator {
 };
 
 /// Builds the tree as the parser goes along.
-class JsonTree final : public nlohmann::json_sax<Json> {
+class JsonTree final : public nlohmann::json_sax<SceneJson> {
  public:
   JsonTree(const std::string& name, const int& line) : name_(name), line_(line) {}
 
@@ -62,7 +62,7 @@ class JsonTree final : public nlohmann::json_sax<Json> {
     return add(scene_number(number));
   }
   bool string(std::string& text) override { return add(scene_text(text)); }
-  bool binary(Json::binary_t&) override { fail("binary data have no meaning in a scene"); }
+  bool binary(SceneJson::binary_t&) override { fail("binary data have no meaning in a scene"); }
 
   bool start_object(size_t) override {
     open(Kind::kTable);
@@ -141,8 +141,8 @@ SceneValue parse_scene_json(std::string_view text, const std::string& name) {
   ELASTOGEN_CHECK(text.find('\0') == text.npos, name, ": is no JSON: it holds a byte 0");
   int line = 1, end_line = 1;
   JsonTree tree(name, line);
-  Json::sax_parse(LineIterator(text.data(), &line),
-                  LineIterator(text.data() + text.size(), &end_line), &tree);
+  SceneJson::sax_parse(LineIterator(text.data(), &line),
+                       LineIterator(text.data() + text.size(), &end_line), &tree);
   ELASTOGEN_CHECK(tree.root().kind == Kind::kTable, name, ":1: a scene is a table of keys");
   return std::move(tree.root());
 }

@@ -16,8 +16,8 @@
 namespace elastogen {
 namespace {
 
-constexpr int kMaxCount = 16;    // harmonics of degrees 0 ... 3
-constexpr int kDirections = 32;  // in which colours are compared; twice the unknowns
+constexpr int kMaxHarmonics = 16;  // harmonics of degrees 0 ... 3
+constexpr int kDirections = 32;    // in which colours are compared; twice the unknowns
 constexpr double kMaxStretch = 3;
 
 /// Directions spread evenly over the sphere (Fibonacci lattice).
@@ -31,7 +31,7 @@ Vec3 fixed_direction(int k) {
 std::vector<double> fit_matrix(int degree) {
   const int count = harmonic_count(degree);
   Eigen::MatrixXd values(kDirections, count);
-  double row[kMaxCount];
+  double row[kMaxHarmonics];
   for (int k = 0; k < kDirections; ++k) {
     spherical_harmonics(degree, fixed_direction(k), row);
     for (int m = 0; m < count; ++m) values(k, m) = row[m];
@@ -184,7 +184,7 @@ bool SplatMotion::turn_splat(size_t i, const Mat3<double>& F) {
 void SplatMotion::turn_colour(size_t i, const Mat3<double>& R) {
   const auto count = size_t(harmonic_count(rest_.degree));
   const float* before = rest_.harmonics.data() + i * count * 3;
-  double colour[kDirections][3] = {}, values[kMaxCount];
+  double colour[kDirections][3] = {}, values[kMaxHarmonics];
   for (int k = 0; k < kDirections; ++k) {
     const Vec3 v = fixed_direction(k);
     Vec3 turned = {};

@@ -12,7 +12,7 @@ namespace elastogen {
 namespace {
 
 constexpr uint32_t kMagic = 0x5053474e;  ///< "NGSP"
-constexpr int64_t kHeaderBytes = 16;
+constexpr int64_t kSpzHeaderBytes = 16;
 constexpr int64_t kMaxRatio = 100;  ///< of unpacked to packed bytes; splats reach 10
 
 /// 24-bit integer with a sign.
@@ -53,7 +53,7 @@ std::array<float, 4> read_rotation3(ByteReader& reader) {
   return q;
 }
 
-struct Header {
+struct SpzHeader {
   int64_t splats = 0;
   int version = 0, degree = 0, fraction_bits = 0;
   bool has_extensions = false;
@@ -63,16 +63,16 @@ struct Header {
   }
 };
 
-Header read_header(const std::string& bytes, const std::string& path) {
-  ELASTOGEN_CHECK_ASSET(int64_t(bytes.size()) == kHeaderBytes, path, ": has no SPZ header of ",
-                        kHeaderBytes, " bytes");
+SpzHeader read_spz_header(const std::string& bytes, const std::string& path) {
+  ELASTOGEN_CHECK_ASSET(int64_t(bytes.size()) == kSpzHeaderBytes, path, ": has no SPZ header of ",
+                        kSpzHeaderBytes, " bytes");
   ByteReader reader(bytes, path);
   ELASTOGEN_CHECK_ASSET(reader.read<uint32_t>() == kMagic, path,
                         ": what it packs is no SPZ; unpack it with gunzip first");
   const uint32_t version = reader.read<uint32_t>();
   ELASTOGEN_CHECK_ASSET(version == 2 || version == 3, path, ": SPZ version ", version,
                         " is not read; save it as version 3 or as .ply");
-  Header header;
+  SpzHeader header;
   header.version = int(version);
   header.splats = reader.read<uint32_t>();
   header.degree = reader.read<uint8_t>();
@@ -85,7 +85,7 @@ Header read_header(const std::string& bytes, const std::string& path) {
   return header;
 }
 
-SplatCloud read_body(const std::string& bytes, const Header& header, const std::string& path) {
+SplatCloud read_body(const std::string& bytes, const SpzHeader& header, const std::string& path) {
   ByteReader reader(bytes, path);
   const size_t n = size_t(header.splats);
   const size_t width = 3 * size_t(harmonic_count(header.degree));
@@ -119,7 +119,7 @@ Asset parse_spz(std::string_view bytes, const std::string& path) {
   ELASTOGEN_CHECK_ASSET(!bytes.starts_with("NGSP"), path,
                         ": SPZ without gzip (version 4) is not read; save it as version 3 or .ply");
   GzipReader unpacker(bytes, path);
-  const Header header = read_header(unpacker.next(kHeaderBytes), path);
+  const SpzHeader header = read_spz_header(unpacker.next(kSpzHeaderBytes), path);
   const int64_t body = header.splats * header.splat_bytes();
   ELASTOGEN_CHECK_ASSET(body <= std::min(kMaxRatio * int64_t(bytes.size()), kMaxFileBytes), path,
                         ": claims ", header.splats, " splats of ", header.splat_bytes(),

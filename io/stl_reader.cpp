@@ -10,19 +10,19 @@
 namespace elastogen {
 namespace {
 
-constexpr int64_t kHeaderBytes = 80, kFacetBytes = 50;
+constexpr int64_t kStlHeaderBytes = 80, kFacetBytes = 50;
 constexpr int64_t kMaxFacets = std::numeric_limits<int32_t>::max() / 3;
 
 /// Facets that the count of a binary file claims, -1 if there is no count.
 int64_t claimed_facets(std::string_view bytes) {
-  if (int64_t(bytes.size()) < kHeaderBytes + 4) return -1;
-  return ByteReader(bytes.substr(kHeaderBytes), "").read<uint32_t>();
+  if (int64_t(bytes.size()) < kStlHeaderBytes + 4) return -1;
+  return ByteReader(bytes.substr(kStlHeaderBytes), "").read<uint32_t>();
 }
 
 std::vector<Vec3> read_binary(std::string_view bytes, int64_t facets, const std::string& path) {
   ELASTOGEN_CHECK_ASSET(facets <= kMaxFacets, path, ": ", facets, " facets are too many");
   ByteReader reader(bytes, path);
-  reader.skip(kHeaderBytes + 4, "bytes of a binary STL header");
+  reader.skip(kStlHeaderBytes + 4, "bytes of a binary STL header");
   reader.claim(facets, kFacetBytes, "facets of a binary STL");
   std::vector<Vec3> position;
   position.reserve(size_t(3 * facets));
@@ -82,7 +82,7 @@ Asset parse_stl(std::string_view bytes, const std::string& path) {
   const int64_t facets = claimed_facets(bytes);
   const std::string_view text = without_mark(bytes);
   const bool size_fits =
-      facets >= 0 && int64_t(bytes.size()) == kHeaderBytes + 4 + facets * kFacetBytes;
+      facets >= 0 && int64_t(bytes.size()) == kStlHeaderBytes + 4 + facets * kFacetBytes;
   const bool is_text =
       lower(trimmed(text.substr(0, 16)).substr(0, 5)) == "solid" && bytes.find('\0') == bytes.npos;
   Asset asset;

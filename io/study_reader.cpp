@@ -13,7 +13,7 @@
 namespace elastogen {
 namespace {
 
-using Json = nlohmann::json;
+using StudyJson = nlohmann::json;
 
 constexpr int64_t kMaxStudyBytes = int64_t{256} << 20;
 
@@ -22,7 +22,7 @@ class Decoder {
  public:
   explicit Decoder(std::string file) : file_(std::move(file)) {}
 
-  void decode(const Json& json, const std::string& place, double& value) const {
+  void decode(const StudyJson& json, const std::string& place, double& value) const {
     const bool is_text = json.is_string();
     if (is_text && json == "nan")
       value = std::numeric_limits<double>::quiet_NaN();
@@ -33,52 +33,52 @@ class Decoder {
     else
       value = get<double>(json, place, json.is_number(), "a number");
   }
-  void decode(const Json& json, const std::string& place, int64_t& value) const {
+  void decode(const StudyJson& json, const std::string& place, int64_t& value) const {
     constexpr uint64_t kLargest = std::numeric_limits<int64_t>::max();
     const bool fits =
         json.is_number_integer() && !(json.is_number_unsigned() && json.get<uint64_t>() > kLargest);
     value = get<int64_t>(json, place, fits, "a whole number of 64 bits");
   }
-  void decode(const Json& json, const std::string& place, bool& value) const {
+  void decode(const StudyJson& json, const std::string& place, bool& value) const {
     value = get<bool>(json, place, json.is_boolean(), "true or false");
   }
-  void decode(const Json& json, const std::string& place, std::string& value) const {
+  void decode(const StudyJson& json, const std::string& place, std::string& value) const {
     value = get<std::string>(json, place, json.is_string(), "a text");
   }
-  void decode(const Json& json, const std::string& place, ErrorFamily& value) const {
-    const bool solver = json == Json(family_name(ErrorFamily::kSolver));
-    if (!solver && json != Json(family_name(ErrorFamily::kDiscretisation)))
+  void decode(const StudyJson& json, const std::string& place, ErrorFamily& value) const {
+    const bool solver = json == StudyJson(family_name(ErrorFamily::kSolver));
+    if (!solver && json != StudyJson(family_name(ErrorFamily::kDiscretisation)))
       fail(place, "must be solver_error or discretisation_error");
     value = solver ? ErrorFamily::kSolver : ErrorFamily::kDiscretisation;
   }
-  void decode(const Json& json, const std::string& place, ErrorMeasure& value) const {
-    const bool step = json == Json(measure_name(ErrorMeasure::kStep));
-    if (!step && json != Json(measure_name(ErrorMeasure::kFreeRun)))
+  void decode(const StudyJson& json, const std::string& place, ErrorMeasure& value) const {
+    const bool step = json == StudyJson(measure_name(ErrorMeasure::kStep));
+    if (!step && json != StudyJson(measure_name(ErrorMeasure::kFreeRun)))
       fail(place, "must be step or free_run");
     value = step ? ErrorMeasure::kStep : ErrorMeasure::kFreeRun;
   }
-  void decode(const Json& json, const std::string& place, std::array<double, 2>& value) const {
+  void decode(const StudyJson& json, const std::string& place, std::array<double, 2>& value) const {
     if (!json.is_array() || json.size() != 2) fail(place, "must be a list of two numbers");
     for (size_t k = 0; k < 2; ++k) decode(json[k], place, value[k]);
   }
   template <class T>
-  void decode(const Json& json, const std::string& place, std::optional<T>& value) const {
+  void decode(const StudyJson& json, const std::string& place, std::optional<T>& value) const {
     if (!json.is_null()) decode(json, place, value.emplace());
   }
   template <class T>
-  void decode(const Json& json, const std::string& place, std::vector<T>& values) const {
+  void decode(const StudyJson& json, const std::string& place, std::vector<T>& values) const {
     if (!json.is_array()) fail(place, "must be a list");
     values.resize(json.size());
     for (size_t k = 0; k < json.size(); ++k)
       decode(json[k], place + '[' + std::to_string(k) + ']', values[k]);
   }
   template <class Struct>
-  void decode(const Json& json, const std::string& place, Struct& value) const {
+  void decode(const StudyJson& json, const std::string& place, Struct& value) const {
     if (!json.is_object()) fail(place, "must be an object");
     std::set<std::string> known;
     const std::string prefix = place.empty() ? "" : place + '.';
     each_field(value, [&](const char* name, auto& member) {
-      const Json::const_iterator field = json.find(name);
+      const StudyJson::const_iterator field = json.find(name);
       if (field == json.end()) fail(prefix + name, "is missing");
       decode(*field, prefix + name, member);
       known.insert(name);
@@ -93,7 +93,7 @@ class Decoder {
 
  private:
   template <class T>
-  T get(const Json& json, const std::string& place, bool is, const char* expected) const {
+  T get(const StudyJson& json, const std::string& place, bool is, const char* expected) const {
     if (!is) fail(place, concat("must be ", expected, ", is ", json.type_name()));
     return json.get<T>();
   }
@@ -101,10 +101,10 @@ class Decoder {
   std::string file_;
 };
 
-Json parsed(std::string_view text, const std::string& name) {
+StudyJson parsed(std::string_view text, const std::string& name) {
   try {
-    return Json::parse(text);
-  } catch (const Json::exception& error) {
+    return StudyJson::parse(text);
+  } catch (const StudyJson::exception& error) {
     throw Error(concat(name, ": is no JSON: ", error.what()), ErrorKind::kAsset);
   }
 }
@@ -112,10 +112,10 @@ Json parsed(std::string_view text, const std::string& name) {
 }  // namespace
 
 StudyResult study_from_json(std::string_view text, const std::string& name) {
-  Json json = parsed(text, name);
-  ELASTOGEN_CHECK_ASSET(json.is_object() && json.value("format", Json()) == "elastogen-study", name,
-                        ": is no study: 'format' must be \"elastogen-study\"");
-  const Json version = json.value("version", Json());
+  StudyJson json = parsed(text, name);
+  ELASTOGEN_CHECK_ASSET(json.is_object() && json.value("format", StudyJson()) == "elastogen-study",
+                        name, ": is no study: 'format' must be \"elastogen-study\"");
+  const StudyJson version = json.value("version", StudyJson());
   ELASTOGEN_CHECK_ASSET(version == kStudyVersion, name, ": has version ", version.dump(),
                         ", only version ", kStudyVersion, " is read");
   json.erase("format");

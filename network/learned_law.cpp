@@ -7,7 +7,7 @@
 namespace elastogen {
 namespace {
 
-constexpr int kFirst[6] = {0, 1, 2, 0, 1, 2}, kSecond[6] = {0, 1, 2, 1, 2, 0};
+constexpr int kFirstAxis[6] = {0, 1, 2, 0, 1, 2}, kSecondAxis[6] = {0, 1, 2, 1, 2, 0};
 
 /// r = 1 - (10 x^3 - 15 x^4 + 6 x^5), x = (|y| - from)/(to - from), with derivatives in y.
 struct Ramp {
@@ -29,7 +29,7 @@ LogJet product(const LogJet& a, const LogJet& b) {
   r.psi = a.psi * b.psi;
   for (int i = 0; i < 3; ++i) r.w[i] = a.psi * b.w[i] + a.w[i] * b.psi;
   for (int c = 0; c < 6; ++c) {
-    const int i = kFirst[c], j = kSecond[c];
+    const int i = kFirstAxis[c], j = kSecondAxis[c];
     r.ww[c] = a.psi * b.ww[c] + a.w[i] * b.w[j] + a.w[j] * b.w[i] + a.ww[c] * b.psi;
   }
   return r;
@@ -41,7 +41,7 @@ LogJet composed(const Ramp& r, const double y_i[3], const double y_ij[6]) {
   jet.psi = r.value;
   for (int i = 0; i < 3; ++i) jet.w[i] = r.first * y_i[i];
   for (int c = 0; c < 6; ++c)
-    jet.ww[c] = r.second * y_i[kFirst[c]] * y_i[kSecond[c]] + r.first * y_ij[c];
+    jet.ww[c] = r.second * y_i[kFirstAxis[c]] * y_i[kSecondAxis[c]] + r.first * y_ij[c];
   return jet;
 }
 
@@ -53,7 +53,7 @@ LogJet limit_weight(const double e[3], double limit) {
   const double sum = E[0] + E[1] + E[2];
   for (int i = 0; i < 3; ++i) y_i[i] = 2 * E[i] - 2 * sum / 3;
   for (int c = 0; c < 6; ++c) {
-    const double Ei = E[kFirst[c]], Ej = E[kSecond[c]];
+    const double Ei = E[kFirstAxis[c]], Ej = E[kSecondAxis[c]];
     y_ij[c] = (c < 3 ? 4 * Ei : 0) - 4 * (Ei + Ej) / 3 + 4 * sum / 9;
   }
   return composed(ramp(sum - 3 / limit, kFittedShare, kBlendedShare), y_i, y_ij);
@@ -80,7 +80,7 @@ LogJet in_logs(const LawParameters<double>& law, const double e[3]) {
   jet.psi = r.psi;
   for (int i = 0; i < 3; ++i) jet.w[i] = r.t[i] * s[i];
   for (int c = 0; c < 6; ++c)
-    jet.ww[c] = r.H[c] * s[kFirst[c]] * s[kSecond[c]] + (c < 3 ? jet.w[c] : 0);
+    jet.ww[c] = r.H[c] * s[kFirstAxis[c]] * s[kSecondAxis[c]] + (c < 3 ? jet.w[c] : 0);
   return jet;
 }
 

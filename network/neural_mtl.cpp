@@ -11,8 +11,9 @@
 namespace elastogen {
 namespace {
 
-constexpr int kBlock = 24;  // axes that are evaluated at once: eight strains
-constexpr int kFirst[6] = {0, 1, 2, 0, 1, 2}, kSecond[6] = {0, 1, 2, 1, 2, 0};  // channels 4..9
+constexpr int kAxesAtOnce = 24;  // axes that are evaluated at once: eight strains
+constexpr int kEntryRow[6] = {0, 1, 2, 0, 1, 2},
+              kEntryColumn[6] = {0, 1, 2, 1, 2, 0};  // channels 4..9
 
 using Matrix = Eigen::Matrix<double, NeuralMtl::kWidth, Eigen::Dynamic>;
 using Weights = Eigen::Matrix<double, NeuralMtl::kWidth, NeuralMtl::kWidth, Eigen::RowMajor>;
@@ -35,7 +36,7 @@ void activate(Matrix& z, int count) {
   const Silu act = silu(channel(0));
   if constexpr (kChannels == 10)
     for (int c = 0; c < 6; ++c)
-      channel(4 + c) = act.second * channel(1 + kFirst[c]) * channel(1 + kSecond[c]) +
+      channel(4 + c) = act.second * channel(1 + kEntryRow[c]) * channel(1 + kEntryColumn[c]) +
                        act.first * channel(4 + c);
   if constexpr (kChannels >= 4)
     for (int m = 0; m < 3; ++m) channel(1 + m) *= act.first;
@@ -74,7 +75,7 @@ NeuralMtl::NeuralMtl(std::span<const float> weights, double poisson) {
   std::copy_n(jet, 3, f0_);
 }
 
-/// f and its derivatives in x at inputs x, (count, 3), count <= kBlock: f, (channels, count).
+/// f and its derivatives in x at inputs x, (count, 3), count <= kAxesAtOnce: f, (channels, count).
 template <int kChannels>
 void NeuralMtl::jets(const double* x, int count, double* f) const {
   const auto W1 = Eigen::Map<const Eigen::Matrix<double, kWidth, 3>>(w1_.data());
@@ -144,7 +145,7 @@ LogJet energy(const Strain s[3], double omega) {
     for (int m = 0; m < 3; ++m) r.w[m] += omega * s[i].q * s[i].d[m];
     if constexpr (kHessian)
       for (int c = 0; c < 6; ++c)
-        r.ww[c] += omega * (s[i].d[kFirst[c]] * s[i].d[kSecond[c]] + s[i].q * s[i].dd[c]);
+        r.ww[c] += omega * (s[i].d[kEntryRow[c]] * s[i].d[kEntryColumn[c]] + s[i].q * s[i].dd[c]);
   }
   return r;
 }
@@ -153,10 +154,10 @@ LogJet energy(const Strain s[3], double omega) {
 
 void NeuralMtl::strains(const double* e, int64_t n, double* q) const {
   const double omega = 3 * lambda_ + 2 * mu_, a = std::sqrt(2 * mu_ / omega), b = (1 - a) / 3;
-  constexpr int kStrains = kBlock / 3;
+  constexpr int kStrains = kAxesAtOnce / 3;
   for (int64_t begin = 0; begin < n; begin += kStrains) {
     const int count = int(std::min<int64_t>(kStrains, n - begin));
-    double x[3 * kBlock], f[kBlock];
+    double x[3 * kAxesAtOnce], f[kAxesAtOnce];
     for (int v = 0; v < count; ++v) inputs(e + 3 * (begin + v), x + 9 * v);
     jets<1>(x, 3 * count, f);
     for (int v = 0; v < count; ++v)
@@ -178,11 +179,11 @@ void NeuralMtl::evaluate(const double* e, int64_t n, double* psi) const {
 
 template <bool kHessian>
 void NeuralMtl::evaluate(const double* e, int64_t n, LogJet* result) const {
-  constexpr int kChannels = kHessian ? 10 : 4, kStrains = kBlock / 3;
+  constexpr int kChannels = kHessian ? 10 : 4, kStrains = kAxesAtOnce / 3;
   const double omega = 3 * lambda_ + 2 * mu_, a = std::sqrt(2 * mu_ / omega), b = (1 - a) / 3;
   for (int64_t begin = 0; begin < n; begin += kStrains) {
     const int count = int(std::min<int64_t>(kStrains, n - begin));
-    double x[3 * kBlock], f[kChannels * kBlock];
+    double x[3 * kAxesAtOnce], f[kChannels * kAxesAtOnce];
     for (int v = 0; v < count; ++v) inputs(e + 3 * (begin + v), x + 9 * v);
     jets<kChannels>(x, 3 * count, f);
     for (int v = 0; v < count; ++v) {

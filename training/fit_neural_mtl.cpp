@@ -20,7 +20,7 @@ namespace elastogen {
 namespace {
 
 constexpr double kTangentWeight = 0.1, kEnergyWeight = 0.1, kEnergyClip = 3;
-constexpr double kFloor = 1e-8;        // of a loss whose logarithm is taken
+constexpr double kLossFloor = 1e-8;    // of a loss whose logarithm is taken
 constexpr int64_t kStepsOfLine = 200;  // between two lines of progress
 
 /// One start for all nets, or that of each.
@@ -98,7 +98,7 @@ MtlNets loss_gradient(const FitProblem& problem, const at::Tensor& block, const 
     leaves.push_back(*part);
   }
   const at::Tensor all = losses(problem.errors(nets, e, second));
-  const at::Tensor sum = logarithms ? (all + kFloor).log().sum() : all.sum();
+  const at::Tensor sum = logarithms ? (all + kLossFloor).log().sum() : all.sum();
   const std::vector<at::Tensor> g = torch::autograd::grad({sum}, leaves);
   loss = all.detach();
   return {g[0], g[1], g[2], g[3], g[4]};

@@ -10,7 +10,7 @@
 namespace elastogen {
 namespace {
 
-constexpr double kDecay = 0.95, kFloor = 1e-8;
+constexpr double kDecay = 0.95, kNormFloor = 1e-8;
 constexpr int64_t kRefreshSteps = 10;
 
 at::Tensor identities(int64_t batch, int64_t side, at::Device device) {
@@ -67,7 +67,7 @@ at::Tensor Soap::update(const at::Tensor& G, double rate, int64_t step) {
   add_mean(M_, G);
   add_mean(V_, g * g);
   const double known = 1 - std::pow(kDecay, double(step));
-  const at::Tensor size = (V_ / known).sqrt_().add_(kFloor);
+  const at::Tensor size = (V_ / known).sqrt_().add_(kNormFloor);
   return at::bmm(at::bmm(QL_, turned(M_) / size), transposed(QR_)) * (rate / known);
 }
 

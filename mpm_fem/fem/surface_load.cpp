@@ -16,7 +16,7 @@ namespace {
 constexpr int kQuads[6][4] = {{0, 2, 4, 6}, {1, 3, 5, 7}, {0, 1, 4, 5},
                               {2, 3, 6, 7}, {0, 1, 2, 3}, {4, 5, 6, 7}};
 
-struct Face {
+struct LoadedFace {
   std::array<int32_t, 4> key;  ///< its nodes in ascending order, of triangles behind -1
   int64_t element;
   int side;
@@ -27,13 +27,13 @@ bool is_hexahedron(const ElementMesh& mesh) {
 }
 
 /// Faces with one element whose corners are all selected, in the order of their nodes.
-std::vector<Face> selected_faces(const ElementMesh& mesh, In<uint8_t> selected) {
+std::vector<LoadedFace> selected_faces(const ElementMesh& mesh, In<uint8_t> selected) {
   const bool hexahedron = is_hexahedron(mesh);
   const int sides = hexahedron ? 6 : 4, corners = hexahedron ? 4 : 3;
-  std::vector<Face> faces;
+  std::vector<LoadedFace> faces;
   for (int64_t e = 0; e < mesh.elements.rows(); ++e)
     for (int side = 0; side < sides; ++side) {
-      Face face{{-1, -1, -1, -1}, e, side};
+      LoadedFace face{{-1, -1, -1, -1}, e, side};
       bool inside = true;
       for (int c = 0; c < corners; ++c) {
         face.key[size_t(c)] = mesh.elements(e, hexahedron ? kQuads[side][c] : kTetFaces[side][c]);
@@ -43,8 +43,8 @@ std::vector<Face> selected_faces(const ElementMesh& mesh, In<uint8_t> selected) 
       if (inside) faces.push_back(face);
     }
   std::stable_sort(faces.begin(), faces.end(),
-                   [](const Face& a, const Face& b) { return a.key < b.key; });
-  std::vector<Face> outer;
+                   [](const LoadedFace& a, const LoadedFace& b) { return a.key < b.key; });
+  std::vector<LoadedFace> outer;
   for (size_t k = 0; k < faces.size(); ++k) {
     const bool before = k > 0 && faces[k - 1].key == faces[k].key;
     const bool after = k + 1 < faces.size() && faces[k + 1].key == faces[k].key;
@@ -67,7 +67,7 @@ Vec3 half_cross(const ElementMesh& mesh, int32_t a, int32_t b, int32_t c, int32_
 }
 
 /// Area of a quadrilateral along its outward normal, times the fill [m^2]; its diagonals cross.
-Vec3 quad_area(const ElementMesh& mesh, const Face& face) {
+Vec3 quad_area(const ElementMesh& mesh, const LoadedFace& face) {
   const int32_t* node = mesh.elements.row(face.element);
   const int* corner = kQuads[face.side];
   Vec3 area = half_cross(mesh, node[corner[0]], node[corner[3]], node[corner[1]], node[corner[2]]);
@@ -78,14 +78,14 @@ Vec3 quad_area(const ElementMesh& mesh, const Face& face) {
 }
 
 /// What corner c of a quadrilateral has of its area.
-double quad_share(const ElementMesh& mesh, const Face& face, int c) {
+double quad_share(const ElementMesh& mesh, const LoadedFace& face, int c) {
   if (mesh.element != Element::kVoxel) return 0.25;
   const int corner = kQuads[face.side][c], mirrored = corner ^ (1 << face.side / 2);
   return mesh.shape_mean(face.element, corner) + mesh.shape_mean(face.element, mirrored);
 }
 
 /// Nodes of the face of a tetrahedron: corners counterclockwise from outside, then middles.
-std::array<int32_t, 6> triangle_nodes(const ElementMesh& mesh, const Face& face) {
+std::array<int32_t, 6> triangle_nodes(const ElementMesh& mesh, const LoadedFace& face) {
   const int32_t* node = mesh.elements.row(face.element);
   std::array<int32_t, 6> nodes = {};
   for (size_t c = 0; c < 3; ++c) {
@@ -96,7 +96,7 @@ std::array<int32_t, 6> triangle_nodes(const ElementMesh& mesh, const Face& face)
 }
 
 /// Adds the areas that the nodes of a face stand for [m^2].
-void add_area(const ElementMesh& mesh, const Face& face, Array<double>& area) {
+void add_area(const ElementMesh& mesh, const LoadedFace& face, Array<double>& area) {
   if (is_hexahedron(mesh)) {
     const double size = norm(quad_area(mesh, face));
     for (int c = 0; c < 4; ++c)
@@ -143,7 +143,8 @@ void add_curved(const ElementMesh& mesh, const std::array<int32_t, 6>& node, dou
 }
 
 /// Adds factor int N_a n dA of a face.
-void add_normal(const ElementMesh& mesh, const Face& face, double factor, Array<double>& load) {
+void add_normal(const ElementMesh& mesh, const LoadedFace& face, double factor,
+                Array<double>& load) {
   if (is_hexahedron(mesh)) {
     const Vec3 area = quad_area(mesh, face);
     for (int c = 0; c < 4; ++c)
@@ -169,7 +170,7 @@ Array<double> surface_load(const ElementMesh& mesh, In<uint8_t> selected, const 
   check_selected(mesh, selected);
   const int64_t nodes = mesh.rest.rows();
   Array<double> area(nodes);
-  for (const Face& face : selected_faces(mesh, selected)) add_area(mesh, face, area);
+  for (const LoadedFace& face : selected_faces(mesh, selected)) add_area(mesh, face, area);
   double total = 0;
   for (int64_t n = 0; n < nodes; ++n) total += area(n);
   if (total == 0) return {};
@@ -182,10 +183,10 @@ Array<double> surface_load(const ElementMesh& mesh, In<uint8_t> selected, const 
 Array<double> pressure_load(const ElementMesh& mesh, In<uint8_t> selected, double pressure) {
   check_selected(mesh, selected);
   ELASTOGEN_CHECK(std::isfinite(pressure), "the pressure must be finite, got ", pressure);
-  const std::vector<Face> faces = selected_faces(mesh, selected);
+  const std::vector<LoadedFace> faces = selected_faces(mesh, selected);
   if (faces.empty()) return {};
   Array<double> load(mesh.rest.rows(), 3);
-  for (const Face& face : faces) add_normal(mesh, face, -pressure, load);
+  for (const LoadedFace& face : faces) add_normal(mesh, face, -pressure, load);
   return load;
 }
 

@@ -11,31 +11,31 @@
 namespace elastogen::fem {
 namespace {
 
-struct Face {
+struct TetFace {
   std::array<int32_t, 3> nodes;  ///< in ascending order
   int64_t element;
   int side;
 };
 
 /// Faces that no other tetrahedron has, in the order of their tetrahedra.
-std::vector<Face> outer_faces(const ElementMesh& mesh) {
-  std::vector<Face> faces;
+std::vector<TetFace> outer_faces(const ElementMesh& mesh) {
+  std::vector<TetFace> faces;
   for (int64_t e = 0; e < mesh.elements.rows(); ++e)
     for (int side = 0; side < 4; ++side) {
-      Face face{{}, e, side};
+      TetFace face{{}, e, side};
       for (size_t c = 0; c < 3; ++c) face.nodes[c] = mesh.elements(e, kTetFaces[side][c]);
       std::sort(face.nodes.begin(), face.nodes.end());
       faces.push_back(face);
     }
   std::stable_sort(faces.begin(), faces.end(),
-                   [](const Face& a, const Face& b) { return a.nodes < b.nodes; });
-  std::vector<Face> outer;
+                   [](const TetFace& a, const TetFace& b) { return a.nodes < b.nodes; });
+  std::vector<TetFace> outer;
   for (size_t k = 0; k < faces.size(); ++k) {
     const bool before = k > 0 && faces[k - 1].nodes == faces[k].nodes;
     const bool after = k + 1 < faces.size() && faces[k + 1].nodes == faces[k].nodes;
     if (!before && !after) outer.push_back(faces[k]);
   }
-  std::sort(outer.begin(), outer.end(), [](const Face& a, const Face& b) {
+  std::sort(outer.begin(), outer.end(), [](const TetFace& a, const TetFace& b) {
     return a.element != b.element ? a.element < b.element : a.side < b.side;
   });
   return outer;
@@ -53,7 +53,7 @@ Array<int32_t> outer_triangles(const ElementMesh& mesh) {
   check_tets(mesh);
   const bool quadratic = mesh.elements.cols() == 10;
   std::vector<int32_t> corners;
-  for (const Face& face : outer_faces(mesh)) {
+  for (const TetFace& face : outer_faces(mesh)) {
     const int32_t* node = mesh.elements.row(face.element);
     int32_t a[3], m[3] = {};  // m[k] between a[k] and the next
     for (int k = 0; k < 3; ++k) {

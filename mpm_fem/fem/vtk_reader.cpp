@@ -11,24 +11,24 @@
 namespace elastogen::fem {
 namespace {
 
-struct NamedType {
+struct VtkType {
   const char* name;
   Number type;
 };
-constexpr NamedType kTypes[] = {{"char", Number::kInt8},
-                                {"signed_char", Number::kInt8},
-                                {"unsigned_char", Number::kUint8},
-                                {"short", Number::kInt16},
-                                {"unsigned_short", Number::kUint16},
-                                {"int", Number::kInt32},
-                                {"unsigned_int", Number::kUint32},
-                                {"long", Number::kInt64},
-                                {"unsigned_long", Number::kUint64},
-                                {"vtkidtype", Number::kInt32},
-                                {"vtktypeint64", Number::kInt64},
-                                {"vtktypeuint64", Number::kUint64},
-                                {"float", Number::kFloat32},
-                                {"double", Number::kFloat64}};
+constexpr VtkType kVtkTypes[] = {{"char", Number::kInt8},
+                                 {"signed_char", Number::kInt8},
+                                 {"unsigned_char", Number::kUint8},
+                                 {"short", Number::kInt16},
+                                 {"unsigned_short", Number::kUint16},
+                                 {"int", Number::kInt32},
+                                 {"unsigned_int", Number::kUint32},
+                                 {"long", Number::kInt64},
+                                 {"unsigned_long", Number::kUint64},
+                                 {"vtkidtype", Number::kInt32},
+                                 {"vtktypeint64", Number::kInt64},
+                                 {"vtktypeuint64", Number::kUint64},
+                                 {"float", Number::kFloat32},
+                                 {"double", Number::kFloat64}};
 
 std::string lower_case(std::string_view text) {
   std::string result(text);
@@ -112,9 +112,9 @@ class VtkParser {
 
   Number type() {
     const std::string name = lower_case(source_.word("a type of numbers"));
-    const auto* found = std::find_if(std::begin(kTypes), std::end(kTypes),
-                                     [&](const NamedType& t) { return name == t.name; });
-    source_.check(found != std::end(kTypes), "numbers of type \"", name.substr(0, 40),
+    const auto* found = std::find_if(std::begin(kVtkTypes), std::end(kVtkTypes),
+                                     [&](const VtkType& t) { return name == t.name; });
+    source_.check(found != std::end(kVtkTypes), "numbers of type \"", name.substr(0, 40),
                   "\" are not read");
     return found->type;
   }

@@ -12,15 +12,15 @@ namespace {
 
 constexpr std::string_view kPiece = "VTKFile/UnstructuredGrid/Piece";
 
-struct NamedType {
+struct VtuType {
   const char* name;
   Number type;
 };
-constexpr NamedType kTypes[] = {{"Int8", Number::kInt8},       {"UInt8", Number::kUint8},
-                                {"Int16", Number::kInt16},     {"UInt16", Number::kUint16},
-                                {"Int32", Number::kInt32},     {"UInt32", Number::kUint32},
-                                {"Int64", Number::kInt64},     {"UInt64", Number::kUint64},
-                                {"Float32", Number::kFloat32}, {"Float64", Number::kFloat64}};
+constexpr VtuType kVtuTypes[] = {{"Int8", Number::kInt8},       {"UInt8", Number::kUint8},
+                                 {"Int16", Number::kInt16},     {"UInt16", Number::kUint16},
+                                 {"Int32", Number::kInt32},     {"UInt32", Number::kUint32},
+                                 {"Int64", Number::kInt64},     {"UInt64", Number::kUint64},
+                                 {"Float32", Number::kFloat32}, {"Float64", Number::kFloat64}};
 
 /// The numbers of an array.
 class ArraySource {
@@ -151,11 +151,11 @@ class VtuParser {
     xml_.check(!*place, "a second array ", name.substr(0, 40));
     VtuArray& array = place->emplace();
     array.place = concat(path_, ':', xml_.line(), ": the array ", name.substr(0, 40));
-    const auto* type = std::find_if(std::begin(kTypes), std::end(kTypes), [&](const NamedType& t) {
-      return attribute("type", "") == t.name;
-    });
-    xml_.check(type != std::end(kTypes), "numbers of type \"", attribute("type", "").substr(0, 40),
-               "\" are not read");
+    const auto* type =
+        std::find_if(std::begin(kVtuTypes), std::end(kVtuTypes),
+                     [&](const VtuType& t) { return attribute("type", "") == t.name; });
+    xml_.check(type != std::end(kVtuTypes), "numbers of type \"",
+               attribute("type", "").substr(0, 40), "\" are not read");
     array.type = type->type;
     array.columns = count("NumberOfComponents", "1");
     xml_.check(array.columns == (place == &points_ ? 3 : 1), "it has ", array.columns,

@@ -10,30 +10,30 @@ namespace {
 
 const Box kBox = {{-1, 0, 2}, {1, 4, 3}};
 
-Collider parse(std::string_view text) {
+Collider parsed_collider(std::string_view text) {
   return parse_collider(text, kBox, "collider 1", 0.25);
 }
 
 TEST(ColliderOption, ReadsEveryShapeWithUnitsAndShares) {
-  const Collider plane = parse("plane(0, 50%, 1cm, 0,3,4)");
+  const Collider plane = parsed_collider("plane(0, 50%, 1cm, 0,3,4)");
   EXPECT_EQ(plane.shape, Collider::Shape::kPlane);
   EXPECT_EQ(plane.centre, (Vec3{0, 2, 0.01}));
   EXPECT_EQ(plane.normal, (Vec3{0, 0.6, 0.8}));
   EXPECT_EQ(plane.friction, 0.25);
   EXPECT_EQ(plane.name, "collider 1");
   EXPECT_TRUE(plane.path.empty());
-  const Collider sphere = parse(" sphere ( 25%,0,100% , 20 cm )");
+  const Collider sphere = parsed_collider(" sphere ( 25%,0,100% , 20 cm )");
   EXPECT_EQ(sphere.shape, Collider::Shape::kSphere);
   EXPECT_EQ(sphere.centre, (Vec3{-0.5, 0, 3}));
   EXPECT_EQ(sphere.radius, 0.2);
-  const Collider box = parse("box(-1,-2,-3, 50%,1,5)");
+  const Collider box = parsed_collider("box(-1,-2,-3, 50%,1,5)");
   EXPECT_EQ(box.shape, Collider::Shape::kBox);
   EXPECT_EQ(box.half, (Vec3{0.5, 1.5, 4}));
-  EXPECT_THROW(parse("box(0%,-2,-3, -1,1,5)"), Error);
+  EXPECT_THROW(parsed_collider("box(0%,-2,-3, -1,1,5)"), Error);
 }
 
 TEST(ColliderOption, ReadsFrictionNameAndPathInAnyOrder) {
-  const Collider c = parse(
+  const Collider c = parsed_collider(
       "box(-1,-2,-3,1,0,5) path 0:0,0,0; 500ms: 0,-10cm,0 ;1s:1,2,3 name press friction 0.75");
   EXPECT_EQ(c.centre, (Vec3{0, -1, 1}));
   EXPECT_EQ(c.half, (Vec3{1, 1, 4}));
@@ -68,7 +68,7 @@ TEST(ColliderOption, WhatCannotBeReadIsRefusedWithItsText) {
   };
   for (const auto& [text, word] : rows) {
     try {
-      parse(text);
+      parsed_collider(text);
       ADD_FAILURE() << text << " is taken";
     } catch (const Error& error) {
       EXPECT_EQ(error.kind(), ErrorKind::kUsage);

@@ -13,7 +13,7 @@ using test::error_of;
 using test::expect_says;
 using test::TempFolder;
 
-CommandLine parse(std::vector<std::string> words) {
+CommandLine parsed_words(std::vector<std::string> words) {
   words.insert(words.begin(), "elastogen");
   std::vector<const char*> argv;
   for (const std::string& word : words) argv.push_back(word.c_str());
@@ -22,20 +22,20 @@ CommandLine parse(std::vector<std::string> words) {
 
 AnimateOptions animate_options(std::vector<std::string> words) {
   words.insert(words.begin(), "animate");
-  const CommandLine line = parse(words);
+  const CommandLine line = parsed_words(words);
   EXPECT_TRUE(line.animate);
   return line.animate.value_or(AnimateOptions{});
 }
 
 std::string refusal(std::vector<std::string> words) {
   words.insert(words.begin(), "animate");
-  return error_of([&] { parse(words); }, ErrorKind::kUsage);
+  return error_of([&] { parsed_words(words); }, ErrorKind::kUsage);
 }
 
 /// The options of simulate.
 AnimateOptions simulate_options(std::vector<std::string> words) {
   words.insert(words.begin(), "simulate");
-  return parse(words).animate.value();
+  return parsed_words(words).animate.value();
 }
 
 /// The scene that a scene file resolves to, as text.
@@ -321,7 +321,7 @@ TEST(Options, TheNetworkRefusesWhatOnlyFiniteElementsHave) {
     EXPECT_NO_THROW(simulate_options({"a.obj", "-o", "a.glb", option, text}));
     expect_says(error_of(
                     [&] {
-                      parse({"study", "a.obj", option, text});
+                      parsed_words({"study", "a.obj", option, text});
                     },
                     ErrorKind::kUsage),
                 "the network has no");
@@ -335,13 +335,14 @@ TEST(Options, AStaticRunIsOneStepFromRest) {
     words.insert(words.begin(), {"simulate", "a.obj", "-o", "a.glb", "--static"});
     return words;
   };
-  const AnimateOptions o = parse(statics({"--pin", "x<1%", "--frames", "9"})).animate.value();
+  const AnimateOptions o =
+      parsed_words(statics({"--pin", "x<1%", "--frames", "9"})).animate.value();
   EXPECT_TRUE(o.fem && o.fem->statics);
   EXPECT_EQ(o.frames, 1);
   EXPECT_EQ(o.fps, 1);
   EXPECT_EQ(o.substeps, 1);
   const auto says = [&](std::vector<std::string> words) {
-    return error_of([&] { parse(statics(words)); }, ErrorKind::kUsage);
+    return error_of([&] { parsed_words(statics(words)); }, ErrorKind::kUsage);
   };
   expect_says(says({}), "nothing holds the asset");
   expect_says(says({"--pin", "all", "--floor"}), "--floor");
@@ -357,11 +358,11 @@ TEST(Options, RefusesWhatIsMissing) {
   expect_says(refusal({"a.obj", "-o", "a.glb", "--modes", "4"}), "--modes");
   expect_says(error_of(
                   [] {
-                    parse({"voxelize", "a.obj", "-o", "a.glb"});
+                    parsed_words({"voxelize", "a.obj", "-o", "a.glb"});
                   },
                   ErrorKind::kUsage),
               ".vdb");
-  expect_says(error_of([] { parse({"inspect"}); }, ErrorKind::kUsage), "FILE");
+  expect_says(error_of([] { parsed_words({"inspect"}); }, ErrorKind::kUsage), "FILE");
 }
 
 }  // namespace

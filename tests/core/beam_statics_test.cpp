@@ -16,7 +16,7 @@ using test::box_scene;
 constexpr double kPoisson[5] = {0, 0.3, 0.45, 0.49, 0.499};
 constexpr double kGravity = 9.81;
 
-Material solid(double young, double poisson, double density = 1000) {
+Material beam_solid(double young, double poisson, double density = 1000) {
   return {"test", Law::kNeoHookean, young, poisson, density};
 }
 
@@ -125,7 +125,8 @@ Cantilever cantilever(int n, double poisson, Root root, Hourglass hourglass,
   constexpr double kYoung = 1e8, kDensity = 1000, kThick = 0.1, kArea = kThick * kThick;
   constexpr double kInertia = kArea * kArea / 12, kLoad = kDensity * kGravity * kArea;
   Cantilever beam;
-  beam.scene = box_scene(10 * n, n, n, kThick / n, solid(kYoung, poisson, kDensity), hourglass);
+  beam.scene =
+      box_scene(10 * n, n, n, kThick / n, beam_solid(kYoung, poisson, kDensity), hourglass);
   set_weight(beam.scene, weight);
   const VoxelGrid& grid = beam.scene.grid;
   Eigen::VectorXd f = Eigen::VectorXd::Zero(3 * grid.node_count());
@@ -218,7 +219,7 @@ TEST(BeamStatics, ShareOfTheVarianceTermInBendingFallsWithTheSquareOfTheResoluti
 
 /// Tip deflection of the beam nx x n x n, as long as 15 half thicknesses, per unit of end shear.
 double tip_compliance(int nx, int n, double poisson) {
-  const Scene scene = box_scene(nx, n, n, 2.0 / n, solid(1, poisson), Hourglass::kVariance);
+  const Scene scene = box_scene(nx, n, n, 2.0 / n, beam_solid(1, poisson), Hourglass::kVariance);
   const Eigen::VectorXd f = end_load(scene.grid, nx, 2, 1);
   const Eigen::VectorXd u = test::solve(test::rest_stiffness(scene), f, clamp_root(scene.grid));
   return plane_mean(scene.grid, u, nx, 2);
@@ -240,7 +241,8 @@ TEST(BeamStatics, BeamTwoVoxelsThickUnderEndShearComesNearTheResolvedOne) {
 /// own weight, over that of a plate, rho g t L^4/(8 D) + rho g L^2/(2 (5/6) G).
 double sheet_ratio(int n, double poisson, Weight weight, Hourglass hourglass) {
   constexpr double kYoung = 1e8, kThick = 0.05;
-  Scene scene = box_scene(20 * n, n == 1 ? 2 : 1, n, kThick / n, solid(kYoung, poisson), hourglass);
+  Scene scene =
+      box_scene(20 * n, n == 1 ? 2 : 1, n, kThick / n, beam_solid(kYoung, poisson), hourglass);
   set_weight(scene, weight);
   const VoxelGrid& grid = scene.grid;
   Eigen::VectorXd f = Eigen::VectorXd::Zero(3 * grid.node_count());
@@ -282,7 +284,7 @@ TEST(BeamStatics, PartlyFilledStripHasTheStiffnessOfItsThickness) {
   for (const double fill : {0.5, 0.25}) {
     VoxelGrid grid = make_box(20, 1, 1, kH);
     grid.fill.fill(fill);
-    const Scene scene = test::scene_of(grid, solid(kYoung, 0));
+    const Scene scene = test::scene_of(grid, beam_solid(kYoung, 0));
     const Eigen::SparseMatrix<double> K = test::rest_stiffness(scene);
     const std::map<int, double> held = clamp_root(grid);
     const Eigen::VectorXd bent = test::solve(K, end_load(grid, 20, 2, 1), held);
@@ -298,7 +300,7 @@ TEST(BeamStatics, PartlyFilledStripHasTheStiffnessOfItsThickness) {
 
 /// Torsional stiffness of the bar 4n x n x n, warping free, over Saint-Venant's.
 double twist_ratio(int n, double poisson, Hourglass hourglass, Weight weight = Weight::kRule) {
-  Scene scene = box_scene(4 * n, n, n, 1.0 / n, solid(1, poisson), hourglass);
+  Scene scene = box_scene(4 * n, n, n, 1.0 / n, beam_solid(1, poisson), hourglass);
   set_weight(scene, weight);
   const VoxelGrid& grid = scene.grid;
   std::map<int, double> held;

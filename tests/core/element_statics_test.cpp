@@ -14,7 +14,7 @@ namespace {
 using test::box_scene;
 using test::Random;
 
-Material solid(double young, double poisson, double density = 1000) {
+Material element_solid(double young, double poisson, double density = 1000) {
   return {"test", Law::kNeoHookean, young, poisson, density};
 }
 
@@ -73,7 +73,7 @@ TEST(ElementStatics, LinearPatchTestIsExactOnBoxAndRaggedShape) {
   const Mat3<double> H = test::scaled({{2, 1, 1, 1, 2, 1, 1, 1, 2}}, kStrain);
   for (const Hourglass hourglass : {Hourglass::kFull, Hourglass::kVariance})
     for (const VoxelGrid& grid : {make_box(4, 3, 5, 0.25), ragged_grid(0.25)}) {
-      const Scene scene = test::scene_of(grid, solid(1e6, 0.25), hourglass);
+      const Scene scene = test::scene_of(grid, element_solid(1e6, 0.25), hourglass);
       const Eigen::VectorXd exact = linear_field(grid, H);
       const std::map<int, double> held = hold_boundary(grid, exact);
       ASSERT_LT(int64_t(held.size()), exact.size());
@@ -113,7 +113,7 @@ Eigen::VectorXd newton(const Scene& scene, const Eigen::VectorXd& boundary) {
 TEST(ElementStatics, FinitePatchTestEndsInTheUniformGradientForEveryLaw) {
   const Mat3<double> H = {{0.2, 0.3, -0.1, 0.05, -0.15, 0.1, 0.1, -0.2, 0.1}};
   for (const Law law : test::kLaws) {
-    Material material = solid(1, 0.3);
+    Material material = element_solid(1, 0.3);
     material.law = law;
     const Scene scene = box_scene(3, 3, 3, 0.5, material);
     const Eigen::VectorXd exact = linear_field(scene.grid, H);

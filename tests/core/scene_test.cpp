@@ -16,7 +16,7 @@
 namespace elastogen {
 namespace {
 
-Material solid(double young, double poisson, double density) {
+Material scene_solid(double young, double poisson, double density) {
   return {"test", Law::kNeoHookean, young, poisson, density};
 }
 
@@ -24,7 +24,7 @@ Material solid(double young, double poisson, double density) {
 Scene border_scene(double volume) {
   Scene scene;
   scene.grid = make_box(4, 3, 2, 0.5, {1, 2, 3});
-  scene.materials = {solid(1e6, 0.3, 1000), solid(1e5, 0.4, 300)};
+  scene.materials = {scene_solid(1e6, 0.3, 1000), scene_solid(1e5, 0.4, 300)};
   VoxelGrid& grid = scene.grid;
   grid.volume = volume;
   scene.material = Array<int32_t>(grid.voxel_count());
@@ -49,7 +49,7 @@ double total_mass(const Scene& scene) {
 }
 
 TEST(Scene, MassOfABoxIsDensityTimesVolumeWithItsCentreInTheMiddle) {
-  const Scene scene = test::box_scene(4, 3, 5, 0.1, solid(1, 0.3, 700));
+  const Scene scene = test::box_scene(4, 3, 5, 0.1, scene_solid(1, 0.3, 700));
   EXPECT_NEAR(total_mass(scene), 700 * 60 * 1e-3, 1e-12);
   double moment[3] = {};
   for (int64_t n = 0; n < scene.mass.rows(); ++n)
@@ -87,7 +87,7 @@ void expect_weights(const Scene& scene, int64_t voxel, double xy, double yz, dou
 }
 
 TEST(Scene, VarianceWeightTellsSolidSheetAndStrip) {
-  const Material m = solid(2.6, 0.3, 1);  // mu = 1
+  const Material m = scene_solid(2.6, 0.3, 1);  // mu = 1
   const double mean = (1 + 1.3) / 2, sheet = 2.6 / (2 * 0.91), strip = 1.3;
   for (const auto& [nx, ny, nz, c] : {std::tuple{2, 2, 2, mean},
                                       {3, 4, 2, mean},
@@ -104,20 +104,20 @@ TEST(Scene, VarianceWeightTellsSolidSheetAndStrip) {
 TEST(Scene, PartlyFilledThinVoxelsScaleThePatternsOfTheirThinAxes) {
   VoxelGrid grid = make_box(3, 3, 1, 0.1);
   grid.fill.fill(0.5);
-  const Scene sheet = test::scene_of(grid, solid(2, 0, 1));  // every weight is 1
+  const Scene sheet = test::scene_of(grid, scene_solid(2, 0, 1));  // every weight is 1
   for (int64_t v = 0; v < 9; ++v) expect_weights(sheet, v, 1, 0.25, 0.25, 0.25);
   VoxelGrid bar = make_box(1, 4, 1, 0.1);
   bar.fill.fill(0.5);
-  const Scene strip = test::scene_of(bar, solid(2, 0, 1));
+  const Scene strip = test::scene_of(bar, scene_solid(2, 0, 1));
   for (int64_t v = 0; v < 4; ++v) expect_weights(strip, v, 0.25, 0.25, 0.25, 0.25);
   VoxelGrid block = make_box(2, 2, 2, 0.1);
   block.fill.fill(0.5);
-  const Scene thick = test::scene_of(block, solid(2, 0, 1));
+  const Scene thick = test::scene_of(block, scene_solid(2, 0, 1));
   for (int64_t v = 0; v < 8; ++v) expect_weights(thick, v, 1, 1, 1, 1);
 }
 
 TEST(Scene, WithoutTheTermTheWeightsAreZero) {
-  const Scene scene = test::box_scene(2, 2, 2, 0.1, solid(1, 0.3, 1), Hourglass::kOff);
+  const Scene scene = test::box_scene(2, 2, 2, 0.1, scene_solid(1, 0.3, 1), Hourglass::kOff);
   for (int64_t v = 0; v < 8; ++v) expect_weights(scene, v, 0, 0, 0, 0);
 }
 

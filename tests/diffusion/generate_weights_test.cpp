@@ -13,21 +13,21 @@
 namespace elastogen {
 namespace {
 
-constexpr int kWidth = 128, kCount = 30, kComponents = 6;
+constexpr int kNetWidth = 128, kCount = 30, kComponents = 6;
 constexpr Start kGenerated[] = {Start::kNearest, Start::kInterpolation, Start::kRegression};
 
 /// Last layers of 1-D families: f_k(s) with s the 13th feature, so that they lie in few components.
 WeightDataset smooth_dataset() {
   WeightDataset data = test::some_dataset(kCount);
   for (int64_t n = 0; n < kCount; ++n)
-    for (int k = 0; k < kWidth; ++k)
+    for (int k = 0; k < kNetWidth; ++k)
       data.layers(n, k) = float(std::sin(k + 2 * data.features(n, 12)) + 0.1 * data.features(n, 8));
   return data;
 }
 
 WeightCodec some_codec(const WeightDataset& data) {
-  Array<double> metric(kWidth, kWidth);
-  for (int k = 0; k < kWidth; ++k) metric(k, k) = 1 + 0.01 * k;
+  Array<double> metric(kNetWidth, kNetWidth);
+  for (int k = 0; k < kNetWidth; ++k) metric(k, k) = 1 + 0.01 * k;
   return {data.layers, metric, kComponents};
 }
 
@@ -74,7 +74,7 @@ TEST(WeightGenerator, GivesAKnownMaterialItsLayer) {
 TEST(WeightGenerator, BeginsAtZeroOrAtOneLayerForAll) {
   const WeightDataset data = smooth_dataset();
   const WeightGenerator generator = make_generator(data, some_codec(data));
-  EXPECT_EQ(generator.last_layer(data.materials[4], Start::kZero), std::vector<float>(kWidth));
+  EXPECT_EQ(generator.last_layer(data.materials[4], Start::kZero), std::vector<float>(kNetWidth));
   const std::vector<float> ancestor = generator.last_layer(data.materials[4], Start::kAncestor);
   EXPECT_EQ(generator.last_layer(data.materials[9], Start::kAncestor), ancestor);
   // it is a known layer, and no other is nearer to the mean
@@ -97,7 +97,8 @@ TEST(WeightGenerator, InterpolatesBetterThanItTakesTheNearest) {
     const FitMaterial material = family_material(3, n);
     const std::vector<double> x = material_features(material);
     std::vector<float> exact;
-    for (int k = 0; k < kWidth; ++k) exact.push_back(float(std::sin(k + 2 * x[12]) + 0.1 * x[8]));
+    for (int k = 0; k < kNetWidth; ++k)
+      exact.push_back(float(std::sin(k + 2 * x[12]) + 0.1 * x[8]));
     nearest += difference(generator.last_layer(material, Start::kNearest), exact.data());
     regression += difference(generator.last_layer(material, Start::kRegression), exact.data());
   }

@@ -13,11 +13,11 @@
 namespace elastogen {
 namespace {
 
-constexpr int kWidth = 128;
+constexpr int kCodedWidth = 128;
 
 Array<double> identity() {
-  Array<double> metric(kWidth, kWidth);
-  for (int k = 0; k < kWidth; ++k) metric(k, k) = 1;
+  Array<double> metric(kCodedWidth, kCodedWidth);
+  for (int k = 0; k < kCodedWidth; ++k) metric(k, k) = 1;
   return metric;
 }
 
@@ -25,16 +25,16 @@ Array<double> identity() {
 Array<double> some_metric() {
   Array<double> metric = identity();
   const auto a = [](int i, int k) { return counted_uniform(4, uint64_t(i), uint64_t(k)); };
-  for (int i = 0; i < kWidth; ++i)
-    for (int j = 0; j < kWidth; ++j)
+  for (int i = 0; i < kCodedWidth; ++i)
+    for (int j = 0; j < kCodedWidth; ++j)
       for (int k = 0; k < 5; ++k) metric(i, j) += a(i, k) * a(j, k);
   return metric;
 }
 
 double product(const Array<double>& metric, const float* a, const float* b) {
   double sum = 0;
-  for (int i = 0; i < kWidth; ++i)
-    for (int j = 0; j < kWidth; ++j)
+  for (int i = 0; i < kCodedWidth; ++i)
+    for (int j = 0; j < kCodedWidth; ++j)
       sum += (double(a[i]) - b[i]) * metric(i, j) * (double(a[j]) - b[j]);
   return sum;
 }
@@ -52,7 +52,7 @@ std::span<const double> row(const Array<double>& codes, int64_t n) {
 TEST(WeightCodec, KeepsTheDistancesOfTheMetric) {
   const Array<float> layers = test::some_dataset(40).layers;
   const Array<double> metric = some_metric();
-  const WeightCodec codec(layers, metric, kWidth);
+  const WeightCodec codec(layers, metric, kCodedWidth);
   EXPECT_EQ(codec.components(), 39);  // of 40 layers about their mean
   const Array<double> codes = codec.encode(layers);
   for (int64_t n = 1; n < 40; ++n) {
@@ -64,23 +64,23 @@ TEST(WeightCodec, KeepsTheDistancesOfTheMetric) {
 
 TEST(WeightCodec, DecodesWhatItEncodes) {
   const Array<float> layers = test::some_dataset(40).layers;
-  const WeightCodec codec(layers, some_metric(), kWidth);
+  const WeightCodec codec(layers, some_metric(), kCodedWidth);
   const Array<double> codes = codec.encode(layers);
   for (int64_t n = 0; n < 40; ++n) {
     const std::vector<float> again = codec.decode(row(codes, n));
-    for (int k = 0; k < kWidth; ++k) EXPECT_NEAR(again[size_t(k)], layers(n, k), 1e-6);
+    for (int k = 0; k < kCodedWidth; ++k) EXPECT_NEAR(again[size_t(k)], layers(n, k), 1e-6);
   }
 }
 
 TEST(WeightCodec, LosesWhatItsLeftOutComponentsHold) {
   const Array<float> layers = test::some_dataset(40).layers;
-  const WeightCodec few(layers, identity(), 7), all(layers, identity(), kWidth);
+  const WeightCodec few(layers, identity(), 7), all(layers, identity(), kCodedWidth);
   ASSERT_EQ(few.components(), 7);
   const Array<double> codes = few.encode(layers), full = all.encode(layers);
   double lost = 0, rest = 0;
   for (int64_t n = 0; n < 40; ++n) {
     const std::vector<float> again = few.decode(row(codes, n));
-    for (int k = 0; k < kWidth; ++k) lost += std::pow(again[size_t(k)] - layers(n, k), 2) / 40;
+    for (int k = 0; k < kCodedWidth; ++k) lost += std::pow(again[size_t(k)] - layers(n, k), 2) / 40;
     for (int c = 7; c < 39; ++c) rest += full(n, c) * full(n, c) / 40;
   }
   EXPECT_NEAR(few.lost(), std::sqrt(lost), 1e-6 * few.lost());
@@ -118,7 +118,7 @@ TEST(WeightCodec, MeasuresTheChangeOfTheStress) {
   const LastLayer layer(data.hidden);
   double expected = 0;
   for (int64_t n = 0; n < 3; ++n) {
-    const std::vector<double> w(data.layers.row(n), data.layers.row(n) + kWidth);
+    const std::vector<double> w(data.layers.row(n), data.layers.row(n) + kCodedWidth);
     const Array<double> metric = layer.stress_metric(data.materials[size_t(n)], w);
     expected += product(metric, data.layers.row(0), data.layers.row(1)) / 3;
   }
@@ -130,7 +130,7 @@ TEST(WeightCodec, StopsAndRejects) {
   FitHooks hooks;
   hooks.stopped = [] { return true; };
   EXPECT_FALSE(make_codec(data, 2, hooks));
-  EXPECT_THROW(WeightCodec(Array<float>(1, kWidth), identity(), 4), Error);
+  EXPECT_THROW(WeightCodec(Array<float>(1, kCodedWidth), identity(), 4), Error);
   EXPECT_THROW(WeightCodec(Array<float>(4, 5), identity(), 4), Error);
   EXPECT_THROW(WeightCodec(data.layers, Array<double>(3, 3), 4), Error);
   EXPECT_THROW(WeightCodec(data.layers, identity(), 0), Error);

@@ -28,7 +28,7 @@ std::vector<T> values_at(const std::string& bytes, size_t offset, size_t count) 
 const Surface kUnitScale;  // of clouds: nothing but the scale matters
 
 /// A triangle at (1, 2, 3) with vertices one apart, shown by a node that doubles it.
-Asset triangle() {
+Asset unit_triangle() {
   Asset asset;
   asset.path = "triangle.obj";
   Mesh& mesh = asset.meshes.emplace_back();
@@ -83,7 +83,7 @@ struct Ply {
 
 TEST(PointCacheWriter, HoldsTheFramesInTheNumbersOfTheFile) {
   const test::TempFolder folder;
-  const Asset asset = triangle();
+  const Asset asset = unit_triangle();
   const Surface surface = pose_surface(asset, 0.02);  // 2 units are 0.02 m
   const std::string path = folder.path("out.pc2");
   const auto writer = AnimationWriter::create(path, asset, surface);
@@ -105,7 +105,7 @@ TEST(PointCacheWriter, HoldsTheFramesInTheNumbersOfTheFile) {
 
 TEST(PlyWriter, AMeshHasItsVerticesAndTriangles) {
   const test::TempFolder folder;
-  const Asset asset = triangle();
+  const Asset asset = unit_triangle();
   const Surface surface = pose_surface(asset);
   const auto writer = AnimationWriter::create(folder.path("out.ply"), asset, surface);
   EXPECT_FALSE(writer->needs_gradient());

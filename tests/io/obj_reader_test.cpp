@@ -14,7 +14,7 @@ namespace {
 using test::error_of;
 using test::expect_says;
 
-Asset parse(std::string_view text) {
+Asset parsed_obj(std::string_view text) {
   return parse_obj(text, "file.obj");
 }
 
@@ -41,7 +41,7 @@ constexpr const char* kCube =
     "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
 
 TEST(ObjReader, KeepsTheVertexOrderOfTheFile) {
-  const Asset asset = parse(
+  const Asset asset = parsed_obj(
       "o first\nv 5 6 7\nv 1e-3 -2.5E+2 +3\nv 9 9 9\nf 3 2 1\no second\nv 4 5 6 1.0\nf 4 1 2\n");
   ASSERT_EQ(asset.meshes.size(), 1u);
   const Mesh& mesh = asset.meshes[0];
@@ -59,17 +59,17 @@ TEST(ObjReader, ReadsEveryFormOfACorner) {
   for (const char* face :
        {"f 1 2 3", "f 1/1 2/1 3/2", "f 1//1 2//1 3//1", "f 1/1/1 2/1/1 3/2/1", "f -3 -2 -1",
         "f -3/-2/-1 -2/-2/-1 -1/-1/-1", "f 1/ 2/ 3/", "f\t1  2 3   # a comment"}) {
-    const Asset asset = parse(std::string(attributes) + face + "\n");
+    const Asset asset = parsed_obj(std::string(attributes) + face + "\n");
     EXPECT_EQ(triangles_of(asset.meshes[0]), (std::vector<std::array<int32_t, 3>>{{0, 1, 2}}))
         << face;
   }
-  const Mesh mesh = parse(std::string(attributes) + "f 1/1/1 2/1/1 3/2/1").meshes[0];
+  const Mesh mesh = parsed_obj(std::string(attributes) + "f 1/1/1 2/1/1 3/2/1").meshes[0];
   EXPECT_EQ(mesh.uv[0], (std::array<float, 2>{0.25f, 0.75f}));  // v runs down as in glTF
   EXPECT_EQ(mesh.normal[0], (std::array<float, 3>{0, 0, 1}));
 }
 
 TEST(ObjReader, SplitsSeamsBehindTheFilesPositions) {
-  const Mesh mesh = parse(
+  const Mesh mesh = parsed_obj(
                         "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nvt 0 0\nvt 1 1\n"
                         "f 1/1 2/1 3/1\nf 2/2 4/2 3/1\nf 2/2 3/1 4/2\n")
                         .meshes[0];
@@ -120,7 +120,7 @@ TEST(ObjReader, QuadsContinuedLinesAndCrlfGiveAClosedCube) {
   std::string crlf = "\xef\xbb\xbf";
   for (const char c : text) crlf += c == '\n' ? "\r\n" : std::string(1, c);
   for (const std::string& t : {text, crlf}) {
-    const WeldedMesh w = weld(pose_surface(parse(t)));
+    const WeldedMesh w = weld(pose_surface(parsed_obj(t)));
     EXPECT_TRUE(w.closed() && w.balanced());
     EXPECT_EQ(w.triangles.rows(), 12);
     EXPECT_DOUBLE_EQ(w.volume, 1);
@@ -130,13 +130,13 @@ TEST(ObjReader, QuadsContinuedLinesAndCrlfGiveAClosedCube) {
 TEST(ObjReader, NumbersDoNotDependOnTheLocale) {
   for (const char* name : {"de_DE.UTF-8", "de_DE.utf8", "fr_FR.UTF-8"})
     if (std::setlocale(LC_ALL, name)) break;
-  const Asset asset = parse("v 0.5 0 0\nv 1.25 0 0\nv 0 1.5 0\nf 1 2 3");
+  const Asset asset = parsed_obj("v 0.5 0 0\nv 1.25 0 0\nv 0 1.5 0\nf 1 2 3");
   std::setlocale(LC_ALL, "C");
   EXPECT_EQ(asset.meshes[0].position[1], (Vec3{1.25, 0, 0}));
 }
 
 TEST(ObjReader, ColoursBehindPositionsAreSrgb) {
-  const Mesh mesh = parse("v 0 0 0\nv 1 0 0 1 0 0.5\nv 0 1 0 0 0 0\nf 1 2 3").meshes[0];
+  const Mesh mesh = parsed_obj("v 0 0 0\nv 1 0 0 1 0 0.5\nv 0 1 0 0 0 0\nf 1 2 3").meshes[0];
   ASSERT_EQ(mesh.colour.size(), 3u);
   EXPECT_EQ(mesh.colour[0], (std::array<float, 4>{1, 1, 1, 1}));
   EXPECT_FLOAT_EQ(mesh.colour[1][0], 1);
@@ -170,15 +170,15 @@ TEST(ObjReader, GroupsFollowMaterialsAndMtlFillsThem) {
 
 TEST(ObjReader, AMissingMaterialFileIsAFinding) {
   for (const char* name : {"none.mtl", "/etc/passwd", "../../etc/passwd", "a.mtl b.mtl"}) {
-    const Asset asset =
-        parse(std::string("mtllib ") + name + "\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3");
+    const Asset asset = parsed_obj(std::string("mtllib ") + name +
+                                   "\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3");
     EXPECT_NE(finding(asset, "missing-material-file"), nullptr) << name;
     EXPECT_EQ(asset.materials.at(0).name, "m");
   }
 }
 
 TEST(ObjReader, NormalsOfSomeCornersOnlyAreNotUsed) {
-  const Asset asset = parse("v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3");
+  const Asset asset = parsed_obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3");
   EXPECT_TRUE(asset.meshes[0].normal.empty());
   EXPECT_NE(finding(asset, "missing-normals"), nullptr);
 }
@@ -199,24 +199,26 @@ TEST(ObjReader, RefusesWithFileAndLine) {
       {"v 0 0 0\n\nf 1 \\\n1 \\\nx", "file.obj:3: a corner is expected"},
       {std::string("v 0 0 0\nf \0 1 1", 15), "file.obj:2: a zero byte"},
   };
-  for (const auto& [text, message] : cases) expect_says(error_of([&] { parse(text); }), message);
-  expect_says(error_of([&] { parse("mtllib " + std::string(4097, 'x')); }), ":1: the names of");
+  for (const auto& [text, message] : cases)
+    expect_says(error_of([&] { parsed_obj(text); }), message);
+  expect_says(error_of([&] { parsed_obj("mtllib " + std::string(4097, 'x')); }),
+              ":1: the names of");
   std::string libraries;
   for (int k = 0; k <= 1000; ++k) libraries += concat("mtllib m", k, '\n');
-  expect_says(error_of([&] { parse(libraries); }), ":1001: more than 1000 material files");
+  expect_says(error_of([&] { parsed_obj(libraries); }), ":1001: more than 1000 material files");
   std::string face = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf";
   for (int c = 0; c < (1 << 16); ++c) face += concat(' ', c % 3 + 1);
-  EXPECT_NO_THROW(parse(face));
-  expect_says(error_of([&] { parse(face + " 2"); }), ":4: a face has more than 65536 corners");
+  EXPECT_NO_THROW(parsed_obj(face));
+  expect_says(error_of([&] { parsed_obj(face + " 2"); }), ":4: a face has more than 65536 corners");
 }
 
 TEST(ObjReader, AnyTruncationIsReadOrRefused) {
   const std::string text = std::string("mtllib a.mtl\nusemtl m\nvt 0 0.5\nvn 0 1 0\n") + kCube +
                            "f 1/1/1 -2/1/1 \\\n 3/1/1 # end\n";
-  const size_t whole = parse(text).meshes[0].position.size();
+  const size_t whole = parsed_obj(text).meshes[0].position.size();
   for (size_t n = 0; n < text.size(); ++n) {
     try {
-      Asset asset = parse(std::string_view(text).substr(0, n));
+      Asset asset = parsed_obj(std::string_view(text).substr(0, n));
       EXPECT_LE(asset.meshes[0].position.size(), whole);
       check_asset(asset);
     } catch (const Error& error) {

@@ -9,7 +9,7 @@ namespace {
 using test::error_of;
 using test::expect_says;
 
-Asset parse(std::string_view bytes) {
+Asset parsed_ply(std::string_view bytes) {
   return parse_ply(bytes, "file.ply");
 }
 
@@ -43,7 +43,7 @@ std::string binary_quad(std::endian order, const char* name) {
   return out + "f";
 }
 
-constexpr const char* kText =
+constexpr const char* kPlyText =
     "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
     "property float z\nproperty float nx\nproperty float ny\nproperty float nz\n"
     "property float s\nproperty float t\nelement face 2\n"
@@ -52,8 +52,8 @@ constexpr const char* kText =
     "3 0 1 2\n3 0 2 3\n";
 
 TEST(PlyReader, BothByteOrdersGiveTheSame) {
-  const Asset little = parse(binary_quad(std::endian::little, "binary_little_endian"));
-  const Asset big = parse(binary_quad(std::endian::big, "binary_big_endian"));
+  const Asset little = parsed_ply(binary_quad(std::endian::little, "binary_little_endian"));
+  const Asset big = parsed_ply(binary_quad(std::endian::big, "binary_big_endian"));
   for (const Asset* asset : {&little, &big}) {
     const Mesh& mesh = asset->meshes.at(0);
     EXPECT_EQ(mesh.position,
@@ -67,9 +67,9 @@ TEST(PlyReader, BothByteOrdersGiveTheSame) {
 
 TEST(PlyReader, ReadsTextWithNormalsAndUvs) {
   std::string crlf;
-  for (const char c : std::string(kText)) crlf += c == '\n' ? "\r\n" : std::string(1, c);
-  for (const std::string& text : {std::string(kText), crlf}) {
-    const Asset asset = parse(text);
+  for (const char c : std::string(kPlyText)) crlf += c == '\n' ? "\r\n" : std::string(1, c);
+  for (const std::string& text : {std::string(kPlyText), crlf}) {
+    const Asset asset = parsed_ply(text);
     const Mesh& mesh = asset.meshes.at(0);
     EXPECT_EQ(mesh.name, "file");
     EXPECT_EQ(mesh.position.size(), 4u);
@@ -80,7 +80,7 @@ TEST(PlyReader, ReadsTextWithNormalsAndUvs) {
 }
 
 TEST(PlyReader, FacesMayStandBeforeVertices) {
-  const Asset asset = parse(
+  const Asset asset = parsed_ply(
       "ply\nformat ascii 1.0\nelement face 1\nproperty list uchar int vertex_index\n"
       "element vertex 3\nproperty int x\nproperty int y\nproperty int z\nend_header\n"
       "3 2 1 0\n0 0 0 1 0 0 0 1 0");
@@ -90,7 +90,7 @@ TEST(PlyReader, FacesMayStandBeforeVertices) {
 TEST(PlyReader, NamesTheTextureOfItsComment) {
   const test::TempFolder folder;
   folder.write("skin.png", "png");
-  std::string text = kText;
+  std::string text = kPlyText;
   text.insert(text.find("element vertex"), "comment TextureFile skin.png\n");
   const Asset asset = read_ply(folder.write("a.ply", text));
   ASSERT_EQ(asset.materials.size(), 1u);
@@ -120,7 +120,7 @@ TEST(PlyReader, WithoutFacesItIsACloud) {
       "property int y\nproperty int z\nend_header\n";
   expect_says(error_of([&] { test::checked(parse_ply, none); }), "has no points: nothing");
   expect_says(error_of([] {
-                parse(
+                parsed_ply(
                     "ply\nformat ascii 1.0\nelement tristrips 1\n"
                     "property list int int vertex_indices\nend_header\n3 0 1 2\n");
               }),
@@ -162,7 +162,7 @@ TEST(PlyReader, RefusesHeadersThatCannotBe) {
        "its faces have no list vertex_indices"},
   };
   for (const auto& [text, message] : cases)
-    expect_says(error_of([&, &t = text] { parse(t); }), message);
+    expect_says(error_of([&, &t = text] { parsed_ply(t); }), message);
 }
 
 TEST(PlyReader, RefusesFacesOfTooManyCorners) {
@@ -173,17 +173,17 @@ TEST(PlyReader, RefusesFacesOfTooManyCorners) {
       "property float z\nelement face 1\nproperty list int int vertex_index\nend_header\n"
       "0 0 0\n65537" +
       corners;
-  expect_says(error_of([&] { parse(text); }), "face 0 has 65537 corners, at most 65536");
+  expect_says(error_of([&] { parsed_ply(text); }), "face 0 has 65537 corners, at most 65536");
 }
 
 TEST(PlyReader, PassesAByteOrderMark) {
-  EXPECT_EQ(parse("\xef\xbb\xbf" + std::string(kText)).meshes[0].position,
-            parse(kText).meshes[0].position);
+  EXPECT_EQ(parsed_ply("\xef\xbb\xbf" + std::string(kPlyText)).meshes[0].position,
+            parsed_ply(kPlyText).meshes[0].position);
 }
 
 TEST(PlyReader, WrongEncodingsAreRefused) {
   const auto check = [](std::string bytes) {
-    Asset asset = parse(bytes);
+    Asset asset = parsed_ply(bytes);
     check_asset(asset);
   };
   EXPECT_FALSE(
@@ -191,23 +191,23 @@ TEST(PlyReader, WrongEncodingsAreRefused) {
   EXPECT_FALSE(
       error_of([&] { check(binary_quad(std::endian::little, "binary_big_endian")); }).empty());
   EXPECT_FALSE(error_of([&] { check(binary_quad(std::endian::little, "ascii")); }).empty());
-  std::string text = kText;
+  std::string text = kPlyText;
   text.replace(text.find("ascii"), 5, "binary_little_endian");
   EXPECT_FALSE(error_of([&] { check(text); }).empty());
 }
 
 TEST(PlyReader, AnyTruncationOfABinaryFileIsRefused) {
   const std::string bytes = binary_quad(std::endian::little, "binary_little_endian");
-  EXPECT_NO_THROW(parse(bytes));
+  EXPECT_NO_THROW(parsed_ply(bytes));
   for (size_t n = 0; n < bytes.size(); ++n)
-    EXPECT_FALSE(error_of([&] { parse(bytes.substr(0, n)); }).empty()) << n;
+    EXPECT_FALSE(error_of([&] { parsed_ply(bytes.substr(0, n)); }).empty()) << n;
 }
 
 TEST(PlyReader, AnyTruncationOfATextIsReadOrRefused) {
-  const std::string text = kText;
+  const std::string text = kPlyText;
   for (size_t n = 0; n < text.size(); ++n) {
     try {
-      EXPECT_LE(parse(text.substr(0, n)).meshes[0].groups[0].corner.size(), 6u);
+      EXPECT_LE(parsed_ply(text.substr(0, n)).meshes[0].groups[0].corner.size(), 6u);
       EXPECT_GE(n + 2, text.size()) << "values are missing";
     } catch (const Error& error) {
       EXPECT_EQ(error.kind(), ErrorKind::kAsset) << error.what();
@@ -222,7 +222,7 @@ TEST(PlyReader, AnyChangedByteIsReadOrRefused) {
       std::string changed = bytes;
       changed[n] = char(value);
       try {
-        Asset asset = parse(changed);
+        Asset asset = parsed_ply(changed);
         check_asset(asset);
       } catch (const Error& error) {
         EXPECT_EQ(error.kind(), ErrorKind::kAsset) << error.what();

@@ -12,7 +12,7 @@ namespace {
 using test::error_of;
 using test::expect_says;
 
-Asset parse(std::string_view bytes) {
+Asset parsed_stl(std::string_view bytes) {
   return parse_stl(bytes, "file.stl");
 }
 
@@ -33,7 +33,7 @@ const std::vector<float> kTwoFacets = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 0, 0, 1, 1,
 const std::vector<Vec3> kTwoPositions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0},
                                          {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
 
-constexpr const char* kText =
+constexpr const char* kStlText =
     "solid with  blanks and facet\n facet normal 0 0 1\n  outer loop\n   vertex 0 0 0\n"
     "   VERTEX 1e0 0 0\n   vertex 0 +1.0 0\n  endloop\n endfacet\nendsolid\r\n"
     "SOLID\nFACET NORMAL 0 0 1\nOUTER LOOP\nVERTEX 1 0 0\nVERTEX 1 1 0\nVERTEX 0 1 0\nENDLOOP\n"
@@ -41,7 +41,7 @@ constexpr const char* kText =
 
 TEST(StlReader, BinaryKeepsThreePositionsAFacet) {
   for (const char* header : {"", "solid but binary"}) {
-    const Asset asset = parse(binary(header, 2, kTwoFacets));
+    const Asset asset = parsed_stl(binary(header, 2, kTwoFacets));
     ASSERT_EQ(asset.meshes.size(), 1u);
     EXPECT_EQ(asset.meshes[0].position, kTwoPositions);
     EXPECT_EQ(asset.meshes[0].groups.at(0).corner, (std::vector<int32_t>{0, 1, 2, 3, 4, 5}));
@@ -49,7 +49,7 @@ TEST(StlReader, BinaryKeepsThreePositionsAFacet) {
 }
 
 TEST(StlReader, TextMayHaveSeveralSolidsAndUpperCase) {
-  EXPECT_EQ(parse(kText).meshes.at(0).position, kTwoPositions);
+  EXPECT_EQ(parsed_stl(kStlText).meshes.at(0).position, kTwoPositions);
 }
 
 TEST(StlReader, RefusesWithThePlace) {
@@ -65,13 +65,13 @@ TEST(StlReader, RefusesWithThePlace) {
       {"solid\nfacets\n", "file.stl:2: unknown keyword \"facets\""},
   };
   for (const auto& [bytes, message] : cases)
-    expect_says(error_of([&, &b = bytes] { parse(b); }), message);
+    expect_says(error_of([&, &b = bytes] { parsed_stl(b); }), message);
 }
 
 TEST(StlReader, AFileWithoutFacetsIsNothingToSimulate) {
   for (const std::string& bytes : {binary("", 0, {}), std::string("solid nothing\nendsolid\n")})
     expect_says(error_of([&] {
-                  Asset asset = parse(bytes);
+                  Asset asset = parsed_stl(bytes);
                   check_asset(asset);
                 }),
                 "nothing to simulate");
@@ -80,14 +80,14 @@ TEST(StlReader, AFileWithoutFacetsIsNothingToSimulate) {
 TEST(StlReader, AnyTruncationOfABinaryFileIsRefused) {
   const std::string bytes = binary("", 2, kTwoFacets);
   for (size_t n = 0; n < bytes.size(); ++n)
-    EXPECT_FALSE(error_of([&] { parse(bytes.substr(0, n)); }).empty()) << n;
+    EXPECT_FALSE(error_of([&] { parsed_stl(bytes.substr(0, n)); }).empty()) << n;
 }
 
 TEST(StlReader, AnyTruncationOfATextIsReadOrRefused) {
-  const std::string text = kText;
+  const std::string text = kStlText;
   for (size_t n = 0; n < text.size(); ++n) {
     try {
-      const std::vector<Vec3> position = parse(text.substr(0, n)).meshes[0].position;
+      const std::vector<Vec3> position = parsed_stl(text.substr(0, n)).meshes[0].position;
       ASSERT_LE(position.size(), kTwoPositions.size());
       EXPECT_TRUE(std::equal(position.begin(), position.end(), kTwoPositions.begin())) << n;
     } catch (const Error& error) {

@@ -17,8 +17,8 @@
 namespace elastogen {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr double kRounding = 0.0051;  // coordinates have two decimals
 
 using Points = std::vector<std::array<double, 2>>;
@@ -82,7 +82,7 @@ TEST(LinePlot, PutsPointsWhereTheLinearMapSays) {
 
 TEST(LinePlot, LeavesOutAndCountsWhatHasNoPlace) {
   const std::vector<double> x = {1, 2, 3, 4, 5, 6, 7, 8};
-  const std::vector<double> y = {1, kNan, 10, 0, -5, kInfinity, -kInfinity, 100};
+  const std::vector<double> y = {1, kNaN, 10, 0, -5, kInf, -kInf, 100};
   const SvgPlot log = line_plot(plot_of(x, y, true));
   EXPECT_EQ(log.left_out, 5);
   EXPECT_EQ(markers_of(log.svg).size(), 3u);
@@ -115,7 +115,7 @@ TEST(LinePlot, IsSoundForAnyNumbers) {
   const std::vector<std::vector<double>> values = {{},
                                                    {3},
                                                    {0},
-                                                   {kNan},
+                                                   {kNaN},
                                                    {7, 7, 7},
                                                    {-2, -2},
                                                    {tiny},
@@ -273,7 +273,7 @@ TEST(OutlinePlot, DrawsLinesSegmentsAndPoints) {
                          "x [m]",
                          "y [m]",
                          {{"a", {{{0, 0}, {1, 0}, {1, 1}}, {{0, 1}, {0.5, 1}}, {{0.5, 0.5}}, {}}},
-                          {"b", {{{0, 0}, {kNan, 0}, {1, 1}, {1, 0}}}}}};
+                          {"b", {{{0, 0}, {kNaN, 0}, {1, 1}, {1, 0}}}}}};
   const SvgPlot svg = outline_plot(plot);
   expect_sound(svg);
   EXPECT_EQ(svg.left_out, 1);
@@ -296,7 +296,7 @@ TEST(OutlinePlot, IsSoundForAnyShape) {
                                        {{0, 0}, {0, 1}},
                                        {{0, 0}, {5e-324, 0}},
                                        {{0, 0}, {1e-6, 1e6}},
-                                       {{kInfinity, 0}, {kNan, kNan}},
+                                       {{kInf, 0}, {kNaN, kNaN}},
                                        {{1e9, 1}, {1e9, 1}},
                                        {{-1e300, 0}, {1e300, 1}}};
   for (const Polyline& line : lines) {

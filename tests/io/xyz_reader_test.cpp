@@ -9,7 +9,7 @@ namespace {
 using test::error_of;
 using test::expect_says;
 
-PointCloud parse(const std::string& text) {
+PointCloud parsed_xyz(const std::string& text) {
   return *parse_xyz(text, "file").points;
 }
 
@@ -18,46 +18,46 @@ TEST(XyzReader, TakesAnySeparatorMarkAndLineEnd) {
   for (const std::string text :
        {"1 2 3\n-4.5 0 6e-3", "1,2,3\n-4.5,0,6e-3\n", "1;2;3\n-4.5;0;6e-3\n",
         "\n1\t2\t3\n\n# a comment\n // another\n-4.5\t0\t6e-3\n\n", "1, 2, 3\n -4.5 ,0 , 6e-3\n"}) {
-    EXPECT_EQ(parse(text).position, expected) << text;
-    EXPECT_EQ(parse(test::with_mark_and_crlf(text)).position, expected) << text;
+    EXPECT_EQ(parsed_xyz(text).position, expected) << text;
+    EXPECT_EQ(parsed_xyz(test::with_mark_and_crlf(text)).position, expected) << text;
   }
 }
 
 TEST(XyzReader, KeepsTheDigitsOfLargeCoordinates) {
-  EXPECT_EQ(parse("665187.522077 5648349.895035 241.767693\n0 0 0\n").position[0],
+  EXPECT_EQ(parsed_xyz("665187.522077 5648349.895035 241.767693\n0 0 0\n").position[0],
             (Vec3{665187.522077, 5648349.895035, 241.767693}));
 }
 
 TEST(XyzReader, TellsColoursFromNormals) {
-  const PointCloud bytes = parse("0 0 0 255 0 188\n1 0 0 10 20 30\n");
+  const PointCloud bytes = parsed_xyz("0 0 0 255 0 188\n1 0 0 10 20 30\n");
   EXPECT_TRUE(bytes.normal.empty());
   EXPECT_EQ(bytes.colour.at(0)[0], 1);
   EXPECT_NEAR(bytes.colour.at(0)[2], 0.5028865, 1e-6);  // sRGB 188 / 255 in linear light
   EXPECT_EQ(bytes.colour.at(0)[3], 1);
-  const PointCloud shares = parse("0 0 0 1 0 0.5\n1 0 0 0.1 0.2 0.3\n");
+  const PointCloud shares = parsed_xyz("0 0 0 1 0 0.5\n1 0 0 0.1 0.2 0.3\n");
   EXPECT_NEAR(shares.colour.at(0)[2], 0.2140411, 1e-6);  // sRGB 1/2
-  const PointCloud normals = parse("0 0 0 0 0.6 0.8\n1 0 0 -1 0 0\n");
+  const PointCloud normals = parsed_xyz("0 0 0 0 0.6 0.8\n1 0 0 -1 0 0\n");
   EXPECT_TRUE(normals.colour.empty());
   EXPECT_EQ(normals.normal.at(1), (std::array<float, 3>{-1, 0, 0}));
-  const PointCloud both = parse("0 0 0 9 0 0 0 0.6 0.8\n1 0 0 0 7 0 -1 0 0\n");
+  const PointCloud both = parsed_xyz("0 0 0 9 0 0 0 0.6 0.8\n1 0 0 0 7 0 -1 0 0\n");
   EXPECT_EQ(both.normal.size(), 2u);
   EXPECT_EQ(both.colour.size(), 2u);
-  const PointCloud neither = parse("0 0 0 -3 4 900\n1 0 0 1 2 3\n");
+  const PointCloud neither = parsed_xyz("0 0 0 -3 4 900\n1 0 0 1 2 3\n");
   EXPECT_TRUE(neither.colour.empty() && neither.normal.empty());
 }
 
 TEST(XyzReader, TakesNamesOfColumns) {
   for (const char* head : {"nx ny nz z y x", "#NX NY NZ Z Y X", "//nx,ny,nz,z,y,x"}) {
-    const PointCloud cloud = parse(concat(head, "\n0 0 2 3 2 1\n0 0 1 6 5 4\n"));
+    const PointCloud cloud = parsed_xyz(concat(head, "\n0 0 2 3 2 1\n0 0 1 6 5 4\n"));
     EXPECT_EQ(cloud.position, (std::vector<Vec3>{{1, 2, 3}, {4, 5, 6}})) << head;
     EXPECT_EQ(cloud.normal.at(0), (std::array<float, 3>{0, 0, 2})) << head;
   }
-  const PointCloud cloud = parse("//X Y Z R G B Scalar\n0 0 0 51 102 255 7\n1 1 1 0 0 1 8\n");
+  const PointCloud cloud = parsed_xyz("//X Y Z R G B Scalar\n0 0 0 51 102 255 7\n1 1 1 0 0 1 8\n");
   EXPECT_NEAR(cloud.colour.at(0)[0], 0.0331048, 1e-6);  // sRGB 1/5
 }
 
 TEST(XyzReader, TakesANumberOfPointsAndSkipsIntensities) {
-  const PointCloud cloud = parse("2\n0 0 0 -100 255 0 0\n1 0 0 50 0 255 0\n");
+  const PointCloud cloud = parsed_xyz("2\n0 0 0 -100 255 0 0\n1 0 0 50 0 255 0\n");
   EXPECT_EQ(cloud.position.size(), 2u);
   EXPECT_EQ(cloud.colour.at(0)[0], 1);
   EXPECT_EQ(cloud.colour.at(1)[1], 1);

@@ -18,7 +18,7 @@ using test::ElementMesh;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// The message of the error that a call throws; empty: none.
-std::string message_of(const std::function<void()>& call) {
+std::string message_from(const std::function<void()>& call) {
   try {
     call();
   } catch (const Error& error) {
@@ -34,7 +34,7 @@ ElementMesh voxels(Element element = Element::kVoxel) {
 TEST(ElementMesh, NamesAreThoseOfTheElementsAndAnUnknownOneListsThem) {
   for (const Element element : test::kAllElements)
     EXPECT_EQ(fem::element_from_name(fem::element_name(element)), element);
-  EXPECT_EQ(message_of([] { fem::element_from_name("brick"); }),
+  EXPECT_EQ(message_from([] { fem::element_from_name("brick"); }),
             "unknown element 'brick'; known are voxel, hex, hex-bbar, tet4, tet10, tet10-bbar");
 }
 
@@ -46,8 +46,8 @@ TEST(ElementMesh, VoxelsAreHexahedraOnTheNodesOfTheirGrid) {
     EXPECT_EQ(mesh.rest, scene.grid.rest);
     EXPECT_EQ(mesh.elements, scene.grid.corners);
   }
-  EXPECT_NE(message_of([&] { fem::voxel_mesh(scene, Element::kTet4); }), "");
-  EXPECT_NE(message_of([&] { fem::voxel_mesh(Scene{}, Element::kHex); }), "");
+  EXPECT_NE(message_from([&] { fem::voxel_mesh(scene, Element::kTet4); }), "");
+  EXPECT_NE(message_from([&] { fem::voxel_mesh(Scene{}, Element::kHex); }), "");
 }
 
 TEST(ElementMesh, WhatIsWrongIsNamedWithItsPlace) {
@@ -81,10 +81,10 @@ TEST(ElementMesh, WhatIsWrongIsNamedWithItsPlace) {
        "must have a positive Jacobian"},
   };
   for (const auto& [mesh, spoil, named] : cases) {
-    EXPECT_EQ(message_of([&] { fem::check_mesh(mesh); }), "");
+    EXPECT_EQ(message_from([&] { fem::check_mesh(mesh); }), "");
     ElementMesh bad = mesh;
     spoil(bad);
-    const std::string message = message_of([&] { fem::check_mesh(bad); });
+    const std::string message = message_from([&] { fem::check_mesh(bad); });
     EXPECT_NE(message.find(named), std::string::npos) << named << ": '" << message << "'";
   }
 }
@@ -92,13 +92,13 @@ TEST(ElementMesh, WhatIsWrongIsNamedWithItsPlace) {
 TEST(ElementMesh, BodyWithoutTheMaterialOfAnElementIsRefused) {
   ElementMesh mesh = test::block(Element::kHex, 2, 1, 1, 1);
   mesh.material(1) = 1;
-  EXPECT_EQ(message_of([&] { fem::ElasticBody(mesh, {test::solid()}); }),
+  EXPECT_EQ(message_from([&] { fem::ElasticBody(mesh, {test::solid()}); }),
             "element 1 has material 1 of 1");
   Material bad = test::solid();
   bad.poisson = 0.5;
-  EXPECT_NE(message_of([&] { fem::ElasticBody(mesh, {test::solid(), bad}); }), "");
+  EXPECT_NE(message_from([&] { fem::ElasticBody(mesh, {test::solid(), bad}); }), "");
   const fem::ElasticBody body(mesh, {test::solid(), test::solid()});
-  EXPECT_NE(message_of([&] { body.energy(Array<double>(3, 3)); }), "");
+  EXPECT_NE(message_from([&] { body.energy(Array<double>(3, 3)); }), "");
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ std::string elements2(const std::string& count, const std::string& lines) {
   return "$Elements\n" + count + '\n' + lines + "$EndElements\n";
 }
 
-std::string message_of(const std::string& bytes) {
+std::string msh_message(const std::string& bytes) {
   return error_of([&] { parse_tets(bytes, "file"); });
 }
 
@@ -92,7 +92,7 @@ TEST(MshReader, RefusesBrokenText) {
       {kFormat4 + kNodes4 + "$Elements\n1 1 1 1\n3 1 4 7000000000\n", "7000000000 numbers of ele"},
       {kFormat4 + kNodes4 + "$Elements\n1 1 1 1\n3 1 5 1\n7 1 2 3 4\n", "(a hexahedron)"},
       {kFormat4 + kNodes4 + "$Elements\n1 1 1 1\n3 1 4 1\n7 1 2 3 5\n", "has the node 5"}};
-  for (const auto& [bytes, message] : cases) expect_says(message_of(bytes), message);
+  for (const auto& [bytes, message] : cases) expect_says(msh_message(bytes), message);
 }
 
 TEST(MshReader, RefusesBrokenBytesWithTheirPlace) {
@@ -100,21 +100,21 @@ TEST(MshReader, RefusesBrokenBytesWithTheirPlace) {
   // the number 1 in the other order begins a file in the other order, any other number none
   std::string changed = file;
   changed[file.find("8\n") + 2] = 2;
-  expect_says(message_of(changed), "file: byte 20: the number 1 is expected");
+  expect_says(msh_message(changed), "file: byte 20: the number 1 is expected");
 
   const size_t nodes = file.find("$Nodes\n6\n") + 9;
   changed = file;
   changed.replace(nodes + 4, 8, "\0\0\0\0\0\0\xf0\x7f", 8);
-  expect_says(message_of(changed), "a coordinate of a node is not finite");
-  expect_says(message_of(changed), "file: byte " + std::to_string(nodes + 4));
+  expect_says(msh_message(changed), "a coordinate of a node is not finite");
+  expect_says(msh_message(changed), "file: byte " + std::to_string(nodes + 4));
 
   const size_t elements = file.find("$Elements\n3\n") + 12;
   changed = file;
   changed.replace(elements + 4, 4, "\x7f\xff\xff\x7f", 4);  // elements of the first block
-  expect_says(message_of(changed), "the size of a block must be from 0 to 3");
+  expect_says(msh_message(changed), "the size of a block must be from 0 to 3");
   changed = file;
   changed.replace(elements + 8, 4, "\xff\xff\xff\x7f", 4);  // tags of each
-  expect_says(message_of(changed), "2147483647 numbers of tags are claimed");
+  expect_says(msh_message(changed), "2147483647 numbers of tags are claimed");
 }
 
 }  // namespace

@@ -11,7 +11,7 @@ using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
 
 /// A function with its derivatives as dense matrices.
-struct Dense {
+struct DenseProblem {
   std::function<double(const Vector&)> value;
   std::function<Vector(const Vector&)> gradient;
   std::function<Matrix(const Vector&)> hessian;
@@ -24,8 +24,8 @@ Matrix projected_hessian(const Matrix& H, double least) {
   return V * eigen.eigenvalues().cwiseMax(least).asDiagonal() * V.transpose();
 }
 
-NewtonResult minimise(const Dense& f, Vector& x, const NewtonOptions& options = {.tolerance = 1e-9},
-                      double noise = 0) {
+NewtonResult minimise(const DenseProblem& f, Vector& x,
+                      const NewtonOptions& options = {.tolerance = 1e-9}, double noise = 0) {
   const auto view = [&](const double* p) { return Eigen::Map<const Vector>(p, x.size()); };
   NewtonFunction function;
   function.unknowns = x.size();
@@ -48,7 +48,7 @@ NewtonResult minimise(const Dense& f, Vector& x, const NewtonOptions& options = 
 }
 
 /// (1 - x)^2 + 100 (y - x^2)^2, least at (1, 1).
-const Dense kRosenbrock = {
+const DenseProblem kRosenbrock = {
     [](const Vector& x) { return std::pow(1 - x(0), 2) + 100 * std::pow(x(1) - x(0) * x(0), 2); },
     [](const Vector& x) -> Vector {
       const double d = x(1) - x(0) * x(0);
@@ -59,7 +59,7 @@ const Dense kRosenbrock = {
     }};
 
 /// sum (x_i^2 - 1)^2/4 + x_i/10: indefinite where a component is small.
-const Dense kWells = {
+const DenseProblem kWells = {
     [](const Vector& x) { return ((x.array().square() - 1).square() / 4 + x.array() / 10).sum(); },
     [](const Vector& x) -> Vector { return x.array() * (x.array().square() - 1) + 0.1; },
     [](const Vector& x) -> Matrix { return (3 * x.array().square() - 1).matrix().asDiagonal(); }};
@@ -101,11 +101,11 @@ TEST(Newton, SaysWhyItEnded) {
   EXPECT_EQ(minimise(kRosenbrock, x, {.tolerance = 1e-9, .max_iterations = 3}).stop,
             NewtonStop::kIterations);
 
-  Dense never = kWells;
+  DenseProblem never = kWells;
   never.hessian = [](const Vector& y) { return Matrix::Constant(y.size(), y.size(), NAN); };
   EXPECT_EQ(minimise(never, x).stop, NewtonStop::kIndefinite);
 
-  Dense rising = kWells;  // a gradient of the wrong sign
+  DenseProblem rising = kWells;  // a gradient of the wrong sign
   rising.gradient = [](const Vector& y) -> Vector { return -kWells.gradient(y); };
   x = Vector{{2, 2}};
   EXPECT_EQ(minimise(rising, x).stop, NewtonStop::kLineSearch);
@@ -117,7 +117,7 @@ TEST(Newton, SaysWhyItEnded) {
 
 TEST(Newton, ReportsTheRoundingErrorThatItEndsAt) {
   // a gradient that is known to 1e-6 only
-  Dense rough = kWells;
+  DenseProblem rough = kWells;
   rough.gradient = [](const Vector& x) -> Vector {
     return kWells.gradient(x).array() + 1e-6 * (1e9 * x.array()).sin();
   };

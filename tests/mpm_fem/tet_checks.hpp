@@ -14,6 +14,8 @@
 
 namespace elastogen::test {
 
+using elastogen::dot;  // other tests have one of vectors of any length
+
 inline Vec3 place(const Array<double>& x, int32_t node) {
   return {x(node, 0), x(node, 1), x(node, 2)};
 }

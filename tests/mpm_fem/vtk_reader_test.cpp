@@ -14,7 +14,7 @@ const std::string kPoints = "POINTS 4 double\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n";
 const std::string kCells = "CELLS 1 5\n4 0 1 2 3\n";
 const std::string kTypes = "CELL_TYPES 1\n10\n";
 
-std::string message_of(const std::string& bytes) {
+std::string vtk_message(const std::string& bytes) {
   return error_of([&] { parse_tets(bytes, "file"); });
 }
 
@@ -88,7 +88,7 @@ TEST(VtkReader, RefusesBrokenText) {
        "its cells have 4 points, but 5 are listed"},
       {kHead5 + kPoints + "CELLS 2 2000000000\nOFFSETS int\n0 4\nCONNECTIVITY int\n0 1 2 3\n",
        "2000000000 numbers of points of cells are claimed"}};
-  for (const auto& [bytes, message] : cases) expect_says(message_of(bytes), message);
+  for (const auto& [bytes, message] : cases) expect_says(vtk_message(bytes), message);
 }
 
 TEST(VtkReader, RefusesBrokenBytesWithTheirPlace) {
@@ -96,13 +96,13 @@ TEST(VtkReader, RefusesBrokenBytesWithTheirPlace) {
   const size_t points = file.find("float\n") + 6;
   std::string changed = file;
   changed.replace(points + 8, 4, "\x7f\xc0\0\0", 4);
-  expect_says(message_of(changed),
+  expect_says(vtk_message(changed),
               "file: byte " + std::to_string(points + 8) + ": a coordinate of a point is not");
   const size_t cells = file.find("CELLS 3 14\n") + 11;
   changed = file;
   changed.replace(cells + 4, 4, "\0\0\0\6", 4);
-  expect_says(message_of(changed), "file: byte " + std::to_string(cells + 4) +
-                                       ": the point of a cell must be from 0 to 5, not 6");
+  expect_says(vtk_message(changed), "file: byte " + std::to_string(cells + 4) +
+                                        ": the point of a cell must be from 0 to 5, not 6");
 }
 
 }  // namespace

@@ -26,7 +26,7 @@ const std::string kFile = R"(<VTKFile type="UnstructuredGrid">
 </VTKFile>
 )";
 
-std::string message_of(const std::string& bytes) {
+std::string vtu_message(const std::string& bytes) {
   return error_of([&] { parse_tets(bytes, "file"); });
 }
 
@@ -112,7 +112,7 @@ TEST(VtuReader, RefusesBrokenXml) {
       {"<html></html>", "file:1: VTKFile of the type UnstructuredGrid is expected"},
       {with("\"UnstructuredGrid\"", "\"PolyData\""), "VTKFile of the type UnstructuredGrid is"},
       {"<VTKFile type=\"UnstructuredGrid\"/>", "file: it has no array Points"}};
-  for (const auto& [bytes, message] : cases) expect_says(message_of(bytes), message);
+  for (const auto& [bytes, message] : cases) expect_says(vtu_message(bytes), message);
 }
 
 TEST(VtuReader, RefusesBrokenArrays) {
@@ -148,7 +148,7 @@ TEST(VtuReader, RefusesBrokenArrays) {
       {with(">4<", ">4000000000000<"), "4000000000000 numbers of connectivity are claimed"},
       {with(">10<", ">72<"), "cell 0 (counted from 0) is of type 72 (unknown)"},
       {with(">10<", ">24<"), "is a tetrahedron of 10 points, but has 4"}};
-  for (const auto& [bytes, message] : cases) expect_says(message_of(bytes), message);
+  for (const auto& [bytes, message] : cases) expect_says(vtu_message(bytes), message);
 }
 
 /// The types as bytes, inline or appended.
@@ -198,7 +198,7 @@ TEST(VtuReader, ReadsOneArrayOfEachEncoding) {
        "it would unpack to more than 100 times the file"},
       {with_types(zlib, inner, test::base64(header + header + std::string(4, '\0') + header + "x")),
        "a packed block is damaged"}};
-  for (const auto& [bytes, message] : cases) expect_says(message_of(bytes), message);
+  for (const auto& [bytes, message] : cases) expect_says(vtu_message(bytes), message);
 }
 
 TEST(VtuReader, RefusesBlocksThatUnpackToAnotherSize) {
@@ -210,7 +210,7 @@ TEST(VtuReader, RefusesBlocksThatUnpackToAnotherSize) {
   const std::string zlib = "compressor=\"vtkZLibDataCompressor\"";
   for (const char length : {1, 3}) {
     const std::string head{1, 0, 0, 0, length, 0, 0, 0, 0, 0, 0, 0, char(size), 0, 0, 0};
-    expect_says(message_of(with_types(zlib, "format=\"binary\"", test::base64(head + packed))),
+    expect_says(vtu_message(with_types(zlib, "format=\"binary\"", test::base64(head + packed))),
                 "a packed block is damaged");
   }
 }

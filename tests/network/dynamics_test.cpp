@@ -32,7 +32,7 @@ double spin_momentum(const Scene& scene, const State& state, const double centre
   return sum;
 }
 
-double length(const Vec3& v) {
+double vector_length(const Vec3& v) {
   return std::hypot(v[0], v[1], v[2]);
 }
 
@@ -47,7 +47,7 @@ double momentum_lost(const Scene& scene, const SolverOptions& options, const Sta
     size += scene.mass(n) * std::hypot(state.v(n, 0), state.v(n, 1), state.v(n, 2));
   for (int k = 0; k < steps; ++k) EXPECT_TRUE(solver.step(state).converged) << k;
   const Vec3 end = momentum(scene, state);
-  return length({end[0] - start[0], end[1] - start[1], end[2] - start[2]}) / size;
+  return vector_length({end[0] - start[0], end[1] - start[1], end[2] - start[2]}) / size;
 }
 
 TEST(Dynamics, MomentumIsKeptOverTenThousandSteps) {

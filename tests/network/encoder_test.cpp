@@ -8,7 +8,7 @@
 namespace elastogen::test {
 namespace {
 
-constexpr int kSize = 3 * Encoder<double>::kModes;
+constexpr int kCoarseSize = 3 * Encoder<double>::kModes;
 
 struct Rest {
   explicit Rest(const Scene& s) : scene(s), potential(s) {
@@ -36,7 +36,7 @@ void expect_projection(const Scene& scene, unsigned seed) {
   EXPECT_LT(dot(z, Az) / 2 - dot(z, r), 0);
   std::vector<double> left = r;
   for (size_t k = 0; k < r.size(); ++k) left[k] -= Az[k];
-  std::vector<double> before(size_t(encoder.piece_count()) * kSize), after(before);
+  std::vector<double> before(size_t(encoder.piece_count()) * kCoarseSize), after(before);
   encoder.encode(r.data(), before.data());
   encoder.encode(left.data(), after.data());
   EXPECT_LT(norm(after), 1e-6 * norm(before));
@@ -68,8 +68,8 @@ TEST(Encoder, ModesVanishAtPins) {
   const Scene scene = clamped_beam(16, 6, 5, 0.05, solid(1e6, 0.3));
   Rest rest(scene);
   Encoder<double> encoder(rest.potential);
-  std::vector<double> y(kSize, 1.0), z(3 * size_t(scene.grid.node_count()));
-  for (int k = 0; k < kSize; ++k) y[size_t(k)] = 1 + 0.1 * k;
+  std::vector<double> y(kCoarseSize, 1.0), z(3 * size_t(scene.grid.node_count()));
+  for (int k = 0; k < kCoarseSize; ++k) y[size_t(k)] = 1 + 0.1 * k;
   encoder.decode(y.data(), z.data());
   double largest = 0;
   for (size_t k = 0; k < z.size(); ++k) {
@@ -87,7 +87,7 @@ TEST(Encoder, FactorIsTheDistanceToTheNearestPinOverItselfPlusAnEighth) {
   const Scene scene = clamped_beam(16, 6, 5, h, solid(1e6, 0.3));
   Rest rest(scene);
   Encoder<double> encoder(rest.potential);
-  std::vector<double> y(kSize), z(3 * size_t(scene.grid.node_count()));
+  std::vector<double> y(kCoarseSize), z(3 * size_t(scene.grid.node_count()));
   y[0] = 1;
   encoder.decode(y.data(), z.data());
   for (int64_t n = 0; n < scene.grid.node_count(); ++n) {
@@ -102,8 +102,8 @@ TEST(Encoder, DecodingIsTheTransposeOfEncoding) {
   Rest rest(scene);
   Encoder<double> encoder(rest.potential);
   const std::vector<double> r = random_field(scene, 1, 54);
-  std::vector<double> y(kSize), Btr(kSize), By(r.size());
-  for (int k = 0; k < kSize; ++k) y[size_t(k)] = std::sin(k + 1);
+  std::vector<double> y(kCoarseSize), Btr(kCoarseSize), By(r.size());
+  for (int k = 0; k < kCoarseSize; ++k) y[size_t(k)] = std::sin(k + 1);
   encoder.encode(r.data(), Btr.data());
   encoder.decode(y.data(), By.data());
   EXPECT_NEAR(dot(r, By), dot(y, Btr), 1e-12 * norm(r) * norm(By));

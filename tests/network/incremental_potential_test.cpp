@@ -8,16 +8,16 @@
 namespace elastogen::test {
 namespace {
 
-constexpr double kH = 0.1;  // voxel edge of all scenes here [m]
+constexpr double kSceneH = 0.1;  // voxel edge of all scenes here [m]
 const Law kLaws[] = {Law::kFixedCorotated, Law::kNeoHookean, Law::kStableNeoHookean, Law::kStvk,
                      Law::kHencky};
 
 /// A ragged block over several bricks, pinned on one side, of two materials of one law.
 Scene ragged_scene(Law law, TimeScheme scheme, Hourglass hourglass) {
-  Scene scene = scene_on(ragged_grid(9, 7, 6, kH, 11), solid(1e5, 0.3, law));
+  Scene scene = scene_on(ragged_grid(9, 7, 6, kSceneH, 11), solid(1e5, 0.3, law));
   scene.materials.push_back(solid(3e4, 0.45, law, 700));
   for (int64_t v = 0; v < scene.grid.voxel_count(); ++v) scene.material(v) = int32_t(v / 3 % 2);
-  pin_below(scene, 0, -1.5 * kH);
+  pin_below(scene, 0, -1.5 * kSceneH);
   scene.gravity = {1, -9.81, 2};
   scene.scheme = scheme;
   scene.hourglass = hourglass;
@@ -60,7 +60,7 @@ void put_floor(Scene& scene, const State& state, double friction) {
                   state.x(scene.grid.corners(scene.surface.voxel(p), c), i);
     lowest = std::min(lowest, height);
   }
-  scene.colliders = {half_space(normal, lowest + 2.0 / 3 * kH / 4, friction)};
+  scene.colliders = {half_space(normal, lowest + 2.0 / 3 * kSceneH / 4, friction)};
 }
 
 StepScheme scheme_of(const Scene& scene, const State& state) {
@@ -85,19 +85,19 @@ TEST(IncrementalPotential, GradientIsTheDerivativeOfTheValue) {
         for (const bool contact : {false, true}) {
           Scene scene = ragged_scene(law, scheme, hourglass);
           finish_scene(scene);
-          const State state = moved_state(scene, 0.02 * kH);
+          const State state = moved_state(scene, 0.02 * kSceneH);
           if (contact) put_floor(scene, state, 0.4);
           IncrementalPotential potential(scene);
           potential.begin_step(state, scheme_of(scene, state));
           std::vector<double> u = displacement(scene, state);
-          const std::vector<double> away = random_field(scene, 0.02 * kH, 22);
+          const std::vector<double> away = random_field(scene, 0.02 * kSceneH, 22);
           for (size_t k = 0; k < u.size(); ++k) u[k] += away[k];
           std::vector<double> g(u.size());
           const PotentialValue value = potential.evaluate<double>(u.data(), g.data());
           ASSERT_TRUE(std::isfinite(value.total()));
           EXPECT_EQ(value.contact > 0, contact);
           EXPECT_EQ(value.hourglass > 0, hourglass != Hourglass::kOff);
-          EXPECT_LT(gradient_error(potential, u, random_field(scene, kH, 23), 1e-6), 1e-7)
+          EXPECT_LT(gradient_error(potential, u, random_field(scene, kSceneH, 23), 1e-6), 1e-7)
               << law_name(law) << " scheme " << int(scheme) << " hourglass " << int(hourglass)
               << " contact " << contact;
         }
@@ -107,12 +107,12 @@ TEST(IncrementalPotential, GradientOfContactAndFrictionAloneIsTheDerivative) {
   // soft and light, so that the contact is not hidden behind the rest
   Scene scene = ragged_scene(Law::kNeoHookean, TimeScheme::kEuler, Hourglass::kFull);
   finish_scene(scene);
-  const State state = moved_state(scene, 0.02 * kH);
+  const State state = moved_state(scene, 0.02 * kSceneH);
   put_floor(scene, state, 0.7);
   Contact contact(scene);
   std::vector<double> u = displacement(scene, state);
   contact.begin_step(u.data());
-  const std::vector<double> away = random_field(scene, 0.02 * kH, 24),
+  const std::vector<double> away = random_field(scene, 0.02 * kSceneH, 24),
                             p = random_field(scene, 1, 25);
   for (size_t k = 0; k < u.size(); ++k) u[k] += away[k];
   std::vector<double> g(u.size()), plus = u, minus = u;
@@ -130,7 +130,7 @@ TEST(IncrementalPotential, FloatAndDoubleAgreeToTheDigitsOfFloat) {
   for (const Law law : kLaws) {
     Scene scene = ragged_scene(law, TimeScheme::kEuler, Hourglass::kFull);
     finish_scene(scene);
-    const State state = moved_state(scene, 0.02 * kH);
+    const State state = moved_state(scene, 0.02 * kSceneH);
     IncrementalPotential potential(scene);
     potential.begin_step(state, scheme_of(scene, state));
     const std::vector<double> u = displacement(scene, state);
@@ -147,7 +147,7 @@ TEST(IncrementalPotential, FloatAndDoubleAgreeToTheDigitsOfFloat) {
 /// Stretched by 2 % in each direction: every eigenvalue of the tangent is positive.
 State stretched_state(const Scene& scene) {
   State state = initial_state(scene);
-  const std::vector<double> random = random_field(scene, 0.002 * kH, 31);
+  const std::vector<double> random = random_field(scene, 0.002 * kSceneH, 31);
   for (int64_t k = 0; k < state.x.size(); ++k)
     state.x.data()[k] += 0.02 * scene.grid.rest.data()[k] + random[size_t(k)];
   return state;
@@ -200,7 +200,8 @@ TEST(IncrementalPotential, RestHessianIsTheHessianAtRest) {
 TEST(IncrementalPotential, HessiansAreSymmetricAndPositive) {
   Scene scene = ragged_scene(Law::kNeoHookean, TimeScheme::kEuler, Hourglass::kFull);
   finish_scene(scene);
-  const State state = moved_state(scene, 0.1 * kH);  // compressed in places: projection at work
+  const State state =
+      moved_state(scene, 0.1 * kSceneH);  // compressed in places: projection at work
   put_floor(scene, state, 0.4);
   IncrementalPotential potential(scene);
   potential.begin_step(state, scheme_of(scene, state));
@@ -241,7 +242,7 @@ TEST(IncrementalPotential, NetForceAndTorqueAreZeroInRandomStates) {
     scene.dt = 10;  // hardly any inertia: nothing to subtract
     scene.gravity = {};
     finish_scene(scene);
-    State state = moved_state(scene, 0.1 * kH);
+    State state = moved_state(scene, 0.1 * kSceneH);
     state.v.fill(0);
     IncrementalPotential potential(scene);
     potential.begin_step(initial_state(scene), {TimeScheme::kEuler, scene.dt, 1});
@@ -257,7 +258,7 @@ TEST(IncrementalPotential, NetForceAndTorqueAreZeroInRandomStates) {
         torque[i] += x[j] * fn[k] - x[k] * fn[j];
       }
     }
-    const double size = 9 * kH;
+    const double size = 9 * kSceneH;
     EXPECT_LT(std::hypot(force[0], force[1], force[2]), 1e-12 * sum);
     const double share = std::hypot(torque[0], torque[1], torque[2]) / (sum * size);
     if (hourglass == Hourglass::kFull)
@@ -276,27 +277,28 @@ TEST(IncrementalPotential, RigidMotionCostsNothing) {
     IncrementalPotential potential(scene);
     potential.begin_step(initial_state(scene), {TimeScheme::kEuler, scene.dt, 1});
     std::vector<double> u = displacement(scene, state);
-    for (double& value : u) value += far * 9 * kH;
+    for (double& value : u) value += far * 9 * kSceneH;
     const double noise = 1 + far;  // position noise eps |X| becomes strain eps |X| / h
     std::vector<double> g(u.size());
     const PotentialValue value = potential.residual(u.data(), g.data());
-    EXPECT_LT(value.elastic + value.hourglass, 1e-20 * noise * noise * 1e5 * kH * kH * kH);
+    EXPECT_LT(value.elastic + value.hourglass,
+              1e-20 * noise * noise * 1e5 * kSceneH * kSceneH * kSceneH);
     EXPECT_NEAR(value.min_j, 1, 1e-13 * noise);
     EXPECT_NEAR(value.min_corner_j, 1, 1e-13 * noise);
     if (far > 0) continue;
     for (const double f : internal_force(scene, potential, u))
-      ASSERT_LT(std::abs(f), 1e-10 * 1e5 * kH * kH);
+      ASSERT_LT(std::abs(f), 1e-10 * 1e5 * kSceneH * kSceneH);
   }
 }
 
 TEST(IncrementalPotential, HomogeneousStrainHasTheEnergyOfTheLawTimesTheFilledVolume) {
-  Scene scene = scene_on(ragged_grid(9, 7, 6, kH, 12), solid(1e5, 0.3));
+  Scene scene = scene_on(ragged_grid(9, 7, 6, kSceneH, 12), solid(1e5, 0.3));
   finish_scene(scene);
   State state = initial_state(scene);
   const double F[3][3] = {{1.2, 0.1, -0.05}, {0.02, 0.9, 0.15}, {0.05, -0.1, 1.1}};
   double volume = 0, I = 0;
   for (int64_t v = 0; v < scene.grid.voxel_count(); ++v)
-    volume += scene.grid.fill(v) * kH * kH * kH;
+    volume += scene.grid.fill(v) * kSceneH * kSceneH * kSceneH;
   for (int64_t n = 0; n < scene.grid.node_count(); ++n)
     for (int i = 0; i < 3; ++i) {
       state.x(n, i) = 0;

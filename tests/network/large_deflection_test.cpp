@@ -10,11 +10,11 @@
 namespace elastogen::test {
 namespace {
 
-constexpr double kYoung = 1e7, kDensity = 1000;
+constexpr double kBeamYoung = 1e7, kDensity = 1000;
 
 /// Bending stiffness of a square section.
 double rigidity(double thickness) {
-  return kYoung * std::pow(thickness, 4) / 12;
+  return kBeamYoung * std::pow(thickness, 4) / 12;
 }
 
 /// Mean position of the nodes of the plane at lattice place x.
@@ -33,9 +33,9 @@ Vec3 plane_centre(const Scene& scene, const State& state, int place) {
 }
 
 /// A clamped beam of length 1, n voxels thick, at nu = 0; not finished.
-Scene beam(int n, int slenderness) {
+Scene slender_beam(int n, int slenderness) {
   const double h = 1.0 / (slenderness * n);
-  Scene scene = scene_on(make_box(slenderness * n, n, n, h), solid(kYoung, 0));
+  Scene scene = scene_on(make_box(slenderness * n, n, n, h), solid(kBeamYoung, 0));
   pin_below(scene, 0, h / 2);
   scene.dt = 100;  // some hundred periods
   return scene;
@@ -69,7 +69,7 @@ TEST(LargeDeflection, ABeamUnderItsOwnWeightBendsAsTheElastica) {
               {10, 0.70020, 0.70675, 0.70184},  {20, 0.82988, 0.84145, 0.83277},
               {50, 0.90792, 0.93411, 0.91445}};
   for (const auto& [n, slenderness] : {std::pair{4, 10}, {8, 10}, {4, 20}}) {
-    Scene scene = beam(n, slenderness);
+    Scene scene = slender_beam(n, slenderness);
     finish_scene(scene);
     Solver solver(scene, {.mode = SolverMode::kNewton, .tolerance = 1e-4});
     State state = initial_state(scene);
@@ -99,9 +99,9 @@ TEST(LargeDeflection, ABeamWithALoadAtItsTipBendsAsTheElastica) {
               {10, 0.81061, 0.44500, 0.82129}};
   constexpr int kThick = 4;
   constexpr double kH = 0.1 / kThick, kLength = 1 - kH / 2;
-  Scene scene = beam(kThick, 10);
+  Scene scene = slender_beam(kThick, 10);
   scene.materials[0].density = 1e-3;
-  scene.materials.push_back(solid(kYoung, 0));
+  scene.materials.push_back(solid(kBeamYoung, 0));
   for (int64_t v = 0; v < scene.grid.voxel_count(); ++v)
     scene.material(v) = scene.grid.voxel_coord(v, 0) == 10 * kThick - 1;
   finish_scene(scene);

@@ -12,23 +12,23 @@
 namespace elastogen::test {
 namespace {
 
-constexpr int64_t kSize = 40;
+constexpr int64_t kPairSize = 40;
 using Vector = std::vector<double>;
 
 /// A gradient along a walk through a quadratic with a little noise, as an iteration sees it.
 struct Walk {
   std::mt19937 random{7};
-  Vector x = Vector(kSize), g = Vector(kSize);
+  Vector x = Vector(kPairSize), g = Vector(kPairSize);
 
   void gradient_at(const Vector& at, Vector& result) const {
-    for (size_t i = 0; i < size_t(kSize); ++i)
-      result[i] = (1 + double(i)) * at[i] + 0.3 * at[(i + 1) % size_t(kSize)] +
-                  0.3 * at[(i + size_t(kSize) - 1) % size_t(kSize)] + std::sin(double(i));
+    for (size_t i = 0; i < size_t(kPairSize); ++i)
+      result[i] = (1 + double(i)) * at[i] + 0.3 * at[(i + 1) % size_t(kPairSize)] +
+                  0.3 * at[(i + size_t(kPairSize) - 1) % size_t(kPairSize)] + std::sin(double(i));
   }
   /// Moves by a random step; gives s and y.
   void move(Vector& s, Vector& y) {
     std::uniform_real_distribution<double> uniform(-1, 1);
-    s.resize(size_t(kSize));
+    s.resize(size_t(kPairSize));
     for (size_t i = 0; i < s.size(); ++i) s[i] = uniform(random), x[i] += s[i];
     const Vector before = g;
     gradient_at(x, g);
@@ -69,11 +69,11 @@ struct History {
     double alpha[LbfgsProducts::kPairs], yd[LbfgsProducts::kPairs] = {}, c[LbfgsProducts::kPairs];
     products.first_loop(alpha);
     Vector d = g;
-    for (size_t k = 0; k < s.size(); ++k) add_scaled(-alpha[k], y[k].data(), d.data(), kSize);
+    for (size_t k = 0; k < s.size(); ++k) add_scaled(-alpha[k], y[k].data(), d.data(), kPairSize);
     for (size_t i = 0; i < d.size(); ++i) d[i] /= 1 + double(i);
     for (size_t k = 0; k < s.size(); ++k) yd[k] = product(y[k], d);
     products.second_loop(alpha, yd, c);
-    for (size_t k = 0; k < s.size(); ++k) add_scaled(c[k], s[k].data(), d.data(), kSize);
+    for (size_t k = 0; k < s.size(); ++k) add_scaled(c[k], s[k].data(), d.data(), kPairSize);
     return d;
   }
 };
@@ -81,7 +81,7 @@ struct History {
 Vector reference_direction(const Lbfgs<double>& lbfgs, const Vector& g) {
   Vector q(g.size()), d(g.size());
   lbfgs.direction(g.data(), q.data(), d.data(), [](const double* from, double* to) {
-    for (size_t i = 0; i < size_t(kSize); ++i) to[i] = from[i] / (1 + double(i));
+    for (size_t i = 0; i < size_t(kPairSize); ++i) to[i] = from[i] / (1 + double(i));
   });
   return d;
 }
@@ -89,7 +89,7 @@ Vector reference_direction(const Lbfgs<double>& lbfgs, const Vector& g) {
 TEST(LbfgsProducts, GiveTheDirectionOfTheTwoLoops) {
   Walk walk;
   walk.gradient_at(walk.x, walk.g);
-  Lbfgs<double> lbfgs(kSize);
+  Lbfgs<double> lbfgs(kPairSize);
   History history;
   for (int step = 0; step < 12; ++step) {
     const Vector expected = reference_direction(lbfgs, walk.g), d = history.direction(walk.g);

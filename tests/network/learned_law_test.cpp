@@ -14,7 +14,7 @@
 namespace elastogen::test {
 namespace {
 
-constexpr double kYoung = 2e6;
+constexpr double kLearnedYoung = 2e6;
 
 LearnedLaw hencky_net(Law law, double nu, Evaluation evaluation) {
   const std::vector<float> zero(size_t(NeuralMtl::kParameters), 0.0f);
@@ -26,9 +26,9 @@ struct Errors {
 };
 
 /// Largest errors of a response relative to a law's, over stretches given by their logs.
-Errors errors(const LearnedLaw& net, const std::vector<double>& e, Law law) {
-  const LawParameters<double> own = parameters<double>(net.law(), kYoung, net.poisson());
-  const LawParameters<double> other = parameters<double>(law, kYoung, net.poisson());
+Errors stress_errors(const LearnedLaw& net, const std::vector<double>& e, Law law) {
+  const LawParameters<double> own = parameters<double>(net.law(), kLearnedYoung, net.poisson());
+  const LawParameters<double> other = parameters<double>(law, kLearnedYoung, net.poisson());
   Errors worst;
   for (size_t k = 0; k < e.size() / 3; ++k) {
     double s[3], outside, t[3], H[6];
@@ -48,7 +48,7 @@ TEST(LearnedLaw, IsThatOfTheNetInItsBox) {
   const std::vector<double> e = strains(1000, 500, 0.9, 0.69);
   for (const Law law : {Law::kNeoHookean, Law::kFixedCorotated})
     for (const double nu : {0.0, 0.3, 0.45}) {
-      const Errors exact = errors(hencky_net(law, nu, Evaluation::kNet), e, Law::kHencky);
+      const Errors exact = stress_errors(hencky_net(law, nu, Evaluation::kNet), e, Law::kHencky);
       EXPECT_LT(exact.stress, 1e-9);
       EXPECT_LT(exact.tangent, 1e-12);
     }
@@ -74,16 +74,17 @@ TEST(LearnedLaw, TableAddsLittleEvenWhereTheNetIsFarFromItsLaw) {
   // well inside the box; at its edge the table must turn within two cells, tested by fits
   const std::vector<double> e = strains(1000, 500, 0.6, 0.5);
   const Errors found =
-      errors(hencky_net(Law::kNeoHookean, 0.3, Evaluation::kTable), e, Law::kHencky);
+      stress_errors(hencky_net(Law::kNeoHookean, 0.3, Evaluation::kTable), e, Law::kHencky);
   EXPECT_LT(found.stress, 5e-3);
   EXPECT_LT(found.tangent, 2e-2);
-  const Errors none = errors(hencky_net(Law::kHencky, 0.3, Evaluation::kTable), e, Law::kHencky);
+  const Errors none =
+      stress_errors(hencky_net(Law::kHencky, 0.3, Evaluation::kTable), e, Law::kHencky);
   EXPECT_LT(none.stress, 1e-12);
 }
 
 TEST(LearnedLaw, IsTheLawFarAwayAndSaysSo) {
   const LearnedLaw net = hencky_net(Law::kNeoHookean, 0.3, Evaluation::kNet);
-  const LawParameters<double> p = parameters<double>(Law::kNeoHookean, kYoung, 0.3);
+  const LawParameters<double> p = parameters<double>(Law::kNeoHookean, kLearnedYoung, 0.3);
   const double far[][3] = {{3.6, 1, 1}, {1.2, 1.1, 0.1}, {1, 1, -0.5}, {2.8, 2.8, 0.9}, {0, 0, 0}};
   for (const auto& s : far) {
     double outside = 0;
@@ -154,7 +155,7 @@ TEST(LearnedLaw, DerivativesAreThoseOfTheEnergyAcrossTheBorder) {
 
 TEST(LearnedLaw, GivesTheSameInPacks) {
   const LearnedLaw net = hencky_net(Law::kNeoHookean, 0.3, Evaluation::kTable);
-  const LawParameters<double> p = parameters<double>(Law::kNeoHookean, kYoung, 0.3);
+  const LawParameters<double> p = parameters<double>(Law::kNeoHookean, kLearnedYoung, 0.3);
   Pack<double> s[3], outside;
   const std::vector<double> e = strains(kLanes, 2, 1.2, 1);
   for (int l = 0; l < kLanes; ++l)
@@ -168,8 +169,8 @@ TEST(LearnedLaw, GivesTheSameInPacks) {
     double out;
     const Response<double> exact = learned_response<true>(net, p, one, out);
     EXPECT_EQ(outside[l], out);
-    EXPECT_NEAR(r.psi[l], exact.psi, 1e-12 * (kYoung + exact.psi));
-    EXPECT_NEAR(r.H[4][l], exact.H[4], 1e-12 * (kYoung + std::abs(exact.H[4])));
+    EXPECT_NEAR(r.psi[l], exact.psi, 1e-12 * (kLearnedYoung + exact.psi));
+    EXPECT_NEAR(r.H[4][l], exact.H[4], 1e-12 * (kLearnedYoung + std::abs(exact.H[4])));
   }
   EXPECT_FALSE(std::isfinite(r.psi[5]));
 }

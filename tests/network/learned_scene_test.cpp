@@ -11,7 +11,7 @@
 namespace elastogen::test {
 namespace {
 
-Scene beam(Law law) {
+Scene held_beam(Law law) {
   return clamped_beam(12, 3, 3, 0.05, solid(2e5, 0.4, law));
 }
 
@@ -50,7 +50,7 @@ double difference(const Scene& scene, const State& a, const State& b) {
 }
 
 TEST(LearnedScene, MovesAsTheLawThatItsNetIs) {
-  const Scene exact = beam(Law::kHencky), carrier = beam(Law::kNeoHookean);
+  const Scene exact = held_beam(Law::kHencky), carrier = held_beam(Law::kNeoHookean);
   for (const SolverMode mode : {SolverMode::kQuasi, SolverMode::kNewton}) {
     SolverOptions options{.mode = mode, .tolerance = 1e-6};
     const Motion reference = run(exact, options, 8);
@@ -71,7 +71,7 @@ TEST(LearnedScene, MovesAsTheLawThatItsNetIs) {
 }
 
 TEST(LearnedScene, PaperModeFitsItsStretchesToTheEnergyOfTheNet) {
-  Scene exact = beam(Law::kHencky), carrier = beam(Law::kNeoHookean);
+  Scene exact = held_beam(Law::kHencky), carrier = held_beam(Law::kNeoHookean);
   for (Scene* scene : {&exact, &carrier}) {
     scene->hourglass = Hourglass::kVariance;
     finish_scene(*scene);
@@ -83,7 +83,7 @@ TEST(LearnedScene, PaperModeFitsItsStretchesToTheEnergyOfTheNet) {
 }
 
 TEST(LearnedScene, CountsTheVoxelsThatLeaveTheBox) {
-  const Scene scene = beam(Law::kNeoHookean);
+  const Scene scene = held_beam(Law::kNeoHookean);
   SolverOptions options{.tolerance = 1e-3};
   options.learned = hencky_net(Law::kNeoHookean, Evaluation::kTable);
   IncrementalPotential potential(scene, options.learned);
@@ -97,7 +97,7 @@ TEST(LearnedScene, CountsTheVoxelsThatLeaveTheBox) {
 }
 
 TEST(LearnedScene, RefusesANetOfAnotherMaterial) {
-  const Scene scene = beam(Law::kNeoHookean);
+  const Scene scene = held_beam(Law::kNeoHookean);
   SolverOptions options;
   options.learned = hencky_net(Law::kStvk, Evaluation::kNet);
   EXPECT_THROW(Solver(scene, options), Error);

@@ -34,7 +34,7 @@ MtlTable table(int cells) {
 }
 
 /// Largest error of value, slope and curvature, five coarse knots away from where it fades.
-std::array<double, 3> errors(const MtlTable& table) {
+std::array<double, 3> table_errors(const MtlTable& table) {
   const std::vector<double> e = strains(4000, 1000, 0.3, 2);
   std::array<double, 3> worst = {};
   for (size_t k = 0; k < 4000; ++k) {
@@ -51,7 +51,7 @@ std::array<double, 3> errors(const MtlTable& table) {
 }
 
 TEST(MtlTable, ConvergesWithTheOrdersOfCubicSplines) {
-  const auto coarse = errors(table(16)), fine = errors(table(32));
+  const auto coarse = table_errors(table(16)), fine = table_errors(table(32));
   EXPECT_LT(fine[0], 4e-6);
   EXPECT_LT(fine[1], 6e-5);
   EXPECT_LT(fine[2], 4e-3);

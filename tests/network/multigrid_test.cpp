@@ -10,12 +10,12 @@
 namespace elastogen::test {
 namespace {
 
-constexpr double kH = 0.1;
+constexpr double kGridH = 0.1;
 
 /// A ragged block over several bricks and at least three levels, pinned on one side.
 Scene ragged_scene(double poisson, double dt = 1.0 / 60) {
-  Scene scene = scene_on(ragged_grid(14, 12, 10, kH, 41), solid(1e6, poisson));
-  pin_below(scene, 0, -2.5 * kH);
+  Scene scene = scene_on(ragged_grid(14, 12, 10, kGridH, 41), solid(1e6, poisson));
+  pin_below(scene, 0, -2.5 * kGridH);
   scene.dt = dt;
   finish_scene(scene);
   return scene;
@@ -101,7 +101,7 @@ TEST(Multigrid, RestrictionIsTheTransposeOfProlongation) {
 }
 
 TEST(Multigrid, ProlongationReproducesLinearFieldsAwayFromPins) {
-  Scene scene = scene_on(ragged_grid(14, 12, 10, kH, 42), solid(1e6, 0.3));
+  Scene scene = scene_on(ragged_grid(14, 12, 10, kGridH, 42), solid(1e6, 0.3));
   finish_scene(scene);
   LevelGrid fine = finest_level(scene, 1);
   const LevelGrid coarse = coarser_level(fine);
@@ -116,7 +116,7 @@ TEST(Multigrid, ProlongationReproducesLinearFieldsAwayFromPins) {
 TEST(Multigrid, CoarseLevelsKeepMassAndStiffness) {
   // sums over the grid: mass; volume times modulus (the mean of eight children has eight times
   // their volume)
-  Scene scene = scene_on(ragged_grid(14, 12, 10, kH, 43), solid(1e6, 0.3));
+  Scene scene = scene_on(ragged_grid(14, 12, 10, kGridH, 43), solid(1e6, 0.3));
   finish_scene(scene);
   LevelGrid fine = finest_level(scene, 1);
   const LevelGrid coarse = coarser_level(fine);
@@ -165,8 +165,8 @@ TEST(Multigrid, LargestEigenvalueOfTheSmoothedOperatorStaysBelowTheElementBound)
 TEST(Multigrid, OperatorOnAffineFieldsHasTheClosedForm) {
   // p.A p = sum_e k_ie G_ie^2 (filled volume) + a0/dt^2 sum_n m_n p_n^2, free body
   for (const bool ragged : {false, true}) {
-    Scene scene =
-        scene_on(ragged ? ragged_grid(9, 9, 9, kH, 44) : make_box(9, 5, 5, kH), solid(1e6, 0.4));
+    Scene scene = scene_on(ragged ? ragged_grid(9, 9, 9, kGridH, 44) : make_box(9, 5, 5, kGridH),
+                           solid(1e6, 0.4));
     finish_scene(scene);
     const double a0 = 2.25;
     Multigrid<double> multigrid(scene, a0);
@@ -174,7 +174,7 @@ TEST(Multigrid, OperatorOnAffineFieldsHasTheClosedForm) {
     std::vector<double> p(3 * size_t(scene.grid.node_count())), Ap(p.size());
     double expected = 0, volume = 0;
     for (int64_t v = 0; v < scene.grid.voxel_count(); ++v)
-      volume += scene.grid.fill(v) * kH * kH * kH;
+      volume += scene.grid.fill(v) * kGridH * kGridH * kGridH;
     const double mu = scene.materials[0].mu(), lambda = scene.materials[0].lambda();
     for (int i = 0; i < 3; ++i)
       for (int e = 0; e < 3; ++e)

@@ -13,7 +13,7 @@
 namespace elastogen {
 namespace {
 
-constexpr double kH = 0.1;
+constexpr double kPaperH = 0.1;
 
 Material soft(double poisson, double young = 1e4) {
   return {"soft", Law::kNeoHookean, young, poisson, 1000};
@@ -22,7 +22,7 @@ Material soft(double poisson, double young = 1e4) {
 /// A box without pins and gravity that ends a step of dt.
 Scene free_box(int n, const Material& material, double dt, Hourglass hourglass) {
   Scene scene;
-  scene.grid = make_box(n, n, n, kH);
+  scene.grid = make_box(n, n, n, kPaperH);
   scene.materials = {material};
   scene.material = Array<int32_t>(scene.grid.voxel_count());
   scene.pinned = Array<uint8_t>(scene.grid.node_count());
@@ -42,7 +42,7 @@ double stiffness(const SolverOptions& options, double poisson, const Field& fiel
   for (int64_t n = 0; n < 8; ++n)
     for (int i = 0; i < 3; ++i) {
       const double* X = scene.grid.rest.row(n);
-      state.v(n, i) = 1e-5 * field(i, X[0] - kH / 2, X[1] - kH / 2, X[2] - kH / 2);
+      state.v(n, i) = 1e-5 * field(i, X[0] - kPaperH / 2, X[1] - kPaperH / 2, X[2] - kPaperH / 2);
     }
   const State before = state;
   Solver solver(scene, options);
@@ -101,8 +101,8 @@ TEST(PaperSolver, TheOtherModesHaveTheTrueModuli) {
     const Material m = soft(0.32);
     // a mode with F = I + e A has energy h^3 e^2/2 A:C:A, and sum |u|^2 = 8 (h/2)^2 e^2 |A|^2
     const double K = m.lambda() + 2 * m.mu() / 3;
-    EXPECT_NEAR(bulk(options, 0.32) / (kH * 9 * K / (2 * 3)), 1, 1e-4);
-    EXPECT_NEAR(shear(options, 0.32) / (kH * 4 * m.mu() / (2 * 2)), 1, 1e-4);
+    EXPECT_NEAR(bulk(options, 0.32) / (kPaperH * 9 * K / (2 * 3)), 1, 1e-4);
+    EXPECT_NEAR(shear(options, 0.32) / (kPaperH * 4 * m.mu() / (2 * 2)), 1, 1e-4);
   }
 }
 
@@ -158,7 +158,7 @@ struct Frozen {
     potential.begin_step(state, step_scheme(scene, state));
     std::vector<double> u(3 * size_t(scene.grid.node_count()));
     for (size_t k = 0; k < u.size(); ++k)
-      u[k] = amplitude * kH * std::sin(double(k * k % 997) * 1.7);
+      u[k] = amplitude * kPaperH * std::sin(double(k * k % 997) * 1.7);
     solver.freeze(u.data());
   }
   double largest() { return largest_eigenvalue(solver, scene.grid.node_count()); }
@@ -192,7 +192,7 @@ TEST(PaperSolver, RowSumsBoundTheSpectrumOfBorderVoxels) {
 TEST(PaperSolver, PrintedOperatorDivergesAboveCourantNumberOne) {
   for (const double C : {0.8, 3.0}) {
     const Material m = soft(0);
-    const double dt = C * kH / std::sqrt(m.young / m.density);
+    const double dt = C * kPaperH / std::sqrt(m.young / m.density);
     Frozen printed(free_box(12, m, dt, Hourglass::kOff), 0);
     const double infinite = (4 * C * C + 1) / (1.5 * C * C + 1);
     EXPECT_NEAR(printed.largest(), infinite, 0.03) << C;
@@ -201,7 +201,7 @@ TEST(PaperSolver, PrintedOperatorDivergesAboveCourantNumberOne) {
 
 TEST(PaperSolver, EncoderAndSweepsReachTheLaggedMinimum) {
   // cantilever: many sweeps without encoder and few with it end in one state
-  Scene scene = test::clamped_beam(8, 2, 2, kH, soft(0.3, 1e5));
+  Scene scene = test::clamped_beam(8, 2, 2, kPaperH, soft(0.3, 1e5));
   scene.hourglass = Hourglass::kVariance;
   finish_scene(scene);
   const auto end = [&](int inner, int modes) {

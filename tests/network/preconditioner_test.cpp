@@ -61,14 +61,14 @@ void expect_counts(const char* name, const Scene& scene, const std::array<int, 3
   for (size_t t = 0; t < 3; ++t) EXPECT_LE(counts[t], std::ceil(1.3 * table[t]) + (t == 0)) << name;
 }
 
-Scene beam(double C, double poisson) {
+Scene swinging_beam(double C, double poisson) {
   const double h = 0.025;
   return clamped_beam(32, 8, 8, h, solid(young_of_courant(C, h, 1.0 / 60), poisson));
 }
 
 TEST(Preconditioner, NeedsTheIterationsOfTheTableOnAClampedBeam) {
-  expect_counts("beam 32x8x8, nu 0.3", beam(10, 0.3), {4, 8, 15});
-  expect_counts("beam 32x8x8, nu 0.45", beam(10, 0.45), {8, 13, 24});
+  expect_counts("beam 32x8x8, nu 0.3", swinging_beam(10, 0.3), {4, 8, 15});
+  expect_counts("beam 32x8x8, nu 0.45", swinging_beam(10, 0.45), {8, 13, 24});
 }
 
 TEST(Preconditioner, NeedsTheIterationsOfTheTableOnAFreeBall) {
@@ -84,7 +84,8 @@ TEST(Preconditioner, NeedsTheIterationsOfTheTableOnAFreeBall) {
 }
 
 TEST(Preconditioner, CountsGrowByHalfAtMostFromCourantTenToFifty) {
-  const std::array<int, 3> soft = iterations(beam(10, 0.3)), stiff = iterations(beam(50, 0.3));
+  const std::array<int, 3> soft = iterations(swinging_beam(10, 0.3)),
+                           stiff = iterations(swinging_beam(50, 0.3));
   printf("beam nu 0.3: C 10 %d / %d / %d, C 50 %d / %d / %d\n", soft[0], soft[1], soft[2], stiff[0],
          stiff[1], stiff[2]);
   EXPECT_LE(stiff[1], 1.5 * soft[1]);

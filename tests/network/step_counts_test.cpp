@@ -30,7 +30,7 @@ Counts mean_counts(const char* name, const Scene& scene, SolverMode mode, int st
   return counts;
 }
 
-Scene beam(double C, double poisson) {
+Scene counted_beam(double C, double poisson) {
   const double h = 0.5 / 24;
   return clamped_beam(24, 6, 6, h, solid(young_of_courant(C, h, 1.0 / 60), poisson));
 }
@@ -44,8 +44,8 @@ TEST(StepCounts, QuasiOnTheClampedBeam) {
               {"beam nu 0.49", 8, 0.49, 75},
               {"beam nu 0.4", 51, 0.4, 27}};
   for (const auto& row : rows) {
-    const Counts counts =
-        mean_counts(row.name, beam(row.C, row.poisson), SolverMode::kQuasi, row.table > 50 ? 3 : 6);
+    const Counts counts = mean_counts(row.name, counted_beam(row.C, row.poisson),
+                                      SolverMode::kQuasi, row.table > 50 ? 3 : 6);
     EXPECT_LE(counts.outer, 1.3 * row.table) << row.name;
     EXPECT_LE(counts.inner, 1.3 * 1.5 * row.table) << row.name;
   }
@@ -60,8 +60,8 @@ TEST(StepCounts, NewtonOnTheClampedBeam) {
               {"beam nu 0.49", 8, 0.49, 64},
               {"beam nu 0.4", 51, 0.4, 30}};
   for (const auto& row : rows) {
-    const Counts counts = mean_counts(row.name, beam(row.C, row.poisson), SolverMode::kNewton,
-                                      row.table > 50 ? 3 : 6);
+    const Counts counts = mean_counts(row.name, counted_beam(row.C, row.poisson),
+                                      SolverMode::kNewton, row.table > 50 ? 3 : 6);
     EXPECT_LE(counts.inner, 1.3 * row.table) << row.name;
     EXPECT_LE(counts.outer, 1.3 * 4.5) << row.name;
   }

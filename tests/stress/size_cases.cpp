@@ -9,7 +9,7 @@
 namespace elastogen::stress {
 namespace {
 
-constexpr int kSteps = 8;
+constexpr int kSizeSteps = 8;
 constexpr double kGrowth = 2;  // of memory and time a voxel, against 1e4 voxels
 
 struct Cost {
@@ -34,13 +34,13 @@ Cost measure(int side) {
   const int64_t base = resident_memory();
   forget_peak();
   Scene scene = falling(side);
-  const Outcome end = plain_run(scene, thrown(scene), {.steps = kSteps});
+  const Outcome end = plain_run(scene, thrown(scene), {.steps = kSizeSteps});
   const auto voxels = double(scene.grid.voxel_count());
   std::vector<double> ms, work;
   for (const StepReport& r : end.reports) ms.push_back(r.ms), work.push_back(r.inner);
   std::sort(ms.begin(), ms.end());
   std::sort(work.begin(), work.end());
-  return {double(peak_memory() - base) / voxels, ms[kSteps / 2] / voxels, work[kSteps / 2]};
+  return {double(peak_memory() - base) / voxels, ms[kSizeSteps / 2] / voxels, work[kSizeSteps / 2]};
 }
 
 /// Cubes of about 1e4, 1e5 and 1e6 voxels: 22^3, 46^3, 100^3.
@@ -55,8 +55,9 @@ void size(Record& record, int side) {
                 cost.bytes / small.bytes);
   record.expect(cost.ms <= kGrowth * small.ms, "time a voxel grows by ", cost.ms / small.ms);
   Scene scene = falling(side);
-  const Plan plan = {
-      .steps = kSteps, .check_every = side > 50 ? 6 : 1, .repeated_steps = side > 50 ? 4 : kSteps};
+  const Plan plan = {.steps = kSizeSteps,
+                     .check_every = side > 50 ? 6 : 1,
+                     .repeated_steps = side > 50 ? 4 : kSizeSteps};
   const Outcome end = run(record, scene, thrown(scene), plan);
   const double lowest = lowest_point(scene, end.state.x) / scene.grid.h;
   record.expect(lowest > -0.25, "a point passed the floor: ", lowest, " h");

@@ -9,7 +9,7 @@ namespace elastogen::stress {
 namespace {
 
 constexpr double kEdge = 0.1;  // h [m]
-constexpr int kSteps = 500;
+constexpr int kStartSteps = 500;
 constexpr double kStill = 1e-4;    // change of shape in a step, of the body's length
 constexpr double kInShape = 1e-3;  // of the body's length
 
@@ -45,7 +45,7 @@ void settle(Record& record, Scene& scene, const State& start, bool may_stay_fold
   const double L = length(scene);
   const Array<double>& rest = scene.grid.rest;
   Plan plan;
-  plan.steps = kSteps;
+  plan.steps = kStartSteps;
   plan.done = [&](const State& s, const StepReport& r) {
     if (r.step < 20 || !r.converged) return false;
     return shape_distance(s.x, rest) < kInShape / 4 * L || fastest(s) < 1e-7 * L / scene.dt;

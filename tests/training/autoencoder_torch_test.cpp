@@ -27,7 +27,7 @@ Array<float> some_nets(int64_t count, uint64_t seed) {
   return nets;
 }
 
-AutoencoderOptions short_training(int64_t steps) {
+AutoencoderOptions autoencoder_training(int64_t steps) {
   AutoencoderOptions options;
   options.loop.steps = steps;
   options.loop.rate = 5e-3;
@@ -44,7 +44,7 @@ TEST(Autoencoder, LearnsAFamilyOfTwoNumbers) {
   const Array<float> nets = some_nets(200, 1), unseen = some_nets(40, 2);
   Autoencoder autoencoder(nets, {16, 2}, 1, at::kCPU);
   const double before = autoencoder.error(unseen);
-  ASSERT_TRUE(autoencoder.train(nets, short_training(2500), {}));
+  ASSERT_TRUE(autoencoder.train(nets, autoencoder_training(2500), {}));
   EXPECT_NEAR(before, 1, 0.3);  // nothing learned: the mean, off by one standard deviation
   EXPECT_LT(autoencoder.error(unseen), 0.12);
   const Array<double> codes = autoencoder.encode(unseen);
@@ -116,10 +116,10 @@ TEST(Autoencoder, RejectsWhatItsDocumentationForbids) {
   EXPECT_THROW(Autoencoder(nets, {4, 0}, 1, at::kCPU), Error);
   EXPECT_THROW(Autoencoder(Array<float>(0, kWeights), {4}, 1, at::kCPU), Error);
   Autoencoder autoencoder(nets, {4}, 1, at::kCPU);
-  EXPECT_THROW(autoencoder.train(Array<float>(4, 3), short_training(2), {}), Error);
+  EXPECT_THROW(autoencoder.train(Array<float>(4, 3), autoencoder_training(2), {}), Error);
   FitHooks hooks;
   hooks.stopped = [] { return true; };
-  EXPECT_FALSE(autoencoder.train(nets, short_training(2), hooks));
+  EXPECT_FALSE(autoencoder.train(nets, autoencoder_training(2), hooks));
 }
 
 }  // namespace

@@ -29,7 +29,7 @@ Data some_data(int64_t count, bool split) {
   return data;
 }
 
-DenoiserOptions short_training(int64_t steps) {
+DenoiserOptions denoiser_training(int64_t steps) {
   DenoiserOptions options;
   options.loop.steps = steps;
   options.loop.rate = 3e-3;
@@ -41,7 +41,7 @@ DenoiserOptions short_training(int64_t steps) {
 
 TEST(TrainDenoiser, LearnsWhatTheFeaturesSay) {
   const Data data = some_data(256, false);
-  const auto denoiser = train_denoiser(data.codes, data.features, short_training(1500), {});
+  const auto denoiser = train_denoiser(data.codes, data.features, denoiser_training(1500), {});
   ASSERT_TRUE(denoiser);
   const Denoise denoise = [&](std::span<const double> x, int t, std::span<double> x0) {
     const std::vector<float> features = {11.2f, 5};  // f = 0.4
@@ -59,7 +59,7 @@ TEST(TrainDenoiser, LearnsWhatTheFeaturesSay) {
 TEST(TrainDenoiser, SamplesEachOfTwoAnswersAsOftenAsItIsGiven) {
   // a regression would answer with the mean, which neither of them is
   const Data data = some_data(512, true);
-  const auto denoiser = train_denoiser(data.codes, data.features, short_training(1500), {});
+  const auto denoiser = train_denoiser(data.codes, data.features, denoiser_training(1500), {});
   ASSERT_TRUE(denoiser);
   const Denoise denoise = [&](std::span<const double> x, int t, std::span<double> x0) {
     const std::vector<float> features = {11.2f, 5};
@@ -82,12 +82,12 @@ TEST(TrainDenoiser, StopsAndRejects) {
   const Data data = some_data(16, false);
   FitHooks hooks;
   hooks.stopped = [] { return true; };
-  EXPECT_FALSE(train_denoiser(data.codes, data.features, short_training(5), hooks));
-  EXPECT_THROW(train_denoiser(data.codes, Array<double>(3, 2), short_training(5), {}), Error);
-  DenoiserOptions options = short_training(5);
+  EXPECT_FALSE(train_denoiser(data.codes, data.features, denoiser_training(5), hooks));
+  EXPECT_THROW(train_denoiser(data.codes, Array<double>(3, 2), denoiser_training(5), {}), Error);
+  DenoiserOptions options = denoiser_training(5);
   options.batch = 0;
   EXPECT_THROW(train_denoiser(data.codes, data.features, options, {}), Error);
-  options = short_training(5);
+  options = denoiser_training(5);
   options.device = "tpu";
   EXPECT_THROW(train_denoiser(data.codes, data.features, options, {}), Error);
 }
@@ -164,7 +164,7 @@ TEST(ConvDenoiser, IsTheNetOfItsFormula) {
 
 TEST(ConvDenoiser, LearnsWhatTheFeaturesSay) {
   const Data data = some_data(256, false);  // images of 2 x 2
-  DenoiserOptions options = short_training(600);
+  DenoiserOptions options = denoiser_training(600);
   options.loop.rate = 1e-2;
   ConvDenoiser denoiser(2, 12, feature_scale(data.features), 1, at::kCPU);
   ASSERT_TRUE(denoiser.train(data.codes, data.features, options, {}));

@@ -12,8 +12,8 @@
 namespace elastogen {
 namespace {
 
-constexpr LoadPath kPaths[] = {LoadPath::kUniaxial, LoadPath::kBiaxial, LoadPath::kShear,
-                               LoadPath::kVolume};
+constexpr LoadPath kLoadPaths[] = {LoadPath::kUniaxial, LoadPath::kBiaxial, LoadPath::kShear,
+                                   LoadPath::kVolume};
 
 TargetLaw law_of(const Law& law, double poisson) {
   return target_law({"", {{law, 1}}, poisson});
@@ -71,7 +71,7 @@ TEST(LoadPath, TakesAllWorkByTheStretchedAxes) {
   // free sides do no work: dpsi/dl is the stress times the number of axes that are stretched by l
   constexpr double kAxes[] = {1, 2, 1, 3}, kStep = 1e-5;
   for (const Law& law : test::kLaws)
-    for (const LoadPath path : kPaths)
+    for (const LoadPath path : kLoadPaths)
       for (const double l : {0.7, 0.95, 1.2, 1.4}) {
         const TargetLaw target = law_of(law, 0.3);
         const auto at = [&](double stretch) { return balanced_state(target, path, stretch); };
@@ -97,7 +97,7 @@ TEST(LoadPath, EndsWhereTheSidesOfStVenantKirchhoffVanish) {
 }
 
 TEST(LoadPath, IsZeroAtRest) {
-  for (const LoadPath path : kPaths) {
+  for (const LoadPath path : kLoadPaths) {
     const auto state = balanced_state(law_of(Law::gent(20), 0.3), path, 1);
     ASSERT_TRUE(state);
     EXPECT_EQ(state->e, (Vec3{0, 0, 0}));

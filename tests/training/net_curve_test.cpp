@@ -11,8 +11,8 @@
 namespace elastogen {
 namespace {
 
-constexpr LoadPath kPaths[] = {LoadPath::kUniaxial, LoadPath::kBiaxial, LoadPath::kShear,
-                               LoadPath::kVolume};
+constexpr LoadPath kCurvePaths[] = {LoadPath::kUniaxial, LoadPath::kBiaxial, LoadPath::kShear,
+                                    LoadPath::kVolume};
 
 /// Weights whose last layer is 0: Hencky's law to the rounding of doubles.
 std::vector<float> hencky_net() {
@@ -22,7 +22,7 @@ std::vector<float> hencky_net() {
 }
 
 TEST(NetCurve, FindsNoErrorInTheNetThatIsHenckysLaw) {
-  for (const LoadPath path : kPaths) {
+  for (const LoadPath path : kCurvePaths) {
     const NetCurve curve = net_curve(fit_material("hencky", 0.45), hencky_net(), path);
     ASSERT_EQ(curve.stretch.size(), 161u);
     for (size_t k = 0; k < curve.stretch.size(); ++k) {

@@ -23,7 +23,7 @@ Array<int32_t> to_array(const std::vector<Coord>& coords) {
 }
 
 /// Each point of [lower, upper)^3 with the given probability, in random order.
-std::vector<Coord> random_points(int lower, int upper, double share, unsigned seed) {
+std::vector<Coord> random_voxels(int lower, int upper, double share, unsigned seed) {
   std::mt19937 random(seed);
   std::bernoulli_distribution take(share);
   std::vector<Coord> points;
@@ -57,7 +57,7 @@ void expect_sorted(const Array<int32_t>& coords) {
 }
 
 TEST(Bricks, KeepEveryVoxelAndSortByMortonCodeOfTheBrickThenXFastest) {
-  const std::vector<Coord> points = random_points(-12, 14, 0.3, 1);
+  const std::vector<Coord> points = random_voxels(-12, 14, 0.3, 1);
   const VoxelGrid grid = make_grid(to_array(points), 0.5, {});
   std::set<Coord> expected(points.begin(), points.end()), got;
   for (int64_t v = 0; v < grid.voxel_count(); ++v) got.insert(row(grid.voxel_coord, v));
@@ -68,7 +68,7 @@ TEST(Bricks, KeepEveryVoxelAndSortByMortonCodeOfTheBrickThenXFastest) {
 }
 
 TEST(Bricks, TablesAgreeWithAMapOfCoordinates) {
-  const VoxelGrid grid = make_grid(to_array(random_points(-20, 9, 0.1, 2)), 0.25, {1, -2, 3});
+  const VoxelGrid grid = make_grid(to_array(random_voxels(-20, 9, 0.1, 2)), 0.25, {1, -2, 3});
   std::map<Coord, int64_t> node_at;
   for (int64_t n = 0; n < grid.node_count(); ++n) node_at[row(grid.node_coord, n)] = n;
   std::set<Coord> used;
@@ -88,14 +88,14 @@ TEST(Bricks, TablesAgreeWithAMapOfCoordinates) {
 
 TEST(Bricks, RestPositionsAreOriginPlusEdgeTimesCoordinate) {
   const Vec3 origin = {1, -2, 3};
-  const VoxelGrid grid = make_grid(to_array(random_points(-3, 9, 0.2, 3)), 0.25, origin);
+  const VoxelGrid grid = make_grid(to_array(random_voxels(-3, 9, 0.2, 3)), 0.25, origin);
   for (int64_t n = 0; n < grid.node_count(); ++n)
     for (int d = 0; d < 3; ++d)
       ASSERT_DOUBLE_EQ(grid.rest(n, d), origin[d] + 0.25 * grid.node_coord(n, d));
 }
 
 TEST(Bricks, PiecesAreThoseOfAFloodOverSharedNodes) {
-  const VoxelGrid grid = make_grid(to_array(random_points(-10, 10, 0.05, 4)), 1, {});
+  const VoxelGrid grid = make_grid(to_array(random_voxels(-10, 10, 0.05, 4)), 1, {});
   std::vector<int> label(grid.node_count(), -1);
   int pieces = 0;
   for (int32_t start = 0; start < grid.node_count(); ++start) {
