@@ -15,7 +15,7 @@ namespace elastogen::test {
 namespace {
 
 /// Full and border voxels, two materials; the loops take no torsion correction.
-std::vector<Scene> scenes() {
+std::vector<Scene> paper_scenes() {
   std::vector<Scene> list;
   for (const Hourglass hourglass : {Hourglass::kVariance, Hourglass::kOff})
     for (const auto& make : {beam_of_regions, falling_bar, three_blocks}) {
@@ -50,7 +50,7 @@ struct Ends {
 };
 
 TEST_F(OnCard, PaperLoopsEndWhereThoseOfTheHostEnd) {
-  for (const Scene& scene : scenes())
+  for (const Scene& scene : paper_scenes())
     for (const int modes : {0, 27}) {  // 9 cosines: more than one batch of products
       SCOPED_TRACE(concat(scene.grid.voxel_count(), " voxels, hourglass ", int(scene.hourglass),
                           ", modes ", modes));

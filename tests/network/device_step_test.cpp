@@ -185,7 +185,7 @@ struct Outcome {
   StepReport report;
 };
 
-Outcome run(const Scene& scene, SolverOptions options, Device device, const StartMotion& motion,
+Outcome run_clip(const Scene& scene, SolverOptions options, Device device, const StartMotion& motion,
             int steps) {
   options.device = device;
   Solver solver(scene, options);
@@ -207,8 +207,8 @@ TEST_F(OnCard, RunsEndInTheStatesOfTheHost) {
   for (const Scene& scene : scenes()) {
     SCOPED_TRACE(concat(scene.grid.voxel_count(), " voxels, scheme ", int(scene.scheme)));
     const SolverOptions options{.mode = SolverMode::kQuasi, .tolerance = 1e-6};
-    const Outcome a = run(scene, options, Device::kCpu, spinning, kSteps);
-    const Outcome b = run(scene, options, Device::kCuda, spinning, kSteps);
+    const Outcome a = run_clip(scene, options, Device::kCpu, spinning, kSteps);
+    const Outcome b = run_clip(scene, options, Device::kCuda, spinning, kSteps);
     EXPECT_EQ(a.converged, kSteps);
     EXPECT_EQ(b.converged, kSteps);
     EXPECT_LT(distance_of_ways(scene, b.state, a.state), 1e-5);
@@ -223,8 +223,8 @@ TEST_F(OnCard, RunsEndInTheStatesOfTheHost) {
 TEST_F(OnCard, RunsTakeTheIterationsOfTheHost) {
   for (const Scene& scene : scenes()) {
     const SolverOptions options{.mode = SolverMode::kQuasi};
-    const Outcome a = run(scene, options, Device::kCpu, {}, 6);
-    const Outcome b = run(scene, options, Device::kCuda, {}, 6);
+    const Outcome a = run_clip(scene, options, Device::kCpu, {}, 6);
+    const Outcome b = run_clip(scene, options, Device::kCuda, {}, 6);
     EXPECT_EQ(b.converged, 6);
     EXPECT_EQ(b.report.float64, a.report.float64);
     EXPECT_NEAR(b.report.inner, a.report.inner, 2 + a.report.inner / 5);
@@ -235,8 +235,8 @@ TEST_F(OnCard, LongRunsRepeatToTheBit) {
   const Scene scene = three_blocks(TimeScheme::kBdf2);
   const SolverOptions options{.mode = SolverMode::kQuasi};
   const StartMotion spinning{.spin = {1, 2, 3}};
-  const Outcome a = run(scene, options, Device::kCuda, spinning, 200);
-  const Outcome b = run(scene, options, Device::kCuda, spinning, 200);
+  const Outcome a = run_clip(scene, options, Device::kCuda, spinning, 200);
+  const Outcome b = run_clip(scene, options, Device::kCuda, spinning, 200);
   EXPECT_GE(a.converged, 199);
   EXPECT_EQ(a.state.x, b.state.x);
   EXPECT_EQ(a.state.v, b.state.v);
@@ -248,7 +248,7 @@ TEST_F(OnCard, PiecesFallAsOneMassPointWhateverTheTolerance) {
   const StartMotion spinning{.spin = {3, 4, 5}};
   constexpr int kSteps = 50;
   const Outcome r =
-      run(scene, {.mode = SolverMode::kQuasi, .tolerance = 0.1}, Device::kCuda, spinning, kSteps);
+      run_clip(scene, {.mode = SolverMode::kQuasi, .tolerance = 0.1}, Device::kCuda, spinning, kSteps);
   const State start = initial_state(scene, spinning);
   const double t = kSteps * scene.dt;
   double mass = 0;
@@ -272,8 +272,8 @@ TEST_F(OnCard, NewtonEndsInTheStatesOfTheHost) {
   for (const Scene& scene : scenes()) {
     SCOPED_TRACE(concat(scene.grid.voxel_count(), " voxels, scheme ", int(scene.scheme)));
     const SolverOptions options{.mode = SolverMode::kNewton, .tolerance = 1e-6};
-    const Outcome a = run(scene, options, Device::kCpu, spinning, kSteps);
-    const Outcome b = run(scene, options, Device::kCuda, spinning, kSteps);
+    const Outcome a = run_clip(scene, options, Device::kCpu, spinning, kSteps);
+    const Outcome b = run_clip(scene, options, Device::kCuda, spinning, kSteps);
     EXPECT_EQ(a.converged, kSteps);
     EXPECT_EQ(b.converged, kSteps);
     EXPECT_LT(distance_of_ways(scene, b.state, a.state), 1e-5);
@@ -286,8 +286,8 @@ TEST_F(OnCard, NewtonRepeatsToTheBit) {
   const Scene scene = three_blocks(TimeScheme::kBdf2);
   const SolverOptions options{.mode = SolverMode::kNewton};
   const StartMotion spinning{.spin = {1, 2, 3}};
-  const Outcome a = run(scene, options, Device::kCuda, spinning, 40);
-  const Outcome b = run(scene, options, Device::kCuda, spinning, 40);
+  const Outcome a = run_clip(scene, options, Device::kCuda, spinning, 40);
+  const Outcome b = run_clip(scene, options, Device::kCuda, spinning, 40);
   EXPECT_GE(a.converged, 39);
   EXPECT_EQ(a.state.x, b.state.x);
   EXPECT_EQ(a.residual, b.residual);
@@ -308,8 +308,8 @@ TEST_F(OnCard, AutoTakesNewtonOfStiffScenesThere) {
 TEST_F(OnCard, NewtonTakesOverASingleStep) {
   const Scene scene = beam_of_regions(TimeScheme::kBdf2);
   SolverOptions options{.tolerance = 1e-9, .max_outer = 16};
-  const Outcome a = run(scene, options, Device::kCpu, {}, 1);
-  const Outcome b = run(scene, options, Device::kCuda, {}, 1);
+  const Outcome a = run_clip(scene, options, Device::kCpu, {}, 1);
+  const Outcome b = run_clip(scene, options, Device::kCuda, {}, 1);
   EXPECT_GT(a.report.outer, 16);  // those of quasi, and steps of newton
   EXPECT_GT(b.report.outer, 16);
   EXPECT_EQ(b.report.converged, a.report.converged);
