@@ -5,11 +5,12 @@
 //
 //   generation FOLDER [--count N] [--seed S] [--generator FILE] [--only START] [--json FILE]
 //
-// FOLDER has hidden.tensors and, unless named, generator.tensors; without it there are only the
-// starts at 0. Prints Markdown tables.
+// FOLDER has hidden.tensors, hidden-sums.tensors and, unless named, generator.tensors; without it
+// there are only the starts at 0. Prints Markdown tables.
 
 #include "bench/generation_arguments.hpp"
 #include "bench/generation_tables.hpp"
+#include "training/hidden_layers.hpp"
 #include "training/strain_sampler.hpp"
 
 #include <fmt/format.h>
@@ -55,13 +56,24 @@ ReportOptions judged() {
 
 using MakeStart = std::function<std::vector<float>(const FitMaterial&, uint64_t)>;
 
-/// A way to begin, on hidden layers.
+/// Hidden layers and the fits on them.
+struct Layers {
+  explicit Layers(std::vector<float> hidden) : weights(std::move(hidden)), fits(weights) {}
+
+  std::vector<float> weights;
+  LastLayer fits;
+};
+
+/// A way to begin, and the hidden layers for it.
 struct Way {
   std::string name;
-  const std::vector<float>* hidden;
-  const LastLayer* layer;
+  std::function<const Layers&(const FitMaterial&)> layers_of;
   MakeStart make_start;
 };
+
+std::vector<float> zero(const FitMaterial&, uint64_t) {
+  return std::vector<float>(kMtlWidthOfLast);
+}
 
 /// Fits each material in all ways, one after another, so that whatever else the machine does slows
 /// all of them.
@@ -74,9 +86,10 @@ void run_ways(const std::vector<Way>& ways, Results& results) {
       const auto begin = std::chrono::steady_clock::now();
       const std::vector<float> start = way.make_start(material, n);
       const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - begin;
+      const Layers& layers = way.layers_of(material);
       results.methods[w].courses.push_back(
           {passed.count(),
-           fit_from(*way.layer, *way.hidden, material, start, kIterations, judged())});
+           fit_from(layers.fits, layers.weights, material, start, kIterations, judged())});
     }
     if ((n + 1) % 20 == 0) fmt::print(stderr, "{} materials\n", n + 1);
   }
@@ -102,6 +115,33 @@ void judge_codec(const WeightGenerator& generator, const std::vector<float>& hid
   results.components = generator.codec().components();
 }
 
+/// All starts on the layers of most materials, and what the command does: sums that have layers of
+/// their own (training/hidden_layers.hpp) begin there, at 0, all others at the regression.
+std::vector<Way> all_ways(const Layers& drawn, const Layers& shipped, const Layers& sums,
+                          const WeightGenerator* generator) {
+  const auto on_shipped = [&shipped](const FitMaterial&) -> const Layers& { return shipped; };
+  std::vector<Way> ways = {{"random hidden layers, zero",
+                            [&drawn](const FitMaterial&) -> const Layers& { return drawn; }, zero}};
+  if (!generator) ways.push_back({name_of(Start::kZero), on_shipped, zero});
+  for (const Start start : kStarts) {
+    if (!generator || (start == Start::kDiffusion && !generator->has_denoiser())) continue;
+    ways.push_back(
+        {name_of(start), on_shipped, [generator, start](const FitMaterial& m, uint64_t n) {
+           return generator->last_layer(m, start, n);
+         }});
+  }
+  const auto sum = [](const FitMaterial& m) { return hidden_layers_of(m) == kSumHiddenLayers; };
+  ways.push_back({"command",
+                  [sum, &shipped, &sums](const FitMaterial& m) -> const Layers& {
+                    return sum(m) ? sums : shipped;
+                  },
+                  [sum, generator](const FitMaterial& m, uint64_t n) {
+                    return sum(m) || !generator ? zero(m, n)
+                                                : generator->last_layer(m, Start::kRegression, n);
+                  }});
+  return ways;
+}
+
 void run(const Arguments& arguments) {
   const std::vector<float> hidden = read_hidden(arguments.folder);
   const std::optional<WeightGenerator> generator = find_generator(arguments, hidden);
@@ -109,20 +149,9 @@ void run(const Arguments& arguments) {
   results.seed = arguments.seed, results.strains = kStrains;
   for (int64_t n = 0; n < arguments.count; ++n)
     results.materials.push_back(family_material(arguments.seed, uint64_t(n)));
-  const MakeStart zero = [](const FitMaterial&, uint64_t) {
-    return std::vector<float>(kMtlWidthOfLast);
-  };
-  const std::vector<float> drawn = drawn_hidden(arguments.seed);
-  const LastLayer on_drawn(drawn), on_hidden(hidden);
-  std::vector<Way> ways = {{"random hidden layers, zero", &drawn, &on_drawn, zero}};
-  if (!generator) ways.push_back({name_of(Start::kZero), &hidden, &on_hidden, zero});
-  for (const Start start : kStarts) {
-    if (!generator || (start == Start::kDiffusion && !generator->has_denoiser())) continue;
-    const MakeStart made = [&generator, start](const FitMaterial& material, uint64_t n) {
-      return generator->last_layer(material, start, n);
-    };
-    ways.push_back({name_of(start), &hidden, &on_hidden, made});
-  }
+  const Layers drawn(drawn_hidden(arguments.seed)), shipped(hidden),
+      sums(read_hidden(arguments.folder, kSumHiddenLayers));
+  std::vector<Way> ways = all_ways(drawn, shipped, sums, generator ? &*generator : nullptr);
   if (!arguments.only.empty())
     std::erase_if(ways, [&](const Way& way) { return way.name != arguments.only; });
   ELASTOGEN_CHECK(!ways.empty(), "--only '", arguments.only, "': there is no such start");

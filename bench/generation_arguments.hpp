@@ -7,6 +7,7 @@
 #include "diffusion/generate_weights.hpp"
 #include "diffusion/hidden_hash.hpp"
 #include "io/safe_file.hpp"
+#include "training/hidden_layers.hpp"
 
 #include <cstdlib>
 #include <optional>
@@ -55,8 +56,9 @@ inline Arguments arguments_of(int argc, char** argv, const char* usage) {
   return arguments;
 }
 
-inline std::vector<float> read_hidden(const std::string& folder) {
-  const std::string path = folder + "/hidden.tensors";
+inline std::vector<float> read_hidden(const std::string& folder,
+                                      const std::string& name = kHiddenLayers) {
+  const std::string path = folder + '/' + name;
   return decode_tensors(read_file(path, 1 << 24), path).get("neural_mtl", {kMtlParameters}).values;
 }
 

@@ -8,6 +8,7 @@
 #include "diffusion/make_dataset.hpp"
 #include "io/safe_file.hpp"
 #include "network/learn_library.hpp"
+#include "training/hidden_layers.hpp"
 
 #include <fmt/format.h>
 

@@ -6,6 +6,7 @@
 #include "core/error.hpp"
 #include "io/safe_file.hpp"
 #include "network/mtl_weights.hpp"
+#include "training/hidden_layers.hpp"
 #include "training/last_layer_fit.hpp"
 #include "training/mtl_files.hpp"
 
@@ -56,11 +57,6 @@ void check_has_net(const Material& m) {
                   "' is ", shape, ", nets are made from 7.5 on");
 }
 
-/// Whether the limit of Gent's law is so near that fits need layers and iterations of their own.
-bool near_limit(const FitMaterial& material) {
-  return least_limit(material) < 12;
-}
-
 /// What nets without a file are fitted on.
 struct HiddenLayers {
   TensorFile file;
@@ -68,7 +64,7 @@ struct HiddenLayers {
 };
 
 HiddenLayers hidden_layers(const FitMaterial& material) {
-  const char* const name = near_limit(material) ? kGentHiddenLayers : kHiddenLayers;
+  const char* const name = hidden_layers_of(material);
   const std::string path = find_file(name);
   ELASTOGEN_CHECK(!path.empty(), "there are no weights of ", law_text(material.terms),
                   " with Poisson ratio ", material.poisson, ", and no ", name,

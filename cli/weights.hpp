@@ -24,11 +24,6 @@ bool is_of(const TensorFile& weights, const FitMaterial& material);
 /// Path of a file of that name in the first folder that has one, "" if none has.
 std::string find_weight_file(const std::string& name);
 
-/// Name of the file with the hidden layers that nets are fitted on.
-inline constexpr const char* kHiddenLayers = "hidden.tensors";
-/// Those of Gent's law with limits below 12, whose singularity is near or within the box.
-inline constexpr const char* kGentHiddenLayers = "hidden-gent.tensors";
-
 /// A weight file that was made now.
 struct MadeWeights {
   std::string bytes;

@@ -185,8 +185,8 @@ struct Outcome {
   StepReport report;
 };
 
-Outcome run_clip(const Scene& scene, SolverOptions options, Device device, const StartMotion& motion,
-            int steps) {
+Outcome run_clip(const Scene& scene, SolverOptions options, Device device,
+                 const StartMotion& motion, int steps) {
   options.device = device;
   Solver solver(scene, options);
   Outcome result;
@@ -247,8 +247,8 @@ TEST_F(OnCard, PiecesFallAsOneMassPointWhateverTheTolerance) {
   const Scene scene = falling_bar(TimeScheme::kEuler);
   const StartMotion spinning{.spin = {3, 4, 5}};
   constexpr int kSteps = 50;
-  const Outcome r =
-      run_clip(scene, {.mode = SolverMode::kQuasi, .tolerance = 0.1}, Device::kCuda, spinning, kSteps);
+  const Outcome r = run_clip(scene, {.mode = SolverMode::kQuasi, .tolerance = 0.1}, Device::kCuda,
+                             spinning, kSteps);
   const State start = initial_state(scene, spinning);
   const double t = kSteps * scene.dt;
   double mass = 0;
