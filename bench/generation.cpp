@@ -20,6 +20,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <string_view>
 
 namespace elastogen::bench {
 namespace {
@@ -116,7 +117,8 @@ void judge_codec(const WeightGenerator& generator, const std::vector<float>& hid
 }
 
 /// All starts on the layers of most materials, and what the command does: sums that have layers of
-/// their own (training/hidden_layers.hpp) begin there, at 0, all others at the regression.
+/// their own (training/hidden_layers.hpp) begin there, at 0, all others at the regression. No
+/// member of the family has the limits of Gent's law that have layers of their own.
 std::vector<Way> all_ways(const Layers& drawn, const Layers& shipped, const Layers& sums,
                           const WeightGenerator* generator) {
   const auto on_shipped = [&shipped](const FitMaterial&) -> const Layers& { return shipped; };
@@ -130,7 +132,9 @@ std::vector<Way> all_ways(const Layers& drawn, const Layers& shipped, const Laye
            return generator->last_layer(m, start, n);
          }});
   }
-  const auto sum = [](const FitMaterial& m) { return hidden_layers_of(m) == kSumHiddenLayers; };
+  const auto sum = [](const FitMaterial& m) {
+    return std::string_view(hidden_layers_of(m)) == kSumHiddenLayers;
+  };
   ways.push_back({"command",
                   [sum, &shipped, &sums](const FitMaterial& m) -> const Layers& {
                     return sum(m) ? sums : shipped;

@@ -17,15 +17,15 @@
 namespace elastogen::test {
 namespace {
 
-constexpr double kRaggedH = 0.02;  // voxel edge of the ragged scenes [m]
+constexpr double kH = 0.02;  // voxel edge of the ragged scenes [m]
 
 /// A ragged block over several bricks, pinned on one side, of two materials.
 Scene ragged(Law law, Hourglass hourglass = Hourglass::kFull) {
-  Scene scene = scene_on(ragged_grid(19, 13, 11, kRaggedH, 3), solid(3e4, 0.4, law));
+  Scene scene = scene_on(ragged_grid(19, 13, 11, kH, 3), solid(3e4, 0.4, law));
   scene.materials.push_back(solid(8e4, 0.3, law, 700));
   for (int64_t v = 0; v < scene.grid.voxel_count(); ++v)
     scene.material(v) = scene.grid.voxel_coord(v, 1) > 3;
-  pin_below(scene, 0, -1.5 * kRaggedH);
+  pin_below(scene, 0, -1.5 * kH);
   scene.gravity = {0, -9.81, 0};
   scene.hourglass = hourglass;
   finish_scene(scene);
@@ -95,8 +95,7 @@ TEST_F(OnCard, EnergyAndGradientOfEveryLawAndHourglassTerm) {
     for (const Hourglass hourglass : {Hourglass::kFull, Hourglass::kVariance, Hourglass::kOff}) {
       SCOPED_TRACE(concat(law_name(law), " hourglass ", int(hourglass)));
       const Scene scene = ragged(law, hourglass);
-      const std::vector<double> now = bent(scene, 0.02 * kRaggedH, 5),
-                                u = bent(scene, 0.03 * kRaggedH, 6);
+      const std::vector<double> now = bent(scene, 0.02 * kH, 5), u = bent(scene, 0.03 * kH, 6);
       IncrementalPotential host(scene);
       host.begin_step(state_at(scene, now), {TimeScheme::kEuler, scene.dt, 1});
       cuda::DevicePotential device(host);
@@ -115,8 +114,7 @@ std::shared_ptr<const LearnedLaw> shipped(double poisson, Evaluation evaluation)
 TEST_F(OnCard, EnergyAndGradientOfNetsByTheirTables) {
   const Scene scene = ragged(Law::kNeoHookean);
   for (const double shake : {0.03, 0.9}) {  // the second leaves the box of the nets
-    const std::vector<double> now = bent(scene, 0.02 * kRaggedH, 5),
-                              u = bent(scene, shake * kRaggedH, 6);
+    const std::vector<double> now = bent(scene, 0.02 * kH, 5), u = bent(scene, shake * kH, 6);
     IncrementalPotential host(scene, {shipped(0.4, Evaluation::kTable), nullptr});
     host.begin_step(state_at(scene, now), {TimeScheme::kBdf2, scene.dt, 2.25});
     cuda::DevicePotential device(host);
@@ -148,13 +146,12 @@ TEST_F(OnCard, HessianOfEveryLawAndHourglassTerm) {
     for (const Hourglass hourglass : {Hourglass::kFull, Hourglass::kVariance, Hourglass::kOff}) {
       SCOPED_TRACE(concat(law_name(law), " hourglass ", int(hourglass)));
       const Scene scene = ragged(law, hourglass);
-      const std::vector<double> now = bent(scene, 0.02 * kRaggedH, 5),
-                                u = bent(scene, 0.03 * kRaggedH, 6);
+      const std::vector<double> now = bent(scene, 0.02 * kH, 5), u = bent(scene, 0.03 * kH, 6);
       IncrementalPotential host(scene);
       host.begin_step(state_at(scene, now), {TimeScheme::kEuler, scene.dt, 1});
       cuda::DevicePotential device(host);
       device.begin_step();
-      expect_hessian_of_host(host, device, u, bent(scene, 0.5 * kRaggedH, 7));
+      expect_hessian_of_host(host, device, u, bent(scene, 0.5 * kH, 7));
     }
 }
 
@@ -166,7 +163,7 @@ TEST_F(OnCard, HessianIsTheDerivativeOfTheGradientNearRest) {
   host.begin_step(initial_state(scene), {TimeScheme::kEuler, scene.dt, 1});
   cuda::DevicePotential device(host);
   device.begin_step();
-  const std::vector<double> p = bent(scene, 0.5 * kRaggedH, 8);
+  const std::vector<double> p = bent(scene, 0.5 * kH, 8);
   const std::vector<double> rest(p.size());
   OnDevice<double> place(rest), direction(p), product(rest);
   device.linearise(place.data());
@@ -185,17 +182,16 @@ TEST_F(OnCard, HessianIsTheDerivativeOfTheGradientNearRest) {
 TEST_F(OnCard, HessianOfNetsByTheirTables) {
   const Scene scene = ragged(Law::kNeoHookean);
   IncrementalPotential host(scene, {shipped(0.4, Evaluation::kTable), nullptr});
-  const std::vector<double> now = bent(scene, 0.02 * kRaggedH, 5),
-                            u = bent(scene, 0.03 * kRaggedH, 6);
+  const std::vector<double> now = bent(scene, 0.02 * kH, 5), u = bent(scene, 0.03 * kH, 6);
   host.begin_step(state_at(scene, now), {TimeScheme::kEuler, scene.dt, 1});
   cuda::DevicePotential device(host);
   device.begin_step();
-  expect_hessian_of_host(host, device, u, bent(scene, 0.5 * kRaggedH, 7));
+  expect_hessian_of_host(host, device, u, bent(scene, 0.5 * kH, 7));
 }
 
 TEST_F(OnCard, NodalRotations) {
   const Scene scene = ragged(Law::kNeoHookean);
-  const std::vector<double> u = bent(scene, 0.05 * kRaggedH, 6);
+  const std::vector<double> u = bent(scene, 0.05 * kH, 6);
   IncrementalPotential host(scene);
   host.begin_step(state_at(scene, u), {TimeScheme::kEuler, scene.dt, 1});
   host.set_nodal_rotations(u.data());
@@ -231,13 +227,13 @@ TEST_F(OnCard, Preconditioner) {
   Scene ball = scene_on(ball_grid(0.2, 0.02), solid(5e4, 0.3));  // nothing pinned
   ball.gravity = {0, -9.81, 0};
   finish_scene(ball);
-  const Scene scenes[] = {
-      ragged(Law::kNeoHookean), ball, clamped_beam(40, 9, 17, kRaggedH, solid(1e5, 0.45)),
-      clamped_beam(3, 2, 2, kRaggedH, solid(1e5, 0.3))};  // one level, a dense one
+  const Scene scenes[] = {ragged(Law::kNeoHookean), ball,
+                          clamped_beam(40, 9, 17, kH, solid(1e5, 0.45)),
+                          clamped_beam(3, 2, 2, kH, solid(1e5, 0.3))};  // one level, a dense one
   for (const Scene& scene : scenes)
     for (const bool with_encoder : {false, true}) {
       SCOPED_TRACE(concat(scene.grid.voxel_count(), " voxels, encoder ", with_encoder));
-      Pair pair(scene, bent(scene, 0.02 * kRaggedH, 5), with_encoder);
+      Pair pair(scene, bent(scene, 0.02 * kH, 5), with_encoder);
       const std::vector<double> r = random_field(scene, 1, 9);
       const std::vector<float> single(r.begin(), r.end());
       std::vector<double> z(r.size());
@@ -254,7 +250,7 @@ TEST_F(OnCard, Preconditioner) {
 }
 
 TEST_F(OnCard, IterationsEndWhereThoseOfTheHostEnd) {
-  const Scene scene = clamped_beam(40, 9, 17, kRaggedH, solid(1e5, 0.4));
+  const Scene scene = clamped_beam(40, 9, 17, kH, solid(1e5, 0.4));
   const std::vector<double> now(3 * size_t(scene.grid.node_count()));
   double force = 0;
   for (int64_t n = 0; n < scene.grid.node_count(); ++n)
@@ -286,8 +282,7 @@ TEST_F(OnCard, IterationsEndWhereThoseOfTheHostEnd) {
 
 TEST_F(OnCard, ResidualIsThatOfTheHost) {
   const Scene scene = ragged(Law::kNeoHookean);
-  const std::vector<double> now = bent(scene, 0.02 * kRaggedH, 5),
-                            u = bent(scene, 0.03 * kRaggedH, 6);
+  const std::vector<double> now = bent(scene, 0.02 * kH, 5), u = bent(scene, 0.03 * kH, 6);
   Pair pair(scene, now, false);
   std::vector<double> expected(u.size());
   const PotentialValue a = pair.potential.residual(u.data(), expected.data());
@@ -337,7 +332,7 @@ class AllRoom {
 };
 
 TEST_F(OnCard, AutoGoesOnWithoutItWhereThereIsNoRoom) {
-  const Scene scene = clamped_beam(48, 24, 24, kRaggedH, solid(1e5, 0.3));
+  const Scene scene = clamped_beam(48, 24, 24, kH, solid(1e5, 0.3));
   SolverOptions options;
   {
     const AllRoom taken;
@@ -364,7 +359,7 @@ size_t free_on_card() {
 
 TEST_F(OnCard, TheRoomThatIsAskedForIsWhatIsTaken) {
   // the message of a card that is full, against the memory that a step has taken from an empty one
-  const Scene scene = clamped_beam(96, 48, 48, kRaggedH, solid(1e5, 0.3));
+  const Scene scene = clamped_beam(96, 48, 48, kH, solid(1e5, 0.3));
   SolverOptions options;
   options.device = Device::kCuda;
   double asked = 0;

@@ -146,7 +146,8 @@ std::vector<float> shipped_layers(const FitMaterial& material) {
   return decode_tensors(read_file(path, 1 << 20), path).get("neural_mtl", {kMtlParameters}).values;
 }
 
-// The three random sums that no start brings inside the limits on hidden.tensors, and 0.495.
+// The first is one of three random sums that no start brings inside the limits on hidden.tensors;
+// the next two are among those that the layers were trained on.
 TEST(LastLayer, KeepsTheLimitsOfStiffSumsOnLayersOfTheirOwn) {
   for (const auto& [law, poisson] :
        {std::pair("0.5218*neo-hookean+0.4782*stvk", 0.491),
