@@ -23,18 +23,24 @@ inline constexpr double kBarrierCut = 1e-3;
 /// Share of the layer that cut steps leave a point at least.
 inline constexpr double kLeastDistance = 1e-6;
 
-/// b(s) = -(1 - s)^2 ln s for kBarrierCut < s < 1, 0 for s >= 1, and below its Taylor polynomial of
-/// second degree about kBarrierCut: C2 and convex.
-inline Curve barrier(double s) {
-  if (s >= 1) return {};
-  if (s < kBarrierCut) {
-    const Curve cut = barrier(kBarrierCut);
-    const double d = s - kBarrierCut;
-    return {cut.value + d * (cut.first + d / 2 * cut.second), cut.first + d * cut.second,
-            cut.second};
-  }
+namespace detail {
+
+/// -(1 - s)^2 ln s.
+ELASTOGEN_HD inline Curve log_barrier(double s) {
   const double l = std::log(s), r = 1 - s;
   return {-r * r * l, 2 * r * l - r * r / s, -2 * l + 4 * r / s + r * r / (s * s)};
+}
+
+}  // namespace detail
+
+/// b(s) = -(1 - s)^2 ln s for kBarrierCut < s < 1, 0 for s >= 1, and below its Taylor polynomial of
+/// second degree about kBarrierCut: C2 and convex.
+ELASTOGEN_HD inline Curve barrier(double s) {
+  if (s >= 1) return {};
+  if (!(s < kBarrierCut)) return detail::log_barrier(s);
+  const Curve cut = detail::log_barrier(kBarrierCut);
+  const double d = s - kBarrierCut;
+  return {cut.value + d * (cut.first + d / 2 * cut.second), cut.first + d * cut.second, cut.second};
 }
 
 /// Smoothed length f0(y) of a slip y >= 0, as force and stiffness need it: f0, f0'/y (finite at
@@ -45,7 +51,7 @@ struct SmoothedSlip {
   double value, first_over_y, second;
 };
 
-inline SmoothedSlip smoothed_slip(double y, double e) {
+ELASTOGEN_HD inline SmoothedSlip smoothed_slip(double y, double e) {
   if (y >= e) return {y, 1 / y, 0};
   return {-y * y * y / (3 * e * e) + y * y / e + e / 3, 2 / e - y / (e * e),
           2 / e - 2 * y / (e * e)};

@@ -58,6 +58,7 @@ __global__ void __launch_bounds__(kSumThreads, 4)
     ordered_sum_kernel(int64_t n, SumRoom<Sum>* room, Body body, Then then) {
   alignas(Sum) __shared__ unsigned char all[kSumThreads * sizeof(Sum)];
   __shared__ bool last;
+  begin_kernel();
   Sum mine;
   for (int64_t i = int64_t(blockIdx.x) * kSumThreads + threadIdx.x; i < n;
        i += int64_t(gridDim.x) * kSumThreads)
@@ -78,6 +79,7 @@ __global__ void __launch_bounds__(kSumThreads, 4)
 template <class Sum, class Then>
 __global__ void __launch_bounds__(kSumThreads) total_sum(int64_t n, const Sum* partial, Then then) {
   alignas(Sum) __shared__ unsigned char all[kSumThreads * sizeof(Sum)];
+  begin_kernel();
   const Sum sum = sum_of_partials(n, partial, reinterpret_cast<Sum*>(all));
   if (threadIdx.x == 0) then(sum);
 }
@@ -87,8 +89,7 @@ __global__ void __launch_bounds__(kSumThreads) total_sum(int64_t n, const Sum* p
 /// then(sum of partial) by one thread of the device; a Sum has add(other).
 template <class Sum, class Then>
 void sum_of(int64_t n, const Sum* partial, const Then& then) {
-  detail::total_sum<<<1, kSumThreads>>>(n, partial, then);
-  check(cudaGetLastError());
+  launch(detail::total_sum<Sum, Then>, 1, kSumThreads, 0, n, partial, then);
 }
 
 /// Adds body(i, sum) over i of [0, n), then then(sum) by one thread of the device.
@@ -96,8 +97,8 @@ template <class Sum, class Body, class Then>
 void ordered_sum(int64_t n, SumRoom<Sum>* room, const Body& body, const Then& then) {
   const int64_t blocks = (n + kSumThreads - 1) / kSumThreads;
   const auto launched = unsigned(blocks < 1 ? 1 : blocks > kSumBlocks ? kSumBlocks : blocks);
-  detail::ordered_sum_kernel<<<launched, kSumThreads>>>(n, room, body, then);
-  check(cudaGetLastError());
+  launch(detail::ordered_sum_kernel<Sum, Body, Then>, launched, kSumThreads, 0, n, room, body,
+         then);
 }
 
 }  // namespace elastogen::cuda

@@ -15,4 +15,11 @@ inline bool sufficient_decrease(double difference, double slope_start, double sl
   return difference <= noise && (slope_start + slope_end) / 2 <= kShare * slope_start;
 }
 
+/// What Phi has changed by: the difference of its values, or its mean slope where they drown.
+inline double difference_or_mean(double difference, double slope_start, double slope_end,
+                                 double noise) {
+  const bool drowns = -noise <= difference && difference <= noise;
+  return drowns ? (slope_start + slope_end) / 2 : difference;
+}
+
 }  // namespace elastogen

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "core/reduce.hpp"
+#include "core/trust_region.hpp"
 
 #include <vector>
 
@@ -13,6 +14,7 @@ struct PcgResult {
   int iterations = 0;
   double residual = 0;  ///< |b - A x| / |b| as the recurrence has it
   bool converged = false;
+  PcgScalars end = {};
 };
 
 /// Vectors of a solve, kept between calls.
@@ -22,34 +24,35 @@ struct PcgWork {
   explicit PcgWork(int64_t size) : r(size_t(size)), z(r), p(r), Ap(r) {}
 };
 
-/// Solves A x = b from x = 0 to |b - A x| <= tolerance |b|. A must be symmetric positive definite;
-/// where round-off makes its curvature negative, or stop() says so, the present x is returned.
+/// Solves A x = b from x = 0 to |b - A x| <= tolerance |b|, or to the edge of the radius of
+/// `scalars`. Without one the symmetric A must be positive definite; where round-off makes its
+/// curvature negative, or stop() says so, the present x is returned.
 template <class T, class Product, class Precondition, class Stop>
 PcgResult pcg(const T* b, T* x, int64_t size, double tolerance, int max_iterations,
               PcgWork<T>& work, const Product& product, const Precondition& precondition,
-              const Stop& stop) {
+              const Stop& stop, PcgScalars scalars = {}) {
   // no structured binding: clang 14 cannot capture one
   std::vector<T>&r = work.r, &z = work.z, &p = work.p, &Ap = work.Ap;
   for_each(size, [&](int64_t k) { x[k] = 0, r[size_t(k)] = b[k]; });
   const double start = norm(b, size);
   PcgResult result;
   result.residual = start > 0 ? 1 : 0;
-  double rz_before = 1;
-  while (result.residual > tolerance && result.iterations < max_iterations && !stop()) {
+  while (result.residual > tolerance && result.iterations < max_iterations && !scalars.ended &&
+         !stop()) {
     precondition(r.data(), z.data());
-    const double rz = dot(r.data(), z.data(), size);
-    const T beta = result.iterations == 0 ? T(0) : T(rz / rz_before);
+    scalars.turn(dot(r.data(), z.data(), size));
+    const T beta = T(scalars.beta);
     for_each(size, [&](int64_t k) { p[size_t(k)] = z[size_t(k)] + beta * p[size_t(k)]; });
     product(p.data(), Ap.data());
-    const double curvature = dot(p.data(), Ap.data(), size);
-    if (!(curvature > 0) || !(rz > 0)) return result;
-    const T alpha = T(rz / curvature);
+    scalars.advance(dot(p.data(), Ap.data(), size));
+    if (scalars.alpha == 0) break;
+    const T alpha = T(scalars.alpha);
     add_scaled(alpha, p.data(), x, size);
     add_scaled(T(-alpha), Ap.data(), r.data(), size);
-    rz_before = rz;
     result.residual = norm(r.data(), size) / start;
     ++result.iterations;
   }
+  result.end = scalars;
   result.converged = result.residual <= tolerance;
   return result;
 }

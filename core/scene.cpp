@@ -5,6 +5,7 @@
 #include "core/parallel.hpp"
 #include "core/reduce.hpp"
 #include "core/state.hpp"
+#include "core/vec3.hpp"
 
 #include <cmath>
 #include <limits>

@@ -35,10 +35,11 @@ ELASTOGEN_HD inline bool rotate(Mat3<T>& B, Mat3<T>& V, int p, int q) {
   const auto open = pq * pq > kEps * kEps * pp * qq + kTiny;
   if (!any(open)) return true;
 
-  const T zeta = (qq - pp) / (2 * (open ? pq : constant<T>(1)));
-  const T size = 1 / (absolute(zeta) + square_root(1 + zeta * zeta));
+  // rounding of t leaves a little of pq, rounding of c would spoil the rotation
+  const T zeta = rough_quotient(T(qq - pp), T(2 * (open ? pq : constant<T>(1))));
+  const T size = rough_quotient(constant<T>(1), T(absolute(zeta) + square_root(1 + zeta * zeta)));
   const T t = open ? (zeta < 0 ? -size : size) : constant<T>(0);
-  const T c = 1 / square_root(1 + t * t), s = c * t;
+  const T c = inverse_root(T(1 + t * t)), s = c * t;
   for (int i = 0; i < 3; ++i) {
     const T b = B(i, p), v = V(i, p);
     B(i, p) = c * b - s * B(i, q);
@@ -73,7 +74,7 @@ ELASTOGEN_HD inline void orthogonal(const T a[3], T result[3]) {
   const auto flat = a[2] * a[2] < S(0.5);
   const T x = flat ? -a[1] : constant<T>(0), y = flat ? a[0] : -a[2];
   const T z = flat ? constant<T>(0) : a[1];
-  const T scale = 1 / square_root(x * x + y * y + z * z);
+  const T scale = inverse_root(T(x * x + y * y + z * z));
   result[0] = x * scale, result[1] = y * scale, result[2] = z * scale;
 }
 
@@ -85,7 +86,7 @@ ELASTOGEN_HD inline void orthonormalise(const Mat3<T>& B, Mat3<T>& U, T sigma[3]
   T a[3], b[3], fallback[3];
   const T aa = B(0, 0) * B(0, 0) + B(1, 0) * B(1, 0) + B(2, 0) * B(2, 0);
   const auto has_a = aa > kTiny;
-  const T inverse_a = 1 / square_root(has_a ? aa : constant<T>(1));
+  const T inverse_a = inverse_root(has_a ? aa : constant<T>(1));
   a[0] = has_a ? B(0, 0) * inverse_a : constant<T>(1);
   a[1] = has_a ? B(1, 0) * inverse_a : constant<T>(0);
   a[2] = has_a ? B(2, 0) * inverse_a : constant<T>(0);
@@ -94,7 +95,7 @@ ELASTOGEN_HD inline void orthonormalise(const Mat3<T>& B, Mat3<T>& U, T sigma[3]
   for (int i = 0; i < 3; ++i) b[i] = B(i, 1) - along * a[i];
   const T bb = b[0] * b[0] + b[1] * b[1] + b[2] * b[2];
   const auto has_b = bb > kTiny;
-  const T inverse_b = 1 / square_root(has_b ? bb : constant<T>(1));
+  const T inverse_b = inverse_root(has_b ? bb : constant<T>(1));
   orthogonal(a, fallback);
   for (int i = 0; i < 3; ++i) b[i] = has_b ? b[i] * inverse_b : fallback[i];
 

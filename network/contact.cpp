@@ -29,10 +29,9 @@ Contact::Contact(const Scene& scene) : scene_(scene) {
   ELASTOGEN_CHECK(
       s.weights.rows() == points_ && s.area.rows() == points_ && s.position.rows() == points_,
       "the surface points' arrays differ in length");
-  layer_ = contact_layer(scene);
-  slip_range_ = slip_range(scene);
+  lengths_ = {contact_layer(scene), slip_range(scene)};
   for (const Collider& c : scene.colliders)
-    walls_.push_back({core_of(c, layer_), offset_at(c, 0), offset_at(c, 0)});
+    walls_.push_back({{offset_at(c, 0), offset_at(c, 0)}, core_of(c, lengths_.layer)});
   const auto points = size_t(points_);
   lags_.resize(walls_.size() * points);
   for (std::vector<Vec3>* places : {&start_, &place_, &end_}) places->resize(points);
@@ -41,7 +40,7 @@ Contact::Contact(const Scene& scene) : scene_(scene) {
   stiffness_.resize(points);
   for (int64_t p = 0; p < points_; ++p) {
     const Material& m = scene.materials[size_t(scene.material(s.voxel(p)))];
-    stiffness_[size_t(p)] = s.area(p) * m.young * layer_ * layer_ / scene.grid.h;
+    stiffness_[size_t(p)] = s.area(p) * m.young * lengths_.layer * lengths_.layer / scene.grid.h;
   }
   stiff_place_.assign(size_t(scene.grid.node_count()), -1);
   carried_.resize(size_t(scene.grid.node_count()));
@@ -89,46 +88,19 @@ void Contact::begin_step(const double* u, double time) {
   if (!exists()) return;
   find_places(u, place_);
   start_ = place_;
+  start_time_ = time;
   for (size_t w = 0; w < walls_.size(); ++w) {
     Wall& wall = walls_[w];
     wall.from = offset_at(wall.core, time);
     wall.to = offset_at(wall.core, time + scene_.dt);
     find_distances(wall, wall.from);
-    Lag* lags = lags_.data() + w * size_t(points_);
+    ContactLag* lags = lags_.data() + w * size_t(points_);
     for_each(points_, [&](int64_t p) {
-      const Proximity& near = near_[size_t(p)];
-      const double force =
-          near.distance < layer_
-              ? -stiffness_[size_t(p)] * barrier(near.distance / layer_).first / layer_
-              : 0;
-      lags[p] = {wall.core.friction * force, near.normal};
+      lags[p] =
+          contact_lag(near_[size_t(p)], stiffness_[size_t(p)], wall.core.friction, lengths_.layer);
     });
-    wall.rubs = std::any_of(lags, lags + points_, [](const Lag& l) { return l.limit > 0; });
+    wall.rubs = std::any_of(lags, lags + points_, [](const ContactLag& l) { return l.limit > 0; });
   }
-}
-
-/// Tangential motion of a point relative to a wall since the start of the step.
-Vec3 Contact::slip_of(const Wall& wall, const Lag& lag, int64_t p) const {
-  Vec3 slip;
-  for (size_t i = 0; i < 3; ++i)
-    slip[i] = place_[size_t(p)][i] - start_[size_t(p)][i] - (wall.to[i] - wall.from[i]);
-  const double along = dot(slip, lag.normal);
-  for (size_t i = 0; i < 3; ++i) slip[i] -= along * lag.normal[i];
-  return slip;
-}
-
-/// Energy of one point and its derivative in the point's motion.
-double Contact::point_energy(const Wall& wall, const Lag& lag, int64_t p, Vec3& force) const {
-  const Proximity& near = near_[size_t(p)];
-  const Curve b = barrier(near.distance / layer_);
-  double energy = stiffness_[size_t(p)] * b.value;
-  for (size_t i = 0; i < 3; ++i)
-    force[i] = stiffness_[size_t(p)] * b.first / layer_ * near.normal[i];
-  if (!(lag.limit > 0)) return energy;
-  const Vec3 slip = slip_of(wall, lag, p);
-  const SmoothedSlip f = smoothed_slip(std::hypot(slip[0], slip[1], slip[2]), slip_range_);
-  for (size_t i = 0; i < 3; ++i) force[i] += lag.limit * f.first_over_y * slip[i];
-  return energy + lag.limit * f.value;
 }
 
 template <class T>
@@ -137,14 +109,14 @@ double Contact::evaluate(const double* u, T* g) {
   double energy = 0;
   for (size_t w = 0; w < walls_.size(); ++w) {
     const Wall& wall = walls_[w];
-    if (!wall.rubs && !reaches(wall, body, layer_)) continue;
+    if (!wall.rubs && !reaches(wall, body, lengths_.layer)) continue;
     find_distances(wall, wall.to);
     for (int64_t p = 0; p < points_; ++p) {
-      const double distance = near_[size_t(p)].distance;
-      if (distance <= 0) return std::numeric_limits<double>::infinity();
-      if (!(distance < layer_ || lag(w, p).limit > 0)) continue;
+      const Proximity& near = near_[size_t(p)];
+      if (near.distance <= 0) return std::numeric_limits<double>::infinity();
+      if (!touches(near, lag(w, p), lengths_.layer)) continue;
       Vec3 force;
-      energy += point_energy(wall, lag(w, p), p, force);
+      energy += point_energy(lengths_, point(p), wall, lag(w, p), near, force);
       if (!g) continue;
       const int32_t* corners = scene_.grid.corners.row(scene_.surface.voxel(p));
       const double* weights = scene_.surface.weights.row(p);
@@ -160,24 +132,6 @@ double Contact::evaluate(const double* u, T* g) {
 template double Contact::evaluate(const double*, float*);
 template double Contact::evaluate(const double*, double*);
 
-/// Frozen stiffness of one point at a wall.
-Contact::PointStiffness Contact::point_stiffness(const Wall& wall, const Lag& lag,
-                                                 int64_t p) const {
-  const Proximity& near = near_[size_t(p)];
-  PointStiffness k{.point = p, .n = near.normal, .lagged = lag.normal};
-  k.normal = stiffness_[size_t(p)] * barrier(near.distance / layer_).second / (layer_ * layer_);
-  if (!(lag.limit > 0)) return k;
-  k.direction = slip_of(wall, lag, p);
-  const double length = std::hypot(k.direction[0], k.direction[1], k.direction[2]);
-  const SmoothedSlip f = smoothed_slip(length, slip_range_);
-  k.across = lag.limit * f.first_over_y;
-  // a tenth of the secant: with none a sliding point would have no stiffness at all, and
-  // Newton's step would carry it through the whole range where it sticks
-  k.along = lag.limit * (0.9 * f.second + 0.1 * f.first_over_y);
-  for (double& d : k.direction) d = length > 0 ? d / length : 0;
-  return k;
-}
-
 void Contact::linearise(const double* u) {
   for (const int32_t node : stiff_nodes_) stiff_place_[size_t(node)] = -1;
   stiff_nodes_.clear();
@@ -186,21 +140,22 @@ void Contact::linearise(const double* u) {
   const Ball body = find_places(u, place_);
   for (size_t w = 0; w < walls_.size(); ++w) {
     const Wall& wall = walls_[w];
-    if (!wall.rubs && !reaches(wall, body, layer_)) continue;
+    if (!wall.rubs && !reaches(wall, body, lengths_.layer)) continue;
     find_distances(wall, wall.to);
     for (int64_t p = 0; p < points_; ++p) {
-      if (!(near_[size_t(p)].distance < layer_ || lag(w, p).limit > 0)) continue;
-      active_.push_back(point_stiffness(wall, lag(w, p), p));
+      const Proximity& near = near_[size_t(p)];
+      if (!touches(near, lag(w, p), lengths_.layer)) continue;
+      active_.push_back({p, point_stiffness(lengths_, point(p), wall, lag(w, p), near)});
       add_nodal(active_.back());
     }
   }
 }
 
 /// Row sums of one point's stiffness.
-void Contact::add_nodal(const PointStiffness& k) {
-  const int32_t* corners = scene_.grid.corners.row(scene_.surface.voxel(k.point));
+void Contact::add_nodal(const Frozen& frozen) {
+  const int32_t* corners = scene_.grid.corners.row(scene_.surface.voxel(frozen.point));
   for (int c = 0; c < 8; ++c) {
-    const double w = std::abs(scene_.surface.weights(k.point, c));
+    const double w = std::abs(scene_.surface.weights(frozen.point, c));
     if (w == 0) continue;
     int32_t& place = stiff_place_[size_t(corners[c])];
     if (place < 0) {
@@ -210,17 +165,14 @@ void Contact::add_nodal(const PointStiffness& k) {
     }
     double* block = stiff_blocks_.data() + 9 * size_t(place);
     for (size_t i = 0; i < 3; ++i)
-      for (size_t j = 0; j < 3; ++j)
-        block[3 * i + j] += w * (k.normal * k.n[i] * k.n[j] +
-                                 k.across * ((i == j ? 1 : 0) - k.lagged[i] * k.lagged[j]) +
-                                 (k.along - k.across) * k.direction[i] * k.direction[j]);
+      for (size_t j = 0; j < 3; ++j) block[3 * i + j] += w * frozen.k.entry(i, j);
   }
 }
 
 void Contact::add_hessian_product(const float* p, float* f) const {
-  for (const PointStiffness& k : active_) {
-    const int32_t* corners = scene_.grid.corners.row(scene_.surface.voxel(k.point));
-    const double* w = scene_.surface.weights.row(k.point);
+  for (const auto& [point, k] : active_) {
+    const int32_t* corners = scene_.grid.corners.row(scene_.surface.voxel(point));
+    const double* w = scene_.surface.weights.row(point);
     Vec3 d = {};
     for (int c = 0; c < 8; ++c)
       for (size_t i = 0; i < 3; ++i) d[i] += w[c] * double(p[3 * size_t(corners[c]) + i]);
@@ -246,8 +198,8 @@ double Contact::longest_step(const double* u, const double* end) {
     const Ball swept = {from.centre, std::max(from.radius, way + to.radius)};
     if (!reaches(wall, swept, 0)) continue;
     for (size_t p = 0; p < size_t(points_); ++p)
-      longest = std::min(
-          longest, free_share(wall.core, wall.to, place_[p], end_[p], kLeastDistance * layer_));
+      longest = std::min(longest, free_share(wall.core, wall.to, place_[p], end_[p],
+                                             kLeastDistance * lengths_.layer));
   }
   return longest;
 }
@@ -256,9 +208,9 @@ double Contact::deepest_overlap(const double* u) {
   const Ball body = find_places(u, place_);
   double deepest = 0;
   for (const Wall& wall : walls_) {
-    if (!reaches(wall, body, layer_)) continue;
+    if (!reaches(wall, body, lengths_.layer)) continue;
     find_distances(wall, wall.to);
-    for (const Proximity& near : near_) deepest = std::max(deepest, layer_ - near.distance);
+    for (const Proximity& near : near_) deepest = std::max(deepest, lengths_.layer - near.distance);
   }
   return deepest;
 }

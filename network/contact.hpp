@@ -12,8 +12,8 @@
 
 #pragma once
 
-#include "core/barrier.hpp"
 #include "core/scene.hpp"
+#include "network/contact_point.hpp"
 
 #include <vector>
 
@@ -31,6 +31,11 @@ class Contact {
   explicit Contact(const Scene& scene);
 
   bool exists() const { return points_ > 0; }
+  /// A kappa of each point [J].
+  const std::vector<double>& stiffness() const { return stiffness_; }
+  const ContactLengths& lengths() const { return lengths_; }
+  /// Time at the start of the step [s].
+  double start_time() const { return start_time_; }
 
   /// Puts the colliders where they are at the end of a step that starts at `time`, and takes slip,
   /// normals and normal forces from the displacement u at its start, (nodes, 3).
@@ -67,22 +72,14 @@ class Contact {
   double deepest_overlap(const double* u);
 
  private:
-  struct Wall {
-    Collider core;
-    Vec3 from = {}, to = {};  // offset at the start and at the end of the step
-    bool rubs = false;        // friction acts on some point
+  struct Wall : WallPath {
+    Collider core = {};
+    bool rubs = false;  // friction acts on some point
   };
-  /// What friction takes from the start of the step.
-  struct Lag {
-    double limit = 0;  // largest force [N], 0: none
-    Vec3 normal = {};
-  };
-  /// Frozen stiffness of a point at a wall [N/m]: along the normal; along the slip and across it.
-  struct PointStiffness {
+  /// Frozen stiffness of a point at a wall.
+  struct Frozen {
     int64_t point = 0;
-    double normal = 0, along = 0, across = 0;
-    Vec3 n = {}, lagged = {};  // normals now and at the start of the step
-    Vec3 direction = {};       // unit vector of the slip, 0 where there is none
+    PointStiffness k = {};
   };
   struct Ball {
     Vec3 centre = {};
@@ -92,26 +89,27 @@ class Contact {
   Ball find_places(const double* u, std::vector<Vec3>& places);
   bool reaches(const Wall& wall, const Ball& body, double within) const;
   void find_distances(const Wall& wall, const Vec3& offset);
-  const Lag& lag(size_t wall, int64_t p) const { return lags_[wall * size_t(points_) + size_t(p)]; }
-  Vec3 slip_of(const Wall& wall, const Lag& lag, int64_t p) const;
-  double point_energy(const Wall& wall, const Lag& lag, int64_t p, Vec3& force) const;
-  PointStiffness point_stiffness(const Wall& wall, const Lag& lag, int64_t p) const;
+  const ContactLag& lag(size_t wall, int64_t p) const {
+    return lags_[wall * size_t(points_) + size_t(p)];
+  }
+  ContactPoint point(int64_t p) const {
+    return {place_[size_t(p)], start_[size_t(p)], stiffness_[size_t(p)]};
+  }
   bool crowds(const Wall& wall, double motion);
-  double carried_share(size_t wall, const Vec3& place, const Vec3& direction) const;
-  void add_nodal(const PointStiffness& k);
+  void add_nodal(const Frozen& frozen);
 
   const Scene& scene_;
   std::vector<Wall> walls_;
   int64_t points_ = 0;
-  double layer_ = 0;                       // dhat [m]
-  double slip_range_ = 0;                  // e of smoothed_slip [m]
+  double start_time_ = 0;
+  ContactLengths lengths_;
   std::vector<double> stiffness_;          // of each point [J]
-  std::vector<Lag> lags_;                  // wall by wall
+  std::vector<ContactLag> lags_;           // wall by wall
   std::vector<Vec3> start_, place_, end_;  // of each point [m]
   std::vector<Box> boxes_;                 // of blocks of points
   std::vector<Proximity> near_;            // of each point to the core in question
   std::vector<uint8_t> carried_;           // nodes
-  std::vector<PointStiffness> active_;
+  std::vector<Frozen> active_;
   std::vector<int32_t> stiff_nodes_, stiff_place_;  // stiff_place_: of each node, -1 if none
   std::vector<double> stiff_blocks_;
 };

@@ -15,8 +15,9 @@ namespace elastogen {
 /// What a step says of its end.
 struct Certificate {
   PotentialValue value;
-  double size = 0;      ///< |grad Phi|_2 over the free nodes [N]
-  bool finite = false;  ///< all of these and the displacement
+  double size = 0;         ///< |grad Phi|_2 over the free nodes [N]
+  bool finite = false;     ///< all of these and the displacement
+  bool in_flight = false;  ///< free pieces got the mean motion of their predictor
 };
 
 /// Energies that a step has beside the potential [J].
@@ -45,16 +46,23 @@ class DeviceStep {
   /// Whether there is a step before, for BDF2.
   virtual bool has_before() const = 0;
 
-  /// Predictor, inertia and frozen rotations of a step from the state, and u where it starts
-  /// (network/predictor.hpp).
-  virtual void begin_step(const StepScheme& scheme) = 0;
+  /// Predictor, inertia, frozen rotations and lagged contact of a step from the state at `time`,
+  /// and u where it starts (network/predictor.hpp).
+  virtual void begin_step(const StepScheme& scheme, double time) = 0;
+  /// Cuts the way to u where colliders are in it; the clear start is u_now, with what colliders run
+  /// over carried along.
+  /// @return the collider that a point lies in all the same, else null.
+  virtual const Collider* clear_start() = 0;
   /// Largest |u - u_now| of a component [m], u_now the displacement at the start of the step.
   virtual double farthest() = 0;
   /// u = u_now.
   virtual void return_to_now() = 0;
-  /// Phi in float64 at u, and at u_now.
+  /// u = the clear start; before anything is iterated.
+  virtual void return_to_clear_start() = 0;
+  /// Phi in float64 at u, at u_now, and, before anything is iterated, at the clear start.
   virtual double phi() = 0;
   virtual double phi_now() = 0;
+  virtual double phi_clear_start() = 0;
 
   /// Nodal rotations of the preconditioner from u.
   virtual void set_nodal_rotations() = 0;
@@ -72,8 +80,9 @@ class DeviceStep {
   virtual IterationResult paper(const std::function<bool()>& interrupted) = 0;
 
   /// Rounds the new positions from u, u to them, and takes the residual there.
-  /// @param in_flight  gives free pieces the mean motion of their predictor (free_flight.hpp).
-  virtual Certificate certify(bool in_flight) = 0;
+  /// @param may_fly  free pieces get the mean motion of their predictor (free_flight.hpp), unless
+  ///                 something touches a collider.
+  virtual Certificate certify(bool may_fly) = 0;
   /// The new positions and their velocities become the state.
   virtual MotionEnergy finish(bool in_flight) = 0;
   /// The gradient of the last certificate, (nodes, 3).
@@ -81,9 +90,9 @@ class DeviceStep {
 };
 
 /// On the tables of both, which must outlive it.
-/// @throws Error (usage) for colliders and nets without a table, (resources) where the device has
-///         no room for what the scene takes to the end of its clip, with both amounts, (device) in
-///         builds without CUDA.
+/// @throws Error (usage) for nets without a table, (resources) where the device has no room for
+///         what the scene takes to the end of its clip, with both amounts, (device) in builds
+///         without CUDA.
 std::unique_ptr<DeviceStep> make_device_step(const IncrementalPotential& potential,
                                              const Preconditioner<float>& first);
 

@@ -8,10 +8,11 @@ namespace {
 
 // numbers of a piece and of a chunk lie as 3 mode + component
 constexpr int kModes = Encoder<float>::kModes, kSize = 3 * kModes;
-constexpr int kChunk = 1024;  // entries
-constexpr int kGroups = 32;   // of kModes threads that encode a chunk
-constexpr int kSlices = 16;   // of the chunks of a piece
-constexpr int kTile = 128;    // entries that a block decodes
+constexpr int kChunk = 1024;                               // entries
+constexpr int kGroups = 32;                                // of kModes threads that encode a chunk
+constexpr int kSlices = 16;                                // of the chunks of a piece
+constexpr int kColumns = (kSize + kSlices - 1) / kSlices;  // of its inverse, of a slice
+constexpr int kTile = 128;                                 // entries that a block decodes
 
 /// B^T r of a chunk, a block of (kModes, kGroups) threads: each group takes every kGroups-th entry,
 /// so that the block reads consecutive modes; then the groups' sums are added in order.
@@ -20,6 +21,7 @@ __global__ void __launch_bounds__(kModes* kGroups)
     encode_kernel(const EncoderChunk* chunks, const int32_t* nodes, const T* modes, const T* r,
                   T* partial) {
   __shared__ T value[3 * kChunk], sums[kGroups][kSize];
+  begin_kernel();
   const EncoderChunk chunk = chunks[blockIdx.x];
   const int entries = chunk.end - chunk.begin, mode = int(threadIdx.x), group = int(threadIdx.y);
   const int thread = group * kModes + mode;
@@ -40,8 +42,17 @@ __global__ void __launch_bounds__(kModes* kGroups)
   partial[int64_t(blockIdx.x) * kSize + thread] = total;
 }
 
+/// Sum of a column of `sums` in the order of the slices.
+__device__ inline double sum_of_slices(const double sums[kSlices][kSize], int column) {
+  double total = 0;
+#pragma unroll
+  for (int s = 0; s < kSlices; ++s) total += sums[s][column];
+  return total;
+}
+
 /// A_r^-1 B^T r of a piece in float64, a block of (kSize, kSlices) threads: each slice adds every
-/// kSlices-th chunk, then the slices' sums are added in order.
+/// kSlices-th chunk, and multiplies every kSlices-th column of the inverse; the slices' sums are
+/// added in order.
 template <class T>
 __global__ void __launch_bounds__(kSize* kSlices)
     solve_kernel(const int32_t* chunk_begin, const T* partial, const double* inverses,
@@ -49,22 +60,28 @@ __global__ void __launch_bounds__(kSize* kSlices)
   __shared__ double sums[kSlices][kSize], reduced[kSize];
   const int64_t piece = blockIdx.x;
   const int row = int(threadIdx.x), slice = int(threadIdx.y);
+  begin_kernel();
+  const double* inverse = inverses + piece * kSize * kSize + row;
+  double column[kColumns];
+#pragma unroll
+  for (int k = 0; k < kColumns; ++k)
+    column[k] = slice + k * kSlices < kSize ? inverse[(slice + k * kSlices) * kSize] : 0;
+  const int32_t end = chunk_begin[piece + 1];
   double sum = 0;
-  for (int c = chunk_begin[piece] + slice; c < chunk_begin[piece + 1]; c += kSlices)
+#pragma unroll 8
+  for (int c = chunk_begin[piece] + slice; c < end; c += kSlices)
     sum += double(partial[int64_t(c) * kSize + row]);
   sums[slice][row] = sum;
   __syncthreads();
-  if (slice == 0) {
-    double total = 0;
-    for (int s = 0; s < kSlices; ++s) total += sums[s][row];
-    reduced[row] = total;
-  }
+  if (slice == 0) reduced[row] = sum_of_slices(sums, row);
   __syncthreads();
-  if (slice > 0) return;
-  const double* inverse = inverses + piece * kSize * kSize + row;
   double product = 0;
-  for (int k = 0; k < kSize; ++k) product += inverse[k * kSize] * reduced[k];
-  solution[piece * kSize + row] = product;
+#pragma unroll
+  for (int k = 0; k < kColumns; ++k)
+    if (slice + k * kSlices < kSize) product += column[k] * reduced[slice + k * kSlices];
+  sums[slice][row] = product;
+  __syncthreads();
+  if (slice == 0) solution[piece * kSize + row] = sum_of_slices(sums, row);
 }
 
 /// z += B y on a part of a chunk, a thread an entry; the modes go through shared memory, as
@@ -74,6 +91,7 @@ __global__ void __launch_bounds__(kTile)
     decode_kernel(const EncoderChunk* chunks, const int32_t* nodes, const T* modes,
                   const double* solution, T* z) {
   __shared__ T mode[kTile * kModes], coefficient[kSize];
+  begin_kernel();
   const EncoderChunk chunk = chunks[blockIdx.x];
   const int32_t begin = chunk.begin + int32_t(blockIdx.y) * kTile;
   const int entries = min(kTile, chunk.end - begin), thread = int(threadIdx.x);
@@ -130,15 +148,13 @@ template <class T>
 void DeviceEncoder<T>::add(const T* r, T* z) {
   if (piece_count() == 0) return;
   const unsigned chunks = unsigned(chunks_.size()), pieces = unsigned(piece_count());
-  encode_kernel<<<chunks, dim3(kModes, kGroups)>>>(chunks_.data(), nodes_.data(), modes_.data(), r,
-                                                   partial_.data());
-  check(cudaGetLastError());
-  solve_kernel<<<pieces, dim3(kSize, kSlices)>>>(chunk_begin_.data(), partial_.data(),
-                                                 inverses_.data(), solution_.data());
-  check(cudaGetLastError());
-  decode_kernel<<<dim3(chunks, kChunk / kTile), kTile>>>(chunks_.data(), nodes_.data(),
-                                                         modes_.data(), solution_.data(), z);
-  check(cudaGetLastError());
+  const DeviceArray<double>& inverses = use_stiffness_ ? stiff_inverses_ : inverses_;
+  launch(encode_kernel<T>, chunks, dim3(kModes, kGroups), 0, chunks_.data(), nodes_.data(),
+         modes_.data(), r, partial_.data());
+  launch(solve_kernel<T>, pieces, dim3(kSize, kSlices), 0, chunk_begin_.data(), partial_.data(),
+         inverses.data(), solution_.data());
+  launch(decode_kernel<T>, dim3(chunks, kChunk / kTile), kTile, 0, chunks_.data(), nodes_.data(),
+         modes_.data(), solution_.data(), z);
 }
 
 template class DeviceEncoder<float>;

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "core/device_array.cuh"
+#include "network/device_contact.hpp"
 #include "network/encoder.hpp"
 
 namespace elastogen::cuda {
@@ -14,6 +15,11 @@ struct EncoderChunk {
   int32_t piece, begin, end;
 };
 
+/// A node with a further stiffness: its place in the list of those, and in that of all nodes.
+struct StiffEntry {
+  int32_t stiff, node;
+};
+
 /// @tparam T  float or double.
 template <class T>
 class DeviceEncoder {
@@ -21,6 +27,14 @@ class DeviceEncoder {
   /// Takes the host's present inverses; later changes of the host have no effect.
   /// @throws Error (resources) where the device has no room.
   explicit DeviceEncoder(const Encoder<T>& host);
+
+  /// Makes room for a further stiffness of these nodes, in this order; `host` is that of the
+  /// constructor.
+  void expect_stiffness(const Encoder<T>& host, const std::vector<int32_t>& nodes);
+  /// As Encoder::set_nodal_stiffness; only once it is expected.
+  void set_nodal_stiffness(const NodalStiffness& stiffness);
+  /// Whether add() takes it into account.
+  void use_stiffness(bool use) { use_stiffness_ = use; }
 
   /// z += B A_r^-1 B^T r; (nodes, 3), on the device.
   void add(const T* r, T* z);
@@ -35,6 +49,16 @@ class DeviceEncoder {
   DeviceArray<int32_t> chunk_begin_;  // first chunk of each piece, (pieces + 1)
   DeviceArray<T> partial_;            // B^T r of each chunk, (chunks, 3 kModes)
   DeviceArray<double> solution_;      // A_r^-1 B^T r, (pieces, 3 kModes)
+
+  // of a further stiffness, where one is expected
+  bool use_stiffness_ = false;
+  DeviceArray<double> rest_;                // A_r without it, (pieces, 3 kModes, 3 kModes)
+  DeviceArray<StiffEntry> stiff_;           // piece by piece
+  DeviceArray<EncoderChunk> stiff_chunks_;  // of stiff_
+  DeviceArray<int32_t> stiff_begin_;        // first chunk of each piece, (pieces + 1)
+  DeviceArray<double> products_;            // of the chunks, (chunks, kProducts)
+  DeviceArray<int32_t> touched_;            // chunks whose products are not all 0
+  DeviceArray<double> stiff_inverses_;      // like inverses_
 };
 
 }  // namespace elastogen::cuda

@@ -2,6 +2,7 @@
 #include "core/device_array.cuh"
 #include "network/device_multigrid.cuh"
 #include "network/device_stencil_pass.cuh"
+#include "network/device_stencil_stiffness.cuh"
 #include "network/multigrid_element.hpp"
 
 #include <cooperative_groups.h>
@@ -12,10 +13,11 @@ namespace {
 constexpr int kMaxLevels = 12;
 // nodes a thread, 512 / kRun threads a brick: long runs cost least where bricks fill the card,
 // short ones end sooner
-constexpr int kLongRun = 4, kShortRun = 2, kClusterRun = 1;
+constexpr int kLongRun = 4, kShortRun = 2, kSingleRun = 1;
 constexpr int kShortBricks = 512;   // of levels with short runs
-constexpr int kClusterBricks = 32;  // of levels that a cluster of blocks works on
-constexpr int kClusterThreads = stencil::kSlots / kClusterRun;
+constexpr int kSingleBricks = 128;  // of levels with one node a thread
+constexpr int kClusterBricks = 16;  // of levels that a cluster of blocks works on, a brick each
+constexpr int kClusterThreads = stencil::kSlots / kSingleRun;
 
 template <class T>
 struct Level {
@@ -55,6 +57,10 @@ struct Level {
   DeviceArray<T> rows, inverses;
   DeviceArray<T> r, z, other, partial;
   Chebyshev smoother;
+
+  // of a further stiffness, where one is expected
+  DeviceArray<T> added, added_inverses;
+  DeviceArray<int32_t> stiff;
 };
 
 /// The levels, 0 the finest, as a kernel takes them.
@@ -64,11 +70,13 @@ struct Views {
   int count;
 };
 
-template <class T, int kRun>
-__global__ void __launch_bounds__(stencil::kSlots / kRun, sizeof(T) == 4 ? 2 * kRun : 1)
+template <class T, int kRun, bool kAdded>
+__global__ void __launch_bounds__(stencil::kSlots / kRun,
+                                  sizeof(T) == 4 && kRun > kSingleRun ? 2 * kRun : 1)
     pass_kernel(const __grid_constant__ StencilView<T> v, Pass pass, T* out) {
   extern __shared__ __align__(16) unsigned char room[];
-  stencil::run_pass<T, kRun>(v, pass, blockIdx.x, reinterpret_cast<T*>(room), out);
+  begin_kernel();
+  stencil::run_pass<T, kRun, kAdded>(v, pass, blockIdx.x, reinterpret_cast<T*>(room), out);
 }
 
 /// body(k) for each k of [0, n) by the threads of the grid.
@@ -78,11 +86,11 @@ __device__ void share(int n, const Body& body) {
     body(k);
 }
 
-template <class T>
+template <class T, bool kAdded>
 __device__ void cluster_pass(const StencilView<T>& v, Pass pass, T* out) {
   extern __shared__ __align__(16) unsigned char room[];
   for (int32_t brick = int32_t(blockIdx.x); brick < v.bricks; brick += int32_t(gridDim.x)) {
-    stencil::run_pass<T, kClusterRun>(v, pass, brick, reinterpret_cast<T*>(room), out);
+    stencil::run_pass<T, kSingleRun, kAdded>(v, pass, brick, reinterpret_cast<T*>(room), out);
     __syncthreads();
   }
   cooperative_groups::this_cluster().sync();
@@ -90,11 +98,12 @@ __device__ void cluster_pass(const StencilView<T>& v, Pass pass, T* out) {
 
 /// The levels from `first` on as one cluster of blocks, which waits between passes within the card:
 /// down to the coarsest and back. `out` is z of level 0 by node, nullptr where first > 0.
-template <class T>
+template <class T, bool kAdded>
 __global__ void __launch_bounds__(kClusterThreads)
     cluster_kernel(const __grid_constant__ Views<T> views, int first, T* out) {
   const auto cluster = cooperative_groups::this_cluster();
   const int last = views.count - 1;
+  begin_kernel();
   for (int l = first; l <= last; ++l) {
     const StencilView<T>& v = views.level[l];
     if (l > 0) {
@@ -107,8 +116,8 @@ __global__ void __launch_bounds__(kClusterThreads)
       cluster.sync();
       continue;
     }
-    cluster_pass<T>(v, Pass::kStart, nullptr);
-    if (l < last) cluster_pass<T>(v, Pass::kResidual, nullptr);
+    cluster_pass<T, kAdded>(v, Pass::kStart, nullptr);
+    if (l < last) cluster_pass<T, kAdded>(v, Pass::kResidual, nullptr);
   }
   for (int l = last; l >= first; --l) {
     const StencilView<T>& v = views.level[l];
@@ -118,26 +127,28 @@ __global__ void __launch_bounds__(kClusterThreads)
             [&](int slot) { prolong_correction(v, views.level[l + 1], slot); });
       cluster.sync();
     }
-    cluster_pass<T>(v, Pass::kFirst, nullptr);
-    cluster_pass<T>(v, Pass::kSecond, l == 0 ? out : nullptr);
+    cluster_pass<T, kAdded>(v, Pass::kFirst, nullptr);
+    cluster_pass<T, kAdded>(v, Pass::kSecond, l == 0 ? out : nullptr);
   }
 }
 
 /// A launch of the cluster kernel by `blocks` blocks.
 struct ClusterLaunch {
   ClusterLaunch(unsigned blocks, int shared_bytes) {
-    attribute.id = cudaLaunchAttributeClusterDimension;
-    attribute.val.clusterDim.x = blocks;
-    attribute.val.clusterDim.y = attribute.val.clusterDim.z = 1;
+    attributes[0].id = cudaLaunchAttributeClusterDimension;
+    attributes[0].val.clusterDim.x = blocks;
+    attributes[0].val.clusterDim.y = attributes[0].val.clusterDim.z = 1;
+    attributes[1].id = cudaLaunchAttributeProgrammaticStreamSerialization;  // as launch() does
+    attributes[1].val.programmaticStreamSerializationAllowed = 1;
     config.gridDim = dim3(blocks);
     config.blockDim = dim3(kClusterThreads);
     config.dynamicSmemBytes = size_t(shared_bytes);
     config.stream = cudaStreamPerThread;
-    config.attrs = &attribute;
-    config.numAttrs = 1;
+    config.attrs = attributes;
+    config.numAttrs = 2;
   }
   ClusterLaunch(const ClusterLaunch&) = delete;
-  cudaLaunchAttribute attribute{};
+  cudaLaunchAttribute attributes[2] = {};
   cudaLaunchConfig_t config{};
 };
 
@@ -145,13 +156,14 @@ struct ClusterLaunch {
 
 template <class T>
 struct DeviceMultigridLevels {
-  explicit DeviceMultigridLevels(const Multigrid<T>& host) : scale(T(1 / host.level(0).unit)) {
+  explicit DeviceMultigridLevels(const Multigrid<T>& host)
+      : unit(host.level(0).unit), scale(T(1 / unit)) {
     add_levels(host);
     views.count = first_in_cluster = int(levels.size());
     for (int l = 0; l < views.count; ++l) views.level[l] = levels[size_t(l)]->view();
     while (first_in_cluster > 0 && fits_cluster(views.level[first_in_cluster - 1]))
       --first_in_cluster;
-    prepare_kernels();
+    prepare_kernels<false>();
   }
 
   static bool fits_cluster(const StencilView<T>& v) {
@@ -171,54 +183,68 @@ struct DeviceMultigridLevels {
   }
 
   /// Asks for shared memory, and for 16 blocks of a cluster where the card has room for them.
+  template <bool kAdded>
   void prepare_kernels() {
     constexpr int kBytes = stencil::kSharedBytes<T>;
     constexpr auto kShared = cudaFuncAttributeMaxDynamicSharedMemorySize;
-    check(cudaFuncSetAttribute(pass_kernel<T, kLongRun>, kShared, kBytes));
-    check(cudaFuncSetAttribute(pass_kernel<T, kShortRun>, kShared, kBytes));
-    check(cudaFuncSetAttribute(cluster_kernel<T>, kShared, kBytes));
-    check(
-        cudaFuncSetAttribute(cluster_kernel<T>, cudaFuncAttributeNonPortableClusterSizeAllowed, 1));
+    const auto cluster = cluster_kernel<T, kAdded>;
+    check(cudaFuncSetAttribute(pass_kernel<T, kLongRun, kAdded>, kShared, kBytes));
+    check(cudaFuncSetAttribute(pass_kernel<T, kShortRun, kAdded>, kShared, kBytes));
+    check(cudaFuncSetAttribute(pass_kernel<T, kSingleRun, kAdded>, kShared, kBytes));
+    check(cudaFuncSetAttribute(cluster, kShared, kBytes));
+    check(cudaFuncSetAttribute(cluster, cudaFuncAttributeNonPortableClusterSizeAllowed, 1));
     int clusters = 0;
     const ClusterLaunch launch(cluster_blocks, kBytes);
-    const cudaError_t asked =
-        cudaOccupancyMaxActiveClusters(&clusters, cluster_kernel<T>, &launch.config);
+    const cudaError_t asked = cudaOccupancyMaxActiveClusters(&clusters, cluster, &launch.config);
     if (asked == cudaSuccess && clusters > 0) return;
     cudaGetLastError();  // cleared, so that no later call reports it
     cluster_blocks = 8;  // which every card grants
   }
 
+  void expect_stiffness(const Multigrid<T>& host);
+  void set_nodal_stiffness(const NodalStiffness& stiffness);
+
+  const Views<T>& present() const { return use_stiffness ? stiff_views : views; }
+
+  /// The kernel of a level and the nodes of its threads.
+  template <bool kAdded>
+  static std::pair<decltype(&pass_kernel<T, kLongRun, kAdded>), int> kernel_for(int32_t bricks) {
+    if (bricks <= kSingleBricks) return {pass_kernel<T, kSingleRun, kAdded>, kSingleRun};
+    if (bricks <= kShortBricks) return {pass_kernel<T, kShortRun, kAdded>, kShortRun};
+    return {pass_kernel<T, kLongRun, kAdded>, kLongRun};
+  }
+
   void run(int l, Pass pass, T* out = nullptr) {
-    const StencilView<T>& v = views.level[l];
-    const bool is_short = v.bricks <= kShortBricks;
-    const auto kernel = is_short ? pass_kernel<T, kShortRun> : pass_kernel<T, kLongRun>;
-    const int threads = stencil::kSlots / (is_short ? kShortRun : kLongRun);
+    const StencilView<T>& v = present().level[l];
+    const auto [kernel, nodes] =
+        use_stiffness ? kernel_for<true>(v.bricks) : kernel_for<false>(v.bricks);
+    const int threads = stencil::kSlots / nodes;
     // only the last pass needs room for z
     const int bytes =
         stencil::kSharedBytes<T> - (pass == Pass::kSecond ? 0 : stencil::kBrick * int(sizeof(T)));
-    kernel<<<unsigned(v.bricks), unsigned(threads), bytes>>>(v, pass, out);
-    check(cudaGetLastError());
+    launch(kernel, unsigned(v.bricks), unsigned(threads), size_t(bytes), v, pass, out);
   }
 
   void run_cluster(T* out) {
     const ClusterLaunch launch(cluster_blocks, stencil::kSharedBytes<T>);
-    check(cudaLaunchKernelEx(&launch.config, cluster_kernel<T>, views, first_in_cluster, out));
+    const auto kernel = use_stiffness ? cluster_kernel<T, true> : cluster_kernel<T, false>;
+    check(cudaLaunchKernelEx(&launch.config, kernel, present(), first_in_cluster, out));
   }
 
   /// The cycle from level l on; level 0 has its residual.
   void cycle(int l, T* out) {
     if (l == first_in_cluster) return run_cluster(out);
-    const StencilView<T> v = views.level[l];
+    const StencilView<T> v = present().level[l];
     const int64_t slots = int64_t(v.bricks) * stencil::kSlots;
     if (l > 0) {
-      const StencilView<T> finer = views.level[l - 1];
+      const StencilView<T> finer = present().level[l - 1];
       cuda::for_each(slots, [=] __device__(int64_t s) { restrict_residual(finer, v, int(s)); });
     }
     run(l, Pass::kStart);
     if (l + 1 < views.count) {
       run(l, Pass::kResidual);
       cycle(l + 1, nullptr);
-      const StencilView<T> coarser = views.level[l + 1];
+      const StencilView<T> coarser = present().level[l + 1];
       cuda::for_each(slots, [=] __device__(int64_t s) { prolong_correction(v, coarser, int(s)); });
     }
     run(l, Pass::kFirst);
@@ -229,8 +255,64 @@ struct DeviceMultigridLevels {
   Views<T> views;
   int first_in_cluster;
   unsigned cluster_blocks = 16;
-  T scale;  // 1 / unit
+  double unit;  // [N/m]
+  T scale;      // 1 / unit
+
+  // of a further stiffness, where one is expected
+  Views<T> stiff_views;
+  DeviceArray<double> operators;  // of the coarsest level, where that is solved, (3, nodes, nodes)
+  bool use_stiffness = false;
 };
+
+template <class T>
+void DeviceMultigridLevels<T>::expect_stiffness(const Multigrid<T>& host) {
+  stiff_views = views;
+  for (int l = 0; l < views.count; ++l) {
+    Level<T>& level = *levels[size_t(l)];
+    level.added = DeviceArray<T>(level.z.size());
+    level.stiff = DeviceArray<int32_t>(level.links.size() + 1);
+    level.added_inverses = DeviceArray<T>(level.inverses.size());
+    StencilView<T>& view = stiff_views.level[l];
+    view.added = level.added.data();
+    view.stiff = level.stiff.data();
+    view.inverses = level.added_inverses.data();
+  }
+  operators = DeviceArray<double>(host.level(views.count - 1).operators);
+  ELASTOGEN_CHECK(operators.size() == 0 || views.level[views.count - 1].nodes <= DenseTile::kRows,
+                  "at most ", DenseTile::kRows, " nodes of a level that is solved");
+  prepare_kernels<true>();
+}
+
+/// The stiffness of the finest level by slot, then that of the coarser ones.
+template <class T>
+void DeviceMultigridLevels<T>::set_nodal_stiffness(const NodalStiffness& stiffness) {
+  const StencilView<T> v = stiff_views.level[0];
+  const double of = unit;
+  check(cudaMemsetAsync(v.stiff, 0, size_t(v.bricks) * sizeof(int32_t), cudaStreamPerThread));
+  cuda::for_each(stiffness.count, [=] __device__(int64_t s) {
+    const int slot = v.slot[stiffness.nodes[s]];
+    bool any = false;
+    for (int i = 0; i < 3; ++i) {
+      const double value = stiffness.blocks[6 * s + symmetric_place(i, i)];
+      v.added[3 * int64_t(slot) + i] = T(value / of);
+      any |= value != 0;
+    }
+    if (any) v.stiff[slot / stencil::kSlots] = 1;
+  });
+  for (int l = 1; l < views.count; ++l) {
+    const StencilView<T>& coarse = stiff_views.level[l];
+    stiffness_kernel<<<unsigned(coarse.bricks), stencil::kSlots>>>(stiff_views.level[l - 1],
+                                                                   coarse);
+    check(cudaGetLastError());
+  }
+  const StencilView<T>& last = stiff_views.level[views.count - 1];
+  if (operators.size() == 0) return;
+  const auto kernel = last.nodes <= SmallDenseTile::kRows ? inverse_kernel<T, SmallDenseTile>
+                                                          : inverse_kernel<T, DenseTile>;
+  constexpr dim3 kThreads(DenseTile::kWidth, DenseTile::kWidth);
+  kernel<<<3, kThreads>>>(last, operators.data(), levels.back()->added_inverses.data());
+  check(cudaGetLastError());
+}
 
 template <class T>
 DeviceMultigrid<T>::DeviceMultigrid(const Multigrid<T>& host)
@@ -240,14 +322,35 @@ template <class T>
 DeviceMultigrid<T>::~DeviceMultigrid() = default;
 
 template <class T>
-void DeviceMultigrid<T>::apply(const T* r, T* z) {
-  const StencilView<T> v = levels_->views.level[0];
-  const T scale = levels_->scale;
-  cuda::for_each(int64_t(v.nodes), [=] __device__(int64_t n) {
-    const T value[3] = {scale * r[3 * n], scale * r[3 * n + 1], scale * r[3 * n + 2]};
-    set_residual(v, v.slot[n], value);
-  });
+ResidualInput<T> DeviceMultigrid<T>::input() const {
+  return {levels_->present().level[0], levels_->scale};
+}
+
+template <class T>
+void DeviceMultigrid<T>::expect_stiffness(const Multigrid<T>& host) {
+  levels_->expect_stiffness(host);
+}
+
+template <class T>
+void DeviceMultigrid<T>::set_nodal_stiffness(const NodalStiffness& stiffness) {
+  levels_->set_nodal_stiffness(stiffness);
+}
+
+template <class T>
+void DeviceMultigrid<T>::use_stiffness(bool use) {
+  levels_->use_stiffness = use;
+}
+
+template <class T>
+void DeviceMultigrid<T>::cycle(T* z) {
   levels_->cycle(0, z);
+}
+
+template <class T>
+void DeviceMultigrid<T>::apply(const T* r, T* z) {
+  const ResidualInput<T> to = input();
+  cuda::for_each(int64_t(to.finest.nodes), [=] __device__(int64_t n) { to.set(n, r + 3 * n); });
+  cycle(z);
 }
 
 template class DeviceMultigrid<float>;

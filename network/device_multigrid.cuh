@@ -5,6 +5,7 @@
 
 #pragma once
 
+#include "network/device_contact.hpp"
 #include "network/multigrid.hpp"
 
 #include <memory>
@@ -13,6 +14,9 @@ namespace elastogen::cuda {
 
 template <class T>
 struct DeviceMultigridLevels;
+
+template <class T>
+struct ResidualInput;  // device_stencil.cuh
 
 /// @tparam T  float or double.
 template <class T>
@@ -23,8 +27,18 @@ class DeviceMultigrid {
   explicit DeviceMultigrid(const Multigrid<T>& host);
   ~DeviceMultigrid();
 
+  /// Makes room for a further stiffness; `host` is that of the constructor.
+  void expect_stiffness(const Multigrid<T>& host);
+  /// As Multigrid::set_nodal_stiffness with the diagonals of the blocks; only once it is expected.
+  void set_nodal_stiffness(const NodalStiffness& stiffness);
+  /// Whether cycles take it into account.
+  void use_stiffness(bool use);
+
   /// z = B r, one V-cycle from z = 0; r and z are (nodes, 3) on the device, r is 0 on pinned nodes.
   void apply(const T* r, T* z);
+  /// The same in two parts, for kernels that put r there node by node.
+  ResidualInput<T> input() const;
+  void cycle(T* z);
 
  private:
   std::unique_ptr<DeviceMultigridLevels<T>> levels_;

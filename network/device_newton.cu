@@ -14,16 +14,11 @@ namespace {
 constexpr int kMostHalvings = 12;
 constexpr size_t kDoubles = 3, kFloats = 5;  // vectors
 
-/// The numbers of conjugate gradients that kernels hand to each other.
-struct PcgNumbers {
-  double rz, rz_before, curvature;
-};
-
 /// What the host asks for.
 struct HostNumbers {
-  double square;         ///< |g|^2 or |r|^2
-  double slope;          ///< g . step
-  double rz, curvature;  ///< of the present PCG iteration
+  double square;   ///< |g|^2 or |r|^2
+  double slope;    ///< g . step
+  PcgScalars pcg;  ///< after the present iteration
 };
 
 }  // namespace
@@ -48,25 +43,27 @@ struct DeviceNewton::Impl {
 
   // one pass each
   void measure(const DeviceArray<double>& g);
-  void start_pcg(double unit);
-  void find_direction(bool first);
+  void start_pcg(double unit, const PcgScalars& scalars);
+  void find_direction();
   void find_curvature();
   void advance();
   void scale_step(double unit);
   void move(double a);
 
   int solve_linear(double unit, double eta, int most, const std::function<bool()>& interrupted);
-  bool line_search(PotentialValue& value);
+  void line_search(PotentialValue& value);
 
   DeviceQuasi& quasi;
   DevicePotential& potential;
   int64_t size;
   DeviceArray<double> trial_u, gradient, trial_gradient;
   DeviceArray<float> x, r, z, p, Ap;  // x is the step
-  DeviceArray<PcgNumbers> pcg;
+  DeviceArray<PcgScalars> pcg;
   DeviceArray<SumRoom<Sums<1>>> sums;
   DeviceArray<SumRoom<Sums<2>>> pair_sums;
   PinnedArray<HostNumbers> numbers;
+  NewtonRegion region;
+  StepTaken taken;  // by the line search
 };
 
 /// |g|^2 and its slope along the step.
@@ -83,11 +80,12 @@ void DeviceNewton::Impl::measure(const DeviceArray<double>& g) {
       [=] __device__(const Sums<2>& sum) { to->square = sum.value[0], to->slope = sum.value[1]; });
 }
 
-/// r = -g/unit, x = 0, and |r|^2.
-void DeviceNewton::Impl::start_pcg(double unit) {
+/// r = -g/unit, x = 0, and |r|^2; the scalars go to the device.
+void DeviceNewton::Impl::start_pcg(double unit, const PcgScalars& scalars) {
   const double* g = gradient.data();
   float *to_r = r.data(), *to_x = x.data();
   HostNumbers* to = numbers.data();
+  PcgScalars* of = pcg.data();
   ordered_sum(
       size, sums.data(),
       [=] __device__(int64_t k, Sums<1> & sum) {
@@ -96,11 +94,11 @@ void DeviceNewton::Impl::start_pcg(double unit) {
         to_x[k] = 0;
         sum.value[0] += double(right) * double(right);
       },
-      [=] __device__(const Sums<1>& sum) { to->square = sum.value[0]; });
+      [=] __device__(const Sums<1>& sum) { to->square = sum.value[0], *of = scalars; });
 }
 
 /// z = B r and p = z + beta p.
-void DeviceNewton::Impl::find_direction(bool first) {
+void DeviceNewton::Impl::find_direction() {
   DevicePreconditioner& B = quasi.preconditioner();
   float *residual = r.data(), *preconditioned = z.data(), *direction = p.data();
   B.turn([=] __device__(int64_t n, float v[3]) {
@@ -108,7 +106,7 @@ void DeviceNewton::Impl::find_direction(bool first) {
   });
   B.cycle();
   const UnturnedResult result = B.result();
-  PcgNumbers* of = pcg.data();
+  PcgScalars* of = pcg.data();
   ordered_sum(
       size / 3, sums.data(),
       [=] __device__(int64_t n, Sums<1> & sum) {
@@ -119,10 +117,10 @@ void DeviceNewton::Impl::find_direction(bool first) {
           sum.value[0] += double(residual[3 * n + i]) * double(v[i]);
         }
       },
-      [=] __device__(const Sums<1>& sum) { of->rz = sum.value[0]; });
+      [=] __device__(const Sums<1>& sum) { of->turn(sum.value[0]); });
   cuda::for_each(size, [=] __device__(int64_t k) {
-    const float beta = first ? 0.f : float(of->rz / of->rz_before);
-    direction[k] = first ? preconditioned[k] : preconditioned[k] + beta * direction[k];
+    const float beta = float(of->beta);
+    direction[k] = beta == 0 ? preconditioned[k] : preconditioned[k] + beta * direction[k];
   });
 }
 
@@ -130,51 +128,48 @@ void DeviceNewton::Impl::find_direction(bool first) {
 void DeviceNewton::Impl::find_curvature() {
   potential.hessian_product(p.data(), Ap.data());
   const float *direction = p.data(), *product = Ap.data();
-  PcgNumbers* of = pcg.data();
+  PcgScalars* of = pcg.data();
   ordered_sum(
       size, sums.data(),
       [=] __device__(int64_t k, Sums<1> & sum) {
         sum.value[0] += double(direction[k]) * double(product[k]);
       },
-      [=] __device__(const Sums<1>& sum) { of->curvature = sum.value[0]; });
+      [=] __device__(const Sums<1>& sum) { of->advance(sum.value[0]); });
 }
 
-/// x += alpha p, r -= alpha A p and |r|^2; nothing where round-off has made the curvature negative.
+/// x += alpha p, r -= alpha A p and |r|^2.
 void DeviceNewton::Impl::advance() {
   const float *direction = p.data(), *product = Ap.data();
   float *to_x = x.data(), *to_r = r.data();
-  PcgNumbers* of = pcg.data();
+  PcgScalars* of = pcg.data();
   HostNumbers* to = numbers.data();
   ordered_sum(
       size, sums.data(),
       [=] __device__(int64_t k, Sums<1> & sum) {
-        const bool sound = of->curvature > 0 && of->rz > 0;
-        const float alpha = sound ? float(of->rz / of->curvature) : 0.f;
-        if (sound) to_x[k] += alpha * direction[k];
-        const float left = sound ? to_r[k] - alpha * product[k] : to_r[k];
+        const float alpha = float(of->alpha);
+        if (alpha != 0) to_x[k] += alpha * direction[k];
+        const float left = alpha != 0 ? to_r[k] - alpha * product[k] : to_r[k];
         to_r[k] = left;
         sum.value[0] += double(left) * double(left);
       },
-      [=] __device__(const Sums<1>& sum) {
-        to->square = sum.value[0], to->rz = of->rz, to->curvature = of->curvature;
-        of->rz_before = of->rz;
-      });
+      [=] __device__(const Sums<1>& sum) { to->square = sum.value[0], to->pcg = *of; });
 }
 
 /// The PCG of core/pcg.hpp for the step in units of `unit`; gives its iterations.
 int DeviceNewton::Impl::solve_linear(double unit, double eta, int most,
                                      const std::function<bool()>& interrupted) {
-  start_pcg(unit);
+  start_pcg(unit, region.scalars(unit));
   synchronise();
   const double start = std::sqrt(numbers[0].square);
   double residual = start > 0 ? 1 : 0;
   int iterations = 0;
-  while (residual > eta && iterations < most && !interrupted()) {
-    find_direction(iterations == 0);
+  numbers[0].pcg = {};
+  while (residual > eta && iterations < most && !numbers[0].pcg.ended && !interrupted()) {
+    find_direction();
     find_curvature();
     advance();
     synchronise();
-    if (!(numbers[0].curvature > 0) || !(numbers[0].rz > 0)) break;
+    if (numbers[0].pcg.alpha == 0) break;
     residual = std::sqrt(numbers[0].square) / start;
     ++iterations;
   }
@@ -194,19 +189,23 @@ void DeviceNewton::Impl::move(double a) {
   cuda::for_each(size, [=] __device__(int64_t k) { to[k] = from[k] + a * double(step[k]); });
 }
 
-/// Moves u along the step until Phi falls; gradient and value follow. False: it never did.
-bool DeviceNewton::Impl::line_search(PotentialValue& value) {
+/// Moves u along the step where Phi falls; taken says how far, gradient and value follow.
+void DeviceNewton::Impl::line_search(PotentialValue& value) {
   measure(gradient);
   synchronise();
   const double slope = numbers[0].slope;
-  if (!(slope < 0)) return false;
   const double noise = potential.host().noise(value, std::numeric_limits<double>::epsilon());
+  taken = {slope, noise};
+  if (!(slope < 0)) return;
+  DeviceContact* contact = potential.contact();
   double a = 1;
   for (int halvings = 0; halvings <= kMostHalvings; ++halvings, a /= 2) {
     move(a);
+    if (contact && halvings == 0) contact->cut_step(quasi.u(), trial_u.data());
     potential.start_evaluation<double>(trial_u.data(), trial_gradient.data());
     measure(trial_gradient);
     synchronise();
+    if (contact && halvings == 0) a = contact->share();
     const PotentialValue trial = potential.value();
     const double difference = trial.total() - value.total();
     if (!std::isfinite(difference) ||
@@ -216,9 +215,11 @@ bool DeviceNewton::Impl::line_search(PotentialValue& value) {
                           cudaMemcpyDeviceToDevice, cudaStreamPerThread));
     std::swap(gradient, trial_gradient);
     value = trial;
-    return true;
+    taken.difference = difference_or_mean(difference, a * slope, a * numbers[0].slope, noise);
+    taken.share = a;
+    taken.halved = halvings > 0;
+    return;
   }
-  return false;
 }
 
 DeviceNewton::DeviceNewton(DeviceQuasi& quasi) : impl_(std::make_unique<Impl>(quasi)) {}
@@ -233,25 +234,32 @@ IterationResult DeviceNewton::solve(double target, int max_outer, int max_inner,
   s.measure(s.gradient);
   synchronise();
   PotentialValue value = s.potential.value();
-  double before = 0, eta = 0.1;
+  double residual = std::sqrt(s.numbers[0].square), before = 0, eta = 0.1;
+  NewtonRegion& region = s.region;
+  region.begin();
   while (true) {
-    const double residual = std::sqrt(s.numbers[0].square);
     result.converged = residual <= target;
-    if (result.converged || result.outer == max_outer || interrupted()) return result;
-    s.potential.linearise(s.quasi.u());
+    result.bounded = region.bounded();
+    if (result.converged || result.outer >= region.most_steps(max_outer) || interrupted())
+      return result;
+    s.potential.linearise(s.quasi.u(), region.tangent(), value.contact != 0);
+    s.quasi.preconditioner().take_contact();
     eta = forcing_term(residual, before, eta, target);
     before = residual;
     const double unit = residual / std::sqrt(double(s.size));  // as on the host
     result.inner += std::max(s.solve_linear(unit, eta, max_inner, interrupted), 1);
+    const PcgScalars end = s.numbers[0].pcg;
     s.scale_step(unit);
     ++result.outer;
-    if (!s.line_search(value)) return result;
+    s.line_search(value);
+    if (!region.take_step(end, unit, s.taken)) return result;
+    if (s.taken.share > 0) residual = std::sqrt(s.numbers[0].square);
   }
 }
 
 size_t DeviceNewton::bytes(const DevicePotential& potential) {
   return 3 * size_t(potential.nodes()) * (kDoubles * sizeof(double) + kFloats * sizeof(float)) +
-         sizeof(SumRoom<Sums<1>>) + sizeof(SumRoom<Sums<2>>) + sizeof(PcgNumbers) +
+         sizeof(SumRoom<Sums<1>>) + sizeof(SumRoom<Sums<2>>) + sizeof(PcgScalars) +
          potential.tangent_bytes();
 }
 

@@ -52,10 +52,8 @@ void DevicePotential::Impl::add_gradients(const double* u, int component) {
       });
 }
 
-DevicePotential::DevicePotential(const IncrementalPotential& host) {
-  ELASTOGEN_CHECK(!host.contact().exists(), "colliders are not on the device yet");
-  impl_ = std::make_unique<Impl>(host);
-}
+DevicePotential::DevicePotential(const IncrementalPotential& host)
+    : impl_(std::make_unique<Impl>(host)) {}
 
 DevicePotential::~DevicePotential() = default;
 
@@ -65,6 +63,11 @@ void DevicePotential::begin_step() {
   s.predictor.upload(s.host.predictor().data());
   s.inertia.upload(s.host.inertia().data());
   s.freeze_rotations();
+  if (s.contact) s.contact->begin_step(s.u_now.data(), s.host.contact().start_time());
+}
+
+DeviceContact* DevicePotential::contact() {
+  return impl_->contact ? &*impl_->contact : nullptr;
 }
 
 double* DevicePotential::inertia() {
@@ -99,7 +102,7 @@ void DevicePotential::Impl::start_gradient(const double* u, T* gradient) {
   for_each_voxel<T>(
       rows, reinterpret_cast<T*>(parts.data()), brick_sums.data(),
       [=] __device__(int64_t n, int64_t reference, T v[3]) {
-        for (int i = 0; i < 3; ++i) v[i] = T(u[3 * n + i] - u[3 * reference + i]);
+        for (int i = 0; i < 3; ++i) v[i] = T(__ldg(u + 3 * n + i) - __ldg(u + 3 * reference + i));
       },
       [=] __device__(const VoxelRow& row, int64_t r, int lane, const T corner[3][8], T f[3][8],
                      VoxelSums& sums) {
@@ -112,13 +115,17 @@ void DevicePotential::Impl::start_gradient(const double* u, T* gradient) {
         sums.add(mine);
       },
       [=] __device__(int64_t n, const T force[3]) {
-        for (int i = 0; i < 3; ++i)
-          gradient[3 * n + i] =
-              held[n] ? T(0) : T(mass[n] * (u[3 * n + i] - aim[3 * n + i]) + double(force[i]));
+        const bool moves = !__ldg(held + n);
+        const double weight = __ldg(mass + n);
+        for (int i = 0; i < 3; ++i) {
+          const double away = __ldg(u + 3 * n + i) - __ldg(aim + 3 * n + i);
+          gradient[3 * n + i] = moves ? T(weight * away + double(force[i])) : T(0);
+        }
       });
   DeviceValue* to = value.data();
   sum_of(rows.bricks(), brick_sums.data(),
          [=] __device__(const VoxelSums& sum) { to->voxels = sum; });
+  if (contact) contact->start_evaluation(u, gradient);
 }
 
 void DevicePotential::Impl::sum_inertia(const double* u) {
@@ -158,6 +165,10 @@ PotentialValue DevicePotential::value() const {
   result.min_j = found.voxels.min_j;
   result.min_corner_j = found.voxels.min_corner_j;
   result.outside = int64_t(found.voxels.outside);
+  if (impl_->contact) {
+    result.contact = impl_->contact->energy();
+    result.deepest_overlap = impl_->contact->deepest_overlap();
+  }
   return result;
 }
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The incremental potential of a step on the device: energy and gradient by the maths of
-// local_model.hpp, from tables that are uploaded once a scene. Colliders are left to the CPU.
+// local_model.hpp, from tables that are uploaded once a scene, and contact (device_contact.hpp).
 
 #pragma once
 
-#include "network/incremental_potential.hpp"
+#include "network/device_contact.hpp"
 
 #include <memory>
 
@@ -25,13 +25,13 @@ struct InertiaTerms {
 
 class DevicePotential {
  public:
-  /// The host's potential must outlive it and have no colliders.
-  /// @throws Error (usage) if it has, (resources) where the device has no room.
+  /// The host's potential must outlive it.
+  /// @throws Error (usage) for nets without a table, (resources) where the device has no room.
   explicit DevicePotential(const IncrementalPotential& host);
   ~DevicePotential();
 
-  /// Takes predictor, inertia and the displacement at the start of the step from the host, and the
-  /// frozen rotations from the latter; after the host's begin_step.
+  /// Takes predictor, inertia and the displacement at the start of the step from the host, and
+  /// frozen rotations and contact from the latter; after the host's begin_step.
   void begin_step();
 
   // what a step begins with, on the device, for those who fill it there
@@ -58,13 +58,17 @@ class DevicePotential {
   void start_residual(const double* u, double* gradient);
   PotentialValue value() const;
 
-  /// Freezes the projected Hessian at u, in float; hessian_product then gives A p, 0 on pinned
-  /// nodes. All arrays are (nodes, 3), on the device.
-  void linearise(const double* u);
+  /// Freezes the Hessian at u, in float; hessian_product then gives A p, 0 on pinned nodes. All
+  /// arrays are (nodes, 3), on the device.
+  /// @param touching  false where the contact energy at u is known to be 0.
+  void linearise(const double* u, TangentKind kind = TangentKind::kProjected, bool touching = true);
   template <class T>
   void hessian_product(const T* p, T* product);
   /// What the first linearise takes of the device's memory.
   size_t tangent_bytes() const;
+
+  /// Null where the scene has no colliders.
+  DeviceContact* contact();
 
   int64_t nodes() const;
   const uint8_t* pinned() const;        ///< (nodes), on the device

@@ -7,6 +7,8 @@
 #include "network/device_potential.hpp"
 #include "network/device_rows.cuh"
 
+#include <optional>
+
 namespace elastogen::cuda {
 
 /// A material, as kernels take it.
@@ -21,6 +23,7 @@ struct Respond {
   LawParameters<T> law;
   MtlTableView table;
 
+  __device__ bool has_net() const { return table.coefficients != nullptr; }
   __device__ Response<T> operator()(const T sigma[3], T& outside) const {
     outside = 0;
     if (!table.coefficients) return elastic_response<kHessian>(law, sigma);
@@ -115,6 +118,7 @@ struct DevicePotential::Impl {
       list.back().table.coefficients = tables.back().data();
     }
     materials = DeviceArray<DeviceMaterial>(list);
+    if (potential.contact().exists()) contact.emplace(potential);
   }
 
   int64_t nodes() const { return host.scene().grid.node_count(); }
@@ -142,7 +146,7 @@ struct DevicePotential::Impl {
   void sum_inertia(const double* u);
   void freeze_rotations();
   void add_gradients(const double* u, int component);
-  void linearise(const double* u);
+  void linearise(const double* u, TangentKind kind);
   template <class T>
   void hessian_product(const T* p, T* product);
 
@@ -161,6 +165,7 @@ struct DevicePotential::Impl {
   PinnedArray<DeviceValue> value;
   std::vector<DeviceArray<float>> tables;
   DeviceArray<DeviceMaterial> materials;
+  std::optional<DeviceContact> contact;
   DeviceArray<float> tangent;  // [row][45][lane]; from the first linearise on
 };
 

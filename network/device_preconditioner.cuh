@@ -8,6 +8,7 @@
 #include "network/device_encoder.cuh"
 #include "network/device_multigrid.cuh"
 #include "network/device_potential.hpp"
+#include "network/device_stencil.cuh"
 #include "network/preconditioner.hpp"
 
 #include <optional>
@@ -38,26 +39,55 @@ class DevicePreconditioner {
         r_(3 * potential.nodes()),
         z_(3 * potential.nodes()) {
     if (host.encoder()) encoder_.emplace(*host.encoder());
+    const DeviceContact* contact = potential.contact();
+    if (!contact) return;
+    multigrid_.expect_stiffness(host.multigrid());
+    if (encoder_) encoder_->expect_stiffness(*host.encoder(), contact->surface_nodes());
   }
 
-  /// R^T q; read(n, v) gives the values q of a node.
+  /// Freezes the contact stiffness of the potential at u and takes it.
+  /// @param touching  false where the contact energy at u is known to be 0.
+  void update_contact(const double* u, bool touching) {
+    if (DeviceContact* contact = potential_.contact()) contact->linearise(u, touching);
+    take_contact();
+  }
+
+  /// Takes the contact stiffness that is frozen, as Preconditioner::update_contact.
+  void take_contact() {
+    DeviceContact* contact = potential_.contact();
+    if (!contact || !(contact->is_stiff() || in_contact_)) return;
+    in_contact_ = contact->is_stiff();
+    multigrid_.use_stiffness(in_contact_);
+    if (encoder_) encoder_->use_stiffness(in_contact_);
+    if (!in_contact_) return;
+    update_graph_.run([&] {
+      const NodalStiffness k = contact->nodal_stiffness(potential_.nodal_rotation());
+      multigrid_.set_nodal_stiffness(k);
+      if (encoder_) encoder_->set_nodal_stiffness(k);
+    });
+  }
+
+  /// R^T q into the cycle; read(n, v) gives the values q of a node.
   template <class Read>
   void turn(const Read& read) {
     const float* rotation = potential_.nodal_rotation();
+    const ResidualInput<float> input = multigrid_.input();
     float* turned = r_.data();
     cuda::for_each(potential_.nodes(), [=] __device__(int64_t n) {
       const float* R = rotation + 9 * n;
       float v[3];
       read(n, v);
+      float r[3];
       for (int i = 0; i < 3; ++i)
-        turned[3 * n + i] = R[i] * v[0] + R[3 + i] * v[1] + R[6 + i] * v[2];
+        turned[3 * n + i] = r[i] = R[i] * v[0] + R[3 + i] * v[1] + R[6 + i] * v[2];
+      input.set(n, r);
     });
   }
 
   /// V-cycle and encoder on what turn() has left.
   void cycle() {
-    graph_.run([&] {
-      multigrid_.apply(r_.data(), z_.data());
+    (in_contact_ ? contact_graph_ : graph_).run([&] {
+      multigrid_.cycle(z_.data());
       if (encoder_) encoder_->add(r_.data(), z_.data());
     });
   }
@@ -71,7 +101,8 @@ class DevicePreconditioner {
   DeviceMultigrid<float> multigrid_;
   std::optional<DeviceEncoder<float>> encoder_;
   DeviceArray<float> r_, z_;
-  DeviceGraph graph_;
+  DeviceGraph graph_, contact_graph_, update_graph_;
+  bool in_contact_ = false;
 };
 
 }  // namespace elastogen::cuda

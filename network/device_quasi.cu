@@ -252,12 +252,15 @@ void DeviceQuasi::Impl::move(const Iteration<T>& it, double a) {
 template <class T>
 bool DeviceQuasi::Impl::line_search(Iteration<T>& it, PotentialValue& value, int& evaluations) {
   const double noise = potential.host().noise(value, std::numeric_limits<T>::epsilon());
+  DeviceContact* contact = potential.contact();
+  if (contact) contact->cut_step(u.data(), trial_u.data());
   double a = 1;
   for (int halvings = 0; halvings <= kMostHalvings; ++halvings, a /= 2) {
     if (halvings > 0) move(it, a);
     potential.start_gradient<T>(trial_u.data(), it.trial_gradient.data());
     it.measure_trial(u.data(), trial_u.data(), potential.inertia_terms());
     synchronise();
+    if (contact && halvings == 0) a = contact->share();
     ++evaluations;
     const Numbers& found = it.numbers[0];
     if (!(found.slope < 0)) return false;
@@ -290,6 +293,7 @@ IterationResult DeviceQuasi::Impl::solve(double target, int max_outer,
     const bool stalled = sizeof(T) == 4 && result.outer - halved_at > kPatience;
     result.converged = residual <= target;
     if (result.converged || stalled || result.outer == max_outer || interrupted()) return result;
+    first->update_contact(u.data(), value.contact != 0);
     it.find_direction(*first, u.data(), trial_u.data());
     if (!line_search(it, value, result.inner)) {
       if (it.products.count == 0) return result;
@@ -356,6 +360,10 @@ void DeviceQuasi::begin_step() {
 
 void DeviceQuasi::download_u(double* u) {
   impl_->u.download(u);
+}
+
+void DeviceQuasi::update_contact(bool touching) {
+  impl_->first->update_contact(impl_->u.data(), touching);
 }
 
 void DeviceQuasi::set_nodal_rotations(const double* u) {

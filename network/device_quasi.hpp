@@ -14,8 +14,7 @@ class DevicePreconditioner;
 class DeviceQuasi {
  public:
   /// On the tables of both, which must outlive it.
-  /// @throws Error (usage) for colliders and nets without a table, (resources) where the device has
-  ///         no room.
+  /// @throws Error (usage) for nets without a table, (resources) where the device has no room.
   DeviceQuasi(const IncrementalPotential& potential, const Preconditioner<float>& first);
   /// Without a first matrix there are no iterations: for the displacement and the potential.
   explicit DeviceQuasi(const IncrementalPotential& potential);
@@ -42,6 +41,7 @@ class DeviceQuasi {
   // the same with arrays of the host, for tests and benchmarks
   void begin_step();  ///< takes the step that the host's potential has begun
   void set_nodal_rotations(const double* u);
+  void update_contact(bool touching);  ///< freezes its stiffness at u(); false: there is none
   void download_u(double* u);
   IterationResult solve(double* u, double target, int max_outer, bool float64,
                         const std::function<bool()>& interrupted);

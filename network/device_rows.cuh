@@ -62,6 +62,58 @@ __device__ inline int corner_offset(int c) {
   return (c & 1) + (c & 2 ? 9 : 0) + (c & 4 ? 81 : 0);
 }
 
+/// Nodes of a tile that a thread reads and finishes; it asks for all of them before it waits.
+inline constexpr int kNodes = (kTile + kThreads - 1) / kThreads;
+
+template <class T, class Read>
+__device__ inline void read_tile(const RowsView& g, int32_t begin, int32_t end, const Read& read,
+                                 T* in) {
+  const int64_t reference = __ldg(g.tile_node + begin);
+  int32_t node[kNodes], place[kNodes];
+  T value[kNodes][3];
+#pragma unroll
+  for (int j = 0; j < kNodes; ++j) {
+    const int32_t k = begin + int32_t(threadIdx.x) + j * kThreads;
+    node[j] = k < end ? __ldg(g.tile_node + k) : -1;
+    place[j] = k < end ? __ldg(g.tile_place + k) : 0;
+  }
+#pragma unroll
+  for (int j = 0; j < kNodes; ++j)
+    if (node[j] >= 0) read(int64_t(node[j]), reference, value[j]);
+#pragma unroll
+  for (int j = 0; j < kNodes; ++j)
+    if (node[j] >= 0)
+      for (int i = 0; i < 3; ++i) in[i * kTile + place[j]] = value[j][i];
+}
+
+template <class T, class Finish>
+__device__ inline void finish_tile(const RowsView& g, int32_t begin, int32_t end,
+                                   const Finish& finish, const T* given, T* parts) {
+  int32_t node[kNodes], part[kNodes], place[kNodes];
+#pragma unroll
+  for (int j = 0; j < kNodes; ++j) {
+    const int32_t k = begin + int32_t(threadIdx.x) + j * kThreads;
+    node[j] = k < end ? __ldg(g.tile_node + k) : -1;
+    part[j] = k < end ? __ldg(g.tile_part + k) : 0;
+    place[j] = k < end ? __ldg(g.tile_place + k) : 0;
+  }
+#pragma unroll
+  for (int j = 0; j < kNodes; ++j) {
+    if (node[j] < 0) continue;
+    T sum[3];
+    for (int i = 0; i < 3; ++i) sum[i] = given[i * kTile + place[j]];
+    if (part[j] < 0)
+      finish(int64_t(node[j]), sum);
+    else
+      for (int i = 0; i < 3; ++i) parts[3 * int64_t(part[j]) + i] = sum[i];
+  }
+}
+
+/// Row r, or one without voxels behind the last.
+__device__ inline VoxelRow row_at(const RowsView& g, int32_t r, int32_t end) {
+  return r < end ? g.rows[r] : VoxelRow{};
+}
+
 template <class T, class Sums, class Read, class Voxel, class Finish>
 __global__ void __launch_bounds__(kThreads, sizeof(T) == 4 ? 2 : 1)
     voxel_kernel(RowsView g, T* parts, Sums* sums, Read read, Voxel voxel, Finish finish) {
@@ -69,25 +121,26 @@ __global__ void __launch_bounds__(kThreads, sizeof(T) == 4 ? 2 : 1)
   T *const in = reinterpret_cast<T*>(room), *const given = in + 3 * kTile;
   const int64_t b = blockIdx.x;
   const int32_t begin = g.tile_begin[b], end = g.tile_begin[b + 1], row_end = g.row_begin[b + 1];
+  const int lane = int(threadIdx.x) % kLanes;
+  int32_t r = g.row_begin[b] + int32_t(threadIdx.x) / kLanes;
+  VoxelRow next = row_at(g, r, row_end);
+  begin_kernel();
   for (int k = threadIdx.x; k < 3 * kTile; k += kThreads) given[k] = 0;
-  for (int k = begin + int(threadIdx.x); k < end; k += kThreads) {
-    T value[3];
-    read(int64_t(g.tile_node[k]), int64_t(g.tile_node[begin]), value);
-    for (int i = 0; i < 3; ++i) in[i * kTile + g.tile_place[k]] = value[i];
-  }
+  read_tile(g, begin, end, read, in);
   __syncthreads();
   Sums mine;
-  const int lane = int(threadIdx.x) % kLanes;
   for (int32_t first = g.row_begin[b]; first < row_end; first += kThreads / kLanes) {
-    const int32_t r = first + int(threadIdx.x) / kLanes;
-    const VoxelRow row = r < row_end ? g.rows[r] : VoxelRow{};
-    const bool there = r < row_end && (row.mask >> lane & 1);
+    const VoxelRow row = next;
+    const int64_t number = r;
+    r += kThreads / kLanes;
+    next = row_at(g, r, row_end);
+    const bool there = row.mask >> lane & 1;
     const int place = row.offset + lane;
     T u[3][8], f[3][8];
     if (there) {
       for (int i = 0; i < 3; ++i)
         for (int c = 0; c < 8; ++c) u[i][c] = in[i * kTile + place + corner_offset(c)], f[i][c] = 0;
-      voxel(row, int64_t(r), lane, u, f, mine);
+      voxel(row, number, lane, u, f, mine);
     }
     for (int c = 0; c < 8; ++c) {
       __syncthreads();
@@ -96,15 +149,7 @@ __global__ void __launch_bounds__(kThreads, sizeof(T) == 4 ? 2 : 1)
     }
   }
   __syncthreads();
-  for (int k = begin + int(threadIdx.x); k < end; k += kThreads) {
-    T sum[3];
-    for (int i = 0; i < 3; ++i) sum[i] = given[i * kTile + g.tile_place[k]];
-    const int32_t part = g.tile_part[k];
-    if (part < 0)
-      finish(int64_t(g.tile_node[k]), sum);
-    else
-      for (int i = 0; i < 3; ++i) parts[3 * int64_t(part) + i] = sum[i];
-  }
+  finish_tile(g, begin, end, finish, given, parts);
   if constexpr (!std::is_same_v<Sums, NoSums>) {
     static_assert(kThreads * sizeof(Sums) <= kSharedBytes<T>);
     __syncthreads();
@@ -127,8 +172,7 @@ void for_each_voxel(const DeviceRows& rows, T* parts, Sums* sums, const Read& re
   const auto kernel = bricks::voxel_kernel<T, Sums, Read, Voxel, Finish>;
   constexpr int kBytes = bricks::kSharedBytes<T>;
   check(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, kBytes));
-  kernel<<<unsigned(g.bricks), bricks::kThreads, kBytes>>>(g, parts, sums, read, voxel, finish);
-  check(cudaGetLastError());
+  launch(kernel, unsigned(g.bricks), bricks::kThreads, kBytes, g, parts, sums, read, voxel, finish);
   cuda::for_each(g.shared, [=] __device__(int64_t s) {
     T sum[3] = {};
     for (int32_t p = g.shared_begin[s]; p < g.shared_begin[s + 1]; ++p)

@@ -20,6 +20,11 @@ struct StencilView {
   T *r, *z, *other, *partial;  ///< partial: (bricks + 1, kPartial, 3)
   int32_t bricks, nodes;
   T first, keep, add;  ///< of the Chebyshev polynomial
+  T* added = nullptr;  ///< further stiffness of the diagonal, (bricks + 1, kSlots, 3), or nullptr
+  int32_t* stiff = nullptr;  ///< bricks in which it is not all 0, (bricks + 1)
+
+  /// The inverse of a diagonal that has `more` added.
+  __device__ static T with_added(T inverse, T more) { return inverse / (1 + inverse * more); }
 };
 
 /// Takes r of a slot, and starts the smoother from it; leaves slots without a free node alone.
@@ -28,11 +33,27 @@ __device__ inline void set_residual(const StencilView<T>& v, int slot, const T r
   const int64_t row = v.row[slot], k = 3 * int64_t(slot);
   if (row == 0) return;
   const T* inverse = v.rows + row * stencil::kRow + 27;
+  const bool stiff = v.added != nullptr && v.stiff[slot / stencil::kSlots] != 0;
   for (int i = 0; i < 3; ++i) {
+    T of = inverse[i * stencil::kComponent];
+    if (stiff) of = v.with_added(of, v.added[k + i]);
     v.r[k + i] = r[i];
-    v.other[k + i] = v.first * inverse[i * stencil::kComponent] * r[i];
+    v.other[k + i] = v.first * of * r[i];
   }
 }
+
+/// Where the residual of a cycle goes.
+template <class T>
+struct ResidualInput {
+  StencilView<T> finest;
+  T scale;
+
+  /// Of a node, free or pinned.
+  __device__ void set(int64_t n, const T r[3]) const {
+    const T value[3] = {scale * r[0], scale * r[1], scale * r[2]};
+    set_residual(finest, finest.slot[n], value);
+  }
+};
 
 /// r of a coarse slot from the finer level's partial sums: those of the brick that begins at its
 /// node or holds it, and of the bricks before that end there.

@@ -33,9 +33,11 @@ __device__ inline T updated(const StencilView<T>& v, Pass pass, T p, T before, T
 /// @param at     tile, one node before the lowest along each axis.
 /// @param own    r of the lowest, which the result replaces.
 /// @param old    z of the lowest.
-template <class T, int kRun>
+/// @param added  further stiffness of the lowest, nullptr: none.
+template <class T, int kRun, bool kAdded>
 __device__ inline void update_column(const StencilView<T>& v, Pass pass, int component,
-                                     const int32_t row[kRun], const T* at, T* own, const T* old) {
+                                     const int32_t row[kRun], const T* at, T* own, const T* old,
+                                     const T* added) {
   T planes[3][9], weights[kComponent];
   load_plane(at, planes[0]);
   load_plane(at + 10 * kPitch, planes[1]);
@@ -52,9 +54,31 @@ __device__ inline void update_column(const StencilView<T>& v, Pass pass, int com
         sum[plane] += weights[9 * plane + k] * planes[(j + plane) % 3][k];
     const int place = 64 * 3 * j;
     const T before = pass == Pass::kSecond ? old[place] : T(0);
-    const T residual = own[place] - ((sum[0] + sum[1]) + sum[2]);
-    own[place] = updated(v, pass, planes[(j + 1) % 3][4], before, weights[27], residual);
+    const T p = planes[(j + 1) % 3][4];
+    T residual = own[place] - ((sum[0] + sum[1]) + sum[2]), inverse = weights[27];
+    if (kAdded && added != nullptr) {
+      residual -= added[place] * p;
+      inverse = v.with_added(inverse, added[place]);
+    }
+    own[place] = updated(v, pass, p, before, inverse, residual);
   }
+}
+
+/// One component of a single node whose weights are there already.
+template <class T>
+__device__ inline void update_node(const StencilView<T>& v, Pass pass, const T weights[kComponent],
+                                   const T* at, T* own, const T* old) {
+  T sum[3] = {};
+#pragma unroll
+  for (int plane = 0; plane < 3; ++plane) {
+    T values[9];
+    load_plane(at + 10 * kPitch * plane, values);
+#pragma unroll
+    for (int k = 0; k < 9; ++k) sum[plane] += weights[9 * plane + k] * values[k];
+  }
+  const T before = pass == Pass::kSecond ? *old : T(0);
+  const T residual = *own - ((sum[0] + sum[1]) + sum[2]);
+  *own = updated(v, pass, at[10 * kPitch + kPitch + 3], before, weights[27], residual);
 }
 
 /// Results of a brick to where the pass leaves them.
@@ -72,7 +96,8 @@ __device__ inline void store(const StencilView<T>& v, Pass pass, int64_t brick, 
 /// A pass over one brick by a block of 512 / kRun threads.
 /// @param room  kSharedBytes<T> of shared memory, aligned to 16.
 /// @param out   z by node, (nodes, 3), for the last pass of the finest level; else nullptr.
-template <class T, int kRun>
+/// @tparam kAdded  the view has a further stiffness.
+template <class T, int kRun, bool kAdded>
 __device__ inline void run_pass(const StencilView<T>& v, Pass pass, int64_t brick, T* room,
                                 T* out) {
   constexpr int kThreads = kSlots / kRun;
@@ -84,16 +109,31 @@ __device__ inline void run_pass(const StencilView<T>& v, Pass pass, int64_t bric
   load_brick<T, kThreads>(v.r + brick * kBrick, own);
   if (pass == Pass::kSecond) load_brick<T, kThreads>(v.z + brick * kBrick, old);
   __pipeline_commit();
-  int32_t row[kRun], any = 0;
-  for (int j = 0; j < kRun; ++j) any |= row[j] = v.row[brick * kSlots + place + 64 * j];
-  __pipeline_wait_prior(0);
-  __syncthreads();
-  // r and the result are 0 where there is no free node; short runs load all their weights at once
+  // r and the result are 0 where there is no free node
   const T* const at = room + kPitch * (y + 10 * z) + 3 * x + 1;
-#pragma unroll(kRun == 1 ? 3 : 1)
-  for (int i = 0; i < 3; ++i)
-    if (any != 0)
-      update_column<T, kRun>(v, pass, i, row, at + i, own + 3 * place + i, old + 3 * place + i);
+  if constexpr (kRun == 1 && sizeof(T) == 4 && !kAdded) {  // all weights come while the values do
+    const int32_t row = v.row[brick * kSlots + place];
+    T weights[3][kComponent];
+    for (int i = 0; i < 3; ++i)
+      if (row != 0) load_weights(v.rows + int64_t(row) * kRow + i * kComponent, weights[i]);
+    __pipeline_wait_prior(0);
+    __syncthreads();
+    for (int i = 0; i < 3; ++i)
+      if (row != 0)
+        update_node(v, pass, weights[i], at + i, own + 3 * place + i, old + 3 * place + i);
+  } else {
+    int32_t row[kRun], any = 0;
+    for (int j = 0; j < kRun; ++j) any |= row[j] = v.row[brick * kSlots + place + 64 * j];
+    __pipeline_wait_prior(0);
+    __syncthreads();
+    const T* added = nullptr;
+    if (kAdded && v.stiff[brick] != 0) added = v.added + brick * kBrick + 3 * place;
+#pragma unroll 1
+    for (int i = 0; i < 3; ++i)
+      if (any != 0)
+        update_column<T, kRun, kAdded>(v, pass, i, row, at + i, own + 3 * place + i,
+                                       old + 3 * place + i, added == nullptr ? added : added + i);
+  }
   __syncthreads();
   store<T, kThreads>(v, pass, brick, own, out);
 }

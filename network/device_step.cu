@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/parallel.hpp"
 #include "network/device.hpp"
+#include "network/device_budget.cuh"
 #include "network/device_newton.hpp"
 #include "network/device_paper.hpp"
 #include "network/device_pieces.cuh"
@@ -41,11 +42,14 @@ class StepOnDevice : public DeviceStep {
   void upload(const State& state) override;
   void download(State& state, StateParts parts) override;
   bool has_before() const override { return has_before_; }
-  void begin_step(const StepScheme& scheme) override;
+  void begin_step(const StepScheme& scheme, double time) override;
+  const Collider* clear_start() override;
   double farthest() override;
   void return_to_now() override { copy(potential().now(), quasi_.u()); }
+  void return_to_clear_start() override { copy(clear(), quasi_.u()); }
   double phi() override { return phi_at(quasi_.u()); }
   double phi_now() override { return phi_at(potential().now()); }
+  double phi_clear_start() override { return phi_at(clear()); }
   void set_nodal_rotations() override { quasi_.set_nodal_rotations(); }
   IterationResult solve(double target, int max_outer, bool float64,
                         const std::function<bool()>& interrupted) override {
@@ -61,7 +65,7 @@ class StepOnDevice : public DeviceStep {
   IterationResult paper(const std::function<bool()>& interrupted) override {
     return paper_.value().solve(interrupted);
   }
-  Certificate certify(bool in_flight) override;
+  Certificate certify(bool may_fly) override;
   MotionEnergy finish(bool in_flight) override;
   void download_gradient(double* gradient) const override { gradient_.download(gradient); }
 
@@ -75,11 +79,15 @@ class StepOnDevice : public DeviceStep {
   DevicePotential& potential() { return quasi_.potential(); }
   Motion motion();
   void round_positions();
+  bool balance();
   void find_velocities();
   void find_energies();
 
  private:
   int64_t size() const { return x_.size(); }
+  /// u_now, or in a scene with colliders what clear_start() has made of it, until iterations begin.
+  double* clear() { return potential().contact() ? quasi_.trial_u() : potential().now(); }
+  bool touches();
   void copy(const double* from, double* to) const;
   double phi_at(const double* u);
   void send(const Array<double>& from, DeviceArray<double>& to);
@@ -194,7 +202,7 @@ Motion StepOnDevice::motion() {
   return m;
 }
 
-void StepOnDevice::begin_step(const StepScheme& scheme) {
+void StepOnDevice::begin_step(const StepScheme& scheme, double time) {
   scheme_ = scheme;
   const Motion m = motion();
   double *inertia = potential().inertia(), *predictor = potential().predictor(),
@@ -213,6 +221,12 @@ void StepOnDevice::begin_step(const StepScheme& scheme) {
   });
   potential().freeze_rotations();
   pieces_.start(m.rest, m.mass, m.x, m.x_before, predictor, u);
+  if (DeviceContact* contact = potential().contact()) contact->begin_step(now, time);
+}
+
+const Collider* StepOnDevice::clear_start() {
+  DeviceContact* contact = potential().contact();
+  return contact ? contact->clear_start(potential().now(), clear(), quasi_.u()) : nullptr;
 }
 
 double StepOnDevice::farthest() {
@@ -242,10 +256,29 @@ void StepOnDevice::round_positions() {
   });
 }
 
-Certificate StepOnDevice::certify(bool in_flight) {
-  double* u = quasi_.u();
+/// Whether something feels a collider at u.
+bool StepOnDevice::touches() {
+  DeviceContact* contact = potential().contact();
+  if (!contact) return false;
+  contact->start_evaluation(quasi_.u(), static_cast<double*>(nullptr));
+  synchronise();
+  return contact->energy() != 0;
+}
+
+/// Solver::Impl::balance: whether free pieces got the mean motion of their predictor.
+bool StepOnDevice::balance() {
+  if (touches()) return false;
   const double* aim = potential().predictor();
-  if (in_flight) pieces_.match_means(mass_.data(), u, [=] __device__(int64_t k) { return aim[k]; });
+  if (potential().contact()) copy(quasi_.u(), quasi_.trial_u());
+  pieces_.match_means(mass_.data(), quasi_.u(), [=] __device__(int64_t k) { return aim[k]; });
+  if (!touches()) return true;
+  copy(quasi_.trial_u(), quasi_.u());
+  return false;
+}
+
+Certificate StepOnDevice::certify(bool may_fly) {
+  const bool in_flight = may_fly && balance();
+  const double* u = quasi_.u();
   round_positions();
   potential().start_residual(u, gradient_.data());
   const double* g = gradient_.data();
@@ -260,7 +293,7 @@ Certificate StepOnDevice::certify(bool in_flight) {
         to->square = sum.value[0], to->not_finite = sum.value[1];
       });
   synchronise();
-  Certificate result{potential().value(), std::sqrt(numbers_[0].square), false};
+  Certificate result{potential().value(), std::sqrt(numbers_[0].square), false, in_flight};
   result.finite = std::isfinite(result.value.total()) && std::isfinite(result.size) &&
                   numbers_[0].not_finite == 0;
   return result;
@@ -313,34 +346,7 @@ MotionEnergy StepOnDevice::finish(bool in_flight) {
   return numbers_[0].energy;
 }
 
-}  // namespace
-
-bool has_device() {
-  int count = 0;
-  return cudaGetDeviceCount(&count) == cudaSuccess && count > 0;
-}
-
-std::string device_name() {
-  cudaDeviceProp properties;
-  int device = 0;
-  check(cudaGetDevice(&device));
-  check(cudaGetDeviceProperties(&properties, device));
-  return properties.name;
-}
-
-namespace {
-
-size_t free_bytes() {
-  size_t free = 0, total = 0;
-  check(cudaMemGetInfo(&free, &total));
-  return free;
-}
-
-int64_t mebibytes(size_t bytes) {
-  return int64_t((bytes >> 20) + 1);
-}
-
-/// What a step is made of: it is made twice where there is no room, the second time to count.
+/// What a step is made of.
 struct Recipe {
   const IncrementalPotential& potential;
   const Preconditioner<float>* first;
@@ -349,39 +355,18 @@ struct Recipe {
   std::unique_ptr<StepOnDevice> make() const {
     return std::make_unique<StepOnDevice>(potential, first, paper);
   }
-  /// What the scene takes on the device before its clip ends.
-  size_t bytes() const {
-    const RoomCount count;
-    const auto counted = make();
-    return count.bytes() + counted->later_bytes();
-  }
 };
-
-std::unique_ptr<DeviceStep> within_budget(const Recipe& recipe) {
-  const size_t room = free_bytes();
-  try {
-    auto step = recipe.make();
-    if (step->later_bytes() <= free_bytes()) return step;
-  } catch (const Error& error) {
-    if (error.kind() != ErrorKind::kResources) throw;
-    if (recipe.bytes() <= room) throw;  // it was not for want of room
-  }
-  throw Error(concat("the scene needs ", mebibytes(recipe.bytes()),
-                     " MiB of the card's memory, of which ", mebibytes(room),
-                     " are free: a coarser grid (--voxels) needs less, and --device cpu none"),
-              ErrorKind::kResources);
-}
 
 }  // namespace
 
 std::unique_ptr<DeviceStep> make_device_step(const IncrementalPotential& potential,
                                              const Preconditioner<float>& first) {
-  return within_budget({potential, &first, nullptr});
+  return within_budget(Recipe{potential, &first, nullptr});
 }
 
 std::unique_ptr<DeviceStep> make_device_step(const IncrementalPotential& potential,
                                              const PaperLoops& loops) {
-  return within_budget({potential, nullptr, &loops});
+  return within_budget(Recipe{potential, nullptr, &loops});
 }
 
 }  // namespace elastogen::cuda

@@ -3,7 +3,7 @@
 
 namespace elastogen::cuda {
 
-void DevicePotential::Impl::linearise(const double* u) {
+void DevicePotential::Impl::linearise(const double* u, TangentKind kind) {
   if (tangent.size() == 0) tangent = DeviceArray<float>(rows.row_count() * 45 * kLanes);
   float* to = tangent.data();
   const VoxelTables<float> table = voxels<float>();
@@ -16,7 +16,7 @@ void DevicePotential::Impl::linearise(const double* u) {
                      float[3][8], NoSums&) {
         const VoxelData<float> data = table.data(row, r, lane);
         const Respond<float, true> respond{data.law, table.materials[row.material].table};
-        const Tangent<float> t = voxel_tangent<true>(data, respond, corner);
+        const Tangent<float> t = voxel_tangent<true>(data, respond, corner, kind);
         for (int k = 0; k < 45; ++k) to[(r * 45 + k) * kLanes + lane] = t.m[k];
       },
       [=] __device__(int64_t, const float*) {});
@@ -45,13 +45,15 @@ void DevicePotential::Impl::hessian_product(const T* p, T* product) {
       });
 }
 
-void DevicePotential::linearise(const double* u) {
-  impl_->linearise(u);
+void DevicePotential::linearise(const double* u, TangentKind kind, bool touching) {
+  impl_->linearise(u, kind);
+  if (impl_->contact) impl_->contact->linearise(u, touching);
 }
 
 template <class T>
 void DevicePotential::hessian_product(const T* p, T* product) {
   impl_->hessian_product(p, product);
+  if (impl_->contact) impl_->contact->add_hessian_product(p, product);
 }
 
 template void DevicePotential::hessian_product(const float*, float*);

@@ -279,7 +279,7 @@ PotentialValue IncrementalPotential::residual(const double* u, double* gradient)
   return value;
 }
 
-void IncrementalPotential::linearise(const double* u) {
+void IncrementalPotential::linearise(const double* u, TangentKind kind) {
   tangent_.resize(size_t(rows_.row_count()) * 45 * kLanes);
   for_each_row(
       rows_, scratch_float_, no_sums_,
@@ -290,8 +290,8 @@ void IncrementalPotential::linearise(const double* u) {
         VoxelData<Pack<float>> data;
         read_voxel_data<float>(r, data);
         const Tangent<Pack<float>> t = rows_.rows[size_t(r)].border >= 0
-                                           ? voxel_tangent<true>(data, corner)
-                                           : voxel_tangent<false>(data, corner);
+                                           ? voxel_tangent<true>(data, corner, kind)
+                                           : voxel_tangent<false>(data, corner, kind);
         for (int k = 0; k < 45; ++k) store(tangent_.data() + (r * 45 + k) * kLanes, t.m[k]);
         for (int i = 0; i < 3; ++i)
           for (int c = 0; c < 8; ++c) f[i][c] = Pack<float>{};

@@ -59,8 +59,9 @@ class IncrementalPotential {
   /// The same in float64 with the smallest Jacobians, for the certificate.
   PotentialValue residual(const double* u, double* gradient);
 
-  /// Freezes the projected Hessian at u; hessian_product then gives A p, 0 on pinned nodes.
-  void linearise(const double* u);
+  /// Freezes the Hessian at u, that of the contact projected in both kinds; hessian_product then
+  /// gives A p, 0 on pinned nodes.
+  void linearise(const double* u, TangentKind kind = TangentKind::kProjected);
   /// The part of linearise that belongs to the contact.
   void linearise_contact(const double* u) { contact_.linearise(u); }
   void hessian_product(const float* p, float* product);

@@ -7,6 +7,7 @@
 #include "core/hex8.hpp"
 #include "core/principal.hpp"
 #include "core/scene.hpp"
+#include "core/strain_law.hpp"
 #include "network/learned_law.hpp"
 
 namespace elastogen {
@@ -24,18 +25,30 @@ struct VoxelData {
   T R[9];  ///< rotation at the start of the step
 };
 
-/// F = I + du/dX, the mean over the fill.
+/// H = du/dX, the mean over the fill, from pattern sums.
 template <bool kBorder, class T>
-ELASTOGEN_HD inline Mat3<T> deformation_gradient(const VoxelData<T>& v, const T g[3][8]) {
+ELASTOGEN_HD inline Mat3<T> displacement_gradient(const VoxelData<T>& v, const T g[3][8]) {
   const Scalar<T> scale = 1 / (4 * v.h);
-  Mat3<T> F;
+  Mat3<T> H;
   for (int i = 0; i < 3; ++i) {
     T d[3];
     hex8::gradient<kBorder>(g[i], v.M, d);
-    for (int j = 0; j < 3; ++j) F(i, j) = d[j] * scale;
-    F(i, i) = F(i, i) + 1;
+    for (int j = 0; j < 3; ++j) H(i, j) = d[j] * scale;
   }
+  return H;
+}
+
+/// F = I + H.
+template <class T>
+ELASTOGEN_HD inline Mat3<T> plus_identity(const Mat3<T>& H) {
+  Mat3<T> F = H;
+  for (int i = 0; i < 3; ++i) F(i, i) = F(i, i) + 1;
   return F;
+}
+
+template <bool kBorder, class T>
+ELASTOGEN_HD inline Mat3<T> deformation_gradient(const VoxelData<T>& v, const T g[3][8]) {
+  return plus_identity(displacement_gradient<kBorder>(v, g));
 }
 
 /// Energy of the strain-variance and torsion terms [J]; adds its derivative in the pattern sums to
@@ -64,8 +77,31 @@ struct VoxelEnergy {
   T elastic, hourglass, J, outside;
 };
 
+/// psi, P and det F at F = I + H by stretches.
+/// @param outside  as that of the response.
+template <class T, class Respond>
+ELASTOGEN_HD inline StrainResponse<T> stress_by_stretches(const Respond& respond, const Mat3<T>& H,
+                                                          T& outside) {
+  const Svd3<T> F = svd3(plus_identity(H));
+  const Response<T> r = respond(F.sigma, outside);
+  return {r.psi, F.sigma[0] * F.sigma[1] * F.sigma[2], first_piola(F, r.t)};
+}
+
+/// Response of a voxel's material: that of its net, or of its law.
+template <class T>
+struct MaterialResponse {
+  const LearnedLaw* learned;
+  LawParameters<Scalar<T>> law;
+
+  bool has_net() const { return learned != nullptr; }
+  Response<T> operator()(const T sigma[3], T& outside) const {
+    return material_response<false>(learned, law, sigma, outside);
+  }
+};
+
 /// Energy of a voxel and its derivative f [N] in the corner displacements u [m] (component,
-/// corner); `respond(sigma, outside)` is the response of its material.
+/// corner); `respond(sigma, outside)` is the response of its material to stretches, has_net() of it
+/// whether that is another one than its law's, which may need none.
 template <bool kBorder, class T, class Respond>
 ELASTOGEN_HD inline VoxelEnergy<T> voxel_energy(const VoxelData<T>& v, const Respond& respond,
                                                 const T u[3][8], T f[3][8]) {
@@ -75,16 +111,18 @@ ELASTOGEN_HD inline VoxelEnergy<T> voxel_energy(const VoxelData<T>& v, const Res
     for (int c = 0; c < 8; ++c) g[i][c] = u[i][c], f[i][c] = T{};
     hex8::to_patterns(g[i]);
   }
-  const Svd3<T> F = svd3(deformation_gradient<kBorder>(v, g));
   VoxelEnergy<T> energy;
-  const Response<T> r = respond(F.sigma, energy.outside);
-  const Mat3<T> P = first_piola(F, r.t);
+  const Mat3<T> H = displacement_gradient<kBorder>(v, g);
+  StrainResponse<T> r;
+  energy.outside = T{};
+  if (respond.has_net() || !is_law_of_strain(v.law.law) || !strain_response(v.law, H, r))
+    r = stress_by_stretches(respond, H, energy.outside);
 
   energy.elastic = v.phi * (v.h * v.h * v.h) * r.psi;
-  energy.J = F.sigma[0] * F.sigma[1] * F.sigma[2];
+  energy.J = r.J;
   const T weight = v.phi * (v.h * v.h * S(0.25));  // phi h^3 / (4 h)
   for (int i = 0; i < 3; ++i) {
-    const T d[3] = {P(i, 0) * weight, P(i, 1) * weight, P(i, 2) * weight};
+    const T d[3] = {r.P(i, 0) * weight, r.P(i, 1) * weight, r.P(i, 2) * weight};
     hex8::add_gradient_transposed<kBorder>(d, v.M, f[i]);
   }
   energy.hourglass = hourglass_energy<kBorder>(v, g, f);
@@ -95,10 +133,7 @@ ELASTOGEN_HD inline VoxelEnergy<T> voxel_energy(const VoxelData<T>& v, const Res
 /// The same by the voxel's own material.
 template <bool kBorder, class T>
 inline VoxelEnergy<T> voxel_energy(const VoxelData<T>& v, const T u[3][8], T f[3][8]) {
-  const auto respond = [&](const T sigma[3], T& outside) {
-    return material_response<false>(v.learned, v.law, sigma, outside);
-  };
-  return voxel_energy<kBorder>(v, respond, u, f);
+  return voxel_energy<kBorder>(v, MaterialResponse<T>{v.learned, v.law}, u, f);
 }
 
 /// Smallest det F over the corners of a voxel: there the gradient is the difference along edges.
@@ -118,17 +153,21 @@ ELASTOGEN_HD inline T corner_jacobian(const T u[3][8], Scalar<T> h) {
   return least;
 }
 
-/// Upper triangle of the projected d2psi/dF2 [Pa], row-major over the nine entries of F.
+/// Upper triangle of d2psi/dF2 [Pa], row-major over the nine entries of F.
 template <class T>
 struct Tangent {
   T m[45];
 };
 
-/// Projected tangent of a voxel at corner displacements u; `respond(sigma, outside)` is the
-/// response of its material, with second derivatives.
+/// The Hessian as it is, or its positive semi-definite part voxel by voxel.
+enum class TangentKind { kTrue, kProjected };
+
+/// Tangent of a voxel at corner displacements u; `respond(sigma, outside)` is the response of its
+/// material, with second derivatives.
 template <bool kBorder, class T, class Respond>
 ELASTOGEN_HD inline Tangent<T> voxel_tangent(const VoxelData<T>& v, const Respond& respond,
-                                             const T u[3][8]) {
+                                             const T u[3][8],
+                                             TangentKind kind = TangentKind::kProjected) {
   T g[3][8];
   for (int i = 0; i < 3; ++i) {
     for (int c = 0; c < 8; ++c) g[i][c] = u[i][c];
@@ -137,7 +176,8 @@ ELASTOGEN_HD inline Tangent<T> voxel_tangent(const VoxelData<T>& v, const Respon
   const Svd3<T> F = svd3(deformation_gradient<kBorder>(v, g));
   T outside;
   const Response<T> r = respond(F.sigma, outside);
-  const PrincipalHessian<T> H = positive_part(principal_hessian(F.sigma, r));
+  PrincipalHessian<T> H = principal_hessian(F.sigma, r);
+  if (kind == TangentKind::kProjected) H = positive_part(H);
   Tangent<T> result;
   for (int row = 0, k = 0; row < 9; ++row) {
     Mat3<T> unit{};
@@ -150,11 +190,12 @@ ELASTOGEN_HD inline Tangent<T> voxel_tangent(const VoxelData<T>& v, const Respon
 
 /// The same by the voxel's own material.
 template <bool kBorder, class T>
-inline Tangent<T> voxel_tangent(const VoxelData<T>& v, const T u[3][8]) {
+inline Tangent<T> voxel_tangent(const VoxelData<T>& v, const T u[3][8],
+                                TangentKind kind = TangentKind::kProjected) {
   const auto respond = [&](const T sigma[3], T& outside) {
     return material_response<true>(v.learned, v.law, sigma, outside);
   };
-  return voxel_tangent<kBorder>(v, respond, u);
+  return voxel_tangent<kBorder>(v, respond, u, kind);
 }
 
 /// Product f of a voxel's Hessian with the direction p; `stress(dF, dP)` is the tangent's part.
@@ -178,7 +219,7 @@ ELASTOGEN_HD inline void hessian_product(const VoxelData<T>& v, const Stress& st
   for (int i = 0; i < 3; ++i) hex8::to_corners(f[i]);
 }
 
-/// Hessian with a projected tangent.
+/// Hessian with a tangent.
 template <bool kBorder, class T>
 ELASTOGEN_HD inline void voxel_hessian(const VoxelData<T>& v, const Tangent<T>& tangent,
                                        const T p[3][8], T f[3][8]) {

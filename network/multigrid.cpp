@@ -136,17 +136,23 @@ struct Multigrid<T>::Level {
     using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic>;
     const Eigen::Index n = grid.nodes;
     for (int i = 0; i < 3; ++i) {
-      Matrix A = elastic[i];
-      for (Eigen::Index k = 0; k < n; ++k) A(k, k) += double(added[size_t(3 * k + i)]);
-      for (Eigen::Index k = 0; k < n; ++k) {
-        if (!grid.pinned[size_t(k)]) continue;
-        A.row(k).setZero();
-        A.col(k).setZero();
-        A(k, k) = 1;
-      }
-      const Matrix result = A.llt().solve(Matrix::Identity(n, n));
+      const Matrix result = dense_operator(i).llt().solve(Matrix::Identity(n, n));
       inverse[i] = ((result + result.transpose()) / 2).template cast<T>();
     }
+  }
+
+  /// The operator of a component, 1 on the diagonal of pinned nodes.
+  Eigen::MatrixXd dense_operator(int i) const {
+    const Eigen::Index n = grid.nodes;
+    Eigen::MatrixXd A = elastic[i];
+    for (Eigen::Index k = 0; k < n; ++k) A(k, k) += double(added[size_t(3 * k + i)]);
+    for (Eigen::Index k = 0; k < n; ++k) {
+      if (!grid.pinned[size_t(k)]) continue;
+      A.row(k).setZero();
+      A.col(k).setZero();
+      A(k, k) = 1;
+    }
+    return A;
   }
 
   /// The elastic parts of the three operators as dense matrices.
@@ -296,11 +302,17 @@ MultigridLevel<T> Multigrid<T>::level(int l) const {
   const Level& from = *levels_[size_t(l)];
   const LevelGrid& grid = from.grid;
   std::vector<T> inverses;
-  for (const auto& inverse : from.inverse)
+  std::vector<double> operators;
+  for (int i = 0; i < 3; ++i) {
+    const auto& inverse = from.inverse[i];
+    if (inverse.size() == 0) continue;
     inverses.insert(inverses.end(), inverse.data(), inverse.data() + inverse.size());
-  return {grid.rows,   from.moduli,     from.added, from.inverse_diagonal,
-          grid.pinned, grid.node_coord, inverses,   from.lambda_max,
-          grid.unit,   grid.nodes};
+    const Eigen::MatrixXd A = from.dense_operator(i);
+    operators.insert(operators.end(), A.data(), A.data() + A.size());
+  }
+  return {grid.rows,       from.moduli,     from.added, from.inverse_diagonal,
+          grid.pinned,     grid.node_coord, inverses,   operators,
+          from.lambda_max, grid.unit,       grid.nodes};
 }
 
 template class Multigrid<float>;

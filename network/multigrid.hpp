@@ -29,7 +29,8 @@ struct MultigridLevel {
   const std::vector<uint8_t>& pinned;      ///< (nodes)
   const Array<int32_t>& node_coord;        ///< lattice coordinates of this level, (nodes, 3)
   std::vector<T> inverses;  ///< dense, row-major, (3, nodes, nodes); empty where the cycle smooths
-  double lambda_max, unit;  ///< bound of the smoother; [N/m], what the operator is divided by
+  std::vector<double> operators;  ///< what they are the inverses of
+  double lambda_max, unit;        ///< bound of the smoother; [N/m], what the operator is divided by
   int64_t nodes;
 };
 

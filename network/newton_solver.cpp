@@ -9,6 +9,13 @@
 
 namespace elastogen {
 
+namespace {
+
+constexpr int kCreep = 20;        // Newton steps
+constexpr int kMostFailures = 4;  // to shorten a step by 2^12 and the region after it by 2^6
+
+}  // namespace
+
 double forcing_term(double residual, double before, double last, double target) {
   double eta = 0.1;
   if (before > 0) {
@@ -17,6 +24,25 @@ double forcing_term(double residual, double before, double last, double target) 
     eta = std::min(eta, 0.1);
   }
   return std::max(eta, 0.5 * target / residual);
+}
+
+void NewtonRegion::begin() {
+  tangent_ = bounded_ ? TangentKind::kTrue : TangentKind::kProjected;
+  region_ = {};
+  steps_ = failures_ = 0;
+  bounded_ = false;
+}
+
+bool NewtonRegion::take_step(const PcgScalars& end, double unit, const StepTaken& step) {
+  const bool moved = step.share > 0;
+  failures_ = moved ? 0 : failures_ + 1;
+  if (tangent_ == TangentKind::kTrue) {
+    region_.update(end, unit, step);
+    bounded_ = bounded_ || end.at_edge || step.halved;
+  } else if (++steps_ == kCreep || !moved) {
+    tangent_ = TangentKind::kTrue;
+  }
+  return moved || (failures_ <= kMostFailures && -step.slope > step.noise);
 }
 
 NewtonSolver::NewtonSolver(IncrementalPotential& potential)
@@ -29,8 +55,8 @@ NewtonSolver::NewtonSolver(IncrementalPotential& potential)
       step_(size_t(size_)),
       work_(size_) {}
 
-/// Moves u along step_ until Phi falls; gradient_ and value follow. False: it never did.
-bool NewtonSolver::line_search(double* u, PotentialValue& value) {
+/// Moves u along step_ where Phi falls; taken_ says how far, gradient_ and value follow.
+void NewtonSolver::line_search(double* u, PotentialValue& value) {
   const auto slope_of = [&](const std::vector<double>& g) {
     return ordered_sum(size_, [&](int64_t begin, int64_t end) {
       double sum = 0;
@@ -42,7 +68,9 @@ bool NewtonSolver::line_search(double* u, PotentialValue& value) {
     for_each(size_, [&](int64_t k) { trial_u_[size_t(k)] = u[k] + a * double(step_[size_t(k)]); });
   };
   const double slope = slope_of(gradient_);
-  if (!(slope < 0)) return false;
+  const double noise = potential_.noise(value, std::numeric_limits<double>::epsilon());
+  taken_ = {slope, noise};
+  if (!(slope < 0)) return;
   double a = 1;
   move(a);
   if (potential_.contact().exists()) {
@@ -54,16 +82,18 @@ bool NewtonSolver::line_search(double* u, PotentialValue& value) {
     const PotentialValue trial =
         potential_.evaluate<double>(trial_u_.data(), trial_gradient_.data());
     const double difference = trial.total() - value.total();
-    const double noise = potential_.noise(value, std::numeric_limits<double>::epsilon());
+    const double slope_there = slope_of(trial_gradient_);
     if (!std::isfinite(difference) ||
-        !sufficient_decrease(difference, a * slope, a * slope_of(trial_gradient_), noise))
+        !sufficient_decrease(difference, a * slope, a * slope_there, noise))
       continue;
     std::copy(trial_u_.begin(), trial_u_.end(), u);
     gradient_.swap(trial_gradient_);
     value = trial;
-    return true;
+    taken_.difference = difference_or_mean(difference, a * slope, a * slope_there, noise);
+    taken_.share = a;
+    taken_.halved = halvings > 0;
+    return;
   }
-  return false;
 }
 
 template <class P>
@@ -73,11 +103,14 @@ IterationResult NewtonSolver::solve(double* u, double target, int max_outer, int
   IterationResult result;
   PotentialValue value = potential_.evaluate<double>(u, gradient_.data());
   double before = 0, eta = 0.1;
+  region_.begin();
   while (true) {
     const double residual = norm(gradient_.data(), size_);
     result.converged = residual <= target;
-    if (result.converged || result.outer == max_outer || interrupted()) return result;
-    potential_.linearise(u);
+    result.bounded = region_.bounded();
+    if (result.converged || result.outer >= region_.most_steps(max_outer) || interrupted())
+      return result;
+    potential_.linearise(u, region_.tangent());
     preconditioner.update_contact();
     eta = forcing_term(residual, before, eta, target);
     before = residual;
@@ -88,11 +121,13 @@ IterationResult NewtonSolver::solve(double* u, double target, int max_outer, int
     const PcgResult inner = pcg(
         right_.data(), step_.data(), size_, eta, max_inner, work_,
         [&](const float* p, float* Ap) { potential_.hessian_product(p, Ap); },
-        [&](const float* r, float* z) { preconditioner.apply(r, z); }, interrupted);
+        [&](const float* r, float* z) { preconditioner.apply(r, z); }, interrupted,
+        region_.scalars(unit));
     result.inner += std::max(inner.iterations, 1);
     for_each(size_, [&](int64_t k) { step_[size_t(k)] *= float(unit); });
     ++result.outer;
-    if (!line_search(u, value)) return result;
+    line_search(u, value);
+    if (!region_.take_step(inner.end, unit, taken_)) return result;
   }
 }
 

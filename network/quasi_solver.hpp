@@ -15,11 +15,12 @@ namespace elastogen {
 struct IterationResult {
   bool converged = false;  ///< |gradient| <= target in the precision of the iteration
   int outer = 0, inner = 0;
+  bool bounded = false;  ///< a trust region has cut steps: Phi is not convex there
 };
 
 /// One iteration after another.
 inline IterationResult sum(const IterationResult& a, const IterationResult& b) {
-  return {b.converged, a.outer + b.outer, a.inner + b.inner};
+  return {b.converged, a.outer + b.outer, a.inner + b.inner, a.bounded || b.bounded};
 }
 
 template <class T>

@@ -15,6 +15,7 @@ constexpr double kNewtonCourant = 100;   // auto: newton from here on,
 constexpr double kNewtonPoisson = 0.47;  // or here,
 constexpr double kCheap = 80;            // cost of a step that auto does not try to better
 constexpr int kRetry = 10;               // steps after which auto tries the other mode again
+constexpr double kFailed = 1e300;        // cost of a mode that did not get there
 constexpr double kDoubleCourant = 1000;  // everything in float64
 constexpr double kEncoderCourant = 2;    // below it multigrid alone does as well
 
@@ -70,7 +71,6 @@ bool Solver::Impl::stiff() const {
 /// Why the device cannot take this scene, null if it can.
 const char* Solver::Impl::unfit_for_device() const {
   if (!single && mode != SolverMode::kPaper) return "float has too few digits for it";
-  if (potential.contact().exists()) return "colliders are left to the CPU";
   for (size_t m = 0; m < scene.materials.size(); ++m) {
     const LearnedLaw* net = potential.learned(m);
     if (net && net->evaluation() == Evaluation::kNet)
@@ -133,11 +133,12 @@ double Solver::Impl::cost(const IterationResult& r) const {
 }
 
 /// auto: quasi while that is cheap, else the cheaper of both; what one cannot do the other tries.
+/// Where Phi is not convex quasi gets nowhere, and newton is not left to see whether it does.
 IterationResult Solver::Impl::choose(double target, StepReport& report) {
   if (options.mode != SolverMode::kAuto || stiff()) return iterate(target, report);
   IterationResult result = iterate(target, report);
   const SolverMode other = mode == SolverMode::kNewton ? SolverMode::kQuasi : SolverMode::kNewton;
-  last_cost[int(mode)] = cost(result);
+  last_cost[int(mode)] = result.converged ? cost(result) : kFailed;
   last_step[int(mode)] = report.step;
   const bool stale = report.step - last_step[int(other)] >= kRetry;
   const bool dear = last_cost[int(mode)] > kCheap || mode == SolverMode::kNewton;
@@ -145,7 +146,7 @@ IterationResult Solver::Impl::choose(double target, StepReport& report) {
   if (!result.converged && !options.interrupted()) {
     mode = other;
     result = sum(result, iterate(target, report));
-  } else if (dear && (stale || better)) {
+  } else if (dear && !result.bounded && (stale || better)) {
     mode = other;
   }
   return result;

@@ -16,9 +16,10 @@
 namespace elastogen {
 
 /// quasi: L-BFGS whose first matrix is one V-cycle with encoder. newton: projected Hessian, PCG
-/// with the same preconditioner. auto: newton above Courant number 100 or Poisson ratio 0.47; else
-/// quasi, and where a step takes it more than 40 evaluations (contact, buckling) the cheaper of the
-/// two by their own counts. paper: the published algorithm with fixed loops, for study.
+/// with the same preconditioner; where that creeps the true Hessian, in a trust region. auto:
+/// newton above Courant number 100 or Poisson ratio 0.47; else quasi, and where a step takes it
+/// more than 40 evaluations (contact, buckling) the cheaper of the two by their own counts. paper:
+/// the published algorithm with fixed loops, for study.
 enum class SolverMode { kAuto, kQuasi, kNewton, kPaper };
 
 std::string_view solver_name(SolverMode mode);
@@ -39,7 +40,7 @@ struct SolverOptions {
   SolverMode mode = SolverMode::kAuto;
   Device device = Device::kCpu;
   double tolerance = 1e-3;   ///< of |grad Phi| / |M g_ref|
-  int max_outer = 400;       ///< L-BFGS iterations; a quarter of it for Newton steps
+  int max_outer = 400;       ///< L-BFGS iterations; a quarter of it for projected Newton steps
   int max_inner = 400;       ///< PCG iterations of one Newton step
   PaperLoops paper = {};     ///< loops and modes of the paper mode
   LearnedLaws learned = {};  ///< nets of the scene's materials; missing or null: analytic

@@ -40,7 +40,7 @@ struct Solver::Impl {
   StepReport advance(State& state);
   const Collider* begin_step(const State& state);
   const Collider* start(const State& state);
-  void cut_start_on_device();
+  const Collider* start_on_device();
   double phi(const std::vector<double>& at);
   IterationResult retreat(double target);
   bool solve(const State& state, StepReport& report);

@@ -32,11 +32,11 @@ double Solver::Impl::phi(const std::vector<double>& at) {
 /// rules it out, else null.
 const Collider* Solver::Impl::begin_step(const State& state) {
   if (on_device) {
-    on_device->begin_step(scheme);
+    on_device->begin_step(scheme, state.time);
     if (mode == SolverMode::kPaper) return nullptr;
-    cut_start_on_device();
-    on_device->set_nodal_rotations();
-    return nullptr;
+    const Collider* inside = start_on_device();
+    if (!inside) on_device->set_nodal_rotations();
+    return inside;
   }
   potential.begin_step(state, scheme);
   if (paper) return nullptr;
@@ -67,10 +67,12 @@ const Collider* Solver::Impl::start(const State& state) {
   return nullptr;
 }
 
-/// The same without colliders.
-void Solver::Impl::cut_start_on_device() {
-  if (!pinned || on_device->farthest() < scene.grid.h) return;
-  if (!(on_device->phi() < on_device->phi_now())) on_device->return_to_now();
+/// The same on the device, from the predictor there.
+const Collider* Solver::Impl::start_on_device() {
+  const bool far = pinned && on_device->farthest() >= scene.grid.h;
+  if (const Collider* inside = on_device->clear_start()) return inside;
+  if (far && !(on_device->phi() < on_device->phi_clear_start())) on_device->return_to_clear_start();
+  return nullptr;
 }
 
 /// Where the iterations ended above the potential of the state before, they begin there once more:
@@ -107,8 +109,9 @@ void Solver::Impl::balance() {
 Certificate Solver::Impl::measure(const State& state) {
   gradient_on_device = on_device != nullptr;
   if (on_device) {
-    in_flight = flight.exists() && mode != SolverMode::kPaper;
-    return on_device->certify(in_flight);
+    const Certificate result = on_device->certify(flight.exists() && mode != SolverMode::kPaper);
+    in_flight = result.in_flight;
+    return result;
   }
   balance();
   const Array<double>& X = scene.grid.rest;

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <random>
+#include <utility>
 
 namespace elastogen {
 namespace {
@@ -99,6 +100,58 @@ TEST(Pcg, StopsAtNegativeCurvatureWithoutConverging) {
   EXPECT_FALSE(result.converged);
   EXPECT_EQ(result.iterations, 0);
   EXPECT_EQ(x[0], 0);
+}
+
+TEST(Pcg, EndsAtTheEdgeOfItsRadiusWithTheValueOfTheModel) {
+  const Eigen::SparseMatrix<double> definite = system_matrix(3);
+  const Eigen::VectorXd M = definite.diagonal(), b = random_vector(M.size(), 5);
+  Eigen::SparseMatrix<double> A = definite;
+  A.coeffRef(4, 4) -= 3 * M(4);  // one direction of negative curvature
+  const auto size = M.size();
+  const auto solve_within = [&](const Eigen::SparseMatrix<double>& matrix, double radius,
+                                Eigen::VectorXd& x) {
+    x.resize(size);
+    PcgWork<double> work(size);
+    return pcg(
+        b.data(), x.data(), size, 1e-10, 5000, work,
+        [&](const double* p, double* Ap) {
+          Eigen::Map<Eigen::VectorXd>(Ap, size) =
+              matrix * Eigen::Map<const Eigen::VectorXd>(p, size);
+        },
+        [&](const double* r, double* z) {
+          for (Eigen::Index k = 0; k < size; ++k) z[k] = r[k] / M(k);
+        },
+        [] { return false; }, {.radius = radius});
+  };
+  const auto length = [&](const Eigen::VectorXd& x) { return std::sqrt(x.dot(M.cwiseProduct(x))); };
+  Eigen::VectorXd x;
+  solve_within(definite, PcgScalars::kUnbounded, x);
+  const double whole = length(x);
+  for (const double share : {0.1, 0.5, 0.9, 1.1, 10.0})
+    for (const Eigen::SparseMatrix<double>* matrix : {&definite, &std::as_const(A)}) {
+      const PcgResult result = solve_within(*matrix, share * whole, x);
+      const bool edge = share < 1 || matrix == &A;
+      EXPECT_EQ(result.end.at_edge, edge) << share;
+      EXPECT_NEAR(length(x), (edge ? share : 1) * whole, 1e-9 * whole);
+      EXPECT_NEAR(std::sqrt(result.end.xx), length(x), 1e-9 * whole);
+      const double model = x.dot(*matrix * x) / 2 - b.dot(x);
+      EXPECT_NEAR(result.end.model, model, 1e-9 * std::abs(model));
+      EXPECT_LT(model, 0);
+    }
+}
+
+TEST(Pcg, ARadiusThatIsNotKnownIsTenTimesTheFirstDirection) {
+  PcgWork<double> work(2);
+  const double b[2] = {3, 4};
+  double x[2];
+  const PcgResult result = pcg(
+      b, x, 2, 1e-10, 100, work, [](const double* p, double* Ap) { Ap[0] = -p[0], Ap[1] = -p[1]; },
+      [](const double* r, double* z) { z[0] = r[0], z[1] = r[1]; }, [] { return false; },
+      {.radius = 0});
+  EXPECT_TRUE(result.end.at_edge);
+  EXPECT_EQ(result.iterations, 1);
+  EXPECT_DOUBLE_EQ(x[0], 30);
+  EXPECT_DOUBLE_EQ(x[1], 40);
 }
 
 }  // namespace

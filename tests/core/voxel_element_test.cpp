@@ -71,29 +71,50 @@ TEST(VoxelElement, ForceIsTheDerivativeOfTheEnergyForEveryLawAndBorder) {
     }
 }
 
+/// The Hessian by its tangent at u against differences of the force.
+void expect_derivative_of_force(const VoxelData<double>& v, double u[3][8], TangentKind kind,
+                                double bound) {
+  constexpr double d = 1e-5;
+  double up[3][8], down[3][8];
+  const Tangent<double> tangent = voxel_tangent<true>(v, u, kind);
+  const Eigen::MatrixXd K = test::corner_matrix(
+      [&](const double p[3][8], double f[3][8]) { voxel_hessian<true>(v, tangent, p, f); });
+  EXPECT_LE((K - K.transpose()).norm(), 1e-13 * K.norm());
+  for (int col = 0; col < 24; ++col) {
+    double& entry = u[col % 3][col / 3];
+    const double middle = entry;
+    entry = middle + d;
+    voxel_energy<true>(v, u, up);
+    entry = middle - d;
+    voxel_energy<true>(v, u, down);
+    entry = middle;
+    for (int row = 0; row < 24; ++row)
+      ASSERT_NEAR(K(row, col), (up[row % 3][row / 3] - down[row % 3][row / 3]) / (2 * d), bound);
+  }
+}
+
 TEST(VoxelElement, HessianIsTheDerivativeOfTheForceWhereItIsDefinite) {
   Random random(2);
-  constexpr double d = 1e-5;
   for (const Law law : test::kLaws) {
+    SCOPED_TRACE(law_name(law));
     const VoxelData<double> v = voxel(law, Hourglass::kFull, true, random);
-    double u[3][8], up[3][8], down[3][8];
+    double u[3][8];
     displace(test::stretched(1.05, 1.03, 1.01, random), 0, random, u);
-    const Tangent<double> tangent = voxel_tangent<true>(v, u);
-    const Eigen::MatrixXd K = test::corner_matrix(
-        [&](const double p[3][8], double f[3][8]) { voxel_hessian<true>(v, tangent, p, f); });
-    EXPECT_LE((K - K.transpose()).norm(), 1e-13 * K.norm());
-    for (int col = 0; col < 24; ++col) {
-      double& entry = u[col % 3][col / 3];
-      const double middle = entry;
-      entry = middle + d;
-      voxel_energy<true>(v, u, up);
-      entry = middle - d;
-      voxel_energy<true>(v, u, down);
-      entry = middle;
-      for (int row = 0; row < 24; ++row)
-        ASSERT_NEAR(K(row, col), (up[row % 3][row / 3] - down[row % 3][row / 3]) / (2 * d), 1e-7)
-            << law_name(law);
-    }
+    expect_derivative_of_force(v, u, TangentKind::kProjected, 1e-7);
+  }
+}
+
+TEST(VoxelElement, TrueHessianIsTheDerivativeOfTheForceWhereItIsNot) {
+  Random random(6);
+  for (const Law law : test::kLaws) {
+    SCOPED_TRACE(law_name(law));
+    const VoxelData<double> v = voxel(law, Hourglass::kFull, true, random);
+    double u[3][8];
+    displace(test::stretched(0.5, 0.8, 0.7, random), 0.02, random, u);
+    const Tangent<double> whole = voxel_tangent<true>(v, u, TangentKind::kTrue);
+    const Tangent<double> part = voxel_tangent<true>(v, u);
+    EXPECT_FALSE(std::equal(whole.m, whole.m + 45, part.m));
+    expect_derivative_of_force(v, u, TangentKind::kTrue, 1e-6);
   }
 }
 

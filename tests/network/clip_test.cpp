@@ -112,16 +112,28 @@ TEST(Clip, MustBegin) {
 
 #ifdef ELASTOGEN_CUDA
 
+/// Three blocks, of which two fall on a floor that rises.
+Scene blocks_on_floor() {
+  Scene scene = three_blocks(TimeScheme::kBdf2);
+  Collider floor = half_space({0, 1, 0}, -0.01, 0.4);
+  floor.path = {{0, {}}, {1, {0, 0.1, 0}}};
+  scene.colliders = {floor};
+  scene.surface = face_points(scene.grid);
+  return scene;
+}
+
 TEST_F(OnCard, ClipGivesTheBitsOfSteps) {
   expect_clip_like_steps(beam_of_regions(TimeScheme::kEuler), {}, Device::kCuda);
   expect_clip_like_steps(beam_of_regions(TimeScheme::kBdf2), {}, Device::kCuda);
   expect_clip_like_steps(three_blocks(TimeScheme::kBdf2),
                          {.velocity = {1, 2, 0}, .spin = {3, 1, 2}}, Device::kCuda);
+  expect_clip_like_steps(blocks_on_floor(), {.velocity = {1, -2, 0}}, Device::kCuda);
 }
 
 TEST_F(OnCard, ClipStaysWhereItWasWhenInterrupted) {
   expect_interruption_to_leave_the_state(beam_of_regions(TimeScheme::kBdf2), Device::kCuda);
   expect_interruption_to_leave_the_state(three_blocks(TimeScheme::kEuler), Device::kCuda);
+  expect_interruption_to_leave_the_state(blocks_on_floor(), Device::kCuda);
 }
 
 #endif

@@ -2,7 +2,7 @@
 // Contact with spheres, boxes and colliders that move.
 #include "network/contact.hpp"
 #include "network/solver.hpp"
-#include "tests/network/scenes.hpp"
+#include "tests/network/contact_scenes.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,37 +10,6 @@ namespace elastogen::test {
 namespace {
 
 using Shape = Collider::Shape;
-
-Collider ball(const Vec3& centre, double radius, double friction = 0.5) {
-  Collider c;
-  c.name = "ball";
-  c.shape = Shape::kSphere;
-  c.centre = centre;
-  c.radius = radius;
-  c.friction = friction;
-  return c;
-}
-
-Collider block(const Vec3& centre, const Vec3& half, double friction = 0.5) {
-  Collider c;
-  c.name = "block";
-  c.shape = Shape::kBox;
-  c.centre = centre;
-  c.half = half;
-  c.friction = friction;
-  return c;
-}
-
-/// A free full box with its lower corner at `corner`, under gravity along -y; finished.
-Scene box_scene(int nx, int ny, int nz, double h, const Vec3& corner, const Material& material,
-                std::vector<Collider> colliders, double gravity = -9.81) {
-  Scene scene = scene_on(make_box(nx, ny, nz, h, corner), material);
-  scene.surface = face_points(scene.grid);
-  scene.colliders = std::move(colliders);
-  scene.gravity = {0, gravity, 0};
-  finish_scene(scene);
-  return scene;
-}
 
 double total_mass(const Scene& scene) {
   double sum = 0;

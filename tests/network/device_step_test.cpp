@@ -34,7 +34,7 @@ struct Begun {
     first.emplace(potential, true);
     device = cuda::make_device_step(potential, *first);
     device->upload(state);
-    device->begin_step(scheme);
+    device->begin_step(scheme, state.time);
   }
   std::vector<double> start() const {
     std::vector<double> u(potential.predictor().size());

@@ -9,6 +9,7 @@
 #include "network/device_quasi.hpp"
 #include "network/mtl_weights.hpp"
 #include "network/solver.hpp"
+#include "tests/network/device_numbers.hpp"
 #include "tests/network/device_support.hpp"
 #include "tests/support/laws.hpp"
 
@@ -48,30 +49,6 @@ State state_at(const Scene& scene, const std::vector<double>& u) {
   for (size_t k = 0; k < u.size(); ++k) state.x.data()[k] += u[k];
   return state;
 }
-
-/// Numbers on the device.
-template <class T>
-class OnDevice {
- public:
-  explicit OnDevice(const std::vector<T>& host) : size_(host.size()) {
-    if (cudaMalloc(reinterpret_cast<void**>(&data_), size_ * sizeof(T)) != cudaSuccess ||
-        cudaMemcpy(data_, host.data(), size_ * sizeof(T), cudaMemcpyHostToDevice) != cudaSuccess)
-      throw std::runtime_error("no room on the device");
-  }
-  ~OnDevice() { cudaFree(data_); }
-  OnDevice(const OnDevice&) = delete;
-  T* data() { return data_; }
-  std::vector<T> host() const {
-    std::vector<T> values(size_);
-    if (cudaMemcpy(values.data(), data_, size_ * sizeof(T), cudaMemcpyDeviceToHost) != cudaSuccess)
-      throw std::runtime_error(cudaGetErrorString(cudaGetLastError()));
-    return values;
-  }
-
- private:
-  T* data_ = nullptr;
-  size_t size_;
-};
 
 /// Gradient and value by the device in T against the host's in double, within a relative bound.
 template <class T>
@@ -123,22 +100,24 @@ TEST_F(OnCard, EnergyAndGradientOfNetsByTheirTables) {
   }
 }
 
-/// A p of the projected Hessian at u against the host's, which is in float.
+/// A p of the Hessian at u, as it is and projected, against the host's, which is in float.
 void expect_hessian_of_host(IncrementalPotential& host, cuda::DevicePotential& device,
                             const std::vector<double>& u, const std::vector<double>& direction) {
   const std::vector<float> p(direction.begin(), direction.end());
   std::vector<float> expected(p.size());
-  host.linearise(u.data());
-  host.hessian_product(p.data(), expected.data());
   OnDevice<double> place(u);
   OnDevice<float> from(p), to{std::vector<float>(p.size(), 7.f)};
-  device.linearise(place.data());
-  device.hessian_product(from.data(), to.data());
-  EXPECT_LT(relative_difference(to.host(), expected), 2e-5);
-  // in double on the same tangents, which are float
   OnDevice<double> precise_from(direction), precise_to{std::vector<double>(p.size(), 7)};
-  device.hessian_product(precise_from.data(), precise_to.data());
-  EXPECT_LT(relative_difference(precise_to.host(), expected), 2e-5);
+  for (const TangentKind kind : {TangentKind::kTrue, TangentKind::kProjected}) {
+    host.linearise(u.data(), kind);
+    host.hessian_product(p.data(), expected.data());
+    device.linearise(place.data(), kind);
+    device.hessian_product(from.data(), to.data());
+    EXPECT_LT(relative_difference(to.host(), expected), 2e-5);
+    // in double on the same tangents, which are float
+    device.hessian_product(precise_from.data(), precise_to.data());
+    EXPECT_LT(relative_difference(precise_to.host(), expected), 2e-5);
+  }
 }
 
 TEST_F(OnCard, HessianOfEveryLawAndHourglassTerm) {
@@ -304,9 +283,12 @@ TEST_F(OnCard, AutoTakesItWhereItCan) {
   Scene touching = scene;
   touching.colliders = {half_space({0, 1, 0}, -1, 0.5)};
   touching.surface = face_points(scene.grid);
-  EXPECT_EQ(Solver(touching, options).device(), "cpu");
+  EXPECT_NE(Solver(touching, options).device(), "cpu");
+  const LearnedLaws nets = {shipped(0.4, Evaluation::kNet), nullptr};
+  options.learned = nets;
+  EXPECT_EQ(Solver(scene, options).device(), "cpu");
   options.device = Device::kCuda;
-  EXPECT_THROW(Solver(touching, options), Error);
+  EXPECT_THROW(Solver(scene, options), Error);
 }
 
 /// All memory of the card that is left.
@@ -357,9 +339,8 @@ size_t free_on_card() {
   return free;
 }
 
-TEST_F(OnCard, TheRoomThatIsAskedForIsWhatIsTaken) {
-  // the message of a card that is full, against the memory that a step has taken from an empty one
-  const Scene scene = clamped_beam(96, 48, 48, kH, solid(1e5, 0.3));
+/// The message of a card that is full, against the memory that a step takes of an empty one.
+void expect_room_asked_for(const Scene& scene) {
   SolverOptions options;
   options.device = Device::kCuda;
   double asked = 0;
@@ -380,13 +361,16 @@ TEST_F(OnCard, TheRoomThatIsAskedForIsWhatIsTaken) {
   EXPECT_LE(asked, 2 * taken);     // only one of the two iterations was made
 }
 
-TEST_F(OnCard, RefusesCollidersAndNetsWithoutATable) {
+TEST_F(OnCard, TheRoomThatIsAskedForIsWhatIsTaken) {
+  Scene scene = clamped_beam(96, 48, 48, kH, solid(1e5, 0.3));
+  expect_room_asked_for(scene);
+  scene.colliders = {half_space({0, 1, 0}, 0, 0.5)};
+  scene.surface = face_points(scene.grid);
+  expect_room_asked_for(scene);
+}
+
+TEST_F(OnCard, RefusesNetsWithoutATable) {
   const Scene scene = ragged(Law::kNeoHookean);
-  Scene with_floor = scene;
-  with_floor.colliders = {half_space({0, 1, 0}, -1, 0.5)};
-  with_floor.surface = face_points(scene.grid);
-  const IncrementalPotential touching(with_floor);
-  EXPECT_THROW(cuda::DevicePotential{touching}, Error);
   const IncrementalPotential by_net(scene, {shipped(0.4, Evaluation::kNet), nullptr});
   EXPECT_THROW(cuda::DevicePotential{by_net}, Error);
 }

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+// Inverses of small dense matrices, each by a block of threads that hold its entries in registers.
+
+#pragma once
+
+#include "core/cuda_loop.cuh"
+
+namespace elastogen::cuda {
+
+/// The share of a thread of a matrix of at most kRows rows, and its inverse. A block has
+/// kWidth x kWidth threads; thread (x, y) holds entries (y + kWidth a, x + kWidth b).
+template <int kSpan>
+class InverseTile {
+ public:
+  static constexpr int kWidth = 16, kThreads = kWidth * kWidth;
+  static constexpr int kRows = kSpan * kWidth;  ///< at most
+
+  /// Rows and columns on their way, in shared memory.
+  struct Room {
+    double row[2][kRows], column[2][kRows];
+  };
+
+  /// A(i, j) = value(i, j); the identity beyond n.
+  template <class Value>
+  __device__ InverseTile(int n, const Value& value) : rows_(n) {
+    for_entries(
+        [&](int i, int j, double& a) { a = i < n && j < n ? value(i, j) : double(i == j); });
+  }
+
+  /// body(i, j, A(i, j)) for the entries of this thread.
+  template <class Body>
+  __device__ void for_entries(const Body& body) {
+#pragma unroll
+    for (int a = 0; a < kSpan; ++a)
+#pragma unroll
+      for (int b = 0; b < kSpan; ++b)
+        body(int(threadIdx.y) + kWidth * a, int(threadIdx.x) + kWidth * b, entry_[a][b]);
+  }
+
+  /// A becomes its inverse, A symmetric and positive definite: Gauss-Jordan without pivoting. For
+  /// all threads of the block.
+  __device__ void invert(Room& room) {
+#pragma unroll
+    for (int block = 0; block < kSpan; ++block)
+      for (int k = 0; k < kWidth && kWidth * block + k < rows_; ++k) eliminate(block, k, room);
+  }
+
+ private:
+  /// Row and column number kWidth block + k: with -1 and 1 in place of the pivot, and 0 where they
+  /// stood, all entries take the same step, A -= column row / pivot. The products are taken first:
+  /// the result is symmetric to the bit.
+  __device__ void eliminate(int block, int k, Room& room) {
+    double *const row = room.row[k % 2], *const column = room.column[k % 2];
+    const int x = int(threadIdx.x), y = int(threadIdx.y), at = kWidth * block + k;
+#pragma unroll
+    for (int b = 0; b < kSpan; ++b) {
+      if (y == k) row[x + kWidth * b] = entry_[block][b];
+      if (x == k) column[y + kWidth * b] = entry_[b][block];
+    }
+    __syncthreads();
+    const double inverse = 1 / row[at];
+#pragma unroll
+    for (int b = 0; b < kSpan; ++b) {
+      if (y == k) entry_[block][b] = 0;
+      if (x == k) entry_[b][block] = 0;
+    }
+#pragma unroll
+    for (int b = 0; b < kSpan; ++b) {
+      const int j = x + kWidth * b;
+      const double r = j == at ? 1 : row[j];
+#pragma unroll
+      for (int a = 0; a < kSpan; ++a) {
+        const int i = y + kWidth * a;
+        entry_[a][b] -= (i == at ? -1 : column[i]) * r * inverse;
+      }
+    }
+  }
+
+  int rows_;
+  double entry_[kSpan][kSpan];
+};
+
+}  // namespace elastogen::cuda

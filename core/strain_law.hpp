@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+// The laws of elastic_law.hpp that need no stretches, as functions of Green's strain
+// E = (H + H^T + H^T H)/2, H = F - I: psi and the second Piola stress S = dpsi/dE, with C = I + 2 E
+// and l = ln J = ln(det C)/2,
+//
+//   StVK                 mu E:E + lambda/2 (tr E)^2            S = 2 mu E + lambda tr E I
+//   neo-Hookean          mu (tr E - l) + lambda/2 l^2          S = mu (I - C^-1) + lambda l C^-1
+//   stable neo-Hookean   as there with I - 3 = 2 tr E          S = m I/(I+1) I + l' (J-a) J C^-1
+//
+// (m, l' the mu', lambda' there). All of it is made of E, so that what cancels near rest cancels to
+// the digits of E, as it does in s - 1. A tenth of the work of singular values.
+
+#pragma once
+
+#include "core/elastic_law.hpp"
+#include "core/mat3.hpp"
+
+namespace elastogen {
+
+/// Energy [J/m^3], first Piola stress [Pa] and det F of a law without its stretches.
+template <class T>
+struct StrainResponse {
+  T psi, J;
+  Mat3<T> P;
+};
+
+/// Whether a law has this form.
+ELASTOGEN_HD inline bool is_law_of_strain(const Law& law) {
+  return law.kind == Law::Kind::kStvk || law.kind == Law::Kind::kNeoHookean ||
+         law.kind == Law::Kind::kStableNeoHookean;
+}
+
+namespace strain {
+
+/// Symmetric 3x3 matrices as 00, 11, 22, 01, 12, 20.
+template <class T>
+struct Symmetric {
+  T m[6];
+  /// Entry of row i and column j.
+  ELASTOGEN_HD const T& operator()(int i, int j) const {
+    return m[i == j ? i : i + j == 1 ? 3 : i + j == 3 ? 4 : 5];
+  }
+};
+
+template <class T>
+ELASTOGEN_HD inline Symmetric<T> green(const Mat3<T>& H) {
+  using S = Scalar<T>;
+  Symmetric<T> E;
+  for (int k = 0; k < 6; ++k) {
+    const int i = k % 3, j = k < 3 ? i : (i + 1) % 3;
+    E.m[k] =
+        (H(i, j) + H(j, i) + (H(0, i) * H(0, j) + H(1, i) * H(1, j) + H(2, i) * H(2, j))) * S(0.5);
+  }
+  return E;
+}
+
+/// The adjugate, det A times the inverse.
+template <class T>
+ELASTOGEN_HD inline Symmetric<T> adjugate(const Symmetric<T>& A) {
+  const T* a = A.m;
+  return {{a[1] * a[2] - a[4] * a[4], a[2] * a[0] - a[5] * a[5], a[0] * a[1] - a[3] * a[3],
+           a[4] * a[5] - a[3] * a[2], a[5] * a[3] - a[4] * a[0], a[3] * a[4] - a[5] * a[1]}};
+}
+
+/// A B of two that commute.
+template <class T>
+ELASTOGEN_HD inline Symmetric<T> product(const Symmetric<T>& A, const Symmetric<T>& B) {
+  Symmetric<T> C;
+  for (int k = 0; k < 6; ++k) {
+    const int i = k % 3, j = k < 3 ? i : (i + 1) % 3;
+    C.m[k] = A(i, 0) * B(0, j) + A(i, 1) * B(1, j) + A(i, 2) * B(2, j);
+  }
+  return C;
+}
+
+/// What the laws are made of.
+template <class T>
+struct Strain {
+  Symmetric<T> E, inverse;  ///< inverse: C^-1
+  T trace, x;               ///< tr E, det C - 1
+};
+
+template <class T>
+ELASTOGEN_HD inline T energy_and_stress(const LawParameters<Scalar<T>>& p, const Strain<T>& s,
+                                        Symmetric<T>& stress) {
+  using S = Scalar<T>;
+  const S mu = p.mu, lambda = p.lambda;
+  if (p.law.kind == Law::Kind::kStvk) {
+    T square{};
+    for (int k = 0; k < 6; ++k) {
+      square += (k < 3 ? S(1) : S(2)) * s.E.m[k] * s.E.m[k];
+      stress.m[k] = 2 * mu * s.E.m[k] + (k < 3 ? lambda * s.trace : T{});
+    }
+    return mu * square + lambda / 2 * s.trace * s.trace;
+  }
+  Symmetric<T> change = product(s.inverse, s.E);  // I - C^-1 = 2 C^-1 E
+  for (int k = 0; k < 6; ++k) change.m[k] = 2 * change.m[k];
+  if (p.law.kind == Law::Kind::kNeoHookean) {
+    const T l = log_1p(s.x) / 2;
+    for (int k = 0; k < 6; ++k) stress.m[k] = mu * change.m[k] + lambda * l * s.inverse.m[k];
+    return mu * (s.trace - l) + lambda / 2 * l * l;
+  }
+  // m excess I + 3/4 m (I - J C^-1) + l (J - 1) J C^-1, whose parts vanish at rest
+  const S m = 4 * mu / 3, l = lambda + 5 * mu / 6;
+  const T J_minus_1 = s.x / (1 + square_root(1 + s.x)), I_minus_3 = 2 * s.trace;
+  const T excess = I_minus_3 / (4 * (I_minus_3 + 4));  // I/(I+1) - 3/4
+  const T of_inverse = l * J_minus_1 * (1 + J_minus_1) - S(0.75) * m * J_minus_1;
+  for (int k = 0; k < 6; ++k)
+    stress.m[k] =
+        S(0.75) * m * change.m[k] + of_inverse * s.inverse.m[k] + (k < 3 ? m * excess : T{});
+  return m / 2 * (I_minus_3 - log_1p(T(I_minus_3 / 4))) + l / 2 * J_minus_1 * J_minus_1 -
+         S(0.75) * m * J_minus_1;
+}
+
+}  // namespace strain
+
+/// Response of a law of strain to F = I + H; false where some stretch is out of 0.4 ... 3, or det F
+/// not positive: there the strain has lost digits, or a law goes on in its stretches.
+template <class T>
+ELASTOGEN_HD inline bool strain_response(const LawParameters<Scalar<T>>& law, const Mat3<T>& H,
+                                         StrainResponse<T>& r) {
+  using S = Scalar<T>;
+  constexpr S kMostSquares = 9, kMostInverseSquares = 6;  // sums of s^2 and of 1/s^2
+  Mat3<T> F = H;
+  for (int i = 0; i < 3; ++i) F(i, i) = F(i, i) + 1;
+  strain::Strain<T> s;
+  s.E = strain::green(H);
+  const T* E = s.E.m;
+  s.trace = E[0] + E[1] + E[2];
+  const strain::Symmetric<T> minors = strain::adjugate(s.E);
+  const T pairs = minors.m[0] + minors.m[1] + minors.m[2];
+  const T det = E[0] * minors.m[0] + E[3] * minors.m[3] + E[5] * minors.m[5];
+  s.x = 2 * s.trace + 4 * pairs + 8 * det;
+  strain::Symmetric<T> C;
+  for (int k = 0; k < 6; ++k) C.m[k] = 2 * E[k] + (k < 3 ? S(1) : S(0));
+  s.inverse = strain::adjugate(C);
+  const T square = 1 + s.x, inverse_trace = s.inverse.m[0] + s.inverse.m[1] + s.inverse.m[2];
+  r.J = determinant(F);
+  const auto regular = (r.J > 0) & (square > 0) & (3 + 2 * s.trace < kMostSquares) &
+                       (inverse_trace < kMostInverseSquares * square);
+  if (any(decltype(r.J > 0)(!regular))) return false;
+  const T inverse_square = 1 / square;
+  for (int k = 0; k < 6; ++k) s.inverse.m[k] = s.inverse.m[k] * inverse_square;
+  strain::Symmetric<T> stress;
+  r.psi = strain::energy_and_stress(law, s, stress);
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      r.P(i, j) = F(i, 0) * stress(0, j) + F(i, 1) * stress(1, j) + F(i, 2) * stress(2, j);
+  return true;
+}
+
+}  // namespace elastogen

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+// One point of the surface at one wall, a collider whose core the point keeps away from: energy,
+// force and stiffness of network/contact.hpp. Shared by host and device.
+
+#pragma once
+
+#include "core/barrier.hpp"
+#include "core/collider_form.hpp"
+
+namespace elastogen {
+
+/// Offsets of a wall at the start and at the end of a step [m].
+struct WallPath {
+  Vec3 from = {}, to = {};
+};
+
+/// What friction takes from the start of the step.
+struct ContactLag {
+  double limit = 0;  ///< largest force [N], 0: none
+  Vec3 normal = {};
+};
+
+/// The lengths of a scene's contact [m].
+struct ContactLengths {
+  double layer = 0;       ///< dhat
+  double slip_range = 0;  ///< e of smoothed_slip
+};
+
+/// A point of the surface in a step.
+struct ContactPoint {
+  Vec3 place = {}, start = {};  ///< now and at the start of the step [m]
+  double stiffness = 0;         ///< A kappa [J]
+};
+
+/// Stiffness of a point at a wall [N/m]: along the normal; along the slip and across it.
+struct PointStiffness {
+  double normal = 0, along = 0, across = 0;
+  Vec3 n = {}, lagged = {};  ///< normals now and at the start of the step
+  Vec3 direction = {};       ///< unit vector of the slip, 0 where there is none
+
+  /// normal n n^T + across (I - m m^T - t t^T) + along t t^T, m the normal that friction has.
+  ELASTOGEN_HD double entry(size_t i, size_t j) const {
+    return normal * n[i] * n[j] + across * ((i == j ? 1 : 0) - lagged[i] * lagged[j]) +
+           (along - across) * direction[i] * direction[j];
+  }
+};
+
+/// Normal and largest friction of a point that stands like this at the start of the step.
+ELASTOGEN_HD inline ContactLag contact_lag(const Proximity& near, double stiffness, double friction,
+                                           double layer) {
+  const double force =
+      near.distance < layer ? -stiffness * barrier(near.distance / layer).first / layer : 0;
+  return {friction * force, near.normal};
+}
+
+/// Whether a point feels a wall.
+ELASTOGEN_HD inline bool touches(const Proximity& near, const ContactLag& lag, double layer) {
+  return near.distance < layer || lag.limit > 0;
+}
+
+/// Tangential motion of a point relative to a wall since the start of the step.
+ELASTOGEN_HD inline Vec3 slip_of(const ContactPoint& point, const WallPath& wall,
+                                 const ContactLag& lag) {
+  Vec3 slip;
+  for (size_t i = 0; i < 3; ++i)
+    slip[i] = point.place[i] - point.start[i] - (wall.to[i] - wall.from[i]);
+  const double along = dot(slip, lag.normal);
+  for (size_t i = 0; i < 3; ++i) slip[i] -= along * lag.normal[i];
+  return slip;
+}
+
+/// Energy of a point that feels a wall [J], and its derivative in the point's motion [N].
+ELASTOGEN_HD inline double point_energy(const ContactLengths& of, const ContactPoint& point,
+                                        const WallPath& wall, const ContactLag& lag,
+                                        const Proximity& near, Vec3& force) {
+  const Curve b = barrier(near.distance / of.layer);
+  const double energy = point.stiffness * b.value;
+  for (size_t i = 0; i < 3; ++i) force[i] = point.stiffness * b.first / of.layer * near.normal[i];
+  if (!(lag.limit > 0)) return energy;
+  const Vec3 slip = slip_of(point, wall, lag);
+  const SmoothedSlip f = smoothed_slip(safe_norm(slip), of.slip_range);
+  for (size_t i = 0; i < 3; ++i) force[i] += lag.limit * f.first_over_y * slip[i];
+  return energy + lag.limit * f.value;
+}
+
+/// Stiffness of a point that feels a wall.
+ELASTOGEN_HD inline PointStiffness point_stiffness(const ContactLengths& of,
+                                                   const ContactPoint& point, const WallPath& wall,
+                                                   const ContactLag& lag, const Proximity& near) {
+  PointStiffness k{.n = near.normal, .lagged = lag.normal};
+  k.normal = point.stiffness * barrier(near.distance / of.layer).second / (of.layer * of.layer);
+  if (!(lag.limit > 0)) return k;
+  k.direction = slip_of(point, wall, lag);
+  const double size = safe_norm(k.direction);
+  const SmoothedSlip f = smoothed_slip(size, of.slip_range);
+  k.across = lag.limit * f.first_over_y;
+  // a tenth of the secant: with none a sliding point would have no stiffness at all, and
+  // Newton's step would carry it through the whole range where it sticks
+  k.along = lag.limit * (0.9 * f.second + 0.1 * f.first_over_y);
+  for (size_t i = 0; i < 3; ++i) k.direction[i] = size > 0 ? k.direction[i] / size : 0;
+  return k;
+}
+
+/// Whether a wall that moves takes a point more than half of its distance.
+ELASTOGEN_HD inline bool crowded(double before, double after, double layer) {
+  return after < layer && after < before / 2;
+}
+
+/// Share of a wall's motion that a place near it makes: less where another wall is ahead. Those
+/// before `wall` have moved already, those after it have not.
+/// @tparam Wall  a WallPath with a ColliderForm `core`.
+template <class Wall>
+ELASTOGEN_HD double carried_share(const Wall* walls, size_t count, size_t wall, const Vec3& place,
+                                  const Vec3& direction) {
+  const double own = std::max(proximity(walls[wall].core, walls[wall].from, place).distance, 0.0);
+  double share = 1;
+  for (size_t w = 0; w < count; ++w) {
+    if (w == wall) continue;
+    const Proximity near = proximity(walls[w].core, w < wall ? walls[w].to : walls[w].from, place);
+    double ahead = 0;
+    for (size_t d = 0; d < 3; ++d) ahead -= direction[d] * near.normal[d];
+    const double other = std::max(near.distance, 0.0), sum = other + own * ahead;
+    if (ahead > 0 && sum > 0) share = std::min(share, other / sum);
+  }
+  return share;
+}
+
+}  // namespace elastogen
