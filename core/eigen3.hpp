@@ -12,6 +12,10 @@ namespace elastogen {
 template <class T>
 struct Symmetric3 {
   T m[6];
+  /// Entry of row i and column j.
+  ELASTOGEN_HD const T& operator()(int i, int j) const {
+    return m[i == j ? i : i + j == 1 ? 3 : i + j == 3 ? 4 : 5];
+  }
 };
 
 /// Eigenvalues (unsorted) and eigenvectors, the columns of Q: A = Q diag(value) Q^T.
@@ -21,21 +25,39 @@ struct Eigen3 {
   Mat3<T> Q;
 };
 
+namespace eigen {
+
+template <class T>
+ELASTOGEN_HD inline T size(const T a[3]) {
+  return absolute(a[0]) + absolute(a[1]) + absolute(a[2]);
+}
+
+}  // namespace eigen
+
+/// Sweeps until A is diagonal to rounding, three to five times, never more than eight; a lane of a
+/// pack that is stays as it is.
 template <class T>
 ELASTOGEN_HD inline Eigen3<T> eigen3(const Symmetric3<T>& A) {
   using S = Scalar<T>;
-  T d[3] = {A.m[0], A.m[1], A.m[2]}, off[3] = {A.m[3], A.m[4], A.m[5]};
+  const T scale = eigen::size(A.m) + eigen::size(A.m + 3);
+  const T unit = scale > 0 ? scale : constant<T>(1);
+  T d[3], off[3];
+  for (int i = 0; i < 3; ++i) d[i] = A.m[i] / unit, off[i] = A.m[3 + i] / unit;
   Eigen3<T> result;
   result.Q = identity<T>();
   for (int sweep = 0; sweep < 8; ++sweep) {
+    const auto wide = eigen::size(off) > std::numeric_limits<S>::epsilon() * eigen::size(d);
+    if (!any(wide)) break;
     for (int p = 0; p < 3; ++p) {
       // rotate in the plane (p, q); off[p] couples p and q, the others couple them with r
       const int q = (p + 1) % 3, r = (p + 2) % 3;
-      const auto open = absolute(off[p]) > std::numeric_limits<S>::min();
-      const T zeta = (d[q] - d[p]) / (2 * (open ? off[p] : constant<T>(1)));
-      const T size = 1 / (absolute(zeta) + square_root(1 + zeta * zeta));
-      const T t = open ? (zeta < 0 ? -size : size) : constant<T>(0);
-      const T c = 1 / square_root(1 + t * t), s = t * c;
+      const T a = d[q] - d[p], b = 2 * off[p];
+      const T root = square_root(a * a + b * b);
+      const auto open = decltype(a < b)(wide & (root > 0));
+      const T h = open ? root : constant<T>(1);
+      // tan 2x = b/a, |x| <= 45 degrees
+      const T t = open ? (a < 0 ? -b : b) / (absolute(a) + h) : constant<T>(0);
+      const T c = open ? square_root((1 + absolute(a) / h) / 2) : constant<T>(1), s = t * c;
       d[p] -= t * off[p];
       d[q] += t * off[p];
       off[p] = open ? constant<T>(0) : off[p];
@@ -49,7 +71,7 @@ ELASTOGEN_HD inline Eigen3<T> eigen3(const Symmetric3<T>& A) {
       }
     }
   }
-  for (int i = 0; i < 3; ++i) result.value[i] = d[i];
+  for (int i = 0; i < 3; ++i) result.value[i] = d[i] * unit;
   return result;
 }
 

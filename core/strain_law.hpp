@@ -12,8 +12,8 @@
 
 #pragma once
 
+#include "core/eigen3.hpp"
 #include "core/elastic_law.hpp"
-#include "core/mat3.hpp"
 
 namespace elastogen {
 
@@ -32,20 +32,10 @@ ELASTOGEN_HD inline bool is_law_of_strain(const Law& law) {
 
 namespace strain {
 
-/// Symmetric 3x3 matrices as 00, 11, 22, 01, 12, 20.
 template <class T>
-struct Symmetric {
-  T m[6];
-  /// Entry of row i and column j.
-  ELASTOGEN_HD const T& operator()(int i, int j) const {
-    return m[i == j ? i : i + j == 1 ? 3 : i + j == 3 ? 4 : 5];
-  }
-};
-
-template <class T>
-ELASTOGEN_HD inline Symmetric<T> green(const Mat3<T>& H) {
+ELASTOGEN_HD inline Symmetric3<T> green(const Mat3<T>& H) {
   using S = Scalar<T>;
-  Symmetric<T> E;
+  Symmetric3<T> E;
   for (int k = 0; k < 6; ++k) {
     const int i = k % 3, j = k < 3 ? i : (i + 1) % 3;
     E.m[k] =
@@ -56,7 +46,7 @@ ELASTOGEN_HD inline Symmetric<T> green(const Mat3<T>& H) {
 
 /// The adjugate, det A times the inverse.
 template <class T>
-ELASTOGEN_HD inline Symmetric<T> adjugate(const Symmetric<T>& A) {
+ELASTOGEN_HD inline Symmetric3<T> adjugate(const Symmetric3<T>& A) {
   const T* a = A.m;
   return {{a[1] * a[2] - a[4] * a[4], a[2] * a[0] - a[5] * a[5], a[0] * a[1] - a[3] * a[3],
            a[4] * a[5] - a[3] * a[2], a[5] * a[3] - a[4] * a[0], a[3] * a[4] - a[5] * a[1]}};
@@ -64,8 +54,8 @@ ELASTOGEN_HD inline Symmetric<T> adjugate(const Symmetric<T>& A) {
 
 /// A B of two that commute.
 template <class T>
-ELASTOGEN_HD inline Symmetric<T> product(const Symmetric<T>& A, const Symmetric<T>& B) {
-  Symmetric<T> C;
+ELASTOGEN_HD inline Symmetric3<T> product(const Symmetric3<T>& A, const Symmetric3<T>& B) {
+  Symmetric3<T> C;
   for (int k = 0; k < 6; ++k) {
     const int i = k % 3, j = k < 3 ? i : (i + 1) % 3;
     C.m[k] = A(i, 0) * B(0, j) + A(i, 1) * B(1, j) + A(i, 2) * B(2, j);
@@ -76,13 +66,13 @@ ELASTOGEN_HD inline Symmetric<T> product(const Symmetric<T>& A, const Symmetric<
 /// What the laws are made of.
 template <class T>
 struct Strain {
-  Symmetric<T> E, inverse;  ///< inverse: C^-1
-  T trace, x;               ///< tr E, det C - 1
+  Symmetric3<T> E, inverse;  ///< inverse: C^-1
+  T trace, x;                ///< tr E, det C - 1
 };
 
 template <class T>
 ELASTOGEN_HD inline T energy_and_stress(const LawParameters<Scalar<T>>& p, const Strain<T>& s,
-                                        Symmetric<T>& stress) {
+                                        Symmetric3<T>& stress) {
   using S = Scalar<T>;
   const S mu = p.mu, lambda = p.lambda;
   if (p.law.kind == Law::Kind::kStvk) {
@@ -93,7 +83,7 @@ ELASTOGEN_HD inline T energy_and_stress(const LawParameters<Scalar<T>>& p, const
     }
     return mu * square + lambda / 2 * s.trace * s.trace;
   }
-  Symmetric<T> change = product(s.inverse, s.E);  // I - C^-1 = 2 C^-1 E
+  Symmetric3<T> change = product(s.inverse, s.E);  // I - C^-1 = 2 C^-1 E
   for (int k = 0; k < 6; ++k) change.m[k] = 2 * change.m[k];
   if (p.law.kind == Law::Kind::kNeoHookean) {
     const T l = log_1p(s.x) / 2;
@@ -116,9 +106,10 @@ ELASTOGEN_HD inline T energy_and_stress(const LawParameters<Scalar<T>>& p, const
 
 /// Response of a law of strain to F = I + H; false where some stretch is out of 0.4 ... 3, or det F
 /// not positive: there the strain has lost digits, or a law goes on in its stretches.
-template <class T>
+/// @param add  add(E, psi, S) adds to energy and stress what the material has besides its law.
+template <class T, class Add>
 ELASTOGEN_HD inline bool strain_response(const LawParameters<Scalar<T>>& law, const Mat3<T>& H,
-                                         StrainResponse<T>& r) {
+                                         const Add& add, StrainResponse<T>& r) {
   using S = Scalar<T>;
   constexpr S kMostSquares = 9, kMostInverseSquares = 6;  // sums of s^2 and of 1/s^2
   Mat3<T> F = H;
@@ -127,11 +118,11 @@ ELASTOGEN_HD inline bool strain_response(const LawParameters<Scalar<T>>& law, co
   s.E = strain::green(H);
   const T* E = s.E.m;
   s.trace = E[0] + E[1] + E[2];
-  const strain::Symmetric<T> minors = strain::adjugate(s.E);
+  const Symmetric3<T> minors = strain::adjugate(s.E);
   const T pairs = minors.m[0] + minors.m[1] + minors.m[2];
   const T det = E[0] * minors.m[0] + E[3] * minors.m[3] + E[5] * minors.m[5];
   s.x = 2 * s.trace + 4 * pairs + 8 * det;
-  strain::Symmetric<T> C;
+  Symmetric3<T> C;
   for (int k = 0; k < 6; ++k) C.m[k] = 2 * E[k] + (k < 3 ? S(1) : S(0));
   s.inverse = strain::adjugate(C);
   const T square = 1 + s.x, inverse_trace = s.inverse.m[0] + s.inverse.m[1] + s.inverse.m[2];
@@ -141,12 +132,21 @@ ELASTOGEN_HD inline bool strain_response(const LawParameters<Scalar<T>>& law, co
   if (any(decltype(r.J > 0)(!regular))) return false;
   const T inverse_square = 1 / square;
   for (int k = 0; k < 6; ++k) s.inverse.m[k] = s.inverse.m[k] * inverse_square;
-  strain::Symmetric<T> stress;
+  Symmetric3<T> stress;
   r.psi = strain::energy_and_stress(law, s, stress);
+  add(s.E, r.psi, stress);
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j)
       r.P(i, j) = F(i, 0) * stress(0, j) + F(i, 1) * stress(1, j) + F(i, 2) * stress(2, j);
   return true;
+}
+
+/// The same of a law alone.
+template <class T>
+ELASTOGEN_HD inline bool strain_response(const LawParameters<Scalar<T>>& law, const Mat3<T>& H,
+                                         StrainResponse<T>& r) {
+  return strain_response(
+      law, H, [](const Symmetric3<T>&, T&, Symmetric3<T>&) {}, r);
 }
 
 }  // namespace elastogen

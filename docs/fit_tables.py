@@ -51,9 +51,11 @@ def generation() -> tuple[list[str], list[list[str]]]:
         if not group["group"].startswith("nu"):
             continue
         for start in group["starts"]:
+            never = start["never"]  # their numbers, in older files how many
             rows.append([f"{group['group']} ({group['materials']})", start["start"],
                          *(f"{100 * stage['inside']:.1f}" for stage in start["stages"]),
-                         f"{start['passes_after_ms']:.0f}", str(start["never"])])
+                         f"{start['passes_after_ms']:.0f}",
+                         str(len(never) if isinstance(never, list) else never)])
     iterations = [str(stage["iterations"]) for stage in result["groups"][0]["starts"][0]["stages"]]
     return ["materials", "begins at", *(f"{n} [%]" for n in iterations), "passes after [ms]",
             "never"], rows

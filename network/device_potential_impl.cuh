@@ -24,11 +24,12 @@ struct Respond {
   MtlTableView table;
 
   __device__ bool has_net() const { return table.coefficients != nullptr; }
+  __device__ LogResponse<T> difference(const T e[3]) const { return table.evaluate<kHessian>(e); }
   __device__ Response<T> operator()(const T sigma[3], T& outside) const {
     outside = 0;
-    if (!table.coefficients) return elastic_response<kHessian>(law, sigma);
-    const auto difference = [&](const T e[3]) { return table.evaluate<kHessian>(e); };
-    return corrected_response<kHessian>(law, sigma, difference, outside);
+    if (!has_net()) return elastic_response<kHessian>(law, sigma);
+    const auto added = [&](const T e[3]) { return difference(e); };
+    return corrected_response<kHessian>(law, sigma, added, outside);
   }
 };
 

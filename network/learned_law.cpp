@@ -196,6 +196,16 @@ Response<T> learned_response(const LearnedLaw& learned, const LawParameters<Scal
       law, s, [&](const T e[3]) { return by_net<kHessian>(learned, e); }, outside);
 }
 
+template <class T>
+LogResponse<T> learned_difference(const LearnedLaw& learned, const T e[3]) {
+  return learned.evaluation() == Evaluation::kTable ? learned.table().evaluate<false>(e)
+                                                    : by_net<false>(learned, e);
+}
+
+template LogResponse<double> learned_difference(const LearnedLaw&, const double[3]);
+template LogResponse<Pack<float>> learned_difference(const LearnedLaw&, const Pack<float>[3]);
+template LogResponse<Pack<double>> learned_difference(const LearnedLaw&, const Pack<double>[3]);
+
 #define ELASTOGEN_LEARNED(H, T) \
   template Response<T> learned_response<H, T>(const LearnedLaw&, const LawParameters<Scalar<T>>&, \
                                               const T[3], T&);

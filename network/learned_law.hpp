@@ -11,6 +11,7 @@
 
 #pragma once
 
+#include "core/eigen3.hpp"
 #include "core/elastic_law.hpp"
 #include "network/mtl_table.hpp"
 #include "network/neural_mtl.hpp"
@@ -82,6 +83,12 @@ ELASTOGEN_HD inline auto in_fitted_box(const Law& law, const T e[3]) {
   return decltype(largest < S(1))(inside);
 }
 
+/// E = mu (3 lambda + 2 mu)/(lambda + mu).
+template <class S>
+ELASTOGEN_HD inline S young_of(const LawParameters<S>& law) {
+  return law.mu * (3 * law.lambda + 2 * law.mu) / (law.lambda + law.mu);
+}
+
 /// Response of a law and what a net adds to it, `difference(e)` over E in the log stretches e:
 ///
 ///     t_i = w_i/s_i,     H_ij = (w_ij - d_ij w_i)/(s_i s_j).
@@ -99,8 +106,7 @@ ELASTOGEN_HD inline Response<T> corrected_response(const LawParameters<Scalar<T>
     e[i] = log_1p(T(safe[i] - 1));
   }
   outside = in_fitted_box(law.law, e) ? T{} : constant<T>(1);
-  // E = mu (3 lambda + 2 mu)/(lambda + mu)
-  const S young = law.mu * (3 * law.lambda + 2 * law.mu) / (law.lambda + law.mu);
+  const S young = young_of(law);
   Response<T> r = elastic_response<kHessian>(law, s);
   const LogResponse<T> d = difference(e);
   r.psi += young * d.psi;
@@ -116,7 +122,37 @@ ELASTOGEN_HD inline Response<T> corrected_response(const LawParameters<Scalar<T>
   return r;
 }
 
-/// The same with a net by its evaluation; the law's response where the net has no say.
+/// What a net adds to energy and second Piola stress of its law at Green's strain
+/// E = sum_i E_i v_i v_i^T:
+///
+///     psi += E D(e),     S += sum_i E w_i/s_i^2 v_i v_i^T,     s_i^2 = 1 + 2 E_i,  e_i = ln s_i.
+///
+/// @param outside  as above.
+template <class T, class Difference>
+ELASTOGEN_HD inline void add_difference(const LawParameters<Scalar<T>>& law, const Symmetric3<T>& E,
+                                        const Difference& difference, T& psi, Symmetric3<T>& S,
+                                        T& outside) {
+  const Eigen3<T> axes = eigen3(E);
+  T e[3];
+  for (int i = 0; i < 3; ++i) e[i] = log_1p(T(2 * axes.value[i])) / 2;
+  outside = in_fitted_box(law.law, e) ? T{} : constant<T>(1);
+  const auto young = young_of(law);
+  const LogResponse<T> d = difference(e);
+  psi += young * d.psi;
+  for (int k = 0; k < 3; ++k) {
+    const T stress = young * d.w[k] / (1 + 2 * axes.value[k]);
+    for (int m = 0; m < 6; ++m) {
+      const int i = m % 3, j = m < 3 ? i : (i + 1) % 3;
+      S.m[m] += stress * axes.Q(i, k) * axes.Q(j, k);
+    }
+  }
+}
+
+/// D of a net with its slope, by its evaluation.
+template <class T>
+LogResponse<T> learned_difference(const LearnedLaw& learned, const T e[3]);
+
+/// corrected_response with a net by its evaluation; the law's where the net has no say.
 template <bool kHessian, class T>
 Response<T> learned_response(const LearnedLaw& learned, const LawParameters<Scalar<T>>& law,
                              const T s[3], T& outside);

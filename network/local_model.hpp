@@ -94,14 +94,15 @@ struct MaterialResponse {
   LawParameters<Scalar<T>> law;
 
   bool has_net() const { return learned != nullptr; }
+  LogResponse<T> difference(const T e[3]) const { return learned_difference(*learned, e); }
   Response<T> operator()(const T sigma[3], T& outside) const {
     return material_response<false>(learned, law, sigma, outside);
   }
 };
 
 /// Energy of a voxel and its derivative f [N] in the corner displacements u [m] (component,
-/// corner); `respond(sigma, outside)` is the response of its material to stretches, has_net() of it
-/// whether that is another one than its law's, which may need none.
+/// corner); `respond(sigma, outside)` is the response of its material to stretches. Where its law
+/// needs none, a net, if it has_net(), adds the difference(e) to it.
 template <bool kBorder, class T, class Respond>
 ELASTOGEN_HD inline VoxelEnergy<T> voxel_energy(const VoxelData<T>& v, const Respond& respond,
                                                 const T u[3][8], T f[3][8]) {
@@ -115,7 +116,11 @@ ELASTOGEN_HD inline VoxelEnergy<T> voxel_energy(const VoxelData<T>& v, const Res
   const Mat3<T> H = displacement_gradient<kBorder>(v, g);
   StrainResponse<T> r;
   energy.outside = T{};
-  if (respond.has_net() || !is_law_of_strain(v.law.law) || !strain_response(v.law, H, r))
+  const auto difference = [&](const T e[3]) { return respond.difference(e); };
+  const auto add = [&](const Symmetric3<T>& E, T& psi, Symmetric3<T>& S) {
+    if (respond.has_net()) add_difference(v.law, E, difference, psi, S, energy.outside);
+  };
+  if (!is_law_of_strain(v.law.law) || !strain_response(v.law, H, add, r))
     r = stress_by_stretches(respond, H, energy.outside);
 
   energy.elastic = v.phi * (v.h * v.h * v.h) * r.psi;

@@ -126,15 +126,29 @@ ELASTOGEN_HD inline Cell<T> cell(const T& y, int half) {
   return c;
 }
 
-/// Numbers at an offset from a place of each lane.
+/// Four numbers in a row at an offset from a place of each lane.
 template <class T>
-ELASTOGEN_HD inline T gather(const float* from, const int* place, int offset) {
+ELASTOGEN_HD inline void gather(const float* from, const int* place, int offset, T result[4]) {
   if constexpr (is_pack<T>) {
-    T result;
-    for (int l = 0; l < kLanes; ++l) result[l] = Scalar<T>(from[place[l] + offset]);
-    return result;
+    using Four = float __attribute__((vector_size(16)));
+    Four of[kLanes];
+    for (int l = 0; l < kLanes; ++l) std::memcpy(&of[l], from + place[l] + offset, sizeof(Four));
+    // transposed: pairs of lanes four apart, then of neighbours, then of those
+    Pack<float> pair[4], low[2], high[2];
+    for (int l = 0; l < 4; ++l)
+      pair[l] = __builtin_shufflevector(of[l], of[l + 4], 0, 1, 2, 3, 4, 5, 6, 7);
+    for (int k = 0; k < 2; ++k) {
+      const Pack<float>&a = pair[2 * k], &b = pair[2 * k + 1];
+      low[k] = __builtin_shufflevector(a, b, 0, 8, 1, 9, 4, 12, 5, 13);
+      high[k] = __builtin_shufflevector(a, b, 2, 10, 3, 11, 6, 14, 7, 15);
+    }
+    const auto numbers = [](const Pack<float>& p) { return __builtin_convertvector(p, T); };
+    result[0] = numbers(__builtin_shufflevector(low[0], low[1], 0, 1, 8, 9, 4, 5, 12, 13));
+    result[1] = numbers(__builtin_shufflevector(low[0], low[1], 2, 3, 10, 11, 6, 7, 14, 15));
+    result[2] = numbers(__builtin_shufflevector(high[0], high[1], 0, 1, 8, 9, 4, 5, 12, 13));
+    result[3] = numbers(__builtin_shufflevector(high[0], high[1], 2, 3, 10, 11, 6, 7, 14, 15));
   } else {
-    return Scalar<T>(from[place[0] + offset]);
+    for (int k = 0; k < 4; ++k) result[k] = Scalar<T>(from[place[0] + offset + k]);
   }
 }
 
@@ -150,11 +164,11 @@ ELASTOGEN_HD inline Plane<T> plane(const float* from, const int* place, int row,
                                    const Basis<T>& by) {
   Plane<T> p{};
   for (int y = 0; y < 4; ++y) {
-    T q{}, qx{}, qxx{};
+    T c[4], q{}, qx{}, qxx{};
+    gather(from, place, y * row, c);
     for (int x = 0; x < 4; ++x) {
-      const T c = gather<T>(from, place, y * row + x);
-      q += c * bx.value[x], qx += c * bx.first[x];
-      if constexpr (kHessian) qxx += c * bx.second[x];
+      q += c[x] * bx.value[x], qx += c[x] * bx.first[x];
+      if constexpr (kHessian) qxx += c[x] * bx.second[x];
     }
     p.value += q * by.value[y], p.x += qx * by.value[y], p.y += q * by.first[y];
     if constexpr (kHessian)
