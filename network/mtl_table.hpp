@@ -128,28 +128,31 @@ ELASTOGEN_HD inline Cell<T> cell(const T& y, int half) {
 
 /// Four numbers in a row at an offset from a place of each lane.
 template <class T>
-ELASTOGEN_HD inline void gather(const float* from, const int* place, int offset, T result[4]) {
-  if constexpr (is_pack<T>) {
-    using Four = float __attribute__((vector_size(16)));
-    Four of[kLanes];
-    for (int l = 0; l < kLanes; ++l) std::memcpy(&of[l], from + place[l] + offset, sizeof(Four));
-    // transposed: pairs of lanes four apart, then of neighbours, then of those
-    Pack<float> pair[4], low[2], high[2];
-    for (int l = 0; l < 4; ++l)
-      pair[l] = __builtin_shufflevector(of[l], of[l + 4], 0, 1, 2, 3, 4, 5, 6, 7);
-    for (int k = 0; k < 2; ++k) {
-      const Pack<float>&a = pair[2 * k], &b = pair[2 * k + 1];
-      low[k] = __builtin_shufflevector(a, b, 0, 8, 1, 9, 4, 12, 5, 13);
-      high[k] = __builtin_shufflevector(a, b, 2, 10, 3, 11, 6, 14, 7, 15);
-    }
-    const auto numbers = [](const Pack<float>& p) { return __builtin_convertvector(p, T); };
-    result[0] = numbers(__builtin_shufflevector(low[0], low[1], 0, 1, 8, 9, 4, 5, 12, 13));
-    result[1] = numbers(__builtin_shufflevector(low[0], low[1], 2, 3, 10, 11, 6, 7, 14, 15));
-    result[2] = numbers(__builtin_shufflevector(high[0], high[1], 0, 1, 8, 9, 4, 5, 12, 13));
-    result[3] = numbers(__builtin_shufflevector(high[0], high[1], 2, 3, 10, 11, 6, 7, 14, 15));
-  } else {
-    for (int k = 0; k < 4; ++k) result[k] = Scalar<T>(from[place[0] + offset + k]);
+requires is_pack<T>
+inline void gather(const float* from, const int* place, int offset, T result[4]) {
+  using Four = float __attribute__((vector_size(16)));
+  Four of[kLanes];
+  for (int l = 0; l < kLanes; ++l) std::memcpy(&of[l], from + place[l] + offset, sizeof(Four));
+  // transposed: pairs of lanes four apart, then of neighbours, then of those
+  Pack<float> pair[4], low[2], high[2];
+  for (int l = 0; l < 4; ++l)
+    pair[l] = __builtin_shufflevector(of[l], of[l + 4], 0, 1, 2, 3, 4, 5, 6, 7);
+  for (int k = 0; k < 2; ++k) {
+    const Pack<float>&a = pair[2 * k], &b = pair[2 * k + 1];
+    low[k] = __builtin_shufflevector(a, b, 0, 8, 1, 9, 4, 12, 5, 13);
+    high[k] = __builtin_shufflevector(a, b, 2, 10, 3, 11, 6, 14, 7, 15);
   }
+  const auto numbers = [](const Pack<float>& p) { return __builtin_convertvector(p, T); };
+  result[0] = numbers(__builtin_shufflevector(low[0], low[1], 0, 1, 8, 9, 4, 5, 12, 13));
+  result[1] = numbers(__builtin_shufflevector(low[0], low[1], 2, 3, 10, 11, 6, 7, 14, 15));
+  result[2] = numbers(__builtin_shufflevector(high[0], high[1], 0, 1, 8, 9, 4, 5, 12, 13));
+  result[3] = numbers(__builtin_shufflevector(high[0], high[1], 2, 3, 10, 11, 6, 7, 14, 15));
+}
+
+/// The same of one place.
+template <class T>
+ELASTOGEN_HD inline void gather(const float* from, const int* place, int offset, T result[4]) {
+  for (int k = 0; k < 4; ++k) result[k] = Scalar<T>(from[place[0] + offset + k]);
 }
 
 /// A plane of the spline with its derivatives in x and y: the sum over 16 coefficients.

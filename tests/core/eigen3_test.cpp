@@ -88,6 +88,21 @@ TEST(Eigen3, PositivePartLeavesPositiveMatricesUntouchedToTheBit) {
   }
 }
 
+/// Angles as small as Green's strains have them: off-diagonal numbers far below the diagonal's
+/// still turn the axes, and a diagonal matrix needs no turn at all.
+TEST(Eigen3, TurnsBySmallAnglesToo) {
+  for (const double angle : {0.0, 1e-15, 1e-12, 1e-8, 1e-4}) {
+    // diag(2, 1, 0) turned about the third axis: the coupling of 0 and 1 is sin 2x/2
+    const double s = std::sin(angle), c = std::cos(angle);
+    const Eigen3<double> e = eigen3(Symmetric3<double>{{1 + c * c, 1 + s * s, 0, s * c, 0, 0}});
+    EXPECT_NEAR(e.value[0], 2, 1e-15);
+    EXPECT_NEAR(e.value[1], 1, 1e-15);
+    EXPECT_EQ(e.value[2], 0);
+    EXPECT_NEAR(e.Q(1, 0), s, 1e-15);
+    EXPECT_NEAR(e.Q(0, 1), -s, 1e-15);
+  }
+}
+
 TEST(Eigen3, PacksDoWhatScalarsDo) {
   const std::vector<Symmetric3<double>> all = samples();
   for (size_t k = 0; k + kLanes <= all.size(); k += kLanes) {

@@ -4,7 +4,9 @@
 
 #include "network/learned_law.hpp"
 
+#include "core/strain_law.hpp"
 #include "tests/network/mtl_support.hpp"
+#include "tests/support/matrices.hpp"
 
 #include <gtest/gtest.h>
 
@@ -150,6 +152,67 @@ TEST(LearnedLaw, DerivativesAreThoseOfTheEnergyAcrossTheBorder) {
         const size_t n = (m + 1) % 3;
         EXPECT_NEAR((a.t[n] - b.t[n]) / (2 * kStep), here.H[3 + m], 1e-4 * scale);
       }
+  }
+}
+
+/// Energy and stress of a net and its law through Green's strain, as voxels take them.
+bool by_strain(const LearnedLaw& net, const LawParameters<double>& law, const Mat3<double>& H,
+               StrainResponse<double>& r, double& outside) {
+  const auto difference = [&](const double e[3]) { return learned_difference(net, e); };
+  const auto add = [&](const Symmetric3<double>& E, double& psi, Symmetric3<double>& S) {
+    add_difference(law, E, difference, psi, S, outside);
+  };
+  return strain_response(law, H, add, r);
+}
+
+/// Hencky's net in the place of other laws: within their boxes, across the border, at rest and
+/// close to it, with equal stretches.
+TEST(LearnedLaw, SaysTheSameThroughStrainsAsThroughStretches) {
+  Random random(7);
+  std::vector<double> e = strains(600, 200, 1.2, 1.2);
+  for (const double equal : {0.0, 1e-9, 0.3, -0.5}) e.insert(e.end(), {equal, equal, 0.1 * equal});
+  for (const Law law : {Law::kNeoHookean, Law::kStvk, Law::kStableNeoHookean})
+    for (const Evaluation evaluation : {Evaluation::kTable, Evaluation::kNet}) {
+      const LearnedLaw net = hencky_net(law, 0.4, evaluation);
+      const LawParameters<double> p = parameters<double>(law, 1, 0.4);
+      int compared = 0;
+      for (size_t k = 0; k < e.size() / 3; ++k) {
+        const Mat3<double> F =
+            stretched(std::exp(e[3 * k]), std::exp(e[3 * k + 1]), std::exp(e[3 * k + 2]), random);
+        Mat3<double> H = F;
+        for (int i = 0; i < 3; ++i) H(i, i) -= 1;
+        StrainResponse<double> found;
+        double outside = -1, also_outside = -1;
+        if (!by_strain(net, p, H, found, outside)) continue;
+        ++compared;
+        const Svd3<double> svd = svd3(F);
+        const Response<double> r = learned_response<false>(net, p, svd.sigma, also_outside);
+        const Mat3<double> P = first_piola(svd, r.t);
+        ASSERT_EQ(outside, also_outside);
+        ASSERT_NEAR(found.psi, r.psi, 1e-12 * (1 + std::abs(r.psi)));
+        ASSERT_LT(distance(found.P, P), 1e-11 * (1 + norm(P)));
+      }
+      EXPECT_GT(compared, 300);
+    }
+}
+
+TEST(LearnedLaw, StressThroughStrainsIsTheDerivativeOfTheEnergy) {
+  constexpr double d = 1e-6;
+  Random random(8);
+  const LearnedLaw net = hencky_net(Law::kNeoHookean, 0.4, Evaluation::kTable);
+  const LawParameters<double> p = parameters<double>(Law::kNeoHookean, 1, 0.4);
+  for (int k = 0; k < 200; ++k) {
+    Mat3<double> H = k % 2 ? stretched(1.5, 1.1, 0.6, random) : stretched(1.01, 1.01, 0.98, random);
+    for (int i = 0; i < 3; ++i) H(i, i) -= 1;
+    StrainResponse<double> at, up, down;
+    double outside;
+    ASSERT_TRUE(by_strain(net, p, H, at, outside));
+    for (int m = 0; m < 9; ++m) {
+      Mat3<double> above = H, below = H;
+      above.m[m] += d, below.m[m] -= d;
+      ASSERT_TRUE(by_strain(net, p, above, up, outside) && by_strain(net, p, below, down, outside));
+      ASSERT_NEAR(at.P.m[m], (up.psi - down.psi) / (2 * d), 1e-8);
+    }
   }
 }
 
