@@ -59,10 +59,11 @@ class DeviceStep {
   virtual void return_to_now() = 0;
   /// u = the clear start; before anything is iterated.
   virtual void return_to_clear_start() = 0;
-  /// Phi in float64 at u, at u_now, and, before anything is iterated, at the clear start.
+  /// Whether Phi in float is lower at u than at the clear start; before anything is iterated.
+  virtual bool is_below_clear_start() = 0;
+  /// Phi in float64 at u and at u_now.
   virtual double phi() = 0;
   virtual double phi_now() = 0;
-  virtual double phi_clear_start() = 0;
 
   /// Nodal rotations of the preconditioner from u.
   virtual void set_nodal_rotations() = 0;

@@ -18,8 +18,8 @@ constexpr int kTile = 128;                                 // entries that a blo
 /// so that the block reads consecutive modes; then the groups' sums are added in order.
 template <class T>
 __global__ void __launch_bounds__(kModes* kGroups)
-    encode_kernel(const EncoderChunk* chunks, const int32_t* nodes, const T* modes, const T* r,
-                  T* partial) {
+    encode_kernel(const EncoderChunk* chunks, const int32_t* nodes, const ModeNumber<T>* modes,
+                  const T* r, T* partial) {
   __shared__ T value[3 * kChunk], sums[kGroups][kSize];
   begin_kernel();
   const EncoderChunk chunk = chunks[blockIdx.x];
@@ -28,10 +28,10 @@ __global__ void __launch_bounds__(kModes* kGroups)
   for (int k = thread; k < 3 * entries; k += kModes * kGroups)
     value[k] = r[3 * int64_t(nodes[chunk.begin + k / 3]) + k % 3];
   __syncthreads();
-  const T* first = modes + int64_t(chunk.begin) * kModes + mode;
+  const ModeNumber<T>* first = modes + int64_t(chunk.begin) * kModes + mode;
   T sum[3] = {};
   for (int k = group; k < entries; k += kGroups) {
-    const T weight = first[k * kModes];
+    const T weight = mode_value(first[k * kModes]);
     for (int i = 0; i < 3; ++i) sum[i] += weight * value[3 * k + i];
   }
   for (int i = 0; i < 3; ++i) sums[group][3 * mode + i] = sum[i];
@@ -88,7 +88,7 @@ __global__ void __launch_bounds__(kSize* kSlices)
 /// neighbouring threads need distant ones.
 template <class T>
 __global__ void __launch_bounds__(kTile)
-    decode_kernel(const EncoderChunk* chunks, const int32_t* nodes, const T* modes,
+    decode_kernel(const EncoderChunk* chunks, const int32_t* nodes, const ModeNumber<T>* modes,
                   const double* solution, T* z) {
   __shared__ T mode[kTile * kModes], coefficient[kSize];
   begin_kernel();
@@ -98,7 +98,7 @@ __global__ void __launch_bounds__(kTile)
   if (entries <= 0) return;
   if (thread < kSize) coefficient[thread] = T(solution[int64_t(chunk.piece) * kSize + thread]);
   for (int k = thread; k < entries * kModes; k += kTile)
-    mode[k] = modes[int64_t(begin) * kModes + k];
+    mode[k] = mode_value(modes[int64_t(begin) * kModes + k]);
   __syncthreads();
   if (thread >= entries) return;
   T sum[3] = {};
@@ -118,7 +118,7 @@ void append(std::vector<S>& to, const std::vector<S>& from) {
 template <class T>
 DeviceEncoder<T>::DeviceEncoder(const Encoder<T>& host) {
   std::vector<int32_t> nodes, chunk_begin;
-  std::vector<T> modes;
+  std::vector<ModeNumber<T>> modes;
   std::vector<double> inverses;
   std::vector<EncoderChunk> chunks;
   for (const auto& piece : host.pieces()) {
@@ -136,7 +136,7 @@ DeviceEncoder<T>::DeviceEncoder(const Encoder<T>& host) {
   }
   chunk_begin.push_back(int32_t(chunks.size()));
   nodes_ = DeviceArray<int32_t>(nodes);
-  modes_ = DeviceArray<T>(modes);
+  modes_ = DeviceArray<ModeNumber<T>>(modes);
   inverses_ = DeviceArray<double>(inverses);
   chunks_ = DeviceArray<EncoderChunk>(chunks);
   chunk_begin_ = DeviceArray<int32_t>(chunk_begin);

@@ -8,7 +8,22 @@
 #include "network/device_contact.hpp"
 #include "network/encoder.hpp"
 
+#include <cuda_fp16.h>
+
+#include <type_traits>
+
 namespace elastogen::cuda {
+
+/// What modes are held in: those of a host in float are numbers of half precision.
+template <class T>
+using ModeNumber = std::conditional_t<sizeof(T) == 4, __half, double>;
+
+__device__ inline float mode_value(__half mode) {
+  return __half2float(mode);
+}
+__device__ inline double mode_value(double mode) {
+  return mode;
+}
 
 /// Neighbouring entries of the list of all pieces' nodes, of one piece.
 struct EncoderChunk {
@@ -43,7 +58,7 @@ class DeviceEncoder {
   int64_t piece_count() const { return chunk_begin_.size() - 1; }
 
   DeviceArray<int32_t> nodes_;        // of all pieces, one after the other
-  DeviceArray<T> modes_;              // (entries of nodes_, kModes)
+  DeviceArray<ModeNumber<T>> modes_;  // (entries of nodes_, kModes)
   DeviceArray<double> inverses_;      // (pieces, 3 kModes, 3 kModes), column-major
   DeviceArray<EncoderChunk> chunks_;  // in the order of the pieces
   DeviceArray<int32_t> chunk_begin_;  // first chunk of each piece, (pieces + 1)

@@ -22,10 +22,10 @@ __device__ int product_place(int m, int n) {
 }
 
 /// products[chunk] = sum over its entries of mode m times mode n times block.
-template <class T>
+template <class Number>
 __global__ void __launch_bounds__(kThreads)
     product_kernel(const EncoderChunk* chunks, const StiffEntry* entries, const double* blocks,
-                   const T* modes, double* products, int32_t* touched) {
+                   const Number* modes, double* products, int32_t* touched) {
   __shared__ double mode[kStiffChunk][kModesOfNode], block[kStiffChunk][6];
   const EncoderChunk chunk = chunks[blockIdx.x];
   const int count = chunk.end - chunk.begin, thread = int(threadIdx.x);
@@ -40,8 +40,8 @@ __global__ void __launch_bounds__(kThreads)
   if (!any) return;
   for (int k = thread; k < kModesOfNode * count; k += kThreads)
     mode[k / kModesOfNode][k % kModesOfNode] =
-        double(modes[int64_t(entries[chunk.begin + k / kModesOfNode].node) * kModesOfNode +
-                     k % kModesOfNode]);
+        mode_value(modes[int64_t(entries[chunk.begin + k / kModesOfNode].node) * kModesOfNode +
+                         k % kModesOfNode]);
   __syncthreads();
   for (int k = thread; k < kProducts; k += kThreads) {
     int m = 0;

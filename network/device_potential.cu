@@ -115,6 +115,7 @@ void DevicePotential::Impl::start_gradient(const double* u, T* gradient) {
         sums.add(mine);
       },
       [=] __device__(int64_t n, const T force[3]) {
+        if (gradient == nullptr) return;
         const bool moves = !__ldg(held + n);
         const double weight = __ldg(mass + n);
         for (int i = 0; i < 3; ++i) {

@@ -44,7 +44,8 @@ class DevicePotential {
   /// Nodal rotations of the preconditioner from a displacement on the device, in float.
   void set_nodal_rotations(const double* u);
 
-  /// Value, and gradient [N], (nodes, 3), 0 on pinned nodes; both arrays on the device.
+  /// Value, and gradient [N], (nodes, 3), 0 on pinned nodes, unless that is null; both arrays on
+  /// the device.
   template <class T>
   PotentialValue evaluate(const double* u, T* gradient);
   /// The same without waiting for it: value() is there after synchronise().

@@ -49,7 +49,7 @@ class StepOnDevice : public DeviceStep {
   void return_to_clear_start() override { copy(clear(), quasi_.u()); }
   double phi() override { return phi_at(quasi_.u()); }
   double phi_now() override { return phi_at(potential().now()); }
-  double phi_clear_start() override { return phi_at(clear()); }
+  bool is_below_clear_start() override { return rough_phi(quasi_.u()) < rough_phi(clear()); }
   void set_nodal_rotations() override { quasi_.set_nodal_rotations(); }
   IterationResult solve(double target, int max_outer, bool float64,
                         const std::function<bool()>& interrupted) override {
@@ -90,6 +90,9 @@ class StepOnDevice : public DeviceStep {
   bool touches();
   void copy(const double* from, double* to) const;
   double phi_at(const double* u);
+  double rough_phi(const double* u) {
+    return potential().evaluate(u, static_cast<float*>(nullptr)).total();
+  }
   void send(const Array<double>& from, DeviceArray<double>& to);
   void fetch(const DeviceArray<double>& from, Array<double>& to);
 

@@ -17,6 +17,17 @@ constexpr int kSmallestPiece = 64;  // nodes; multigrid alone serves smaller one
 constexpr size_t kMostPieces = 64;
 constexpr int kCosines = 18;
 
+/// A mode's value to the digits that are kept of it: in float those of half precision, in which a
+/// card holds it. All uses of a mode agree in them, so that it is as good a mode as before.
+float kept(double mode, float) {
+  // Veltkamp's splitting: the 11 leading bits
+  const float x = float(mode), c = x * 8193;
+  return c - (c - x);
+}
+double kept(double mode, double) {
+  return mode;
+}
+
 }  // namespace
 
 template <class T>
@@ -60,10 +71,10 @@ void Encoder<T>::fill_modes(const Scene& scene, Piece& piece) {
     const double factor = pinned ? d / (d + size / 8) : 1;
     T* mode = piece.modes.data() + k * kModes;
     for (int w = 0; w < kCosines; ++w)
-      mode[w] = T(factor * cosines(w, scene.grid.node_coord.row(piece.nodes[size_t(k)])));
+      mode[w] = kept(factor * cosines(w, scene.grid.node_coord.row(piece.nodes[size_t(k)])), T{});
     for (int i = 0; i < 3; ++i)
       mode[kCosines + i] =
-          T(factor * (2 * X[i] - box.lower[size_t(i)] - box.upper[size_t(i)]) / size);
+          kept(factor * (2 * X[i] - box.lower[size_t(i)] - box.upper[size_t(i)]) / size, T{});
   });
 }
 

@@ -30,7 +30,8 @@ class Encoder {
   /// A connected piece; row 3 m + i of A_r is mode m of component i.
   struct Piece {
     std::vector<int32_t> nodes;
-    std::vector<T> modes;         ///< (nodes, kModes), and zeros that fill the last pack
+    std::vector<T> modes;         ///< (nodes, kModes), and zeros that fill the last pack; in float
+                                  ///< they are numbers of half precision
     std::vector<double> rest;     ///< A_r at rest, (3 kModes, 3 kModes)
     std::vector<double> inverse;  ///< of A_r, the same shape
   };

@@ -228,6 +228,7 @@ PotentialValue IncrementalPotential::evaluate_all(const double* u, T* gradient) 
           smaller(sums.min_corner_j, in_mask(corner_jacobian(corner, data.h), full_lanes(r)));
   };
   const auto finish = [&](int64_t n, const T force[3]) {
+    if (!gradient) return;
     for (int i = 0; i < 3; ++i) {
       const double away = u[3 * n + i] - predictor_[size_t(3 * n + i)];
       gradient[3 * n + i] =

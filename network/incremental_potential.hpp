@@ -42,7 +42,8 @@ class IncrementalPotential {
   /// F_v, from the start value of the iteration.
   void set_nodal_rotations(const double* u);
 
-  /// Value and gradient [N], (nodes, 3), 0 on pinned nodes, at displacement u.
+  /// Value and gradient [N], (nodes, 3), 0 on pinned nodes, at displacement u; null: the value
+  /// alone.
   template <class T>
   PotentialValue evaluate(const double* u, T* gradient);
 

@@ -185,9 +185,11 @@ struct Multigrid<T>::Level {
 
 template <class T>
 Multigrid<T>::Multigrid(const Scene& scene, double a0) {
-  constexpr int64_t kDense = 100;  // nodes that a dense inverse serves
+  // nodes that a dense inverse serves; colliders change it, and the inverse is taken anew, every
+  // step
+  const int64_t dense = scene.colliders.empty() ? 400 : 100;
   levels_.push_back(std::make_unique<Level>(finest_level(scene, a0)));
-  while (levels_.back()->grid.nodes > kDense && levels_.size() < 12) {
+  while (levels_.back()->grid.nodes > dense && levels_.size() < 12) {
     LevelGrid coarse = coarser_level(levels_.back()->grid);
     if (coarse.nodes > 0.7 * double(levels_.back()->grid.nodes)) break;  // dust: no use in going on
     levels_.push_back(std::make_unique<Level>(std::move(coarse)));
@@ -195,7 +197,7 @@ Multigrid<T>::Multigrid(const Scene& scene, double a0) {
 
   for (const auto& level : levels_) release_setup(level->grid);
   Level& last = *levels_.back();
-  if (last.grid.nodes > kDense) return;
+  if (last.grid.nodes > dense) return;
   last.assemble();
   last.invert();
 }

@@ -42,6 +42,7 @@ struct Solver::Impl {
   const Collider* start(const State& state);
   const Collider* start_on_device();
   double phi(const std::vector<double>& at);
+  bool is_lower(const std::vector<double>& a, const std::vector<double>& b);
   IterationResult retreat(double target);
   bool solve(const State& state, StepReport& report);
   void balance();

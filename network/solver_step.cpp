@@ -28,6 +28,15 @@ double Solver::Impl::phi(const std::vector<double>& at) {
   return potential.evaluate<double>(at.data(), gradient.data()).total();
 }
 
+/// Whether Phi is lower at a than at b, in float where that has the digits: where iterations begin.
+bool Solver::Impl::is_lower(const std::vector<double>& a, const std::vector<double>& b) {
+  if (precise) return phi(a) < phi(b);
+  const auto value = [&](const std::vector<double>& at) {
+    return potential.evaluate(at.data(), static_cast<float*>(nullptr)).total();
+  };
+  return value(a) < value(b);
+}
+
 /// Predictor, inertia and rotations of the step, and u where it starts; gives the collider that
 /// rules it out, else null.
 const Collider* Solver::Impl::begin_step(const State& state) {
@@ -62,8 +71,7 @@ const Collider* Solver::Impl::start(const State& state) {
       for (size_t k = 0; k < u.size(); ++k) u[k] = now[k] + share * (u[k] - now[k]);
   }
   if (!pinned || farthest < scene.grid.h) return nullptr;
-  const double ahead = phi(u), here = phi(now);
-  if (!(ahead < here)) u = now;
+  if (!is_lower(u, now)) u = now;
   return nullptr;
 }
 
@@ -71,7 +79,7 @@ const Collider* Solver::Impl::start(const State& state) {
 const Collider* Solver::Impl::start_on_device() {
   const bool far = pinned && on_device->farthest() >= scene.grid.h;
   if (const Collider* inside = on_device->clear_start()) return inside;
-  if (far && !(on_device->phi() < on_device->phi_clear_start())) on_device->return_to_clear_start();
+  if (far && !on_device->is_below_clear_start()) on_device->return_to_clear_start();
   return nullptr;
 }
 
