@@ -91,7 +91,7 @@ class DeviceStep {
 };
 
 /// On the tables of both, which must outlive it.
-/// @throws Error (usage) for nets without a table, (resources) where the device has no room for
+/// @throws Error (resources) where the device has no room for
 ///         what the scene takes to the end of its clip, with both amounts, (device) in builds
 ///         without CUDA.
 std::unique_ptr<DeviceStep> make_device_step(const IncrementalPotential& potential,

@@ -56,6 +56,8 @@ struct Loops : DevicePaper::Impl {
 
   IterationResult solve(const std::function<bool()>& interrupted) override;
   void freeze();
+  template <class Nets>
+  void freeze_pass(const Nets& nets);
   void project();
   void sweep();
 
@@ -76,7 +78,8 @@ struct Loops : DevicePaper::Impl {
 
 /// N and R of every voxel at u, and D.
 template <class T>
-void Loops<T>::freeze() {
+template <class Nets>
+void Loops<T>::freeze_pass(const Nets& nets) {
   const double *u = quasi.u(), *mass = potential.inertia.data();
   double* to_diagonal = diagonal.data();
   T* to = lagged.data();
@@ -89,7 +92,7 @@ void Loops<T>::freeze() {
       [=] __device__(const VoxelRow& row, int64_t r, int lane, double corner[3][8], double f[3][8],
                      NoSums&) {
         const VoxelData<double> data = table.data(row, r, lane);
-        const Respond<double> respond{data.law, table.materials[row.material].table};
+        const auto respond = response_of<false>(data.law, nets(row, r, lane));
         for (int i = 0; i < 3; ++i) hex8::to_patterns(corner[i]);
         const Mat3<double> F = deformation_gradient<true>(data, corner);
         const LaggedTarget<double> target = lagged_target(respond, data.law, F);
@@ -99,6 +102,12 @@ void Loops<T>::freeze() {
         diagonal_shares(data, !is_full(data), target.NN, target.largest_slope, f[0]);
       },
       [=] __device__(int64_t n, const double sum[3]) { to_diagonal[n] = mass[n] + sum[0]; });
+}
+
+template <class T>
+void Loops<T>::freeze() {
+  potential.template with_nets<double, NetPass::kStretches>(
+      quasi.u(), [&](const auto& nets) { freeze_pass(nets); });
 }
 
 /// finish(n, f) with f = sum_v omega G^T (dF N N^T (+ rest)) + variance term on what is read.

@@ -3,6 +3,45 @@
 #include "network/device_potential_impl.cuh"
 
 namespace elastogen::cuda {
+namespace {
+
+/// The weights of a net with those of the second layer column by column.
+std::vector<float> by_columns(const std::vector<float>& weights) {
+  constexpr size_t kWidth = NeuralMtl::kWidth, kSecond = 4 * kWidth;
+  std::vector<float> result = weights;
+  for (size_t k = 0; k < kWidth; ++k)
+    for (size_t m = 0; m < kWidth; ++m)
+      result[kSecond + kWidth * m + k] = weights[kSecond + kWidth * k + m];
+  return result;
+}
+
+}  // namespace
+
+/// Laws, and tables or weights of nets.
+void DevicePotential::Impl::take_materials() {
+  std::vector<DeviceMaterial> list;
+  bool asked = false;
+  for (size_t m = 0; m < host.scene().materials.size(); ++m) {
+    const Material& material = host.scene().materials[m];
+    list.push_back({{material.law, material.mu(), material.lambda()}, {}, {}});
+    const LearnedLaw* net = host.learned(m);
+    if (!net) continue;
+    if (net->evaluation() == Evaluation::kTable) {
+      learned.emplace_back(net->table().coefficients());
+      list.back().table = net->table().view();
+      list.back().table.coefficients = learned.back().data();
+    } else {
+      learned.emplace_back(by_columns(net->weights()));
+      list.back().net = {learned.back().data(), net->net().terms(), net->net().mu(),
+                         net->net().lambda()};
+      asked = true;
+    }
+  }
+  materials = DeviceArray<DeviceMaterial>(list);
+  if (!asked) return;
+  logs = DeviceArray<double>(rows.row_count() * 3 * kLanes);
+  results = DeviceArray<double>(rows.row_count() * kNetFields * kLanes);
+}
 
 /// R_v of every voxel at u_now, where the hourglass term needs it.
 void DevicePotential::Impl::freeze_rotations() {
@@ -94,8 +133,8 @@ void DevicePotential::set_nodal_rotations(const double* u) {
   });
 }
 
-template <class T, bool kQuality>
-void DevicePotential::Impl::start_gradient(const double* u, T* gradient) {
+template <class T, bool kQuality, class Nets>
+void DevicePotential::Impl::gradient_pass(const double* u, T* gradient, const Nets& nets) {
   const VoxelTables<T> table = voxels<T>();
   const double *mass = inertia.data(), *aim = predictor.data();
   const uint8_t* held = pinned.data();
@@ -107,7 +146,7 @@ void DevicePotential::Impl::start_gradient(const double* u, T* gradient) {
       [=] __device__(const VoxelRow& row, int64_t r, int lane, const T corner[3][8], T f[3][8],
                      VoxelSums& sums) {
         const VoxelData<T> data = table.data(row, r, lane);
-        const Respond<T> respond{data.law, table.materials[row.material].table};
+        const auto respond = response_of<false>(data.law, nets(row, r, lane));
         const VoxelEnergy<T> e = voxel_energy<true>(data, respond, corner, f);
         VoxelSums mine{double(e.elastic), double(e.hourglass), double(e.outside), double(e.J)};
         // corners of border voxels may lie outside the body
@@ -123,6 +162,12 @@ void DevicePotential::Impl::start_gradient(const double* u, T* gradient) {
           gradient[3 * n + i] = moves ? T(weight * away + double(force[i])) : T(0);
         }
       });
+}
+
+template <class T, bool kQuality>
+void DevicePotential::Impl::start_gradient(const double* u, T* gradient) {
+  with_nets<T, NetPass::kEnergy>(
+      u, [&](const auto& nets) { gradient_pass<T, kQuality>(u, gradient, nets); });
   DeviceValue* to = value.data();
   sum_of(rows.bricks(), brick_sums.data(),
          [=] __device__(const VoxelSums& sum) { to->voxels = sum; });

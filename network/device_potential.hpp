@@ -26,7 +26,7 @@ struct InertiaTerms {
 class DevicePotential {
  public:
   /// The host's potential must outlive it.
-  /// @throws Error (usage) for nets without a table, (resources) where the device has no room.
+  /// @throws Error (resources) where the device has no room.
   explicit DevicePotential(const IncrementalPotential& host);
   ~DevicePotential();
 

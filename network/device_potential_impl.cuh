@@ -1,37 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // What DevicePotential holds, and what its kernels know of a voxel, for the files that make it up:
-// device_potential.cu (energy and gradient), device_tangent.cu (Hessian).
+// device_potential.cu (energy and gradient), device_tangent.cu (Hessian), device_net.cu (nets).
 
 #pragma once
 
+#include "network/device_net.cuh"
 #include "network/device_potential.hpp"
-#include "network/device_rows.cuh"
 
 #include <optional>
 
 namespace elastogen::cuda {
-
-/// A material, as kernels take it.
-struct DeviceMaterial {
-  LawParameters<double> law;
-  MtlTableView table = {};  ///< without coefficients: the law itself
-};
-
-/// Response of a material to stretches.
-template <class T, bool kHessian = false>
-struct Respond {
-  LawParameters<T> law;
-  MtlTableView table;
-
-  __device__ bool has_net() const { return table.coefficients != nullptr; }
-  __device__ LogResponse<T> difference(const T e[3]) const { return table.evaluate<kHessian>(e); }
-  __device__ Response<T> operator()(const T sigma[3], T& outside) const {
-    outside = 0;
-    if (!has_net()) return elastic_response<kHessian>(law, sigma);
-    const auto added = [&](const T e[3]) { return difference(e); };
-    return corrected_response<kHessian>(law, sigma, added, outside);
-  }
-};
 
 /// What voxels have, each [row][field][lane].
 template <class T>
@@ -85,6 +63,10 @@ inline std::vector<float> in_float(const std::vector<double>& values) {
   return {values.begin(), values.end()};
 }
 
+/// What a pass over the voxels asks of nets: what an energy takes, by strains where the law is one
+/// of them, or by stretches alone, with second derivatives for a tangent.
+enum class NetPass { kEnergy, kStretches, kTangent };
+
 struct DevicePotential::Impl {
   explicit Impl(const IncrementalPotential& potential)
       : host(potential),
@@ -106,19 +88,7 @@ struct DevicePotential::Impl {
         inertia_sums(1),
         value(1) {
     pinned.upload(potential.scene().pinned.data());
-    std::vector<DeviceMaterial> list;
-    for (size_t m = 0; m < potential.scene().materials.size(); ++m) {
-      const Material& material = potential.scene().materials[m];
-      list.push_back({{material.law, material.mu(), material.lambda()}, {}});
-      const LearnedLaw* learned = potential.learned(m);
-      if (!learned) continue;
-      ELASTOGEN_CHECK(learned->evaluation() == Evaluation::kTable,
-                      "the device evaluates nets by their tables only");
-      tables.emplace_back(learned->table().coefficients());
-      list.back().table = learned->table().view();
-      list.back().table.coefficients = tables.back().data();
-    }
-    materials = DeviceArray<DeviceMaterial>(list);
+    take_materials();
     if (potential.contact().exists()) contact.emplace(potential);
   }
 
@@ -139,6 +109,18 @@ struct DevicePotential::Impl {
     return tables;
   }
 
+  void take_materials();
+  /// pass(nets), which gives voxels what their nets add at u.
+  template <class T, NetPass kPass, class Pass>
+  void with_nets(const double* u, const Pass& pass) {
+    if (results.size() == 0) return pass(NetTables{materials.data()});
+    ask_nets<T, kPass>(u);
+    pass(NetResults{materials.data(), results.data()});
+  }
+  template <class T, NetPass kPass>
+  void ask_nets(const double* u);
+  template <class T, bool kQuality, class Nets>
+  void gradient_pass(const double* u, T* gradient, const Nets& nets);
   template <class T, bool kQuality>
   void start_gradient(const double* u, T* gradient);
   InertiaTerms inertia_terms() {
@@ -147,6 +129,8 @@ struct DevicePotential::Impl {
   void sum_inertia(const double* u);
   void freeze_rotations();
   void add_gradients(const double* u, int component);
+  template <class Nets>
+  void tangent_pass(const double* u, TangentKind kind, const Nets& nets);
   void linearise(const double* u, TangentKind kind);
   template <class T>
   void hessian_product(const T* p, T* product);
@@ -164,7 +148,8 @@ struct DevicePotential::Impl {
   DeviceArray<VoxelSums> brick_sums;
   DeviceArray<SumRoom<Sums<1>>> inertia_sums;
   PinnedArray<DeviceValue> value;
-  std::vector<DeviceArray<float>> tables;
+  std::vector<DeviceArray<float>> learned;  // tables, or weights of nets
+  DeviceArray<double> logs, results;        // of device_net.cuh, where a net is evaluated itself
   DeviceArray<DeviceMaterial> materials;
   std::optional<DeviceContact> contact;
   DeviceArray<float> tangent;  // [row][45][lane]; from the first linearise on

@@ -14,7 +14,7 @@ class DevicePreconditioner;
 class DeviceQuasi {
  public:
   /// On the tables of both, which must outlive it.
-  /// @throws Error (usage) for nets without a table, (resources) where the device has no room.
+  /// @throws Error (resources) where the device has no room.
   DeviceQuasi(const IncrementalPotential& potential, const Preconditioner<float>& first);
   /// Without a first matrix there are no iterations: for the displacement and the potential.
   explicit DeviceQuasi(const IncrementalPotential& potential);

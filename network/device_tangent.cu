@@ -3,8 +3,8 @@
 
 namespace elastogen::cuda {
 
-void DevicePotential::Impl::linearise(const double* u, TangentKind kind) {
-  if (tangent.size() == 0) tangent = DeviceArray<float>(rows.row_count() * 45 * kLanes);
+template <class Nets>
+void DevicePotential::Impl::tangent_pass(const double* u, TangentKind kind, const Nets& nets) {
   float* to = tangent.data();
   const VoxelTables<float> table = voxels<float>();
   for_each_voxel<float>(
@@ -15,11 +15,16 @@ void DevicePotential::Impl::linearise(const double* u, TangentKind kind) {
       [=] __device__(const VoxelRow& row, int64_t r, int lane, const float corner[3][8],
                      float[3][8], NoSums&) {
         const VoxelData<float> data = table.data(row, r, lane);
-        const Respond<float, true> respond{data.law, table.materials[row.material].table};
+        const auto respond = response_of<true>(data.law, nets(row, r, lane));
         const Tangent<float> t = voxel_tangent<true>(data, respond, corner, kind);
         for (int k = 0; k < 45; ++k) to[(r * 45 + k) * kLanes + lane] = t.m[k];
       },
       [=] __device__(int64_t, const float*) {});
+}
+
+void DevicePotential::Impl::linearise(const double* u, TangentKind kind) {
+  if (tangent.size() == 0) tangent = DeviceArray<float>(rows.row_count() * 45 * kLanes);
+  with_nets<float, NetPass::kTangent>(u, [&](const auto& nets) { tangent_pass(u, kind, nets); });
 }
 
 template <class T>

@@ -12,35 +12,16 @@ namespace elastogen {
 namespace {
 
 constexpr int kAxesAtOnce = 24;  // axes that are evaluated at once: eight strains
-constexpr int kEntryRow[6] = {0, 1, 2, 0, 1, 2},
-              kEntryColumn[6] = {0, 1, 2, 1, 2, 0};  // channels 4..9
 
 using Matrix = Eigen::Matrix<double, NeuralMtl::kWidth, Eigen::Dynamic>;
 using Weights = Eigen::Matrix<double, NeuralMtl::kWidth, NeuralMtl::kWidth, Eigen::RowMajor>;
 
-/// SiLU and its first two derivatives.
-struct Silu {
-  Eigen::ArrayXXd value, first, second;
-};
-
-Silu silu(const Eigen::Ref<const Eigen::ArrayXXd>& z) {
-  const Eigen::ArrayXXd s = 1 / (1 + (-z).exp()), slope = s * (1 - s);
-  return {z * s, s + z * slope, slope * (2 + z * (1 - 2 * s))};
-}
-
-/// Jets through the activation: a = act(z), a_m = act' z_m, a_mn = act'' z_m z_n + act' z_mn.
-/// Channel c is the block of columns c count ... (c+1) count - 1.
+/// Jets through the activation; channel c is the block of columns c count ... (c+1) count - 1.
 template <int kChannels>
 void activate(Matrix& z, int count) {
   const auto channel = [&](int c) { return z.middleCols(c * count, count).array(); };
-  const Silu act = silu(channel(0));
-  if constexpr (kChannels == 10)
-    for (int c = 0; c < 6; ++c)
-      channel(4 + c) = act.second * channel(1 + kEntryRow[c]) * channel(1 + kEntryColumn[c]) +
-                       act.first * channel(4 + c);
-  if constexpr (kChannels >= 4)
-    for (int m = 0; m < 3; ++m) channel(1 + m) *= act.first;
-  channel(0) = act.value;
+  const Eigen::ArrayXXd value = channel(0), sigmoid = 1 / (1 + (-value).exp());
+  mtl::activate<kChannels>(mtl::silu(value, sigmoid), channel);
 }
 
 }  // namespace
@@ -72,7 +53,8 @@ NeuralMtl::NeuralMtl(std::span<const float> weights, double poisson) {
   const double rest[3] = {};
   double jet[4];
   jets<4>(rest, 1, jet);
-  std::copy_n(jet, 3, f0_);
+  terms_ = MtlTerms(mu_, lambda_);
+  std::copy_n(jet, 3, terms_.f0);
 }
 
 /// f and its derivatives in x at inputs x, (count, 3), count <= kAxesAtOnce: f, (channels, count).
@@ -102,58 +84,12 @@ namespace {
 
 /// x_i of the three axes.
 void inputs(const double e[3], double x[9]) {
-  for (int i = 0; i < 3; ++i) {
-    const int j = (i + 1) % 3, k = (i + 2) % 3;
-    x[3 * i] = e[i], x[3 * i + 1] = e[j] + e[k], x[3 * i + 2] = e[j] * e[k];
-  }
-}
-
-/// q_i with its derivatives in e, from f and its derivatives in x_i, anchored.
-struct Strain {
-  double q, d[3], dd[6];
-};
-
-template <bool kHessian>
-Strain strain(const double e[3], int i, const double f[10], const double f0[3], double a,
-              double b) {
-  const int j = (i + 1) % 3, k = (i + 2) % 3;
-  const double fa = f[1] - f0[1] + a + b, fb = f[2] - f0[2] + b, fc = f[3];
-  Strain s;
-  s.q = (a + b) * e[i] + b * (e[j] + e[k]) + f[0] - f0[0] - f0[1] * e[i] - f0[2] * (e[j] + e[k]);
-  s.d[i] = fa;
-  s.d[j] = fb + e[k] * fc;
-  s.d[k] = fb + e[j] * fc;
-  if constexpr (kHessian) {
-    // pair (m, n) is at 3 + m where n = m + 1
-    const double aa = f[4], bb = f[5], cc = f[6], ab = f[7], bc = f[8], ca = f[9];
-    s.dd[i] = aa;
-    s.dd[j] = bb + 2 * e[k] * bc + e[k] * e[k] * cc;
-    s.dd[k] = bb + 2 * e[j] * bc + e[j] * e[j] * cc;
-    s.dd[3 + i] = ab + e[k] * ca;  // i, j
-    s.dd[3 + k] = ab + e[j] * ca;  // k, i
-    s.dd[3 + j] = fc + bb + (e[j] + e[k]) * bc + e[j] * e[k] * cc;
-  }
-  return s;
-}
-
-/// psi = omega/2 sum q^2 and its derivatives.
-template <bool kHessian>
-LogJet energy(const Strain s[3], double omega) {
-  LogJet r;
-  for (int i = 0; i < 3; ++i) {
-    r.psi += omega / 2 * s[i].q * s[i].q;
-    for (int m = 0; m < 3; ++m) r.w[m] += omega * s[i].q * s[i].d[m];
-    if constexpr (kHessian)
-      for (int c = 0; c < 6; ++c)
-        r.ww[c] += omega * (s[i].d[kEntryRow[c]] * s[i].d[kEntryColumn[c]] + s[i].q * s[i].dd[c]);
-  }
-  return r;
+  for (int i = 0; i < 3; ++i) mtl::inputs(e, i, x + 3 * i);
 }
 
 }  // namespace
 
 void NeuralMtl::strains(const double* e, int64_t n, double* q) const {
-  const double omega = 3 * lambda_ + 2 * mu_, a = std::sqrt(2 * mu_ / omega), b = (1 - a) / 3;
   constexpr int kStrains = kAxesAtOnce / 3;
   for (int64_t begin = 0; begin < n; begin += kStrains) {
     const int count = int(std::min<int64_t>(kStrains, n - begin));
@@ -163,37 +99,35 @@ void NeuralMtl::strains(const double* e, int64_t n, double* q) const {
     for (int v = 0; v < count; ++v)
       for (int i = 0; i < 3; ++i) {
         const double of_axis[10] = {f[3 * v + i]};
-        q[3 * (begin + v) + i] = strain<false>(e + 3 * (begin + v), i, of_axis, f0_, a, b).q;
+        q[3 * (begin + v) + i] = mtl::strain<false>(e + 3 * (begin + v), i, of_axis, terms_).q;
       }
   }
 }
 
 void NeuralMtl::evaluate(const double* e, int64_t n, double* psi) const {
-  const double omega = 3 * lambda_ + 2 * mu_;
   std::vector<double> q(3 * size_t(n));
   strains(e, n, q.data());
   for (size_t k = 0; k < size_t(n); ++k)
-    psi[k] = omega / 2 *
+    psi[k] = terms_.omega / 2 *
              (q[3 * k] * q[3 * k] + q[3 * k + 1] * q[3 * k + 1] + q[3 * k + 2] * q[3 * k + 2]);
 }
 
 template <bool kHessian>
 void NeuralMtl::evaluate(const double* e, int64_t n, LogJet* result) const {
   constexpr int kChannels = kHessian ? 10 : 4, kStrains = kAxesAtOnce / 3;
-  const double omega = 3 * lambda_ + 2 * mu_, a = std::sqrt(2 * mu_ / omega), b = (1 - a) / 3;
   for (int64_t begin = 0; begin < n; begin += kStrains) {
     const int count = int(std::min<int64_t>(kStrains, n - begin));
     double x[3 * kAxesAtOnce], f[kChannels * kAxesAtOnce];
     for (int v = 0; v < count; ++v) inputs(e + 3 * (begin + v), x + 9 * v);
     jets<kChannels>(x, 3 * count, f);
     for (int v = 0; v < count; ++v) {
-      Strain s[3];
+      mtl::Strain s[3];
       for (int i = 0; i < 3; ++i) {
         double of_axis[10] = {};
         for (int c = 0; c < kChannels; ++c) of_axis[c] = f[c * 3 * count + 3 * v + i];
-        s[i] = strain<kHessian>(e + 3 * (begin + v), i, of_axis, f0_, a, b);
+        s[i] = mtl::strain<kHessian>(e + 3 * (begin + v), i, of_axis, terms_);
       }
-      result[begin + v] = energy<kHessian>(s, omega);
+      result[begin + v] = mtl::energy<kHessian>(s, terms_.omega);
     }
   }
 }

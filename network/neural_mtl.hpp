@@ -17,6 +17,7 @@
 #pragma once
 
 #include "core/array.hpp"
+#include "network/neural_mtl_impl.hpp"
 
 #include <span>
 #include <vector>
@@ -25,13 +26,6 @@ namespace elastogen {
 
 /// Names the formula of psi_theta in model cards; weights of another one are of no use.
 inline constexpr const char* kMtlForm = "log stretches 2";
-
-/// Energy density and its derivatives in the log stretches e, over E.
-struct LogJet {
-  double psi = 0;
-  double w[3] = {};   ///< dpsi/de_i, the principal Kirchhoff stress
-  double ww[6] = {};  ///< d2psi/de_i de_j: 00, 11, 22, 01, 12, 20
-};
 
 class NeuralMtl {
  public:
@@ -46,6 +40,7 @@ class NeuralMtl {
 
   double mu() const { return mu_; }          ///< over E
   double lambda() const { return lambda_; }  ///< over E
+  const MtlTerms& terms() const { return terms_; }
 
   /// Strains q_i, (n, 3), at log stretches e, (n, 3).
   void strains(const double* e, int64_t n, double* q) const;
@@ -61,7 +56,8 @@ class NeuralMtl {
 
   double mu_, lambda_;
   std::vector<double> w1_, b1_, w2_, b2_, w3_;  // w1_ column-major, w2_ row-major
-  double b3_ = 0, f0_[3] = {};                  // f0_: f, f_0 and f_1 at rest
+  double b3_ = 0;
+  MtlTerms terms_;
 };
 
 }  // namespace elastogen

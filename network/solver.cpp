@@ -70,13 +70,8 @@ bool Solver::Impl::stiff() const {
 
 /// Why the device cannot take this scene, null if it can.
 const char* Solver::Impl::unfit_for_device() const {
-  if (!single && mode != SolverMode::kPaper) return "float has too few digits for it";
-  for (size_t m = 0; m < scene.materials.size(); ++m) {
-    const LearnedLaw* net = potential.learned(m);
-    if (net && net->evaluation() == Evaluation::kNet)
-      return "nets without a table are left to the CPU";
-  }
-  return nullptr;
+  const bool fits = single || mode == SolverMode::kPaper;
+  return fits ? nullptr : "float has too few digits for it";
 }
 
 void Solver::Impl::take_device() {

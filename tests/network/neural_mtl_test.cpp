@@ -71,6 +71,46 @@ TEST(NeuralMtl, EvaluatesTheFormula) {
   }
 }
 
+/// f and its derivatives at x, unit by unit as a warp of the device takes them.
+void unit_jets(const std::vector<float>& w, const double x[3], double f[10]) {
+  const float *w1 = w.data(), *b1 = w1 + 384, *w2 = b1 + 128, *b2 = w2 + 16384, *w3 = b2 + 128;
+  double hidden[128][10];
+  for (int k = 0; k < 128; ++k) mtl::first_unit<10>(w1 + 3 * k, b1[k], x, hidden[k]);
+  std::fill_n(f, 10, 0.0);
+  for (int k = 0; k < 128; ++k) {
+    double z[10] = {};
+    for (int m = 0; m < 128; ++m)
+      for (int c = 0; c < 10; ++c) z[c] += double(w2[128 * k + m]) * hidden[m][c];
+    z[0] += double(b2[k]);
+    mtl::activate<10>(z);
+    for (int c = 0; c < 10; ++c) f[c] += double(w3[k]) * z[c];
+  }
+  f[0] += double(w3[128]);
+}
+
+TEST(NeuralMtl, UnitByUnitItIsTheSame) {
+  const std::vector<float> w = random_weights();
+  const std::vector<double> e = strains(20, 5, 0.9, 0.69);
+  const NeuralMtl mtl(w, 0.4);
+  std::vector<LogJet> jets(20);
+  mtl.evaluate<true>(e.data(), 20, jets.data());
+  for (size_t k = 0; k < 20; ++k) {
+    mtl::Strain s[3];
+    for (int i = 0; i < 3; ++i) {
+      double x[3], f[10];
+      mtl::inputs(e.data() + 3 * k, i, x);
+      unit_jets(w, x, f);
+      s[i] = mtl::strain<true>(e.data() + 3 * k, i, f, mtl.terms());
+    }
+    const LogJet found = mtl::energy<true>(s, mtl.terms().omega);
+    EXPECT_NEAR(found.psi, jets[k].psi, 1e-13 * (1 + jets[k].psi));
+    for (int m = 0; m < 3; ++m)
+      EXPECT_NEAR(found.w[m], jets[k].w[m], 1e-12 * (1 + length(jets[k].w, 3)));
+    for (int c = 0; c < 6; ++c)
+      EXPECT_NEAR(found.ww[c], jets[k].ww[c], 1e-12 * (1 + length(jets[k].ww, 6)));
+  }
+}
+
 TEST(NeuralMtl, IsExactAtRestForAnyWeights) {
   for (const uint64_t seed : {1, 2, 3})
     for (const double nu : {0.0, 0.45, 0.495}) {
