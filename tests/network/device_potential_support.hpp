@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include "core/error.hpp"
 #include "io/safe_file.hpp"
 #include "network/device_quasi.hpp"
 #include "network/mtl_weights.hpp"
