@@ -83,7 +83,7 @@ TABLES: dict[str, list[Column]] = {
                 ("first step", stage("steps")), ("all s", cell("seconds", "{:.2f}")),
                 ("B a voxel", cell("bytes_a_voxel", "{:.0f}"))]}
 SOURCES = {"ceilings": ["ceilings.cpp", "card_ceilings.cu"],
-           "kernels": ["kernels.cpp", "card_kernels.cpp"], "step": ["step.cpp"],
+           "kernels": ["kernels.cpp", "card_kernels.cpp", "card_tangents.cu"], "step": ["step.cpp"],
            "error-time": ["error_time.cpp", "measure.cpp"],
            "tip": ["tip.cpp"],
            "baseline": ["baseline.cpp", "baselines/dense_grid.py", "baselines/elastogen_paper.py",
