@@ -4,6 +4,7 @@
 #include "core/eigen3.hpp"
 #include "core/error.hpp"
 #include "core/parallel.hpp"
+#include "core/quaternion.hpp"
 #include "core/svd3.hpp"
 #include "io/splat_ply.hpp"
 
@@ -44,27 +45,14 @@ std::vector<double> fit_matrix(int degree) {
   return result;
 }
 
-/// Quaternion of a rotation (Shepperd 1978), with the sign that is nearer to another one.
+/// Quaternion of a rotation with the sign that is nearer to another one.
 std::array<float, 4> quaternion(const Mat3<double>& R, const std::array<float, 4>& before) {
-  // four times the squares of the components; the largest divides
-  const double square[4] = {1 + R(0, 0) + R(1, 1) + R(2, 2), 1 + R(0, 0) - R(1, 1) - R(2, 2),
-                            1 - R(0, 0) + R(1, 1) - R(2, 2), 1 - R(0, 0) - R(1, 1) + R(2, 2)};
-  const auto k = std::max_element(square, square + 4) - square;
-  const double wx = R(2, 1) - R(1, 2), wy = R(0, 2) - R(2, 0), wz = R(1, 0) - R(0, 1);
-  const double xy = R(0, 1) + R(1, 0), yz = R(1, 2) + R(2, 1), zx = R(2, 0) + R(0, 2);
-  const double rows[4][4] = {{square[0], wx, wy, wz},
-                             {wx, square[1], xy, zx},
-                             {wy, xy, square[2], yz},
-                             {wz, zx, yz, square[3]}};
-  double norm = 0, along = 0;
-  for (size_t c = 0; c < 4; ++c) {
-    norm += rows[k][c] * rows[k][c];
-    along += rows[k][c] * before[c];
-  }
-  norm = (along < 0 ? -1 : 1) / std::sqrt(norm);
-  std::array<float, 4> q;
-  for (size_t c = 0; c < 4; ++c) q[c] = float(rows[k][c] * norm);
-  return q;
+  const Quaternion<double> found = quaternion_of(R);
+  const double q[4] = {found.w, found.x, found.y, found.z};
+  double along = 0;
+  for (size_t c = 0; c < 4; ++c) along += q[c] * before[c];
+  const double sign = along < 0 ? -1 : 1;
+  return {float(sign * q[0]), float(sign * q[1]), float(sign * q[2]), float(sign * q[3])};
 }
 
 /// Couplings below rounding would turn equal axes by any angle.

@@ -191,7 +191,7 @@ void DeviceContact::add_hessian_product(const T* p, T* f) {
   impl_->gather_forces(f);
 }
 
-NodalStiffness DeviceContact::nodal_stiffness(const float* rotation) {
+NodalStiffness DeviceContact::nodal_stiffness(const Quaternion<float>* rotation) {
   const GatherView g = impl_->gather();
   const double* frozen = impl_->frozen.data();
   double* to = impl_->blocks.data();
@@ -199,8 +199,9 @@ NodalStiffness DeviceContact::nodal_stiffness(const float* rotation) {
     double sum[6] = {};
     for (int32_t k = g.begin[s]; k < g.begin[s + 1]; ++k)
       for (int m = 0; m < 6; ++m) sum[m] += fabs(g.weight[k]) * frozen[6 * int64_t(g.point[k]) + m];
+    const Mat3<float> turn = rotation_matrix(rotation[g.nodes[s]]);
     Mat3<double> R, K;
-    for (int m = 0; m < 9; ++m) R.m[m] = double(rotation[9 * int64_t(g.nodes[s]) + m]);
+    for (int m = 0; m < 9; ++m) R.m[m] = double(turn.m[m]);
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) K(i, j) = sum[symmetric_place(i, j)];
     const Mat3<double> turned = transposed_times(R, K * R);

@@ -5,6 +5,7 @@
 
 #pragma once
 
+#include "core/quaternion.hpp"
 #include "network/incremental_potential.hpp"
 
 #include <memory>
@@ -59,7 +60,7 @@ class DeviceContact {
   void add_hessian_product(const T* p, T* f);
   /// Row sums of the frozen stiffness in the nodes' frames.
   /// @param rotation  (nodes, 9)
-  NodalStiffness nodal_stiffness(const float* rotation);
+  NodalStiffness nodal_stiffness(const Quaternion<float>* rotation);
   /// The nodes of nodal_stiffness, on the host.
   const std::vector<int32_t>& surface_nodes() const;
 

@@ -11,6 +11,17 @@ namespace elastogen::cuda {
 
 inline constexpr int kPairs = LbfgsProducts::kPairs, kOlder = LbfgsProducts::kOlder;
 
+/// What an iteration tells the host.
+struct Numbers {
+  double slope;     ///< Phi' along the step, at its start
+  double gradient;  ///< |g|^2 at the trial
+  LbfgsProducts::Newest pair;
+};
+
+struct FirstLoop {
+  double alpha[kPairs];
+};
+
 /// The vectors of the pairs, the newest first.
 struct PairViews {
   const float *s[kPairs], *y[kPairs];

@@ -68,10 +68,9 @@ void DevicePotential::Impl::freeze_rotations() {
       [=] __device__(int64_t, const double*) {});
 }
 
-/// Row `component` of the fill-weighted sums of F_v over the voxels of each node, into
-/// nodal_rotation.
+/// Row `component` of the fill-weighted sums of F_v over the voxels of each node.
 void DevicePotential::Impl::add_gradients(const double* u, int component) {
-  float* sums = nodal_rotation.data() + 3 * component;
+  float* sums = gradient_sums.data() + 3 * component;
   const VoxelTables<float> table = voxels<float>();
   for_each_voxel<float>(
       rows, reinterpret_cast<float*>(parts.data()), static_cast<NoSums*>(nullptr),
@@ -124,12 +123,12 @@ void DevicePotential::freeze_rotations() {
 
 void DevicePotential::set_nodal_rotations(const double* u) {
   for (int component = 0; component < 3; ++component) impl_->add_gradients(u, component);
-  float* rotation = impl_->nodal_rotation.data();
+  const float* sums = impl_->gradient_sums.data();
+  Quaternion<float>* rotation = impl_->nodal_rotation.data();
   cuda::for_each(nodes(), [=] __device__(int64_t n) {
     Mat3<float> sum;
-    for (int k = 0; k < 9; ++k) sum.m[k] = rotation[9 * n + k];
-    const Mat3<float> R = polar_rotation(sum);
-    for (int k = 0; k < 9; ++k) rotation[9 * n + k] = R.m[k];
+    for (int k = 0; k < 9; ++k) sum.m[k] = sums[9 * n + k];
+    rotation[n] = quaternion_of(polar_rotation(sum));
   });
 }
 
@@ -238,7 +237,7 @@ int64_t DevicePotential::nodes() const {
 const uint8_t* DevicePotential::pinned() const {
   return impl_->pinned.data();
 }
-const float* DevicePotential::nodal_rotation() const {
+const Quaternion<float>* DevicePotential::nodal_rotation() const {
   return impl_->nodal_rotation.data();
 }
 const IncrementalPotential& DevicePotential::host() const {

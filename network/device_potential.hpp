@@ -4,6 +4,7 @@
 
 #pragma once
 
+#include "core/quaternion.hpp"
 #include "network/device_contact.hpp"
 
 #include <memory>
@@ -72,8 +73,8 @@ class DevicePotential {
   DeviceContact* contact();
 
   int64_t nodes() const;
-  const uint8_t* pinned() const;        ///< (nodes), on the device
-  const float* nodal_rotation() const;  ///< (nodes, 9), on the device
+  const uint8_t* pinned() const;                    ///< (nodes), on the device
+  const Quaternion<float>* nodal_rotation() const;  ///< (nodes), on the device
   const IncrementalPotential& host() const;
 
   struct Impl;

@@ -81,7 +81,8 @@ struct DevicePotential::Impl {
         inertia(nodes()),
         predictor(3 * nodes()),
         u_now(3 * nodes()),
-        nodal_rotation(9 * nodes()),
+        gradient_sums(9 * nodes()),
+        nodal_rotation(nodes()),
         pinned(nodes()),
         parts(3 * rows.parts()),
         brick_sums(rows.bricks()),
@@ -142,7 +143,8 @@ struct DevicePotential::Impl {
   DeviceArray<double> rotation_double;
   DeviceArray<float> rotation_float;
   DeviceArray<double> inertia, predictor, u_now;
-  DeviceArray<float> nodal_rotation;
+  DeviceArray<float> gradient_sums;  // of the voxels of each node, (nodes, 9)
+  DeviceArray<Quaternion<float>> nodal_rotation;
   DeviceArray<uint8_t> pinned;
   DeviceArray<double> parts;  // floats take the first half
   DeviceArray<VoxelSums> brick_sums;

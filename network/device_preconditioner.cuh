@@ -17,16 +17,17 @@ namespace elastogen::cuda {
 
 /// The result of a pass before it is turned back.
 struct UnturnedResult {
-  const float *rotation, *values;
+  const Quaternion<float>* rotation;
+  const float* values;
   const uint8_t* pinned;
 
   /// B q at a node, 0 where it is pinned.
   template <class T>
   __device__ void at(int64_t n, T v[3]) const {
-    const float* R = rotation + 9 * n;
+    const Mat3<float> R = rotation_matrix(rotation[n]);
     const float* w = values + 3 * n;
     for (int i = 0; i < 3; ++i)
-      v[i] = pinned[n] ? T(0) : T(R[3 * i] * w[0] + R[3 * i + 1] * w[1] + R[3 * i + 2] * w[2]);
+      v[i] = pinned[n] ? T(0) : T(R(i, 0) * w[0] + R(i, 1) * w[1] + R(i, 2) * w[2]);
   }
 };
 
@@ -70,16 +71,16 @@ class DevicePreconditioner {
   /// R^T q into the cycle; read(n, v) gives the values q of a node.
   template <class Read>
   void turn(const Read& read) {
-    const float* rotation = potential_.nodal_rotation();
+    const Quaternion<float>* rotation = potential_.nodal_rotation();
     const ResidualInput<float> input = multigrid_.input();
     float* turned = r_.data();
     cuda::for_each(potential_.nodes(), [=] __device__(int64_t n) {
-      const float* R = rotation + 9 * n;
+      const Mat3<float> R = rotation_matrix(rotation[n]);
       float v[3];
       read(n, v);
       float r[3];
       for (int i = 0; i < 3; ++i)
-        turned[3 * n + i] = r[i] = R[i] * v[0] + R[3 + i] * v[1] + R[6 + i] * v[2];
+        turned[3 * n + i] = r[i] = R(0, i) * v[0] + R(1, i) * v[1] + R(2, i) * v[2];
       input.set(n, r);
     });
   }

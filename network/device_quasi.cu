@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/device_reduce.cuh"
+#include "core/device_wide.cuh"
 #include "core/line_search.hpp"
 #include "network/device_lbfgs.cuh"
 #include "network/device_preconditioner.cuh"
@@ -15,17 +16,6 @@ namespace {
 constexpr int kPatience = 25;  // iterations, as on the CPU
 constexpr int kMostHalvings = 12;
 constexpr int kTrialSums = 6 + 2 * kOlder;
-
-/// What an iteration tells the host.
-struct Numbers {
-  double slope;     ///< Phi' along the step, at its start
-  double gradient;  ///< |g|^2 at the trial
-  LbfgsProducts::Newest pair;
-};
-
-struct FirstLoop {
-  double alpha[kPairs];
-};
 
 /// The gradients of an iteration in T; lbfgs.hpp on the device.
 template <class T>
@@ -127,17 +117,28 @@ void Iteration<T>::take_step(const double* u, double* trial_u) {
   float* p = pairs.step();
   const double* c = coefficients.data();
   Numbers* to = numbers.data();
+  const int64_t n = size;
   ordered_sum(
-      size, slope_sums.data(),
-      [=] __device__(int64_t i, Sums<1> & sum) {
-        double found = double(p[i]);
+      Wide<4>::parts(n), slope_sums.data(),
+      [=] __device__(int64_t part, Sums<1> & sum) {
+        const Wide<4> at(part, n);
+        float step[4], s_k[4];
+        double found[4], place[4];
+        T force[4];
+        at.load(p, step), at.load(u, place), at.load(g, force);
+        for (int j = 0; j < 4; ++j) found[j] = double(step[j]);
 #pragma unroll
-        for (int k = 0; k < kPairs; ++k)
-          if (k < list.count) found -= __ldg(c + k) * double(list.s[k][i]);
-        const float rounded = float(found);
-        p[i] = rounded;
-        trial_u[i] = u[i] + double(rounded);
-        sum.value[0] += double(g[i]) * double(rounded);
+        for (int k = 0; k < kPairs; ++k) {
+          if (k >= list.count) continue;
+          at.load(list.s[k], s_k);
+          for (int j = 0; j < 4; ++j) found[j] -= __ldg(c + k) * double(s_k[j]);
+        }
+        for (int j = 0; j < 4; ++j) {
+          step[j] = float(found[j]);
+          place[j] += double(step[j]);
+          sum.value[0] += double(force[j]) * double(step[j]);
+        }
+        at.store(step, p), at.store(place, trial_u);
       },
       [=] __device__(const Sums<1>& sum) { to->slope = sum.value[0]; });
 }
@@ -179,20 +180,31 @@ void Iteration<T>::measure_trial(const double* trial_u, const InertiaTerms& iner
   const float* p = pairs.step();
   float* y = pairs.next_difference();
   Numbers* to = numbers.data();
+  const int64_t n = size;
   ordered_sum(
-      size, trial_sums.data(),
-      [=] __device__(int64_t i, Trial & sum) {
-        const float change = float(trial_g[i] - g[i]);
-        y[i] = change;
-        const double force = double(trial_g[i]), a = double(p[i]), b = double(change);
-        const double found[6] = {force * force, a * force, a * b,
-                                 a * a,         b * b,     inertia.energy(i, trial_u[i])};
-        for (int k = 0; k < 6; ++k) sum.value[k] += found[k];
+      Wide<2>::parts(n), trial_sums.data(),
+      [=] __device__(int64_t part, Trial & sum) {
+        const Wide<2> at(part, n);
+        T force[2], before[2];
+        float step[2], change[2], s_k[2];
+        double place[2];
+        at.load(trial_g, force), at.load(g, before), at.load(p, step), at.load(trial_u, place);
+        for (int j = 0; j < 2; ++j) {
+          change[j] = float(force[j] - before[j]);
+          const double f = double(force[j]), a = double(step[j]), b = double(change[j]);
+          const double found[5] = {f * f, a * f, a * b, a * a, b * b};
+          for (int k = 0; k < 5; ++k) sum.value[k] += found[k];
+          if (j < at.count) sum.value[5] += inertia.energy(at.first + j, place[j]);
+        }
+        at.store(change, y);
 #pragma unroll
         for (int k = 0; k < kOlder; ++k) {
           if (k >= older) continue;
-          const double s_k = double(list.s[k][i]);
-          sum.value[6 + k] += s_k * force, sum.value[6 + kOlder + k] += s_k * b;
+          at.load(list.s[k], s_k);
+          for (int j = 0; j < 2; ++j) {
+            sum.value[6 + k] += double(s_k[j]) * double(force[j]);
+            sum.value[6 + kOlder + k] += double(s_k[j]) * double(change[j]);
+          }
         }
       },
       [=] __device__(const Trial& sum) {

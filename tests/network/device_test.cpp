@@ -104,10 +104,15 @@ TEST_F(OnCard, NodalRotations) {
   device.begin_step();
   OnDevice<double> place(u);
   device.set_nodal_rotations(place.data());
-  std::vector<float> found(host.nodal_rotation().size());
-  ASSERT_EQ(cudaMemcpy(found.data(), device.nodal_rotation(), found.size() * sizeof(float),
+  std::vector<Quaternion<float>> turns(u.size() / 3);
+  ASSERT_EQ(cudaMemcpy(turns.data(), device.nodal_rotation(), turns.size() * sizeof(turns[0]),
                        cudaMemcpyDeviceToHost),
             cudaSuccess);
+  std::vector<float> found;
+  for (const Quaternion<float>& turn : turns) {
+    const Mat3<float> R = rotation_matrix(turn);
+    found.insert(found.end(), R.m, R.m + 9);
+  }
   EXPECT_LT(relative_difference(found, host.nodal_rotation()), 1e-5);
 }
 
