@@ -152,9 +152,12 @@ int animate_batch(const BatchTask& task) {
 
   watch_signals();
   const bool card = may_use_card(scenes);
-  // on the CPU a loop stays on the thread of its scene: the cores have scenes enough
+  // on the CPU all of a scene stays on its thread: the cores have scenes enough
   std::optional<ThreadLimit> limit;
-  if (!card) limit.emplace(1);
+  if (!card) {
+    limit.emplace(1);
+    for (BatchScene& scene : scenes) scene.options.threads = 1;
+  }
   const size_t cores = std::max(1U, std::thread::hardware_concurrency());
   const size_t jobs = task.jobs > 0 ? size_t(task.jobs) : card ? kJobsOnCard : cores;
   return Batch(scenes, task.quiet).run(std::min(jobs, scenes.size()));

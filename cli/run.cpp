@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/run.hpp"
 
+#include "cli/clip_frames.hpp"
 #include "cli/fem_boundary.hpp"
 #include "cli/fem_stepper.hpp"
 #include "cli/progress.hpp"
@@ -10,11 +11,9 @@
 #include "cli/version.hpp"
 #include "core/error.hpp"
 #include "core/parallel.hpp"
-#include "io/animation_writer.hpp"
 #include "io/safe_file.hpp"
 #include "io/state_writer.hpp"
 #include "io/step_log.hpp"
-#include "voxelize/embedding.hpp"
 
 #include <fmt/format.h>
 
@@ -23,26 +22,11 @@
 namespace elastogen {
 namespace {
 
-/// Everything that a run writes.
+/// What a run writes beside its frames.
 struct Outputs {
-  std::vector<std::unique_ptr<AnimationWriter>> animations;
   std::unique_ptr<StepLog> log;
   std::unique_ptr<StateWriter> state;
 };
-
-std::unique_ptr<AnimationWriter> open_animation(const std::string& path, const Asset& asset,
-                                                const Setup& setup, const AnimateOptions& o) {
-  AnimationOptions options;
-  options.fps = o.fps;
-  options.keyframe = o.keyframe;
-  options.generator = version_text();
-  options.command = o.command;
-  options.commit = build_commit();
-  options.root = root_matrix(setup.body.surface.scale, setup.up);
-  options.scene = &setup.scene;
-  if (setup.tets) options.tets = &setup.tets->elements;
-  return AnimationWriter::create(path, asset, setup.body.surface, options);
-}
 
 std::unique_ptr<StateWriter> open_state(const Scene& scene, const AnimateOptions& o,
                                         const Stepper& stepper, const State& state) {
@@ -54,21 +38,17 @@ std::unique_ptr<StateWriter> open_state(const Scene& scene, const AnimateOptions
   return std::make_unique<StateWriter>(o.state, scene, header, state);
 }
 
-/// Whether animations, which are in single precision, can hold these.
-bool fits_single(const Array<double>& x) {
-  const auto fits = [](double value) { return std::abs(value) < 1e37; };
-  return std::all_of(x.data(), x.data() + x.size(), fits);
-}
-
 /// Steps the clip and collects what the report says of it.
 class Clip {
  public:
   Clip(const Asset& asset, const AnimateOptions& options, const RunHooks& hooks, Setup& setup,
        RunResult& result)
-      : o_(options), hooks_(hooks), setup_(setup), result_(result), report_(result.report) {
-    for (const std::string& path : options.outputs)
-      outputs_.animations.push_back(open_animation(path, asset, setup, options));
-    if (!setup.tets) embedding_ = embed(setup.scene.grid, setup.body.carried);
+      : o_(options),
+        hooks_(hooks),
+        setup_(setup),
+        result_(result),
+        report_(result.report),
+        frames_(asset, setup, options, hooks) {
     const Stopwatch watch;
     stepper_ = make_stepper(
         setup, options, [this] { return stopped(); }, report_.notes);
@@ -81,33 +61,32 @@ class Clip {
       for (const std::string& note : report_.notes) fmt::print("{}\n", note);
     state_ = stepper_->start(options.motion);
     stepper_->begin(state_);
+    frames_.begin(*stepper_);
     report_.stage_seconds.setup += watch.seconds();
     if (!o_.log.empty()) outputs_.log = std::make_unique<StepLog>(o_.log);
     outputs_.state = open_state(setup.scene, options, *stepper_, state_);
-    displacement_ = Array<double>(setup.body.carried.rows(), 3);
-    for (const auto& animation : outputs_.animations) {
-      if (animation->needs_gradient()) gradient_ = Array<double>(setup.body.carried.rows(), 9);
-      with_motion_ |= animation->needs_motion();
-    }
   }
 
   void run() {
     Progress progress(o_.frames, o_.quiet);
     watch_ = Stopwatch();
-    write_frame({.converged = true});
+    add_frame({.converged = true});
     for (int64_t frame = 1; frame <= o_.frames; ++frame) {
       FrameCertificate certificate{.converged = true, .residual = 0, .min_j = 1e300};
       if (!step_frame(frame, certificate)) break;
-      write_frame(certificate);
+      add_frame(certificate);
       ++report_.frames;
       progress.update(frame, certificate.residual, certificate.converged);
     }
+    const Stopwatch last;
+    frames_.wait();
+    report_.stage_seconds.write += last.seconds();
     report_.stage_seconds.steps = watch_.seconds() - report_.stage_seconds.write;
   }
 
   void finish() {
     const Stopwatch watch;
-    for (const auto& animation : outputs_.animations) animation->finish();
+    frames_.finish();
     if (outputs_.state) outputs_.state->finish();
     report_.stage_seconds.write += watch.seconds();
     report_.converged_share = report_.steps > 0 ? double(converged_) / double(report_.steps) : 1;
@@ -124,7 +103,7 @@ class Clip {
                                  steps_outside_, report_.steps,
                                  (report_.outside_fit + steps_outside_ - 1) / steps_outside_));
     find_long_steps();
-    const bool still = largest_motion_ < 1e-6 * setup_.longest_edge;
+    const bool still = frames_.largest_motion() < 1e-6 * setup_.longest_edge;
     if (still && report_.frames > 0 && converged_ == report_.steps)
       report_.warnings.push_back(nothing_moved(setup_.scene, o_));
   }
@@ -177,7 +156,7 @@ class Clip {
         return false;
       }
       if (r.finite) read_state(k + 1 == setup_.substeps);
-      if (!r.finite || !fits_single(state_.x)) {
+      if (!r.finite || !stepper_->fits_single(state_)) {
         result_.code = kExitDiverged;
         report_.warnings.push_back(fmt::format("frame {}: step {}: {}; the clip ends before it",
                                                frame, r.step,
@@ -191,12 +170,9 @@ class Clip {
     return true;
   }
 
-  /// What a file is made of: of every step for a state file, else of the last one of a frame.
+  /// Of every step for a state file, of the last one of a frame with velocities.
   void read_state(bool frame_ends) {
-    if (outputs_.state || (frame_ends && with_motion_))
-      stepper_->read(state_, StateParts::kAll);
-    else if (frame_ends)
-      stepper_->read(state_, StateParts::kPositions);
+    if (outputs_.state || (frame_ends && frames_.with_motion())) stepper_->read(state_);
   }
 
   void take(int64_t frame, const StepReport& r, FrameCertificate& certificate) {
@@ -217,50 +193,10 @@ class Clip {
     if (hooks_.on_step) hooks_.on_step(r);
   }
 
-  /// The state of the grid's nodes alone: quadratic elements have more.
-  const State& grid_state() {
-    const int64_t nodes = setup_.scene.grid.node_count();
-    if (state_.x.rows() == nodes) return state_;
-    grid_state_.x = grid_state_.v = Array<double>(nodes, 3);
-    std::copy_n(state_.x.data(), 3 * nodes, grid_state_.x.data());
-    std::copy_n(state_.v.data(), 3 * nodes, grid_state_.v.data());
-    grid_state_.time = state_.time;
-    return grid_state_;
-  }
-
-  /// Moves the carried points with the grid, or as nodes of the tetrahedra.
-  void carry(const State& state) {
-    if (!setup_.tets) {
-      deform_asset(setup_.scene.grid, embedding_, state.x, displacement_);
-      return;
-    }
-    for (int64_t p = 0; p < displacement_.rows(); ++p)
-      for (int d = 0; d < 3; ++d) {
-        const int32_t node = setup_.node_of(p);
-        displacement_(p, d) = state.x(node, d) - setup_.tets->rest(node, d);
-      }
-  }
-
-  void write_frame(const FrameCertificate& certificate) {
+  /// The time that is lost to frames beside the steps.
+  void add_frame(const FrameCertificate& certificate) {
     const Stopwatch watch;
-    const State& state = grid_state();
-    carry(state);
-    for (int64_t k = 0; k < displacement_.size(); ++k)
-      largest_motion_ = std::max(largest_motion_, std::abs(displacement_.data()[k]));
-    if (!gradient_.empty()) deformation_gradient(setup_.scene.grid, embedding_, state.x, gradient_);
-    Span<const double> residual;
-    if (with_motion_) residual = {stepper_->residual().data, state.x.rows(), 3};
-    for (const auto& animation : outputs_.animations)
-      animation->frame({.displacement = displacement_,
-                        .gradient = gradient_,
-                        .state = &state,
-                        .residual = residual,
-                        .certificate = certificate});
-    if (hooks_.on_frame) {
-      Array<double> positions = setup_.body.carried;
-      for (int64_t k = 0; k < positions.size(); ++k) positions.data()[k] += displacement_.data()[k];
-      hooks_.on_frame(positions);
-    }
+    frames_.add(state_, certificate);
     report_.stage_seconds.write += watch.seconds();
   }
 
@@ -270,18 +206,13 @@ class Clip {
   RunResult& result_;
   RunReport& report_;
   Outputs outputs_;
-  Embedding embedding_;
   std::unique_ptr<Stepper> stepper_;
+  ClipFrames frames_;
   State state_;
-  State grid_state_;          ///< used where state_ has more nodes than the grid
-  bool with_motion_ = false;  ///< a writer needs velocities and residual
-  Array<double> displacement_;
-  Array<double> gradient_;  ///< of the carried points; empty where no writer needs it
   int64_t converged_ = 0;
   int64_t steps_outside_ = 0;  // in which voxels lay outside the box of their nets
   std::vector<double> work_;   // inner iterations of the steps
-  double largest_motion_ = 0;
-  Stopwatch watch_;  ///< of the steps
+  Stopwatch watch_;            ///< of the steps
 };
 
 void print_summary(const RunResult& result) {

@@ -19,7 +19,8 @@ struct RunHooks {
   std::function<Array<int32_t>(const VoxelGrid&)> regions;
   /// The scene in place of the voxelised asset, which is then only its surface.
   std::function<Setup(RunReport&)> set_up;
-  /// Called with each frame, the first included: positions of the surface [m], (vertices, 3).
+  /// Called with each frame in their order, the first included, maybe on another thread beside
+  /// the next step: positions of the surface [m], (vertices, 3).
   std::function<void(const Array<double>& positions)> on_frame;
   std::function<void(const StepReport&)> on_step;
   std::function<void(const std::string& text)> on_warning;  ///< instead of standard error

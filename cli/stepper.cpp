@@ -6,8 +6,13 @@
 #include "cli/weights.hpp"
 #include "network/contact.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 namespace elastogen {
 namespace {
+
+constexpr double kLargestSingle = 1e37;
 
 StateNet state_net(const LearnedLaw& net) {
   StateNet result;
@@ -38,9 +43,18 @@ class NetworkStepper : public Stepper {
   StepReport advance(State& state) override {
     return on_card_ ? solver_.advance() : solver_.step(state);
   }
-  void read(State& state, StateParts parts) const override {
-    if (on_card_) solver_.read(state, parts);
+  void read(State& state) const override {
+    if (on_card_) solver_.read(state);
   }
+  bool fits_single(const State& state) const override {
+    return on_card_ ? solver_.reach() < kLargestSingle : Stepper::fits_single(state);
+  }
+  bool carry(const Embedding& embedding, bool with_gradient) override {
+    if (on_card_) solver_.carry(embedding, with_gradient);
+    return on_card_;
+  }
+  int64_t start_frame() override { return solver_.start_frame(); }
+  CarriedFrame take_frame(int64_t number) const override { return solver_.take_frame(number); }
   Span<const double> residual() const override { return solver_.residual(); }
   std::string device() const override { return solver_.device(); }
 
@@ -62,6 +76,11 @@ class NetworkStepper : public Stepper {
 };
 
 }  // namespace
+
+bool Stepper::fits_single(const State& state) const {
+  const auto fits = [](double value) { return std::abs(value) < kLargestSingle; };
+  return std::all_of(state.x.data(), state.x.data() + state.x.size(), fits);
+}
 
 std::unique_ptr<Stepper> make_stepper(const Setup& setup, const AnimateOptions& options,
                                       std::function<bool()> interrupted,

@@ -5,6 +5,7 @@
 
 #include "cli/scene_setup.hpp"
 #include "io/state_writer.hpp"
+#include "network/solver.hpp"
 
 #include <functional>
 #include <memory>
@@ -24,8 +25,15 @@ class Stepper {
   virtual void begin(const State&) {}
   /// As step, with arrays that are those of the last read(): its caller reads what it needs.
   virtual StepReport advance(State& state) { return step(state); }
-  /// Brings the state, or its positions, up to date.
-  virtual void read(State&, StateParts) const {}
+  /// Brings the state up to date.
+  virtual void read(State&) const {}
+  /// Whether animations, which are in single precision, can hold the positions.
+  virtual bool fits_single(const State& state) const;
+  /// Takes the points of frames that it makes itself from now on, as Solver's; false: they are made
+  /// of the state, which it works on.
+  virtual bool carry(const Embedding&, bool /*with_gradient*/) { return false; }
+  virtual int64_t start_frame() { return 0; }
+  virtual CarriedFrame take_frame(int64_t /*number*/) const { return {}; }
   /// Gradient of the incremental potential [N], (nodes, 3); its first nodes are those of the grid.
   virtual Span<const double> residual() const = 0;
   /// What it runs on: "cpu", or the name of a card.

@@ -25,7 +25,7 @@ struct AnimationFrame {
   Span<const double> displacement;   ///< of the carried points [m], (points, 3), finite
   Span<const double> gradient = {};  ///< F at the carried points, row-major, (points, 9); filled
                                      ///< where a writer needs it
-  const State* state = nullptr;      ///< of the scene; velocities where a writer needs them
+  const State* state = nullptr;      ///< of the scene; filled where a writer needs velocities
   Span<const double> residual = {};  ///< gradient of the incremental potential [N], (nodes, 3);
                                      ///< filled where a writer needs it
   FrameCertificate certificate = {};

@@ -86,6 +86,16 @@ class DeviceStep {
   virtual Certificate certify(bool may_fly) = 0;
   /// The new positions and their velocities become the state.
   virtual MotionEnergy finish(bool in_flight) = 0;
+  /// Largest |x| of a component of the state [m].
+  virtual double reach() = 0;
+
+  /// Takes points whose frames are made here from now on; false: there is no room for them beside
+  /// what steps take. `start_frame` makes one of the state and sends it to one of two places on
+  /// the host beside what comes next, `take_frame` waits for it there, on any thread.
+  virtual bool carry(const Embedding& embedding, bool with_gradient) = 0;
+  virtual void start_frame(int slot) = 0;
+  virtual CarriedFrame take_frame(int slot) const = 0;
+
   /// The gradient of the last certificate, (nodes, 3).
   virtual void download_gradient(double* gradient) const = 0;
 };

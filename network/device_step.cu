@@ -2,6 +2,7 @@
 #include "core/parallel.hpp"
 #include "network/device.hpp"
 #include "network/device_budget.cuh"
+#include "network/device_frames.cuh"
 #include "network/device_newton.hpp"
 #include "network/device_paper.hpp"
 #include "network/device_pieces.cuh"
@@ -29,7 +30,7 @@ struct Largest {
 
 /// Where kernels leave what the host asks for.
 struct StepNumbers {
-  double farthest, square, not_finite;
+  double farthest, reach, square, not_finite;
   MotionEnergy energy;
 };
 
@@ -68,6 +69,14 @@ class StepOnDevice : public DeviceStep {
   Certificate certify(bool may_fly) override;
   MotionEnergy finish(bool in_flight) override;
   void download_gradient(double* gradient) const override { gradient_.download(gradient); }
+  double reach() override;
+  bool carry(const Embedding& embedding, bool with_gradient) override {
+    frames_.reset();
+    frames_ = make_frames(scene_.grid, embedding, with_gradient, later_bytes());
+    return frames_ != nullptr;
+  }
+  void start_frame(int slot) override { frames_->start(slot, x_.data(), rest_.data()); }
+  CarriedFrame take_frame(int slot) const override { return frames_->take(slot); }
 
   /// What steps take beyond what the constructor does, at most.
   size_t later_bytes() {
@@ -109,6 +118,7 @@ class StepOnDevice : public DeviceStep {
   DeviceArray<SumRoom<Sums<2>>> pair_sums_;
   PinnedArray<StepNumbers> numbers_;
   PinnedArray<double> staging_;  // arrays on their way; the bus takes other memory more slowly
+  std::unique_ptr<DeviceFrames> frames_;
   StepScheme scheme_;
   bool has_before_ = false;
 };
@@ -241,6 +251,16 @@ double StepOnDevice::farthest() {
       [=] __device__(const Largest& sum) { to->farthest = sum.value; });
   synchronise();
   return numbers_[0].farthest;
+}
+
+double StepOnDevice::reach() {
+  const double* x = x_.data();
+  StepNumbers* to = numbers_.data();
+  ordered_sum(
+      size(), largest_.data(), [=] __device__(int64_t k, Largest & sum) { sum.add({fabs(x[k])}); },
+      [=] __device__(const Largest& sum) { to->reach = sum.value; });
+  synchronise();
+  return numbers_[0].reach;
 }
 
 /// Its gradient is of no use; positions of the next state are not there yet.

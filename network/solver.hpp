@@ -64,6 +64,15 @@ double courant_number(const Scene& scene);
 /// in float64.
 double float_floor(const Scene& scene);
 
+struct Embedding;
+
+/// How the points of an asset have moved (voxelize/embedding.hpp).
+struct CarriedFrame {
+  const double* displacement = nullptr;  ///< [m], (points, 3)
+  const double* gradient = nullptr;      ///< deformation gradient, row-major, (points, 9); null
+                                         ///< unless asked for
+};
+
 class Solver {
  public:
   /// The scene must be finished and outlive the solver.
@@ -83,6 +92,21 @@ class Solver {
   void begin(const State& state);
   StepReport advance();
   void read(State& state, StateParts parts = StateParts::kAll) const;
+
+  /// Largest |x| of a component in a clip [m].
+  /// @throws Error without begin().
+  double reach() const;
+
+  /// Frames of a clip: carry takes the points, start_frame() makes a frame of the state and gives
+  /// its number, which counts from 0, take_frame() waits for one of the last two. Where steps run
+  /// on a card frames are made there, and come from it beside the steps that follow. The bits are
+  /// those of deform_asset and deformation_gradient. Frames may be taken on another thread; they
+  /// are valid until the second start_frame() after their own.
+  /// @param embedding  in the scene's grid; must outlive the clip.
+  /// @throws Error for another embedding, without begin() or carry(), and for another number.
+  void carry(const Embedding& embedding, bool with_gradient);
+  int64_t start_frame();
+  CarriedFrame take_frame(int64_t number) const;
 
   /// Gradient of the incremental potential at the last state [N], (nodes, 3), 0 on pinned nodes;
   /// its norm is the residual of the report. Zero before the first step.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a solver holds, for the files that make it up: solver.cpp (modes), solver_step.cpp (a step).
+// What a solver holds, for the files that make it up: solver.cpp (modes), solver_step.cpp (a step),
+// solver_frames.cpp.
 
 #pragma once
 
@@ -11,6 +12,7 @@
 #include "network/quasi_solver.hpp"
 #include "network/solver.hpp"
 
+#include <atomic>
 #include <optional>
 
 namespace elastogen {
@@ -80,6 +82,15 @@ struct Solver::Impl {
   // of a clip
   State clip;  // without arrays where the device has them
   bool in_clip = false;
+
+  // of its frames
+  void make_frame(int slot);
+  const Embedding* embedding = nullptr;
+  bool frames_on_device = false;
+  std::atomic<int64_t> frames = 0;  // started
+  struct Frame {
+    Array<double> displacement, gradient;
+  } frame[2];  // where the device does not make them
 };
 
 }  // namespace elastogen

@@ -7,10 +7,9 @@
 #include "core/error.hpp"
 #include "network/solver.hpp"
 #include "tests/network/device_potential_support.hpp"
+#include "tests/network/device_room.hpp"
 #include "tests/network/device_support.hpp"
 #include "tests/support/laws.hpp"
-
-#include <cuda_runtime_api.h>
 
 namespace elastogen::test {
 namespace {
@@ -218,28 +217,6 @@ TEST_F(OnCard, AutoTakesItWhereItCan) {
   options.learned = {shipped_net(Law::kNeoHookean, 0.4, Evaluation::kNet), nullptr};
   EXPECT_NE(Solver(scene, options).device(), "cpu");
 }
-
-/// All memory of the card that is left.
-class AllRoom {
- public:
-  AllRoom() {
-    size_t free = 0, total = 0;
-    cudaMemGetInfo(&free, &total);
-    for (size_t size = free; size >= (1 << 20);) {
-      void* block = nullptr;
-      if (cudaMalloc(&block, size) == cudaSuccess)
-        blocks_.push_back(block);
-      else
-        size /= 2, cudaGetLastError();
-    }
-  }
-  ~AllRoom() {
-    for (void* block : blocks_) cudaFree(block);
-  }
-
- private:
-  std::vector<void*> blocks_;
-};
 
 TEST_F(OnCard, AutoGoesOnWithoutItWhereThereIsNoRoom) {
   const Scene scene = clamped_beam(48, 24, 24, kH, solid(1e5, 0.3));

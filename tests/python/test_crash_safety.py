@@ -136,6 +136,27 @@ class FullDisk(unittest.TestCase):
             self.assertEqual((out / "a.glb").read_bytes(), OLD)
             self.assertEqual(list(out.iterdir()), [out / "a.glb"])
 
+    def test_frames_beyond_the_limit_end_with_code_6(self) -> None:
+        """Frames wait in a file of their own, which the thread that writes them fills."""
+        def limit() -> None:
+            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+            resource.setrlimit(resource.RLIMIT_FSIZE, (5_000, 5_000))
+
+        for threads in ("1", "2"):
+            with tempfile.TemporaryDirectory() as name:
+                folder = Path(name)
+                out = folder / "out"
+                out.mkdir()
+                asset = command.write_obj(folder / "beam.obj", *BEAM)
+                result = subprocess.run(
+                    [command.BINARY, "animate", str(asset), "--voxels", "8", "--frames", "200",
+                     "--quiet", "--analytic", "--device", "cpu", "--threads", threads,
+                     "--pin", "x<5%", "-o", str(out / "a.pc2")],
+                    timeout=120, capture_output=True, text=True, check=False, preexec_fn=limit)
+                self.assertEqual(result.returncode, 6, result.stderr)
+                self.assertIn("a.pc2", result.stderr)
+                self.assertEqual(list(out.iterdir()), [])
+
     def test_a_small_disk_ends_with_code_6(self) -> None:
         with tempfile.TemporaryDirectory() as name:
             out = Path(name) / "disk"

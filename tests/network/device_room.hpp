@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// The card's memory, for tests of what happens without it.
+
+#pragma once
+
+#include <cuda_runtime_api.h>
+
+#include <vector>
+
+namespace elastogen::test {
+
+/// All memory of the card that is left.
+class AllRoom {
+ public:
+  AllRoom() {
+    size_t free = 0, total = 0;
+    cudaMemGetInfo(&free, &total);
+    for (size_t size = free; size >= (1 << 20);) {
+      void* block = nullptr;
+      if (cudaMalloc(&block, size) == cudaSuccess)
+        blocks_.push_back(block);
+      else
+        size /= 2, cudaGetLastError();
+    }
+  }
+  ~AllRoom() {
+    for (void* block : blocks_) cudaFree(block);
+  }
+
+ private:
+  std::vector<void*> blocks_;
+};
+
+}  // namespace elastogen::test
