@@ -3,11 +3,12 @@
 
 #pragma once
 
+#include "core/zeroed.hpp"
+
 #include <cstdint>
 #include <ostream>
 #include <type_traits>
 #include <utility>
-#include <vector>
 
 namespace elastogen {
 
@@ -49,7 +50,7 @@ class Array {
   operator Span<const T>() const { return {data(), rows_, cols_}; }
 
  private:
-  std::vector<T> values_;
+  Zeroed<T> values_;
   int64_t rows_ = 0;
   int cols_ = 1;
 };

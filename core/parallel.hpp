@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 namespace elastogen {
@@ -67,6 +68,36 @@ void for_each(int64_t n, const Body& body, int64_t block = kBlock) {
         for (int64_t i = begin; i < end; ++i) body(i);
       },
       block);
+}
+
+/// The i of [0, n) of each group, in order; group(i), which is asked twice, is below 0 for those of
+/// none.
+template <class Group>
+std::vector<std::vector<int32_t>> grouped(int64_t n, size_t groups, const Group& group) {
+  const int64_t blocks = (n + kBlock - 1) / kBlock;
+  std::vector<int32_t> next(size_t(blocks) * groups);
+  for_blocks(n, [&](int64_t begin, int64_t end) {
+    int32_t* count = next.data() + size_t(begin / kBlock) * groups;
+    for (int64_t i = begin; i < end; ++i)
+      if (const int64_t g = group(i); g >= 0) ++count[g];
+  });
+  std::vector<int32_t> size(groups);
+  for (size_t k = 0; k < next.size(); ++k)
+    size[k % groups] += std::exchange(next[k], size[k % groups]);
+  std::vector<std::vector<int32_t>> result(groups);
+  for (size_t g = 0; g < groups; ++g) result[g].resize(size_t(size[g]));
+  for_blocks(n, [&](int64_t begin, int64_t end) {
+    int32_t* place = next.data() + size_t(begin / kBlock) * groups;
+    for (int64_t i = begin; i < end; ++i)
+      if (const int64_t g = group(i); g >= 0) result[size_t(g)][size_t(place[g]++)] = int32_t(i);
+  });
+  return result;
+}
+
+/// The i of [0, n) with keep(i), in order; keep is asked twice.
+template <class Keep>
+std::vector<int32_t> filtered(int64_t n, const Keep& keep) {
+  return std::move(grouped(n, 1, [&](int64_t i) { return keep(i) ? 0 : -1; })[0]);
 }
 
 /// Sum over the blocks of partial(begin, end), a double; same bits on any number of threads.

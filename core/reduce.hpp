@@ -24,6 +24,18 @@ double dot(const T* a, const T* b, int64_t n) {
   });
 }
 
+/// The largest value(i) of [0, n), 0 where all are below.
+template <class Value>
+double largest(int64_t n, const Value& value) {
+  std::vector<double> found(size_t((n + kBlock - 1) / kBlock));
+  for_blocks(n, [&](int64_t begin, int64_t end) {
+    double most = 0;
+    for (int64_t i = begin; i < end; ++i) most = std::max(most, value(i));
+    found[size_t(begin / kBlock)] = most;
+  });
+  return found.empty() ? 0 : *std::max_element(found.begin(), found.end());
+}
+
 template <class T>
 double norm(const T* a, int64_t n) {
   return std::sqrt(dot(a, a, n));

@@ -9,13 +9,29 @@
 
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace elastogen {
 namespace {
 
+/// Whether fits(i) for all i of [0, n).
+template <class Fits>
+bool all_fit(int64_t n, const Fits& fits) {
+  return ordered_sum(n, [&](int64_t begin, int64_t end) {
+           double misfits = 0;
+           for (int64_t i = begin; i < end; ++i) misfits += !fits(i);
+           return misfits;
+         }) == 0;
+}
+
 /// @throws Error naming the first entry that is not in [lower, upper] (NaN never is).
 template <class T>
 void check_range(const Array<T>& array, double lower, double upper, const char* name) {
+  const T* values = array.data();
+  const auto fits = [=](int64_t k) {
+    return double(values[k]) >= lower && double(values[k]) <= upper;
+  };
+  if (all_fit(array.size(), fits)) return;
   for (int64_t k = 0; k < array.size(); ++k) {
     const auto value = double(array.data()[k]);
     ELASTOGEN_CHECK(value >= lower && value <= upper, name, '(', k / array.cols(), ", ",
@@ -64,10 +80,7 @@ void check_scene(const Scene& scene) {
   ELASTOGEN_CHECK(is(scene.pinned, nodes, 1), "pinned must be (nodes, 1)");
   ELASTOGEN_CHECK(!scene.materials.empty(), "the scene has no material");
   for (const Material& m : scene.materials) check_material(m);
-  for (int64_t v = 0; v < voxels; ++v)
-    ELASTOGEN_CHECK(scene.material(v) >= 0 && scene.material(v) < int(scene.materials.size()),
-                    "voxel ", v, " has material ", scene.material(v), " of ",
-                    scene.materials.size());
+  check_range(scene.material, 0, double(scene.materials.size() - 1), "material");
   ELASTOGEN_CHECK(scene.dt > 0 && std::isfinite(scene.dt), "dt must be positive, got ", scene.dt);
   ELASTOGEN_CHECK(finite(scene.gravity), "gravity must be finite");
   for (const Collider& collider : scene.colliders) check_collider(collider);
@@ -124,8 +137,9 @@ void variance_of_voxel(const VoxelGrid& grid, const Material& m, int64_t v, doub
 void finish_scene(Scene& scene) {
   check_scene(scene);
   fill_mass(scene);
-  double total = 0;
-  for (int64_t n = 0; n < scene.mass.rows(); ++n) total += scene.mass(n);
+  const double total = ordered_sum(scene.mass.rows(), [&](int64_t begin, int64_t end) {
+    return std::accumulate(scene.mass.data() + begin, scene.mass.data() + end, 0.0);
+  });
   ELASTOGEN_CHECK(std::isnormal(total), "the mass must be a normal number, got ", total,
                   " kg: h = ", scene.grid.h, " m or the density is out of range");
   const int64_t voxels = scene.grid.voxel_count();
@@ -161,28 +175,42 @@ void check_state(const State& state, int64_t nodes) {
   check_state_array(state.v_before, nodes, "state.v_before");
 }
 
+namespace {
+
+/// Centre of mass [m].
+Vec3 centre_of(const Scene& scene) {
+  double mass = 0;
+  Vec3 centre = {};
+  for (int64_t n = 0; n < scene.mass.rows(); ++n) {
+    mass += scene.mass(n);
+    for (size_t d = 0; d < 3; ++d) centre[d] += scene.mass(n) * scene.grid.rest(n, int(d));
+  }
+  return {centre[0] / mass, centre[1] / mass, centre[2] / mass};
+}
+
+}  // namespace
+
 State initial_state(const Scene& scene, const StartMotion& motion) {
   const Array<double>& X = scene.grid.rest;
   const int64_t nodes = X.rows();
   ELASTOGEN_CHECK(scene.mass.rows() == nodes, "initial_state needs a finished scene");
-  double mass = 0, centre[3] = {};
-  for (int64_t n = 0; n < nodes; ++n) {
-    mass += scene.mass(n);
-    for (int d = 0; d < 3; ++d) centre[d] += scene.mass(n) * X(n, d);
-  }
-  State state;
-  state.x = X;
-  state.v = Array<double>(nodes, 3);
   const double* w = motion.spin;
-  for (int64_t n = 0; n < nodes; ++n) {
-    if (scene.pinned(n)) continue;
-    const double r[3] = {X(n, 0) - centre[0] / mass, X(n, 1) - centre[1] / mass,
-                         X(n, 2) - centre[2] / mass};
+  const bool spins = w[0] != 0 || w[1] != 0 || w[2] != 0;
+  const Vec3 centre = spins ? centre_of(scene) : Vec3{};
+  State state;
+  state.x = Array<double>(nodes, 3);
+  state.v = Array<double>(nodes, 3);
+  for_each(nodes, [&](int64_t n) {
+    std::copy_n(X.row(n), 3, state.x.row(n));
+    if (scene.pinned(n)) return;
     for (int d = 0; d < 3; ++d) {
       const int e = (d + 1) % 3, f = (d + 2) % 3;
-      state.v(n, d) = motion.velocity[d] + w[e] * r[f] - w[f] * r[e];
+      state.v(n, d) = motion.velocity[d];
+      if (spins)
+        state.v(n, d) = motion.velocity[d] + w[e] * (X(n, f) - centre[size_t(f)]) -
+                        w[f] * (X(n, e) - centre[size_t(e)]);
     }
-  }
+  });
   return state;
 }
 

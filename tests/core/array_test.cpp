@@ -24,6 +24,16 @@ TEST(Array, IsZeroAtBirthAndRowMajor) {
   EXPECT_EQ(a.size(), 6);
 }
 
+TEST(Array, IsZeroAtBirthWhereMemoryWasInUseBefore) {
+  for (const int64_t rows : {1, 100, 5000, 3000000})
+    for (int repeat = 0; repeat < 2; ++repeat) {
+      Array<double> a(rows, 2);
+      EXPECT_EQ(sum(a), 0);
+      a.fill(3);
+      EXPECT_EQ(sum(a), 6 * double(rows));
+    }
+}
+
 TEST(Array, EmptyHasNoRows) {
   const Array<int32_t> a;
   EXPECT_TRUE(a.empty());

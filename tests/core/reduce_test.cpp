@@ -53,6 +53,28 @@ TEST(Reduce, AddScaledReachesEveryEntry) {
   }
 }
 
+TEST(Reduce, LargestIsThatOfAllBlocksAndZeroOfNone) {
+  for (const int64_t n : kSizes) {
+    const std::vector<double> values = random_values<double>(n, 7);
+    const auto value = [&](int64_t k) { return std::abs(values[size_t(k)]); };
+    double most = 0;
+    for (int64_t k = 0; k < n; ++k) most = std::max(most, value(k));
+    EXPECT_EQ(largest(n, value), most);
+  }
+}
+
+TEST(Parallel, GroupedHasEachNumberInItsGroupInOrder) {
+  for (const int64_t n : kSizes) {
+    const auto group = [](int64_t i) { return i * i % 7 - 1; };  // -1, 0, 1, 3
+    const std::vector<std::vector<int32_t>> groups = grouped(n, 5, group);
+    std::vector<std::vector<int32_t>> expected(5);
+    for (int64_t i = 0; i < n; ++i)
+      if (group(i) >= 0) expected[size_t(group(i))].push_back(int32_t(i));
+    EXPECT_EQ(groups, expected);
+    EXPECT_EQ(filtered(n, [&](int64_t i) { return group(i) == 3; }), expected[3]);
+  }
+}
+
 TEST(Reduce, SumsHaveTheSameBitsOnOneAndTwoThreads) {
   const std::vector<float> a = random_values<float>(100003, 5), b = random_values<float>(100003, 6);
   const auto with = [&](size_t threads) {
