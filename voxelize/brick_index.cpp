@@ -47,18 +47,39 @@ BrickIndex::BrickIndex(std::vector<uint64_t> keys)
     : keys_(std::move(keys)), bricks_(keys_.size()) {}
 
 BrickIndex::BrickIndex(In<int32_t> coords) {
-  std::vector<uint64_t> keys(coords.rows);
-  for_each(coords.rows, [&](int64_t v) {
-    keys[v] = brick_key({coords(v, 0), coords(v, 1), coords(v, 2)});
-  });
-  parallel_sort(keys.begin(), keys.end());
-  for (const uint64_t key : keys) {
-    if (keys_.empty() || keys_.back() != key >> 9) {
-      keys_.push_back(key >> 9);
-      bricks_.emplace_back();
+  Zeroed<uint64_t> keys(coords.rows);
+  for_blocks(coords.rows, [&](int64_t begin, int64_t end) {
+    Coord brick = {};
+    uint64_t key = brick_key(brick) >> 9;
+    for (int64_t v = begin; v < end; ++v) {
+      // most points lie in the brick of the one before
+      const int32_t* at = coords.row(v);
+      if (at[0] >> 3 != brick[0] || at[1] >> 3 != brick[1] || at[2] >> 3 != brick[2]) {
+        brick = {at[0] >> 3, at[1] >> 3, at[2] >> 3};
+        key = brick_key({at[0], at[1], at[2]}) >> 9;
+      }
+      keys[v] = key << 9 | (at[0] & 7) | (at[1] & 7) << 3 | (at[2] & 7) << 6;
     }
-    insert(brick_count() - 1, static_cast<int>(key & 511));
-  }
+  });
+  const auto brick = [&](int64_t v) { return keys[v] >> 9; };
+  const double descents = ordered_sum(coords.rows, [&](int64_t begin, int64_t end) {
+    double count = 0;
+    for (int64_t v = std::max<int64_t>(begin, 1); v < end; ++v) count += brick(v) < brick(v - 1);
+    return count;
+  });
+  if (descents > 0) parallel_sort(keys.begin(), keys.end());
+  std::vector<int32_t> first =
+      filtered(coords.rows, [&](int64_t v) { return v == 0 || brick(v) != brick(v - 1); });
+  for (const int32_t v : first) keys_.push_back(brick(v));
+  bricks_.resize(keys_.size());
+  first.push_back(static_cast<int32_t>(coords.rows));
+  for_each(
+      brick_count(),
+      [&](int64_t b) {
+        for (int32_t v = first[b]; v < first[b + 1]; ++v)
+          insert(b, static_cast<int>(keys[v] & 511));
+      },
+      kBricks);
   number();
 }
 
@@ -66,7 +87,10 @@ int64_t BrickIndex::number() {
   points_ = 0;
   for (Brick& brick : bricks_) {
     brick.first = points_;
-    for (const uint64_t word : brick.mask) points_ += std::popcount(word);
+    for (int z = 0; z < 8; ++z) {
+      brick.before[z] = static_cast<int16_t>(points_ - brick.first);
+      points_ += std::popcount(brick.mask[z]);
+    }
   }
   return points_;
 }
@@ -79,9 +103,7 @@ int64_t BrickIndex::find_brick(uint64_t key) const {
 int64_t BrickIndex::find(int64_t brick, int place) const {
   const Brick& b = bricks_[brick];
   if (!(b.mask[place >> 6] & bit(place))) return -1;
-  int64_t rank = b.first + std::popcount(b.mask[place >> 6] & (bit(place) - 1));
-  for (int word = 0; word < place >> 6; ++word) rank += std::popcount(b.mask[word]);
-  return rank;
+  return b.first + b.before[place >> 6] + std::popcount(b.mask[place >> 6] & (bit(place) - 1));
 }
 
 int64_t BrickIndex::find(const Coord& point) const {
@@ -92,12 +114,17 @@ int64_t BrickIndex::find(const Coord& point) const {
   return brick < 0 ? -1 : find(brick, static_cast<int>(key & 511));
 }
 
+Coord BrickIndex::first_place(int64_t brick) const {
+  Coord corner;
+  for (int d = 0; d < 3; ++d)
+    corner[d] = static_cast<int32_t>(gather(keys_[brick] >> d) << 3) - kLatticeLimit;
+  return corner;
+}
+
 Array<int32_t> BrickIndex::points() const {
   Array<int32_t> result(points_, 3);
   const auto write = [&](int64_t b) {
-    Coord corner;
-    for (int d = 0; d < 3; ++d)
-      corner[d] = static_cast<int32_t>(gather(keys_[b] >> d) << 3) - kLatticeLimit;
+    const Coord corner = first_place(b);
     int32_t* row = result.row(bricks_[b].first);
     for (int word = 0; word < 8; ++word)
       for (uint64_t rest = bricks_[b].mask[word]; rest; rest &= rest - 1) {
@@ -108,6 +135,82 @@ Array<int32_t> BrickIndex::points() const {
       }
   };
   for_each(brick_count(), write, kBricks);
+  return result;
+}
+
+namespace {
+
+void sort_unique(std::vector<uint64_t>& keys) {
+  std::sort(keys.begin(), keys.end());
+  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+}
+
+}  // namespace
+
+BrickIndex BrickIndex::halved() const {
+  std::vector<uint64_t> keys;
+  const auto half = [&](int64_t b) {
+    Coord at = first_place(b);
+    for (int32_t& x : at) x >>= 1;
+    return brick_key(at);
+  };
+  for (int64_t b = 0; b < brick_count(); ++b) keys.push_back(half(b) >> 9);
+  sort_unique(keys);
+  BrickIndex result(std::move(keys));
+  for (int64_t b = 0; b < brick_count(); ++b) {
+    const uint64_t key = half(b);
+    const int64_t to = result.find_brick(key >> 9);
+    for (int z = 0; z < 8; z += 2) {
+      constexpr uint64_t kEven = 0x0055005500550055;  // along x and y
+      uint64_t word = bricks_[b].mask[z] | bricks_[b].mask[z + 1];
+      word |= word >> 8;
+      for (uint64_t rest = (word | word >> 1) & kEven; rest; rest &= rest - 1) {
+        const int place = std::countr_zero(rest);
+        result.insert(to, static_cast<int>(key & 511) + (place & 7) / 2 + place / 16 * 8 + z * 32);
+      }
+    }
+  }
+  result.number();
+  return result;
+}
+
+/// The brick that holds a point, without points where it is not there.
+BrickIndex::Brick BrickIndex::brick_at(const Coord& point) const {
+  const int64_t brick = find_brick(brick_key(point) >> 9);
+  return brick < 0 ? Brick{} : bricks_[brick];
+}
+
+BrickIndex BrickIndex::corners() const {
+  std::vector<uint64_t> keys;
+  for (int64_t b = 0; b < brick_count(); ++b)
+    for (int c = 0; c < 8; ++c) {
+      Coord at = first_place(b);
+      for (int d = 0; d < 3; ++d) at[d] += 8 * (c >> d & 1);
+      if (*std::max_element(at.begin(), at.end()) < kLatticeLimit)
+        keys.push_back(brick_key(at) >> 9);
+    }
+  sort_unique(keys);
+  BrickIndex result(std::move(keys));
+  const auto fill = [&](int64_t b) {
+    constexpr uint64_t kLowX = 0x0101010101010101;
+    const Coord at = result.first_place(b);
+    std::array<uint64_t, 8>& mask = result.bricks_[b].mask;
+    for (int z = 0; z < 2; ++z)  // of the brick below, then this one
+      for (int y = 0; y < 2; ++y) {
+        const Coord before = {at[0] - 8, at[1] - 8 * (1 - y), at[2] - 8 * (1 - z)};
+        const Brick low = brick_at(before), own = brick_at({at[0], before[1], before[2]});
+        for (int plane = z == 0 ? 7 : 0; plane < 8; ++plane) {
+          // along x, then y, then z
+          uint64_t word = own.mask[plane] | (own.mask[plane] & ~(kLowX << 7)) << 1 |
+                          (low.mask[plane] >> 7 & kLowX);
+          word = y == 0 ? word >> 56 : word | word << 8;
+          if (z == 1) mask[plane] |= word;
+          if (z == 0 || plane < 7) mask[(plane + 1) & 7] |= word;
+        }
+      }
+  };
+  for_each(result.brick_count(), fill, kBricks);
+  result.number();
   return result;
 }
 

@@ -25,7 +25,8 @@ class BrickIndex {
   BrickIndex() = default;
   /// @param keys  sorted keys of the bricks (brick_key >> 9), no two alike.
   explicit BrickIndex(std::vector<uint64_t> keys);
-  /// The points in the rows of coords, in any order, duplicates allowed.
+  /// The points in the rows of coords, in any order, duplicates allowed; soonest where bricks are
+  /// in order.
   explicit BrickIndex(In<int32_t> coords);
 
   void insert(int64_t brick, int place) { bricks_[brick].mask[place >> 6] |= bit(place); }
@@ -38,15 +39,25 @@ class BrickIndex {
   /// Number of a point of a brick, -1 if it is not there.
   int64_t find(int64_t brick, int place) const;
   int64_t find(const Coord& point) const;
+  int64_t point_count() const { return points_; }
   /// Coordinates of all points in order, (points, 3).
   Array<int32_t> points() const;
 
+  /// The points of half the coordinates, rounded down, each once.
+  BrickIndex halved() const;
+  /// All corners of the points as voxels: these and those 1 further along some axes. Numbered.
+  BrickIndex corners() const;
+
  private:
   struct Brick {
-    std::array<uint64_t, 8> mask = {};
-    int64_t first = 0;  ///< number of its first point
+    std::array<uint64_t, 8> mask = {};   ///< a word a plane of z, x + 8 y
+    int64_t first = 0;                   ///< number of its first point
+    std::array<int16_t, 8> before = {};  ///< its points in the planes before each
   };
   static uint64_t bit(int place) { return uint64_t{1} << (place & 63); }
+  /// Coordinates of the first place of a brick.
+  Coord first_place(int64_t brick) const;
+  Brick brick_at(const Coord& point) const;
 
   std::vector<uint64_t> keys_;
   std::vector<Brick> bricks_;

@@ -13,6 +13,11 @@ namespace elastogen {
 /// @throws Error  on duplicates, h <= 0, or coordinates outside +-2^20.
 VoxelGrid make_grid(In<int32_t> coords, double h, const Vec3& origin);
 
+class BrickIndex;
+
+/// Coordinates and tables alone, of voxels and of their corners in order.
+VoxelGrid make_tables(const BrickIndex& voxels, const BrickIndex& nodes);
+
 /// A full box of nx x ny x nz voxels with corner 0 of the first voxel at the origin.
 VoxelGrid make_box(int nx, int ny, int nz, double h, const Vec3& origin = {});
 

@@ -2,6 +2,7 @@
 #include "voxelize/bricks.hpp"
 
 #include "core/error.hpp"
+#include "voxelize/brick_index.hpp"
 
 #include <gtest/gtest.h>
 
@@ -139,6 +140,43 @@ TEST(Bricks, ReachTheEndsOfTheLattice) {
   EXPECT_EQ(grid.pieces, 2);
   EXPECT_EQ(row(grid.voxel_coord, 0), (Coord{-limit, -limit, -limit}));
   EXPECT_EQ(row(grid.node_coord, 15), (Coord{limit - 1, limit - 1, limit - 1}));
+}
+
+/// Points by map(point), sorted and each once.
+template <class Map>
+std::vector<Coord> images(const std::vector<Coord>& points, const Map& map) {
+  std::set<Coord> found;
+  for (const Coord& point : points) map(point, found);
+  std::vector<Coord> list(found.begin(), found.end());
+  std::sort(list.begin(), list.end(), precedes);
+  return list;
+}
+
+void expect_points(const BrickIndex& index, const std::vector<Coord>& expected) {
+  EXPECT_EQ(index.points(), to_array(expected));
+  ASSERT_EQ(index.point_count(), static_cast<int64_t>(expected.size()));
+  for (size_t k = 0; k < expected.size(); ++k)
+    ASSERT_EQ(index.find(expected[k]), static_cast<int64_t>(k));
+}
+
+TEST(BrickIndex, HalvesAndCornersAreThoseOfThePoints) {
+  const int32_t limit = 1 << 20;
+  for (std::vector<Coord> points :
+       {random_voxels(-20, 13, 0.02, 6), random_voxels(-9, 9, 0.6, 7), random_voxels(0, 8, 1, 8),
+        std::vector<Coord>{{-limit, -limit, -limit}, {limit - 2, limit - 2, 7}}}) {
+    for (const bool in_order : {false, true}) {
+      if (in_order) std::sort(points.begin(), points.end(), precedes);
+      const BrickIndex index(to_array(points));
+      expect_points(index, images(points, [](const Coord& p, auto& to) { to.insert(p); }));
+      expect_points(index.halved(), images(points, [](const Coord& p, auto& to) {
+                      to.insert({p[0] >> 1, p[1] >> 1, p[2] >> 1});
+                    }));
+      expect_points(index.corners(), images(points, [](const Coord& p, auto& to) {
+                      for (int c = 0; c < 8; ++c)
+                        to.insert({p[0] + (c & 1), p[1] + (c >> 1 & 1), p[2] + (c >> 2)});
+                    }));
+    }
+  }
 }
 
 TEST(Bricks, TakeNoVoxels) {
