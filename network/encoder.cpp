@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 namespace elastogen {
 namespace {
@@ -28,6 +29,21 @@ double kept(double mode, double) {
   return mode;
 }
 
+/// Box of some nodes at rest.
+Box rest_box(const Scene& scene, const std::vector<int32_t>& nodes) {
+  std::vector<Box> boxes((nodes.size() + size_t(kBlock) - 1) / size_t(kBlock));
+  for_each(int64_t(nodes.size()), [&](int64_t k) {
+    const double* X = scene.grid.rest.row(nodes[size_t(k)]);
+    boxes[size_t(k / kBlock)].add({X[0], X[1], X[2]});
+  });
+  Box box;
+  for (const Box& part : boxes) {
+    box.add(part.lower);
+    box.add(part.upper);
+  }
+  return box;
+}
+
 }  // namespace
 
 template <class T>
@@ -41,34 +57,39 @@ Encoder<T>::Encoder(const IncrementalPotential& potential) {
 template <class T>
 void Encoder<T>::find_pieces(const Scene& scene) {
   const VoxelGrid& grid = scene.grid;
-  std::vector<std::vector<int32_t>> nodes(size_t(grid.pieces));
-  for (int64_t n = 0; n < grid.node_count(); ++n)
-    nodes[size_t(grid.piece(n))].push_back(int32_t(n));
-  std::stable_sort(nodes.begin(), nodes.end(),
-                   [](const auto& a, const auto& b) { return a.size() > b.size(); });
+  std::vector<int32_t> size(size_t(grid.pieces)), order(size.size()), rank(size.size(), -1);
+  for (int64_t n = 0; n < grid.node_count(); ++n) ++size[size_t(grid.piece(n))];
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](int32_t a, int32_t b) { return size[size_t(a)] > size[size_t(b)]; });
+  size_t count = 0;
+  while (count < std::min(order.size(), kMostPieces) &&
+         size[size_t(order[count])] >= kSmallestPiece)
+    ++count;
+  for (size_t s = 0; s < count; ++s) rank[size_t(order[s])] = int32_t(s);
+  std::vector<std::vector<int32_t>> nodes =
+      grouped(grid.node_count(), count, [&](int64_t n) { return rank[size_t(grid.piece(n))]; });
+  place_.resize(size_t(grid.node_count()));
+  for_each(grid.node_count(), [&](int64_t n) {
+    place_[size_t(n)] = {rank[size_t(grid.piece(n))], -1};
+  });
   for (std::vector<int32_t>& list : nodes) {
-    if (list.size() < kSmallestPiece || pieces_.size() == kMostPieces) break;
+    for_each(int64_t(list.size()),
+             [&](int64_t k) { place_[size_t(list[size_t(k)])].local = int32_t(k); });
     pieces_.emplace_back().nodes = std::move(list);
   }
 }
 
 template <class T>
 void Encoder<T>::fill_modes(const Scene& scene, Piece& piece) {
-  Box box;
-  bool pinned = false;
-  for (const int32_t n : piece.nodes) {
-    box.add({scene.grid.rest(n, 0), scene.grid.rest(n, 1), scene.grid.rest(n, 2)});
-    pinned |= scene.pinned(n) != 0;
-  }
+  const Box box = rest_box(scene, piece.nodes);
   const double size = std::max({box.extent(0), box.extent(1), box.extent(2)});
   const PlaneCosines cosines(scene.grid, piece.nodes, lowest_waves(box, kCosines), box);
-  std::vector<double> distance;
-  if (pinned) distance = pin_distance(scene, piece.nodes);
+  const Zeroed<double> distance = pin_distance(scene, piece.nodes);
   piece.modes.resize((piece.nodes.size() - 1) * kModes + kPacks * kLanes);
   for_each(int64_t(piece.nodes.size()), [&](int64_t k) {
     const double* X = scene.grid.rest.row(piece.nodes[size_t(k)]);
-    const double d = pinned ? distance[size_t(k)] : 0;
-    const double factor = pinned ? d / (d + size / 8) : 1;
+    const double d = distance[size_t(k)], factor = d / (d + size / 8);
     T* mode = piece.modes.data() + k * kModes;
     for (int w = 0; w < kCosines; ++w)
       mode[w] = kept(factor * cosines(w, scene.grid.node_coord.row(piece.nodes[size_t(k)])), T{});
@@ -82,24 +103,12 @@ void Encoder<T>::fill_modes(const Scene& scene, Piece& piece) {
 template <class T>
 void Encoder<T>::build_operators(const IncrementalPotential& potential) {
   const VoxelGrid& grid = potential.scene().grid;
-  std::vector<int32_t> place(size_t(grid.node_count()), -1), piece_of(size_t(grid.pieces), -1);
-  place_.assign(place.size(), {-1, -1});
-  for (size_t s = 0; s < pieces_.size(); ++s) {
-    const std::vector<int32_t>& nodes = pieces_[s].nodes;
-    piece_of[size_t(grid.piece(nodes[0]))] = int32_t(s);
-    for (size_t k = 0; k < nodes.size(); ++k) {
-      place[size_t(nodes[k])] = int32_t(k);
-      place_[size_t(nodes[k])] = {int32_t(s), int32_t(k)};
-    }
-  }
-  std::vector<std::vector<int32_t>> voxels(pieces_.size());
-  for (int64_t v = 0; v < grid.voxel_count(); ++v) {
-    const int32_t s = piece_of[size_t(grid.piece(grid.corners(v, 0)))];
-    if (s >= 0) voxels[size_t(s)].push_back(int32_t(v));
-  }
+  const std::vector<std::vector<int32_t>> voxels =
+      grouped(grid.voxel_count(), pieces_.size(),
+              [&](int64_t v) { return place_[size_t(grid.corners(v, 0))].piece; });
   for (size_t s = 0; s < pieces_.size(); ++s) {
     Piece& piece = pieces_[s];
-    piece.rest = reduced_rest_operator<T>(potential, {piece.nodes, place, voxels[s], piece.modes});
+    piece.rest = reduced_rest_operator<T>(potential, {piece.nodes, place_, voxels[s], piece.modes});
     invert(piece, piece.rest);
   }
   reduced_.resize(pieces_.size() * 3 * kModes);

@@ -16,10 +16,14 @@
 #include "core/pack.hpp"
 #include "network/incremental_potential.hpp"
 
-#include <utility>
 #include <vector>
 
 namespace elastogen {
+
+/// Where the modes of a node are.
+struct EncoderPlace {
+  int32_t piece, local;  ///< and its place there; piece -1: none
+};
 
 template <class T>
 class Encoder {
@@ -30,13 +34,13 @@ class Encoder {
   /// A connected piece; row 3 m + i of A_r is mode m of component i.
   struct Piece {
     std::vector<int32_t> nodes;
-    std::vector<T> modes;         ///< (nodes, kModes), and zeros that fill the last pack; in float
+    Zeroed<T> modes;              ///< (nodes, kModes), and zeros that fill the last pack; in float
                                   ///< they are numbers of half precision
     std::vector<double> rest;     ///< A_r at rest, (3 kModes, 3 kModes)
     std::vector<double> inverse;  ///< of A_r, the same shape
   };
 
-  /// Builds modes and A_r; the potential must have begun a step of the scheme that will be used.
+  /// Builds modes and A_r; the potential must have the scheme that will be used.
   explicit Encoder(const IncrementalPotential& potential);
 
   /// z += B A_r^-1 B^T r; (nodes, 3).
@@ -61,7 +65,7 @@ class Encoder {
   static void invert(Piece& piece, const std::vector<double>& A);
 
   std::vector<Piece> pieces_;
-  std::vector<std::pair<int32_t, int32_t>> place_;  // piece and place in it of each node, or -1
+  Zeroed<EncoderPlace> place_;  // of each node
   std::vector<double> reduced_, solution_;
 };
 

@@ -2,16 +2,17 @@
 #include "network/encoder_operator.hpp"
 
 #include "core/parallel.hpp"
-#include "network/encoder.hpp"
 
 #include <Eigen/Core>
 
 #include <algorithm>
+#include <cmath>
 
 namespace elastogen {
 namespace {
 
-constexpr int kModes = Encoder<float>::kModes, kAxes = 3 * kModes, kBlockVoxels = 128;
+constexpr int kModes = Encoder<float>::kModes, kPacks = Encoder<float>::kPacks;
+constexpr int kAxes = 3 * kModes, kBlockVoxels = 128;
 constexpr int64_t kMostParts = 64;     // partial sums, whatever the number of voxels
 constexpr int kAcross[3] = {1, 2, 0};  // the patterns yz, zx, xy across x, y, z
 
@@ -35,51 +36,85 @@ struct Products {
   }
 };
 
-/// What a block of voxels brings to the products.
-struct VoxelBlock {
-  explicit VoxelBlock(Eigen::Index n) : gradient(n, kAxes), patterns(n, 4 * kModes) {
-    for (Eigen::VectorXd* w : {&mu, &lambda, &torsion, &c[0], &c[1], &c[2], &c[3]}) w->resize(n);
-  }
-  Block<kAxes> gradient;
-  Block<4 * kModes> patterns;
-  Eigen::VectorXd mu, lambda, torsion, c[4];  ///< weights of the voxels
-
-  template <class T>
-  void set(Eigen::Index line, const Scene& scene, int64_t v, const PieceModes<T>& piece);
-  void add_to(Products& sum, Hourglass hourglass) const;
+/// A voxel's share of a product over what it has of mu: the ratios of its other weights to that.
+struct Ratios {
+  double lambda, c[4];  ///< of lambda h^3 to mu h^3, of h w_k c_k to h mu / 48
+  bool operator==(const Ratios&) const = default;
 };
 
-template <class T>
-void VoxelBlock::set(Eigen::Index line, const Scene& scene, int64_t v, const PieceModes<T>& piece) {
-  const VoxelGrid& grid = scene.grid;
-  const double h = grid.h, phi = grid.fill(v);
-  const Material& m = scene.materials[size_t(scene.material(v))];
-  mu(line) = phi * h * h * h * m.mu();
-  lambda(line) = phi * h * h * h * m.lambda();
-  torsion(line) = phi * h * m.mu() / 48;
-  for (int k = 0; k < 4; ++k)
-    c[k](line) = phi * h * scene.variance(v, k) * (k < 3 ? 1.0 / 24 : 1.0 / 48);
-  double M[7];
-  hex8::fill_moments(grid.shape_mean.row(v), M);
-  const T* corner[8];
-  for (int k = 0; k < 8; ++k)
-    corner[k] = piece.values.data() + size_t(piece.place[size_t(grid.corners(v, k))]) * kModes;
-  for (int mode = 0; mode < kModes; ++mode) {
-    double g[8], d[3], q[4];
-    for (int k = 0; k < 8; ++k) g[k] = double(corner[k][mode]);
-    hex8::to_patterns(g);
-    hex8::gradient<true>(g, M, d);
-    hex8::centred_patterns<true>(g, M, q);
-    for (int a = 0; a < 3; ++a) gradient(line, a * kModes + mode) = d[a] / (4 * h);
-    for (int k = 0; k < 4; ++k) patterns(line, k * kModes + mode) = q[k];
-  }
+/// The lower half of A^T A.
+template <class A>
+auto square_of(const A& a) {
+  constexpr int kColumns = A::ColsAtCompileTime;
+  Eigen::Matrix<double, kColumns, kColumns> square =
+      Eigen::Matrix<double, kColumns, kColumns>::Zero();
+  square.template selfadjointView<Eigen::Lower>().rankUpdate(a.transpose());
+  return square;
 }
 
-/// The lower half of sum += A^T diag(w) A, w >= 0.
-template <class A, class Sum>
-void add_product(const A& a, const Eigen::VectorXd& w, Sum& sum) {
+/// The lower half of A^T diag(w) A, w >= 0.
+template <class A>
+auto weighted_square_of(const A& a, const Eigen::VectorXd& w) {
   const Block<A::ColsAtCompileTime> weighted = w.cwiseSqrt().asDiagonal() * a;
-  sum.template selfadjointView<Eigen::Lower>().rankUpdate(weighted.transpose());
+  return square_of(weighted);
+}
+
+/// What a block of voxels brings to the products: d and q times the roots of their weights in mu
+/// and torsion, and ratios.
+class VoxelBlock {
+ public:
+  VoxelBlock()
+      : gradient_(size_t(kBlockVoxels) * kAxes + kLanes),
+        patterns_(size_t(kBlockVoxels) * 4 * kModes + kLanes),
+        ratios_(kBlockVoxels) {}
+
+  template <class T>
+  void set(int line, const Scene& scene, int64_t v, const PieceModes<T>& piece);
+  /// Adds the first `lines` voxels.
+  void add_to(Products& sum, Eigen::Index lines, Hourglass hourglass) const;
+
+ private:
+  template <int kColumns>
+  using Lines = Eigen::Map<const Block<kColumns>>;
+  void add_unlike(Products& sum, Eigen::Index lines, Hourglass hourglass) const;
+
+  std::vector<double> gradient_, patterns_;
+  std::vector<Ratios> ratios_;
+};
+
+/// A line's modes go in packs, whose ends those of the next axis or line replace.
+template <class T>
+void VoxelBlock::set(int line, const Scene& scene, int64_t v, const PieceModes<T>& piece) {
+  const VoxelGrid& grid = scene.grid;
+  const Material& material = scene.materials[size_t(scene.material(v))];
+  const double h = grid.h, weight = grid.fill(v) * h * material.mu();
+  Ratios& ratios = ratios_[size_t(line)];
+  ratios.lambda = material.lambda() / material.mu();
+  for (int k = 0; k < 4; ++k) ratios.c[k] = (k < 3 ? 2 : 1) * scene.variance(v, k) / material.mu();
+  double moments[7];
+  hex8::fill_moments(grid.shape_mean.row(v), moments);
+  Pack<double> M[7];
+  for (int p = 0; p < 7; ++p) M[p] = constant<Pack<double>>(moments[p]);
+  const T* corner[8];
+  for (int k = 0; k < 8; ++k)
+    corner[k] =
+        piece.values.data() + size_t(piece.place[size_t(grid.corners(v, k))].local) * kModes;
+  const double of_gradient = std::sqrt(weight) / 4, of_patterns = std::sqrt(weight / 48);
+  Pack<double> d[kPacks][3], q[kPacks][4];
+  for (int pack = 0; pack < kPacks; ++pack) {
+    Pack<double> g[8];
+    for (int k = 0; k < 8; ++k)
+      g[k] = __builtin_convertvector(load(corner[k] + pack * kLanes), Pack<double>);
+    hex8::to_patterns(g);
+    hex8::gradient<true>(g, M, d[pack]);
+    hex8::centred_patterns<true>(g, M, q[pack]);
+  }
+  double* to = gradient_.data() + line * kAxes;
+  for (int a = 0; a < 3; ++a, to += kModes)
+    for (int pack = 0; pack < kPacks; ++pack) store(to + pack * kLanes, d[pack][a] * of_gradient);
+  to = patterns_.data() + line * 4 * kModes;
+  for (int k = 0; k < 4; ++k, to += kModes)
+    for (int pack = 0; pack < kPacks; ++pack) store(to + pack * kLanes, q[pack][k] * of_patterns);
 }
 
 /// The upper half from the lower one.
@@ -88,13 +123,33 @@ void mirror(Sum& sum) {
   sum.template triangularView<Eigen::StrictlyUpper>() = sum.transpose();
 }
 
-void VoxelBlock::add_to(Products& sum, Hourglass hourglass) const {
-  add_product(gradient, mu, sum.mu);
-  add_product(gradient, lambda, sum.lambda);
+void VoxelBlock::add_to(Products& sum, Eigen::Index lines, Hourglass hourglass) const {
+  const bool alike = std::equal(ratios_.begin() + 1, ratios_.begin() + lines, ratios_.begin());
+  const Product mu = square_of(Lines<kAxes>(gradient_.data(), lines, kAxes));
+  sum.mu += mu;
+  if (!alike || hourglass != Hourglass::kFull) return add_unlike(sum, lines, hourglass);
+  const Lines<4 * kModes> patterns(patterns_.data(), lines, 4 * kModes);
+  const Ratios& ratios = ratios_[0];
+  const Product torsion = square_of(patterns.leftCols<kAxes>());
+  sum.lambda += ratios.lambda * mu;
+  sum.torsion += torsion;
+  for (int k = 0; k < 3; ++k)
+    sum.variance[k] += ratios.c[k] * torsion.block<kModes, kModes>(k * kModes, k * kModes);
+  sum.variance[3] += ratios.c[3] * square_of(patterns.rightCols<kModes>());
+}
+
+/// All but mu, voxels of their own weights.
+void VoxelBlock::add_unlike(Products& sum, Eigen::Index lines, Hourglass hourglass) const {
+  Eigen::VectorXd w(lines);
+  for (Eigen::Index line = 0; line < lines; ++line) w(line) = ratios_[size_t(line)].lambda;
+  sum.lambda += weighted_square_of(Lines<kAxes>(gradient_.data(), lines, kAxes), w);
   if (hourglass == Hourglass::kOff) return;
-  for (int k = 0; k < 4; ++k)
-    add_product(patterns.middleCols<kModes>(k * kModes), c[k], sum.variance[k]);
-  if (hourglass == Hourglass::kFull) add_product(patterns.leftCols<kAxes>(), torsion, sum.torsion);
+  const Lines<4 * kModes> patterns(patterns_.data(), lines, 4 * kModes);
+  for (int k = 0; k < 4; ++k) {
+    for (Eigen::Index line = 0; line < lines; ++line) w(line) = ratios_[size_t(line)].c[k];
+    sum.variance[k] += weighted_square_of(patterns.middleCols<kModes>(k * kModes), w);
+  }
+  if (hourglass == Hourglass::kFull) sum.torsion += square_of(patterns.leftCols<kAxes>());
 }
 
 /// part(first, last, sums) over equal shares of [0, n), as many on every machine.
@@ -116,32 +171,31 @@ template <class T>
 Products voxel_products(const Scene& scene, const PieceModes<T>& piece) {
   return sum_of_parts(int64_t(piece.voxels.size()),
                       [&](int64_t first, int64_t last, Products& sum) {
+                        VoxelBlock block;
                         for (int64_t from = first; from < last; from += kBlockVoxels) {
                           const int64_t to = std::min(last, from + kBlockVoxels);
-                          VoxelBlock block(to - from);
                           for (int64_t k = from; k < to; ++k)
-                            block.set(k - from, scene, piece.voxels[size_t(k)], piece);
-                          block.add_to(sum, scene.hourglass);
+                            block.set(int(k - from), scene, piece.voxels[size_t(k)], piece);
+                          block.add_to(sum, to - from, scene.hourglass);
                         }
                       });
 }
 
 template <class T>
 ModeProduct inertia_products(const IncrementalPotential& potential, const PieceModes<T>& piece) {
-  const auto nodes = int64_t(piece.nodes.size());
-  return sum_of_parts(nodes,
+  return sum_of_parts(int64_t(piece.nodes.size()),
                       [&](int64_t first, int64_t last, Products& sum) {
+                        Block<kModes> modes(kBlockVoxels, kModes);
                         for (int64_t from = first; from < last; from += kBlockVoxels) {
                           const int64_t to = std::min(last, from + kBlockVoxels);
-                          Block<kModes> modes(to - from, kModes);
-                          Eigen::VectorXd inertia(to - from);
                           for (int64_t k = from; k < to; ++k) {
-                            inertia(k - from) = potential.inertia(piece.nodes[size_t(k)]);
+                            const double root =
+                                std::sqrt(potential.inertia(piece.nodes[size_t(k)]));
                             for (int m = 0; m < kModes; ++m)
                               modes(k - from, m) =
-                                  double(piece.values[size_t(k) * kModes + size_t(m)]);
+                                  root * double(piece.values[size_t(k) * kModes + size_t(m)]);
                           }
-                          add_product(modes, inertia, sum.inertia);
+                          sum.inertia += square_of(modes.topRows(to - from));
                         }
                       })
       .inertia;

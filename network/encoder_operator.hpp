@@ -4,7 +4,7 @@
 
 #pragma once
 
-#include "network/incremental_potential.hpp"
+#include "network/encoder.hpp"
 
 #include <vector>
 
@@ -14,9 +14,9 @@ namespace elastogen {
 template <class T>
 struct PieceModes {
   const std::vector<int32_t>& nodes;
-  const std::vector<int32_t>& place;   ///< of each node of the grid in `nodes`
+  const Zeroed<EncoderPlace>& place;   ///< of each node of the grid in `nodes`
   const std::vector<int32_t>& voxels;  ///< of the piece
-  const std::vector<T>& values;        ///< (nodes, kModes)
+  const Zeroed<T>& values;             ///< Encoder::Piece::modes
 };
 
 /// A_r = B^T A B with A of IncrementalPotential::rest_hessian_product, (3 M, 3 M) for the M modes

@@ -54,7 +54,7 @@ std::vector<double> paper_modes(const Scene& scene, int waves) {
   std::vector<int32_t> all(static_cast<size_t>(nodes));
   std::iota(all.begin(), all.end(), 0);
   const PlaneCosines cosines(scene.grid, all, lowest_waves(box, waves), box);
-  const std::vector<double> distance = pin_distance(scene, all);
+  const Zeroed<double> distance = pin_distance(scene, all);
   std::vector<double> modes(size_t(waves) * size_t(nodes));
   for_each(nodes, [&](int64_t n) {
     const double d = distance[size_t(n)];
@@ -166,7 +166,7 @@ void PaperSolver::apply(const double* p, double* f) {
     else
       hessian_product<false>(data, stress, corner, force);
   };
-  const std::vector<double>& predictor = potential_.predictor();
+  const Zeroed<double>& predictor = potential_.predictor();
   for_each_row(
       rows, scratch_, sums_,
       [&](int64_t n, int64_t reference, double value[3]) {

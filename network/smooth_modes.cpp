@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "network/smooth_modes.hpp"
 
+#include "core/parallel.hpp"
+
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 namespace elastogen {
@@ -26,16 +27,150 @@ std::vector<Wave> lowest_waves(const Box& box, int count) {
   return result;
 }
 
+namespace {
+
+using Place = std::array<int32_t, 3>;  // lattice coordinates
+
+Place place_of(const VoxelGrid& grid, int64_t node) {
+  return {grid.node_coord(node, 0), grid.node_coord(node, 1), grid.node_coord(node, 2)};
+}
+
+int64_t square_between(const Place& a, const Place& b) {
+  int64_t sum = 0;
+  for (size_t d = 0; d < 3; ++d) sum += int64_t(a[d] - b[d]) * (a[d] - b[d]);
+  return sum;
+}
+
+struct PlaceBox {
+  Place lower, upper;
+
+  void add(const PlaceBox& o) {
+    for (size_t d = 0; d < 3; ++d) {
+      lower[d] = std::min(lower[d], o.lower[d]);
+      upper[d] = std::max(upper[d], o.upper[d]);
+    }
+  }
+  int64_t square_to(const Place& at) const {
+    int64_t sum = 0;
+    for (size_t d = 0; d < 3; ++d) {
+      const int64_t away = std::max({lower[d] - at[d], at[d] - upper[d], 0});
+      sum += away * away;
+    }
+    return sum;
+  }
+};
+
+/// Of the listed nodes; without any, planes 0 and -1.
+PlaceBox box_of(const VoxelGrid& grid, const std::vector<int32_t>& nodes) {
+  const auto count = int64_t(nodes.size());
+  if (count == 0) return {{}, {-1, -1, -1}};
+  const Place first = place_of(grid, nodes[0]);
+  std::vector<PlaceBox> boxes(size_t((count + kBlock - 1) / kBlock), {first, first});
+  for_each(count, [&](int64_t k) {
+    const Place at = place_of(grid, nodes[size_t(k)]);
+    boxes[size_t(k / kBlock)].add({at, at});
+  });
+  for (const PlaceBox& box : boxes) boxes[0].add(box);
+  return boxes[0];
+}
+
+/// Places, few and near each other in a box, and boxes in pairs in those of the next level.
+class PlaceTree {
+ public:
+  explicit PlaceTree(std::vector<Place>&& places) : places_(std::move(places)) {
+    std::vector<PlaceBox> boxes;
+    for (size_t k = 0; k < places_.size(); ++k) add(k / kLeaf, {places_[k], places_[k]}, boxes);
+    while (boxes.size() > 1) {
+      std::vector<PlaceBox> pairs;
+      for (size_t k = 0; k < boxes.size(); ++k) add(k / 2, boxes[k], pairs);
+      levels_.push_back(std::move(boxes));
+      boxes = std::move(pairs);
+    }
+    levels_.push_back(std::move(boxes));
+  }
+
+  bool empty() const { return places_.empty(); }
+  const Place& first() const { return places_.front(); }
+
+  /// The nearest to `at`, or `known` where none is nearer.
+  Place nearest(const Place& at, const Place& known) const {
+    Search search{at, known, square_between(at, known)};
+    visit(levels_.size() - 1, 0, search);
+    return search.found;
+  }
+
+ private:
+  static constexpr size_t kLeaf = 8;
+  struct Search {
+    Place at, found;
+    int64_t square;
+  };
+
+  static void add(size_t k, const PlaceBox& box, std::vector<PlaceBox>& to) {
+    if (k == to.size())
+      to.push_back(box);
+    else
+      to[k].add(box);
+  }
+
+  /// Box k of a level, if it can hold a nearer one.
+  void visit(size_t level, size_t k, Search& search) const {
+    if (levels_[level][k].square_to(search.at) >= search.square) return;
+    if (level > 0) {
+      const std::vector<PlaceBox>& below = levels_[level - 1];
+      const size_t a = 2 * k, b = std::min(2 * k + 1, below.size() - 1);
+      const bool turn = below[b].square_to(search.at) < below[a].square_to(search.at);
+      visit(level - 1, turn ? b : a, search);
+      if (a != b) visit(level - 1, turn ? a : b, search);
+      return;
+    }
+    for (size_t p = kLeaf * k; p < std::min(kLeaf * (k + 1), places_.size()); ++p) {
+      const int64_t square = square_between(search.at, places_[p]);
+      if (square < search.square) search.square = square, search.found = places_[p];
+    }
+  }
+
+  std::vector<Place> places_;
+  std::vector<std::vector<PlaceBox>> levels_;
+};
+
+/// A pinned node with pinned nodes all around: one of those is nearer to any other node.
+bool is_inner_pin(const Scene& scene, int64_t node) {
+  for (int c = 0; c < 8; ++c) {
+    const int32_t v = scene.grid.voxels(node, c);
+    if (v < 0) return false;
+    for (int e = 0; e < 8; ++e)
+      if (!scene.pinned(scene.grid.corners(v, e))) return false;
+  }
+  return true;
+}
+
+/// The outer pins of each piece.
+std::vector<PlaceTree> pin_trees(const Scene& scene, const std::vector<int32_t>& nodes) {
+  const VoxelGrid& grid = scene.grid;
+  const std::vector<int32_t> pins = filtered(int64_t(nodes.size()), [&](int64_t k) {
+    const int32_t n = nodes[size_t(k)];
+    return scene.pinned(n) && !is_inner_pin(scene, n);
+  });
+  std::vector<std::vector<Place>> places(static_cast<size_t>(grid.pieces));
+  for (const int32_t k : pins) {
+    const int32_t n = nodes[size_t(k)];
+    places[size_t(grid.piece(n))].push_back(place_of(grid, n));
+  }
+  std::vector<PlaceTree> trees;
+  for (std::vector<Place>& of_piece : places) trees.emplace_back(std::move(of_piece));
+  return trees;
+}
+
+}  // namespace
+
 PlaneCosines::PlaneCosines(const VoxelGrid& grid, const std::vector<int32_t>& nodes,
                            std::vector<Wave> waves, const Box& box)
     : waves_(std::move(waves)) {
+  const PlaceBox planes = box_of(grid, nodes);
   for (int d = 0; d < 3; ++d) {
-    int32_t last = first_[d] = nodes.empty() ? 0 : grid.node_coord(nodes[0], d);
-    for (const int32_t n : nodes) {
-      first_[d] = std::min(first_[d], grid.node_coord(n, d));
-      last = std::max(last, grid.node_coord(n, d));
-    }
-    for (int32_t plane = first_[d]; plane <= last; ++plane)
+    first_[d] = planes.lower[size_t(d)];
+    for (int32_t plane = first_[d]; plane <= planes.upper[size_t(d)]; ++plane)
       for (const Wave& wave : waves_) {
         const double share =
             wave[size_t(d)] > 0 ? double(plane - first_[d]) * grid.h / box.extent(d) : 0;
@@ -44,74 +179,27 @@ PlaneCosines::PlaneCosines(const VoxelGrid& grid, const std::vector<int32_t>& no
   }
 }
 
-namespace {
-
-/// The bit of corner e of the voxel whose corner c a node is, among the 27 nodes around that.
-constexpr auto kAround = [] {
-  std::array<std::array<int, 8>, 8> bit = {};
-  for (size_t c = 0; c < 8; ++c)
-    for (size_t e = 0; e < 8; ++e) {
-      size_t place = 0, step = 1;
-      for (int d = 0; d < 3; ++d, step *= 3) place += step * (1 + (e >> d & 1) - (c >> d & 1));
-      bit[c][e] = 1 << place;
-    }
-  return bit;
-}();
-
-/// A node with the nearest pin that is known to it, in lattice coordinates.
-struct Reached {
-  std::array<int32_t, 3> at, pin;
-  int64_t square;  ///< of their distance, in edges
-};
-
-int64_t square_between(const std::array<int32_t, 3>& a, const std::array<int32_t, 3>& b) {
-  int64_t sum = 0;
-  for (size_t d = 0; d < 3; ++d) sum += int64_t(a[d] - b[d]) * (a[d] - b[d]);
-  return sum;
-}
-
-}  // namespace
-
-std::vector<double> pin_distance(const Scene& scene, const std::vector<int32_t>& nodes) {
-  constexpr int64_t kNone = std::numeric_limits<int64_t>::max();
+Zeroed<double> pin_distance(const Scene& scene, const std::vector<int32_t>& nodes) {
   const VoxelGrid& grid = scene.grid;
-  std::vector<int32_t> place(size_t(grid.node_count()), -1), queue, next;
-  std::vector<Reached> reached(nodes.size());
-  for (size_t k = 0; k < nodes.size(); ++k) {
-    place[size_t(nodes[k])] = int32_t(k);
-    Reached& node = reached[k];
-    std::copy_n(grid.node_coord.row(nodes[k]), 3, node.at.begin());
-    node.pin = node.at;
-    node.square = scene.pinned(nodes[k]) ? 0 : kNone;
-    if (node.square == 0) queue.push_back(int32_t(k));
-  }
-  while (!queue.empty()) {
-    next.clear();
-    for (const int32_t from : queue) {
-      const std::array<int32_t, 3> pin = reached[size_t(from)].pin;
-      for (int c = 0, seen = 0; c < 8; ++c) {
-        const int32_t v = grid.voxels(nodes[size_t(from)], c);
-        if (v < 0) continue;
-        for (int e = 0; e < 8; ++e) {
-          // voxels share most of the 26 nodes around
-          const int side = kAround[size_t(c)][size_t(e)];
-          if (seen & side) continue;
-          seen |= side;
-          const int32_t to = place[size_t(grid.corners(v, e))];
-          Reached& node = reached[size_t(to)];
-          const int64_t square = square_between(pin, node.at);
-          if (square >= node.square) continue;
-          node.square = square;
-          node.pin = pin;
-          next.push_back(to);
-        }
+  const std::vector<PlaceTree> trees = pin_trees(scene, nodes);
+  Zeroed<double> distance(nodes.size());
+  for_blocks(int64_t(nodes.size()), [&](int64_t begin, int64_t end) {
+    const PlaceTree* tree = nullptr;
+    Place pin = {};
+    for (int64_t k = begin; k < end; ++k) {
+      const int32_t n = nodes[size_t(k)];
+      const PlaceTree& of_piece = trees[size_t(grid.piece(n))];
+      if (of_piece.empty()) {
+        distance[size_t(k)] = 1e300;
+        continue;
       }
+      const Place at = place_of(grid, n);
+      // the pin of the node before is a good first guess
+      if (tree != &of_piece) tree = &of_piece, pin = tree->first();
+      pin = scene.pinned(n) ? at : tree->nearest(at, pin);
+      distance[size_t(k)] = grid.h * std::sqrt(double(square_between(at, pin)));
     }
-    queue.swap(next);
-  }
-  std::vector<double> distance(nodes.size(), 1e300);
-  for (size_t k = 0; k < nodes.size(); ++k)
-    if (reached[k].square != kNone) distance[k] = grid.h * std::sqrt(double(reached[k].square));
+  });
   return distance;
 }
 

@@ -38,9 +38,9 @@ class PlaneCosines {
   std::vector<double> table_[3];  // (planes, waves)
 };
 
-/// Distance of each listed node to the nearest pinned one that the list connects it with [m]: the
-/// nearest pinned node is handed from neighbour to neighbour until nothing changes; 1e300 where
-/// there is none.
-std::vector<double> pin_distance(const Scene& scene, const std::vector<int32_t>& nodes);
+/// Distance of each listed node to the nearest pinned one of its piece [m]; 1e300 where there is
+/// none.
+/// @param nodes  all those of some pieces.
+Zeroed<double> pin_distance(const Scene& scene, const std::vector<int32_t>& nodes);
 
 }  // namespace elastogen

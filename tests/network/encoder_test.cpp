@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "network/encoder.hpp"
 
-#include "tests/network/scenes.hpp"
+#include "network/smooth_modes.hpp"
+#include "tests/network/multigrid_scenes.hpp"
 
 #include <gtest/gtest.h>
 
@@ -48,6 +49,64 @@ TEST(Encoder, SolvesTheQuadraticExactlyInItsModes) {
     Scene ball = scene_on(ball_grid(4, 1), solid(1e7, poisson));
     finish_scene(ball);
     expect_projection(ball, 52);
+  }
+}
+
+TEST(Encoder, SolvesTheQuadraticOfMaterialsAndWeightsThatDifferFromVoxelToVoxel) {
+  for (const Hourglass hourglass : {Hourglass::kFull, Hourglass::kVariance, Hourglass::kOff}) {
+    Scene scene = ragged_of_two_materials(12, 10, 9);
+    scene.hourglass = hourglass;
+    finish_scene(scene);
+    expect_projection(scene, 55);
+  }
+}
+
+TEST(Encoder, IsTheSameForOneAndTwoThreads) {
+  const Scene scene = ragged_of_two_materials(12, 10, 9);
+  Rest rest(scene);
+  std::vector<Encoder<float>::Piece> built[2];
+  for (int threads = 1; threads <= 2; ++threads) {
+    const ThreadLimit limit(threads);
+    built[threads - 1] = Encoder<float>(rest.potential).pieces();
+  }
+  ASSERT_EQ(built[0].size(), 1u);
+  EXPECT_EQ(built[0][0].nodes, built[1][0].nodes);
+  EXPECT_EQ(built[0][0].modes, built[1][0].modes);
+  EXPECT_EQ(built[0][0].rest, built[1][0].rest);
+  EXPECT_EQ(built[0][0].inverse, built[1][0].inverse);
+}
+
+TEST(Encoder, PinDistanceIsThatToTheNearestPinOfThePiece) {
+  // two blocks, pins in bulk and single ones in the first, none in the second
+  std::vector<std::array<int32_t, 3>> list;
+  for (int z = 0; z < 10; ++z)
+    for (int y = 0; y < 11; ++y)
+      for (int x = 0; x < 12; ++x)
+        if (x != 7 || y == 3) list.push_back({x, y, z}), list.push_back({x + 20, y, z});
+  Array<int32_t> coords(int64_t(list.size()), 3);
+  for (size_t v = 0; v < list.size(); ++v)
+    std::copy(list[v].begin(), list[v].end(), coords.row(int64_t(v)));
+  Scene scene = scene_on(make_grid(coords, 0.1, {}), solid(1e6, 0.3));
+  ASSERT_EQ(scene.grid.pieces, 2);
+  const int64_t nodes = scene.grid.node_count();
+  std::vector<int32_t> all;
+  for (int64_t n = 0; n < nodes; ++n) {
+    const int32_t* at = scene.grid.node_coord.row(n);
+    scene.pinned(n) = at[0] <= 4 && at[1] <= 5 && at[2] >= 3;
+    scene.pinned(n) |= at[0] < 20 && (at[0] * 31 + at[1] * 17 + at[2] * 5) % 97 == 0;
+    all.push_back(int32_t(n));
+  }
+  const Zeroed<double> distance = pin_distance(scene, all);
+  for (int64_t n = 0; n < nodes; ++n) {
+    double nearest = 1e300;
+    for (int64_t m = 0; m < nodes; ++m) {
+      if (!scene.pinned(m) || scene.grid.piece(m) != scene.grid.piece(n)) continue;
+      double square = 0;
+      for (int d = 0; d < 3; ++d)
+        square += std::pow(scene.grid.node_coord(n, d) - scene.grid.node_coord(m, d), 2);
+      nearest = std::min(nearest, 0.1 * std::sqrt(square));
+    }
+    ASSERT_EQ(distance[size_t(n)], nearest);
   }
 }
 
