@@ -27,25 +27,25 @@ struct VoxelRow {
 /// Rows and tiles of a grid. The slot of a voxel is kLanes * row + lane; voxel data are stored as
 /// [row][field][lane].
 struct BrickRows {
-  std::vector<VoxelRow> rows;
+  Zeroed<VoxelRow> rows;
   std::vector<int32_t> row_begin;     ///< first row of each brick, (bricks + 1)
-  std::vector<int32_t> slot;          ///< of each voxel
-  std::vector<int32_t> voxel;         ///< of each slot, -1 if none
+  Zeroed<int32_t> slot;               ///< of each voxel
+  Zeroed<int32_t> voxel;              ///< of each slot, -1 if none
   std::vector<int32_t> tile_begin;    ///< first tile entry of each brick, (bricks + 1)
-  std::vector<int32_t> tile_node;     ///< node of a tile entry
-  std::vector<int16_t> tile_place;    ///< its place in the tile
-  std::vector<int32_t> tile_part;     ///< -1: this brick alone holds the node; else its partial sum
+  Zeroed<int32_t> tile_node;          ///< node of a tile entry
+  Zeroed<int16_t> tile_place;         ///< its place in the tile
+  Zeroed<int32_t> tile_part;          ///< -1: this brick alone holds the node; else its partial sum
   std::vector<int32_t> shared_node;   ///< nodes of several bricks
   std::vector<int32_t> shared_begin;  ///< first partial sum of each, (shared + 1)
-  std::vector<double>
-      border;  ///< moments M_0 ... M_6 of the rows with border voxels, [border][7][8]
+  Zeroed<double> border;  ///< moments M_0 ... M_6 of the rows with border voxels, [border][7][8]
 
   int64_t row_count() const { return int64_t(rows.size()); }
   int64_t brick_count() const { return int64_t(row_begin.size()) - 1; }
 };
 
 /// Builds rows and tiles; `material` (voxels) splits rows, and voxels whose shape means are not all
-/// 1/8 get border data.
+/// 1/8 get border data (without shape means all are full). Of the grid it needs coordinates and
+/// tables.
 BrickRows make_brick_rows(const VoxelGrid& grid, In<int32_t> material);
 
 namespace bricks {
@@ -92,7 +92,7 @@ void node_sum(const Tile<T>& tile, int place, T sum[3]) {
 /// Partial sums of shared nodes; kept between calls so that a step allocates nothing.
 template <class T>
 struct BrickScratch {
-  std::vector<T> parts;
+  Zeroed<T> parts;
   explicit BrickScratch(const BrickRows& g)
       : parts(g.shared_begin.empty() ? 0 : 3 * size_t(g.shared_begin.back())) {}
 };

@@ -25,10 +25,11 @@ class FreeFlight {
   template <class Aim>
   void match_means(double* values, const Aim& aim) {
     std::fill(excess_.begin(), excess_.end(), Vec3{});
-    for (size_t n = 0; n < mass_.size(); ++n)
+    const auto nodes = size_t(scene_.grid.node_count());
+    for (size_t n = 0; n < nodes; ++n)
       for (size_t d = 0; d < 3; ++d)
-        excess_[piece(n)][d] += mass_[n] * (values[3 * n + d] - aim(n, d));
-    for (size_t n = 0; n < mass_.size(); ++n)
+        excess_[piece(n)][d] += scene_.mass(int64_t(n)) * (values[3 * n + d] - aim(n, d));
+    for (size_t n = 0; n < nodes; ++n)
       for (size_t d = 0; d < 3; ++d)
         values[3 * n + d] -= excess_[piece(n)][d] * per_mass_[piece(n)];
   }
@@ -38,7 +39,6 @@ class FreeFlight {
 
   const Scene& scene_;
   bool exists_ = false;
-  std::vector<double> mass_;      // of the nodes [kg]
   std::vector<double> per_mass_;  // of the pieces [1/kg], 0 where a node is pinned
   std::vector<Vec3> excess_;      // of the pieces
 };

@@ -74,26 +74,35 @@ IncrementalPotential::IncrementalPotential(const Scene& scene, LearnedLaws learn
                     "the net of material '", material.name, "' was fitted to another law or ",
                     "Poisson ratio");
   }
-  const VoxelGrid& grid = scene.grid;
-  weights_.resize(size_t(rows_.row_count()) * 5 * kLanes);
-  for (int64_t v = 0; v < grid.voxel_count(); ++v) {
-    const size_t row = size_t(rows_.slot[size_t(v)]) / kLanes;
-    const size_t lane = size_t(rows_.slot[size_t(v)]) % kLanes;
-    double* w = weights_.data() + row * 5 * kLanes + lane;
-    w[0] = grid.fill(v);
-    const Material& m = scene.materials[size_t(scene.material(v))];
-    stiffness_ += grid.fill(v) * grid.h * grid.h * grid.h * (2 * m.mu() + m.lambda());
-    for (int k = 0; k < 4; ++k) w[(k + 1) * kLanes] = scene.variance(v, k);
-  }
-  const size_t nodes = size_t(grid.node_count());
+  fill_weights();
+  const size_t nodes = size_t(scene.grid.node_count());
   rotation_.resize(size_t(rows_.row_count()) * 9 * kLanes);
   gradients_.resize(rotation_.size());
   nodal_rotation_.resize(9 * nodes);
-  for (size_t n = 0; n < nodes; ++n)
-    for (size_t d = 0; d < 3; ++d) nodal_rotation_[9 * n + 4 * d] = 1;
+  for_each(int64_t(nodes), [&](int64_t n) {
+    for (int d = 0; d < 3; ++d) nodal_rotation_[size_t(9 * n + 4 * d)] = 1;
+  });
   predictor_.resize(3 * nodes);
   now_.resize(3 * nodes);
   inertia_.resize(nodes);
+}
+
+/// Fill and variance weights, and S of noise().
+void IncrementalPotential::fill_weights() {
+  const VoxelGrid& grid = scene_.grid;
+  weights_.resize(size_t(rows_.row_count()) * 5 * kLanes);
+  stiffness_ = ordered_sum(grid.voxel_count(), [&](int64_t begin, int64_t end) {
+    double sum = 0;
+    for (int64_t v = begin; v < end; ++v) {
+      const size_t slot = size_t(rows_.slot[size_t(v)]), lane = slot % kLanes;
+      double* w = weights_.data() + (slot - lane) * 5 + lane;
+      w[0] = grid.fill(v);
+      for (int k = 0; k < 4; ++k) w[(k + 1) * kLanes] = scene_.variance(v, k);
+      const Material& m = scene_.materials[size_t(scene_.material(v))];
+      sum += grid.fill(v) * grid.h * grid.h * grid.h * (2 * m.mu() + m.lambda());
+    }
+    return sum;
+  });
 }
 
 template <class T>
@@ -119,11 +128,17 @@ template void IncrementalPotential::read_voxel_data<float>(int64_t, VoxelData<Pa
 template void IncrementalPotential::read_voxel_data<double>(int64_t,
                                                             VoxelData<Pack<double>>&) const;
 
-void IncrementalPotential::begin_step(const State& state, const StepScheme& scheme) {
+void IncrementalPotential::set_scheme(const StepScheme& scheme) {
   scheme_ = scheme;
+  for_each(scene_.grid.node_count(), [&](int64_t n) {
+    inertia_[size_t(n)] = scheme.a0 * scene_.mass(n) / (scheme.dt * scheme.dt);
+  });
+}
+
+void IncrementalPotential::begin_step(const State& state, const StepScheme& scheme) {
+  set_scheme(scheme);
   const Array<double>& X = scene_.grid.rest;
   for_each(X.rows(), [&](int64_t n) {
-    inertia_[size_t(n)] = scheme.a0 * scene_.mass(n) / (scheme.dt * scheme.dt);
     for (int d = 0; d < 3; ++d) {
       const double x = state.x(n, d);
       const bool has_before = !state.x_before.empty();
@@ -152,7 +167,7 @@ void IncrementalPotential::freeze_rotations() {
 }
 
 /// F_v of every row.
-void IncrementalPotential::deformation_gradients(const double* u, std::vector<double>& result) {
+void IncrementalPotential::deformation_gradients(const double* u, Zeroed<double>& result) {
   for_each_row(
       rows_, scratch_double_, no_sums_,
       [&](int64_t n, int64_t reference, double value[3]) {

@@ -34,6 +34,9 @@ class IncrementalPotential {
   /// @throws Error unless each is one of its material's law and Poisson ratio.
   explicit IncrementalPotential(const Scene& scene, LearnedLaws learned = {});
 
+  /// Sets scheme and inertia alone, for what is built on the Hessian at rest.
+  void set_scheme(const StepScheme& scheme);
+
   /// Sets the predictor, the frozen voxel rotations and the lagged normal forces of friction, all
   /// from the state at the start of the step.
   void begin_step(const State& state, const StepScheme& scheme);
@@ -76,16 +79,16 @@ class IncrementalPotential {
   Contact& contact() { return contact_; }
   const StepScheme& scheme() const { return scheme_; }
   /// Predictor uhat = xhat - X [m], (nodes, 3).
-  const std::vector<double>& predictor() const { return predictor_; }
+  const Zeroed<double>& predictor() const { return predictor_; }
   /// Displacement at the start of the step [m], (nodes, 3).
-  const std::vector<double>& now() const { return now_; }
+  const Zeroed<double>& now() const { return now_; }
   /// Nodal rotations, (nodes, 9).
-  const std::vector<float>& nodal_rotation() const { return nodal_rotation_; }
+  const Zeroed<float>& nodal_rotation() const { return nodal_rotation_; }
   /// Inertial diagonal a0 m / dt^2 [N/m] of a node, and of all, (nodes).
   double inertia(int64_t node) const { return inertia_[size_t(node)]; }
-  const std::vector<double>& inertia() const { return inertia_; }
+  const Zeroed<double>& inertia() const { return inertia_; }
   /// Fill and variance weights of the voxels, [row][5][lane].
-  const std::vector<double>& voxel_weights() const { return weights_; }
+  const Zeroed<double>& voxel_weights() const { return weights_; }
   /// Net of a material, null: analytic.
   const LearnedLaw* learned(size_t material) const { return learned_[material].get(); }
   /// What the voxels of a row are besides their displacement; T float or double.
@@ -98,25 +101,26 @@ class IncrementalPotential {
     Pack<double> min_j = Pack<double>{} + 1e300, min_corner_j = min_j;
     Pack<double> outside = {};
   };
+  void fill_weights();
   void freeze_rotations();
   uint32_t full_lanes(int64_t row) const;
   template <class T, bool kQuality>
   PotentialValue evaluate_all(const double* u, T* gradient);
   double inertial_energy(const double* u) const;
-  void deformation_gradients(const double* u, std::vector<double>& F);
+  void deformation_gradients(const double* u, Zeroed<double>& F);
 
   const Scene& scene_;
   LearnedLaws learned_;
   BrickRows rows_;
   Contact contact_;
   StepScheme scheme_;
-  double stiffness_ = 0;           ///< S of noise() [J]
-  std::vector<double> weights_;    ///< phi, c_xy, c_yz, c_zx, c_xyz, [row][5][lane]
-  std::vector<double> rotation_;   ///< R_v, [row][9][lane]
-  std::vector<double> gradients_;  ///< F_v of set_nodal_rotations, [row][9][lane]
-  std::vector<float> nodal_rotation_;
-  std::vector<double> predictor_, inertia_, now_;
-  std::vector<float> tangent_;  ///< [row][45][lane]; filled by linearise
+  double stiffness_ = 0;      ///< S of noise() [J]
+  Zeroed<double> weights_;    ///< phi, c_xy, c_yz, c_zx, c_xyz, [row][5][lane]
+  Zeroed<double> rotation_;   ///< R_v, [row][9][lane]
+  Zeroed<double> gradients_;  ///< F_v of set_nodal_rotations, [row][9][lane]
+  Zeroed<float> nodal_rotation_;
+  Zeroed<double> predictor_, inertia_, now_;
+  Zeroed<float> tangent_;  ///< [row][45][lane]; filled by linearise
   BrickScratch<float> scratch_float_;
   BrickScratch<double> scratch_double_;
   std::vector<Sums> sums_;

@@ -18,15 +18,14 @@ namespace {
 /// Largest eigenvalue of D^-1 K over the voxels (element bound), components x, y, z together.
 /// Border voxels reach at most 3 % more than the full voxel's formula.
 double largest_eigenvalue(const LevelGrid& level) {
-  double largest = 0;
-  for (size_t v = 0; v < level.moduli.size() / 6; ++v) {
-    const double* k = level.moduli.data() + 6 * v;
-    const double variance = (k[2] + k[3] + k[4]) / 24 + k[5] / 48;
-    const double diagonal = (4 * k[0] + k[1]) / 16 + variance;
-    const double top = std::max({(2 * k[0] + k[1]) / 2, k[2] / 3, k[3] / 3, k[4] / 3, k[5] / 6});
-    largest = std::max(largest, top / diagonal);
-  }
-  return 1.03 * largest;
+  return 1.03 * largest(int64_t(level.moduli.size() / 6), [&](int64_t v) {
+           const double* k = level.moduli.data() + 6 * v;
+           const double variance = (k[2] + k[3] + k[4]) / 24 + k[5] / 48;
+           const double diagonal = (4 * k[0] + k[1]) / 16 + variance;
+           const double top =
+               std::max({(2 * k[0] + k[1]) / 2, k[2] / 3, k[3] / 3, k[4] / 3, k[5] / 6});
+           return top / diagonal;
+         });
 }
 
 }  // namespace
@@ -36,14 +35,14 @@ struct Multigrid<T>::Level {
   explicit Level(LevelGrid&& g)
       : grid(std::move(g)), scratch(grid.rows), lambda_max(largest_eigenvalue(grid)) {
     const size_t size = 3 * size_t(grid.nodes);
-    for (std::vector<T>* vector : {&r, &z, &d, &inverse_diagonal}) vector->resize(size);
+    for (Zeroed<T>* vector : {&r, &z, &d, &inverse_diagonal}) vector->resize(size);
     moduli.resize(size_t(grid.rows.row_count()) * 6 * kLanes);
-    for (size_t v = 0; v < grid.rows.slot.size(); ++v) {
-      const size_t slot = size_t(grid.rows.slot[v]), lane = slot % kLanes;
+    for_each(int64_t(grid.rows.slot.size()), [&](int64_t v) {
+      const size_t slot = size_t(grid.rows.slot[size_t(v)]), lane = slot % kLanes;
       for (size_t k = 0; k < 6; ++k)
         moduli[(slot - lane) * 6 + k * kLanes + lane] =
-            T(grid.moduli[6 * v + k] * grid.h / grid.unit);
-    }
+            T(grid.moduli[6 * size_t(v) + k] * grid.h / grid.unit);
+    });
     set_diagonal();
   }
 
@@ -85,7 +84,7 @@ struct Multigrid<T>::Level {
         [&](int64_t n, const double sum[3]) {
           for (int i = 0; i < 3; ++i) elastic_diagonal[size_t(3 * n + i)] = T(sum[i]);
         });
-    set_added(std::vector<T>(size));
+    set_added(Zeroed<T>(size));
   }
 
   /// What the voxels of a row add to the diagonal at their corners.
@@ -121,7 +120,7 @@ struct Multigrid<T>::Level {
   }
 
   /// Inertia plus a further stiffness of each node and component, in units of the level.
-  void set_added(std::vector<T>&& stiffness) {
+  void set_added(Zeroed<T>&& stiffness) {
     added = std::move(stiffness);
     for_each(3 * grid.nodes, [&](int64_t i) {
       const size_t k = size_t(i);
@@ -177,8 +176,8 @@ struct Multigrid<T>::Level {
   BrickScratch<T> scratch;
   std::vector<NoSums> no_sums;
   double lambda_max;
-  std::vector<T> moduli, elastic_diagonal, added, inverse_diagonal;
-  std::vector<T> r, z, d;
+  Zeroed<T> moduli, elastic_diagonal, added, inverse_diagonal;
+  Zeroed<T> r, z, d;           // take no memory until a cycle runs here
   Eigen::MatrixXd elastic[3];  // coarsest level only, as its inverse
   Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic> inverse[3];
 };
@@ -206,7 +205,7 @@ template <class T>
 void Multigrid<T>::set_nodal_stiffness(const std::vector<double>& stiffness) {
   for (size_t l = 0; l < levels_.size(); ++l) {
     Level& level = *levels_[l];
-    std::vector<T> added(3 * size_t(level.grid.nodes));
+    Zeroed<T> added(3 * size_t(level.grid.nodes));
     if (l == 0)
       for (size_t k = 0; k < stiffness.size(); ++k) added[k] = T(stiffness[k] / level.grid.unit);
     else

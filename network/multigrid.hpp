@@ -23,11 +23,11 @@ namespace elastogen {
 template <class T>
 struct MultigridLevel {
   const BrickRows& rows;
-  const std::vector<T>& moduli;            ///< h / unit times those of LevelGrid, [row][6][lane]
-  const std::vector<T>& added;             ///< inertia and nodal stiffness over unit, (nodes, 3)
-  const std::vector<T>& inverse_diagonal;  ///< times unit, (nodes, 3); 0 on pinned nodes
-  const std::vector<uint8_t>& pinned;      ///< (nodes)
-  const Array<int32_t>& node_coord;        ///< lattice coordinates of this level, (nodes, 3)
+  const Zeroed<T>& moduli;            ///< h / unit times those of LevelGrid, [row][6][lane]
+  const Zeroed<T>& added;             ///< inertia and nodal stiffness over unit, (nodes, 3)
+  const Zeroed<T>& inverse_diagonal;  ///< times unit, (nodes, 3); 0 on pinned nodes
+  const Zeroed<uint8_t>& pinned;      ///< (nodes)
+  const Array<int32_t>& node_coord;   ///< lattice coordinates of this level, (nodes, 3)
   std::vector<T> inverses;  ///< dense, row-major, (3, nodes, nodes); empty where the cycle smooths
   std::vector<double> operators;  ///< what they are the inverses of
   double lambda_max, unit;        ///< bound of the smoother; [N/m], what the operator is divided by

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "network/multigrid_grid.hpp"
 
-#include "core/parallel.hpp"
-#include "voxelize/brick_index.hpp"
+#include "core/reduce.hpp"
 #include "voxelize/bricks.hpp"
 
 #include <algorithm>
@@ -16,36 +15,27 @@ class Lookup {
   explicit Lookup(const BrickIndex& index) : index_(index) {}
   /// Number of the point, -1 if it is not there.
   int32_t operator()(int32_t x, int32_t y, int32_t z) {
-    const uint64_t key = brick_key({x, y, z});
-    if (key >> 9 != brick_) {
-      brick_ = key >> 9;
-      place_ = index_.find_brick(brick_);
+    if (x >> 3 != brick_[0] || y >> 3 != brick_[1] || z >> 3 != brick_[2]) {
+      brick_ = {x >> 3, y >> 3, z >> 3};
+      place_ = index_.find_brick(brick_key({x, y, z}) >> 9);
     }
-    return place_ < 0 ? -1 : int32_t(index_.find(place_, int(key & 511)));
+    return place_ < 0 ? -1 : int32_t(index_.find(place_, (x & 7) | (y & 7) << 3 | (z & 7) << 6));
   }
 
  private:
   const BrickIndex& index_;
-  uint64_t brick_ = ~uint64_t{0};
+  Coord brick_ = {INT32_MAX, INT32_MAX, INT32_MAX};  // no point's
   int64_t place_ = -1;
 };
 
-/// The voxels of twice the edge that hold a voxel of the fine level, each once.
-Array<int32_t> coarse_voxels(const Array<int32_t>& fine) {
-  Array<int32_t> halves(fine.rows(), 3);
-  for_each(fine.size(), [&](int64_t k) { halves.data()[k] = fine.data()[k] >> 1; });
-  return BrickIndex(halves).points();
-}
-
 /// Means of the eight children, empty ones counted as 0; one variance weight for all patterns.
-void average_moduli(const LevelGrid& fine, LevelGrid& coarse) {
-  const BrickIndex index(fine.voxel_coord);
-  const int64_t voxels = coarse.voxel_coord.rows();
+void average_moduli(const LevelGrid& fine, const Array<int32_t>& voxel_coord, LevelGrid& coarse) {
+  const int64_t voxels = voxel_coord.rows();
   coarse.moduli.resize(6 * size_t(voxels));
   for_blocks(voxels, [&](int64_t begin, int64_t end) {
-    Lookup find(index);
+    Lookup find(fine.voxel_index);
     for (int64_t v = begin; v < end; ++v) {
-      const int32_t* at = coarse.voxel_coord.row(v);
+      const int32_t* at = voxel_coord.row(v);
       double* sum = coarse.moduli.data() + 6 * v;
       for (int c = 0; c < 8; ++c) {
         const int32_t child =
@@ -61,29 +51,38 @@ void average_moduli(const LevelGrid& fine, LevelGrid& coarse) {
   });
 }
 
-/// Parents of the fine nodes.
-void find_parents(const BrickIndex& coarse_index, const LevelGrid& coarse, LevelGrid& fine) {
+/// Axes along which a node has odd coordinates, as bits.
+int odd_axes(const int32_t at[3]) {
+  return (at[0] & 1) | (at[1] & 1) << 1 | (at[2] & 1) << 2;
+}
+
+/// Parents of the fine nodes: an even coordinate has one parent, an odd one the two beside it.
+void find_parents(const LevelGrid& coarse, LevelGrid& fine) {
   fine.parents.resize(8 * size_t(fine.nodes));
   for_blocks(fine.nodes, [&](int64_t begin, int64_t end) {
-    Lookup find(coarse_index);
+    Lookup find(coarse.node_index);
     for (int64_t n = begin; n < end; ++n) {
       const int32_t* at = fine.node_coord.row(n);
+      int32_t* parents = fine.parents.data() + 8 * n;
+      const int odd = odd_axes(at);
       for (int c = 0; c < 8; ++c) {
-        // an even coordinate has one parent, an odd one the two beside it
-        int32_t q[3];
-        for (int d = 0; d < 3; ++d) q[d] = (at[d] + (c >> d & 1 ? at[d] & 1 : 0)) >> 1;
-        const int32_t parent = find(q[0], q[1], q[2]);
-        fine.parents[size_t(8 * n + c)] = coarse.pinned[size_t(parent)] ? -1 : parent;
+        if ((c & odd) != c) {
+          parents[c] = parents[c & odd];
+          continue;
+        }
+        const int32_t parent =
+            find((at[0] >> 1) + (c & 1), (at[1] >> 1) + (c >> 1 & 1), (at[2] >> 1) + (c >> 2));
+        parents[c] = coarse.pinned[size_t(parent)] ? -1 : parent;
       }
     }
   });
 }
 
 /// Children and masses of the coarse nodes; those on a pinned node are pinned.
-void find_children(const BrickIndex& fine_index, const LevelGrid& fine, LevelGrid& coarse) {
+void find_children(const LevelGrid& fine, LevelGrid& coarse) {
   coarse.children.resize(27 * size_t(coarse.nodes));
   for_blocks(coarse.nodes, [&](int64_t begin, int64_t end) {
-    Lookup find(fine_index);
+    Lookup find(fine.node_index);
     for (int64_t n = begin; n < end; ++n) {
       const int32_t* at = coarse.node_coord.row(n);
       double inertia = 0;
@@ -101,6 +100,18 @@ void find_children(const BrickIndex& fine_index, const LevelGrid& fine, LevelGri
   });
 }
 
+/// Moduli of a voxel of the scene.
+void moduli_of_voxel(const Scene& scene, int64_t v, double k[6]) {
+  const Material& m = scene.materials[size_t(scene.material(v))];
+  const double fill = scene.grid.fill(v);
+  k[0] = fill * m.mu();
+  k[1] = fill * m.lambda();
+  for (int j = 0; j < 4; ++j) k[2 + j] = fill * scene.variance(v, j);
+  // without the variance term the cycle could not see twelve modes of a voxel: it keeps its own
+  if (scene.hourglass == Hourglass::kOff)
+    for (int j = 0; j < 4; ++j) k[2 + j] = fill * m.mu();
+}
+
 }  // namespace
 
 LevelGrid finest_level(const Scene& scene, double a0) {
@@ -110,47 +121,46 @@ LevelGrid finest_level(const Scene& scene, double a0) {
   level.nodes = grid.node_count();
   level.h = grid.h;
   level.moduli.resize(6 * size_t(grid.voxel_count()));
-  for (int64_t v = 0; v < grid.voxel_count(); ++v) {
-    const Material& m = scene.materials[size_t(scene.material(v))];
-    double* k = level.moduli.data() + 6 * v;
-    k[0] = grid.fill(v) * m.mu();
-    k[1] = grid.fill(v) * m.lambda();
-    for (int j = 0; j < 4; ++j) k[2 + j] = grid.fill(v) * scene.variance(v, j);
-    // without the variance term the cycle could not see twelve modes of a voxel: it keeps its own
-    if (scene.hourglass == Hourglass::kOff)
-      for (int j = 0; j < 4; ++j) k[2 + j] = grid.fill(v) * m.mu();
-  }
+  for_each(grid.voxel_count(),
+           [&](int64_t v) { moduli_of_voxel(scene, v, level.moduli.data() + 6 * v); });
   level.inertia.resize(size_t(level.nodes));
-  for (int64_t n = 0; n < level.nodes; ++n)
+  level.pinned.resize(size_t(level.nodes));
+  level.node_coord = Array<int32_t>(level.nodes, 3);
+  for_each(level.nodes, [&](int64_t n) {
     level.inertia[size_t(n)] = a0 * scene.mass(n) / (scene.dt * scene.dt);
-  level.unit = *std::max_element(level.inertia.begin(), level.inertia.end()) +
-               *std::max_element(level.moduli.begin(), level.moduli.end()) * level.h;
-  level.pinned.assign(scene.pinned.data(), scene.pinned.data() + level.nodes);
-  level.voxel_coord = grid.voxel_coord;
-  level.node_coord = grid.node_coord;
+    level.pinned[size_t(n)] = scene.pinned(n);
+    std::copy_n(grid.node_coord.row(n), 3, level.node_coord.row(n));
+  });
+  level.unit = largest(level.nodes, [&](int64_t n) { return level.inertia[size_t(n)]; }) +
+               largest(int64_t(level.moduli.size()), [&](int64_t k) {
+                 return level.moduli[size_t(k)];
+               }) * level.h;
+  level.voxel_index = BrickIndex(grid.voxel_coord);
+  level.node_index = BrickIndex(grid.node_coord);
   return level;
 }
 
 LevelGrid coarser_level(LevelGrid& fine) {
-  const VoxelGrid grid = make_grid(coarse_voxels(fine.voxel_coord), 2 * fine.h, {});
   LevelGrid coarse;
+  coarse.voxel_index = fine.voxel_index.halved();
+  coarse.node_index = coarse.voxel_index.corners();
+  VoxelGrid grid = make_tables(coarse.voxel_index, coarse.node_index);
   coarse.rows = make_brick_rows(grid, Array<int32_t>(grid.voxel_count()));
-  coarse.nodes = grid.node_count();
+  coarse.nodes = grid.node_coord.rows();
   coarse.h = 2 * fine.h;
   coarse.unit = fine.unit;
-  coarse.voxel_coord = grid.voxel_coord;
-  coarse.node_coord = grid.node_coord;
+  coarse.node_coord = std::move(grid.node_coord);
   coarse.inertia.resize(size_t(coarse.nodes));
   coarse.pinned.resize(size_t(coarse.nodes));
-  average_moduli(fine, coarse);
-  find_children(BrickIndex(fine.node_coord), fine, coarse);
-  find_parents(BrickIndex(coarse.node_coord), coarse, fine);
+  average_moduli(fine, grid.voxel_coord, coarse);
+  find_children(fine, coarse);
+  find_parents(coarse, fine);
   return coarse;
 }
 
 void release_setup(LevelGrid& level) {
   level.moduli = {};
-  level.voxel_coord = {};
+  level.voxel_index = level.node_index = {};
   level.rows.slot = {};
   level.rows.voxel = {};
 }
@@ -176,8 +186,7 @@ void prolong_correction(const LevelGrid& fine_level, const T* coarse, T* fine) {
   for_each(fine_level.nodes, [&](int64_t n) {
     if (fine_level.pinned[size_t(n)]) return;
     // the corners that differ: those along the odd axes
-    const int32_t* at = fine_level.node_coord.row(n);
-    const int odd = (at[0] & 1) | (at[1] & 1) << 1 | (at[2] & 1) << 2;
+    const int odd = odd_axes(fine_level.node_coord.row(n));
     T sum[3] = {};
     int corners = 0;
     for (int c = odd;; c = (c - 1) & odd) {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "network/brick_rows.hpp"
+#include "voxelize/brick_index.hpp"
 
 #include <vector>
 
@@ -15,17 +16,17 @@ struct LevelGrid {
   int64_t nodes = 0;
   double h = 0;     ///< edge [m]
   double unit = 1;  ///< [N/m]; the cycle runs on the operator divided by it, whatever the scale
-  std::vector<double> moduli;   ///< phi times mu, lambda, c_xy, c_yz, c_zx, c_xyz [Pa], (voxels, 6)
-  std::vector<double> inertia;  ///< a0 m / dt^2 [N/m], (nodes)
-  std::vector<uint8_t> pinned;  ///< (nodes)
-  Array<int32_t> voxel_coord, node_coord;  ///< lattice coordinates of this level
+  Zeroed<double> moduli;      ///< phi times mu, lambda, c_xy, c_yz, c_zx, c_xyz [Pa], (voxels, 6)
+  Zeroed<double> inertia;     ///< a0 m / dt^2 [N/m], (nodes)
+  Zeroed<uint8_t> pinned;     ///< (nodes)
+  Array<int32_t> node_coord;  ///< lattice coordinates of this level, (nodes, 3)
+  BrickIndex voxel_index, node_index;
 
   // to the next coarser level; filled by coarser_level
-  std::vector<int32_t> parents;  ///< coarse nodes whose mean a node interpolates, (nodes, 8), with
-                                 ///< repetitions; -1 for a pinned one
+  Zeroed<int32_t> parents;  ///< coarse nodes whose mean a node interpolates, (nodes, 8), with
+                            ///< repetitions; -1 for a pinned one
   // from the next finer level; filled by coarser_level
-  std::vector<int32_t>
-      children;  ///< fine nodes at offset -1, 0, 1 per axis, (nodes, 27), -1 if none
+  Zeroed<int32_t> children;  ///< fine nodes at offset -1, 0, 1 per axis, (nodes, 27), -1 if none
 };
 
 LevelGrid finest_level(const Scene& scene, double a0);
@@ -33,7 +34,7 @@ LevelGrid finest_level(const Scene& scene, double a0);
 /// The next level; fills `parents` of the fine one.
 LevelGrid coarser_level(LevelGrid& fine);
 
-/// Frees what only the construction of the hierarchy needs: moduli and voxel coordinates.
+/// Frees what only the construction of the hierarchy needs: moduli and indices.
 void release_setup(LevelGrid& level);
 
 /// coarse = P^T fine, gathered, 0 on pinned coarse nodes; (nodes, 3).

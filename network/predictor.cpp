@@ -60,7 +60,7 @@ Predictor::Predictor(const Scene& scene) : scene_(scene) {
     if (!list.empty()) free_pieces_.push_back(std::move(list));
 }
 
-void Predictor::start(const State& state, const std::vector<double>& predictor, double* u) const {
+void Predictor::start(const State& state, const Zeroed<double>& predictor, double* u) const {
   const Array<double>& X = scene_.grid.rest;
   std::copy(predictor.begin(), predictor.end(), u);
   Array<double> predicted = X;

@@ -22,7 +22,7 @@ class Predictor {
   explicit Predictor(const Scene& scene);
 
   /// Displacement u to start from, (nodes, 3). `predictor` is xhat - X of the step.
-  void start(const State& state, const std::vector<double>& predictor, double* u) const;
+  void start(const State& state, const Zeroed<double>& predictor, double* u) const;
 
  private:
   const Scene& scene_;

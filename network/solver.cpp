@@ -46,12 +46,8 @@ Solver::Impl::Impl(const Scene& s, const SolverOptions& o)
     if (!on_device) paper.emplace(potential, o.paper);
     return;
   }
-  // the preconditioner is built for the scheme of the run, at rest
-  State rest = initial_state(scene);
-  const StepScheme of_run{scene.scheme, scene.dt, scene.scheme == TimeScheme::kBdf2 ? 2.25 : 1};
-  rest.x_before = rest.x;
-  rest.v_before = rest.v;
-  potential.begin_step(rest, of_run);
+  // the preconditioner is built for the scheme of the run
+  potential.set_scheme({scene.scheme, scene.dt, scene.scheme == TimeScheme::kBdf2 ? 2.25 : 1});
   const bool encoder = !o.skip || courant > kEncoderCourant;
   // forces beyond the range of float, or conditions beyond its digits
   const bool in_range = force < 1e25 && force > 1e-25;

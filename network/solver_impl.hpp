@@ -43,8 +43,8 @@ struct Solver::Impl {
   const Collider* begin_step(const State& state);
   const Collider* start(const State& state);
   const Collider* start_on_device();
-  double phi(const std::vector<double>& at);
-  bool is_lower(const std::vector<double>& a, const std::vector<double>& b);
+  double phi(const Zeroed<double>& at);
+  bool is_lower(const Zeroed<double>& a, const Zeroed<double>& b);
   IterationResult retreat(double target);
   bool solve(const State& state, StepReport& report);
   void balance();
@@ -71,7 +71,7 @@ struct Solver::Impl {
   std::unique_ptr<QuasiSolver<double>> quasi_double;
   std::unique_ptr<NewtonSolver> newton_solver;
   std::optional<PaperSolver> paper;
-  std::vector<double> u, gradient, u_before_shift;
+  Zeroed<double> u, gradient, u_before_shift;
   Array<double> x;  // of the new state
 
   // with a device, which then holds u and the arrays of the state

@@ -24,14 +24,14 @@ class Stopwatch {
 }  // namespace
 
 /// Phi in float64.
-double Solver::Impl::phi(const std::vector<double>& at) {
+double Solver::Impl::phi(const Zeroed<double>& at) {
   return potential.evaluate<double>(at.data(), gradient.data()).total();
 }
 
 /// Whether Phi is lower at a than at b, in float where that has the digits: where iterations begin.
-bool Solver::Impl::is_lower(const std::vector<double>& a, const std::vector<double>& b) {
+bool Solver::Impl::is_lower(const Zeroed<double>& a, const Zeroed<double>& b) {
   if (precise) return phi(a) < phi(b);
-  const auto value = [&](const std::vector<double>& at) {
+  const auto value = [&](const Zeroed<double>& at) {
     return potential.evaluate(at.data(), static_cast<float*>(nullptr)).total();
   };
   return value(a) < value(b);
@@ -60,7 +60,7 @@ const Collider* Solver::Impl::begin_step(const State& state) {
 /// gives the collider that a point lies in all the same, else null.
 const Collider* Solver::Impl::start(const State& state) {
   predictor.start(state, potential.predictor(), u.data());
-  std::vector<double> now = potential.now();
+  Zeroed<double> now = potential.now();
   double farthest = 0;
   for (size_t k = 0; k < u.size(); ++k) farthest = std::max(farthest, std::abs(u[k] - now[k]));
   if (potential.contact().exists()) {
@@ -106,7 +106,7 @@ void Solver::Impl::balance() {
   in_flight = flight.exists() && !paper && !touches();
   if (!in_flight) return;
   u_before_shift = u;
-  const std::vector<double>& aim = potential.predictor();
+  const Zeroed<double>& aim = potential.predictor();
   flight.match_means(u.data(), [&](size_t n, size_t d) { return aim[3 * n + d]; });
   if (!touches()) return;
   u.swap(u_before_shift);

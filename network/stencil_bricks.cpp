@@ -50,26 +50,30 @@ void find_block(const BrickMap& map, const Coord& base, int first, int count, in
 
 template <class T>
 void number_slots(const Array<int32_t>& node_coord, StencilBricks<T>& g) {
-  const int64_t nodes = node_coord.rows();
-  g.slot.resize(size_t(nodes));
-  for (int64_t n = 0; n < nodes; ++n) {
+  const auto brick_of = [&](int64_t n) {
     const int32_t* at = node_coord.row(n);
-    const Coord brick = {at[0] >> 3, at[1] >> 3, at[2] >> 3};
-    if (n == 0 || g.coord.back() != brick) {
-      g.coord.push_back(brick);
-      g.begin.push_back(int32_t(n));
+    return Coord{at[0] >> 3, at[1] >> 3, at[2] >> 3};
+  };
+  g.begin = filtered(node_coord.rows(),
+                     [&](int64_t n) { return n == 0 || brick_of(n) != brick_of(n - 1); });
+  for (const int32_t n : g.begin) g.coord.push_back(brick_of(n));
+  g.begin.push_back(int32_t(node_coord.rows()));
+  g.slot.resize(size_t(node_coord.rows()));
+  run_tasks(g.brick_count(), [&](int64_t b) {
+    for (int32_t n = g.begin[size_t(b)]; n < g.begin[size_t(b + 1)]; ++n) {
+      const int32_t* at = node_coord.row(n);
+      g.slot[size_t(n)] = kSlots * int32_t(b) + place_of(at[0], at[1], at[2]);
     }
-    g.slot[size_t(n)] = int32_t(kSlots * (g.coord.size() - 1)) + place_of(at[0], at[1], at[2]);
-  }
-  g.begin.push_back(int32_t(nodes));
+  });
 }
 
 /// Row and lane, kLanes row + lane, of the voxel whose corner 0 is at a slot; -1 if none.
 template <class T>
-std::vector<int32_t> voxels_at_slots(const MultigridLevel<T>& level, const BrickMap& map,
-                                     int64_t bricks) {
+Zeroed<int32_t> voxels_at_slots(const MultigridLevel<T>& level, const BrickMap& map,
+                                int64_t bricks) {
   const BrickRows& rows = level.rows;
-  std::vector<int32_t> voxel(size_t(kSlots * bricks), -1);
+  Zeroed<int32_t> voxel(size_t(kSlots * bricks));
+  for_each(int64_t(voxel.size()), [&](int64_t k) { voxel[size_t(k)] = -1; });
   run_tasks(rows.brick_count(), [&](int64_t b) {
     // a node's place in the tile tells where the brick lies
     const size_t entry = size_t(rows.tile_begin[size_t(b)]);
@@ -216,7 +220,7 @@ class RowMaker {
 
   const MultigridLevel<T>& level_;
   const StencilBricks<T>& g_;
-  std::vector<int32_t> voxel_at_;
+  Zeroed<int32_t> voxel_at_;
 };
 
 /// Row 0 and the rows of all bricks, plain ones once; `row` becomes their index.

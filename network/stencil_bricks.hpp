@@ -37,9 +37,9 @@ struct StencilBricks {
   std::vector<std::array<int32_t, 3>> coord;  ///< of each brick, in bricks
   std::vector<BrickLinks> links;              ///< (bricks); coarse and fine by link_levels
   std::vector<int32_t> begin;                 ///< first node of each brick, (bricks + 1)
-  std::vector<int32_t> slot;                  ///< of each node: kSlots brick + place
-  std::vector<int32_t> row;  ///< of each slot; 0 where there is no node or a pinned one
-  std::vector<T> rows;       ///< (rows, 3, kComponent); row 0 is 0
+  Zeroed<int32_t> slot;                       ///< of each node: kSlots brick + place
+  Zeroed<int32_t> row;  ///< of each slot; 0 where there is no node or a pinned one
+  Zeroed<T> rows;       ///< (rows, 3, kComponent); row 0 is 0
 
   int64_t brick_count() const { return int64_t(coord.size()); }
 };

@@ -93,6 +93,45 @@ TEST(BrickRows, GiveTheSameBitsForOneAndTwoThreads) {
   EXPECT_EQ(sums[0], sums[1]);
 }
 
+TEST(BrickRows, AreTheSameForOneAndTwoThreads) {
+  const Fixture f;
+  BrickRows rows[2];
+  for (int threads = 1; threads <= 2; ++threads) {
+    tbb::global_control control(tbb::global_control::max_allowed_parallelism, size_t(threads));
+    rows[threads - 1] = make_brick_rows(f.grid, f.material);
+  }
+  EXPECT_EQ(rows[0].slot, rows[1].slot);
+  EXPECT_EQ(rows[0].voxel, rows[1].voxel);
+  EXPECT_EQ(rows[0].row_begin, rows[1].row_begin);
+  EXPECT_EQ(rows[0].tile_node, rows[1].tile_node);
+  EXPECT_EQ(rows[0].tile_place, rows[1].tile_place);
+  EXPECT_EQ(rows[0].tile_part, rows[1].tile_part);
+  EXPECT_EQ(rows[0].shared_node, rows[1].shared_node);
+  EXPECT_EQ(rows[0].shared_begin, rows[1].shared_begin);
+  EXPECT_EQ(rows[0].border, rows[1].border);
+}
+
+TEST(BrickRows, PartsOfANodeStandInTheOrderOfItsBricks) {
+  const Fixture f;
+  const BrickRows rows = make_brick_rows(f.grid, f.material);
+  std::vector<std::vector<int32_t>> parts(size_t(f.grid.node_count()));
+  for (size_t k = 0; k < rows.tile_node.size(); ++k)
+    parts[size_t(rows.tile_node[k])].push_back(rows.tile_part[k]);
+  size_t shared = 0;
+  for (size_t n = 0; n < parts.size(); ++n) {
+    if (parts[n].size() == 1) {
+      ASSERT_EQ(parts[n][0], -1);
+      continue;
+    }
+    ASSERT_EQ(rows.shared_node[shared], int32_t(n));
+    for (size_t k = 0; k < parts[n].size(); ++k)
+      ASSERT_EQ(parts[n][k], rows.shared_begin[shared] + int32_t(k));
+    ASSERT_EQ(rows.shared_begin[++shared], parts[n].back() + 1);
+  }
+  EXPECT_EQ(shared, rows.shared_node.size());
+  EXPECT_GT(shared, 100u);
+}
+
 TEST(BrickRows, HoldEveryVoxelOnceInARowOfItsMaterial) {
   const Fixture f;
   const BrickRows rows = make_brick_rows(f.grid, f.material);

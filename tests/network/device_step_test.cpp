@@ -78,7 +78,8 @@ TEST_F(OnCard, StepStartsWhereThatOfTheHostStarts) {
   for (const Scene& scene : scenes()) {
     SCOPED_TRACE(concat(scene.grid.voxel_count(), " voxels, scheme ", int(scene.scheme)));
     Begun b(scene);
-    const std::vector<double> expected = b.start(), &now = b.potential.now();
+    const Zeroed<double>& of_now = b.potential.now();
+    const std::vector<double> expected = b.start(), now(of_now.begin(), of_now.end());
     EXPECT_LT(relative_difference(b.device_u(), expected), 1e-12);
     const double way = farthest(expected, now);
     EXPECT_NEAR(b.device->farthest(), way, 1e-12 * way);
@@ -111,7 +112,7 @@ struct End {
 
 End end_on_host(Begun& b, std::vector<double> u) {
   const Scene& scene = b.scene;
-  const std::vector<double>& aim = b.potential.predictor();
+  const Zeroed<double>& aim = b.potential.predictor();
   if (b.flight.exists())
     b.flight.match_means(u.data(), [&](size_t n, size_t d) { return aim[3 * n + d]; });
   State next = b.state;
@@ -324,7 +325,7 @@ TEST_F(OnCard, StepsThatCannotEndAtTheirStartRetreat) {
   for (size_t k = 0; k < shake.size(); ++k) state.x_before.data()[k] += shake[k];
   IncrementalPotential potential(scene);
   potential.begin_step(state, step_scheme(scene, state));
-  const std::vector<double> now = potential.now();
+  const Zeroed<double>& now = potential.now();
   const SolverOptions options{.mode = SolverMode::kQuasi, .device = Device::kCuda, .max_outer = 0};
   const StepReport report = Solver(scene, options).step(state);
   EXPECT_EQ(report.outer, 1);  // of newton

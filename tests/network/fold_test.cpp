@@ -125,7 +125,8 @@ TEST(Fold, ThePotentialFallsWithEveryStepOfNewton) {
   potential.begin_step(start, scheme);
   judge.begin_step(start, scheme);
   Preconditioner<float> first(potential, true);
-  std::vector<double> u = potential.now(), g(u.size());
+  Zeroed<double> u = potential.now();
+  std::vector<double> g(u.size());
   potential.set_nodal_rotations(u.data());
   const auto phi = [&] { return judge.evaluate<double>(u.data(), g.data()); };
   PotentialValue before = phi();

@@ -191,5 +191,26 @@ TEST(Multigrid, OperatorOnAffineFieldsHasTheClosedForm) {
   }
 }
 
+TEST(Multigrid, LevelsAreTheSameForOneAndTwoThreads) {
+  const Scene scene = ragged_scene(0.3);
+  std::unique_ptr<Multigrid<float>> built[2];
+  for (int threads = 1; threads <= 2; ++threads) {
+    const ThreadLimit limit(threads);
+    built[threads - 1] = std::make_unique<Multigrid<float>>(scene, 1);
+  }
+  ASSERT_EQ(built[0]->level_count(), built[1]->level_count());
+  for (int l = 0; l < built[0]->level_count(); ++l) {
+    const MultigridLevel<float> a = built[0]->level(l), b = built[1]->level(l);
+    EXPECT_EQ(a.moduli, b.moduli);
+    EXPECT_EQ(a.added, b.added);
+    EXPECT_EQ(a.inverse_diagonal, b.inverse_diagonal);
+    EXPECT_EQ(a.pinned, b.pinned);
+    EXPECT_EQ(a.node_coord, b.node_coord);
+    EXPECT_EQ(a.inverses, b.inverses);
+    EXPECT_EQ(a.lambda_max, b.lambda_max);
+    EXPECT_EQ(a.unit, b.unit);
+  }
+}
+
 }  // namespace
 }  // namespace elastogen::test

@@ -69,6 +69,21 @@ TEST(StencilBricks, AUniformBlockNeedsARowForEachKindOfNode) {
   EXPECT_EQ(int64_t(make_stencil_bricks(multigrid.level(0)).rows.size()) / stencil::kRow, 28);
 }
 
+TEST(StencilBricks, AreTheSameForOneAndTwoThreads) {
+  const Scene scene = ragged_of_two_materials(19, 13, 11);
+  const Multigrid<float> multigrid(scene, 1);
+  StencilBricks<float> built[2];
+  for (int threads = 1; threads <= 2; ++threads) {
+    const ThreadLimit limit(threads);
+    built[threads - 1] = make_stencil_bricks(multigrid.level(0));
+  }
+  EXPECT_EQ(built[0].coord, built[1].coord);
+  EXPECT_EQ(built[0].begin, built[1].begin);
+  EXPECT_EQ(built[0].slot, built[1].slot);
+  EXPECT_EQ(built[0].row, built[1].row);
+  EXPECT_EQ(built[0].rows, built[1].rows);
+}
+
 TEST(StencilBricks, LinksOfTwoLevelsAreEachOthers) {
   const Scene scene = box_at({-9, -8, -1}, 40, 30, 20);
   Multigrid<double> multigrid(scene, 1);
