@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "core/parallel.hpp"
 #include "network/device_encoder.cuh"
 
 #include <algorithm>
@@ -108,35 +109,46 @@ __global__ void __launch_bounds__(kTile)
   for (int i = 0; i < 3; ++i) value[i] += sum[i];
 }
 
-template <class S>
-void append(std::vector<S>& to, const std::vector<S>& from) {
-  to.insert(to.end(), from.begin(), from.end());
+/// Sends modes to the numbers from `begin` on, in what they are held in there.
+template <class T>
+void upload_modes(const T* modes, int64_t count, int64_t begin, DeviceArray<ModeNumber<T>>& to) {
+  constexpr int64_t kAtOnce = 1 << 22;
+  std::vector<ModeNumber<T>> held(size_t(std::min(count, kAtOnce)));
+  for (int64_t first = 0; first < count; first += kAtOnce) {
+    const int64_t part = std::min(kAtOnce, count - first);
+    ::elastogen::for_each(part,
+                          [&](int64_t k) { held[size_t(k)] = ModeNumber<T>(modes[first + k]); });
+    to.upload(held.data(), begin + first, part);
+  }
 }
 
 }  // namespace
 
 template <class T>
 DeviceEncoder<T>::DeviceEncoder(const Encoder<T>& host) {
-  std::vector<int32_t> nodes, chunk_begin;
-  std::vector<ModeNumber<T>> modes;
+  int64_t entries = 0;
+  for (const auto& piece : host.pieces()) entries += int64_t(piece.nodes.size());
+  nodes_ = DeviceArray<int32_t>(entries);
+  modes_ = DeviceArray<ModeNumber<T>>(entries * kModes);
+  std::vector<int32_t> chunk_begin;
   std::vector<double> inverses;
   std::vector<EncoderChunk> chunks;
+  int32_t first = 0;
   for (const auto& piece : host.pieces()) {
-    const int32_t number = int32_t(chunk_begin.size()), first = int32_t(nodes.size());
-    append(nodes, piece.nodes);
-    modes.insert(modes.end(), piece.modes.begin(),
-                 piece.modes.begin() + int64_t(piece.nodes.size()) * kModes);
+    const int32_t number = int32_t(chunk_begin.size());
+    const int32_t end = first + int32_t(piece.nodes.size());
+    nodes_.upload(piece.nodes.data(), first, end - first);
+    upload_modes(piece.modes.data(), int64_t(end - first) * kModes, int64_t(first) * kModes,
+                 modes_);
     for (int column = 0; column < kSize; ++column)
       for (int row = 0; row < kSize; ++row)
         inverses.push_back(piece.inverse[size_t(row * kSize + column)]);
     chunk_begin.push_back(int32_t(chunks.size()));
-    const int32_t end = int32_t(nodes.size());
     for (int32_t begin = first; begin < end; begin += kChunk)
       chunks.push_back({number, begin, std::min(begin + kChunk, end)});
+    first = end;
   }
   chunk_begin.push_back(int32_t(chunks.size()));
-  nodes_ = DeviceArray<int32_t>(nodes);
-  modes_ = DeviceArray<ModeNumber<T>>(modes);
   inverses_ = DeviceArray<double>(inverses);
   chunks_ = DeviceArray<EncoderChunk>(chunks);
   chunk_begin_ = DeviceArray<int32_t>(chunk_begin);

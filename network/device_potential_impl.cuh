@@ -59,8 +59,13 @@ struct DeviceValue {
   double inertia = 0;
 };
 
-inline std::vector<float> in_float(const std::vector<double>& values) {
-  return {values.begin(), values.end()};
+/// The same numbers, rounded.
+inline DeviceArray<float> in_float(const DeviceArray<double>& values) {
+  DeviceArray<float> result(values.size());
+  const double* from = values.data();
+  float* to = result.data();
+  if (to) cuda::for_each(values.size(), [=] __device__(int64_t k) { to[k] = float(from[k]); });
+  return result;
 }
 
 /// What a pass over the voxels asks of nets: what an energy takes, by strains where the law is one
@@ -73,8 +78,8 @@ struct DevicePotential::Impl {
         rows(potential.rows()),
         weights_double(potential.voxel_weights()),
         border_double(potential.rows().border),
-        weights_float(in_float(potential.voxel_weights())),
-        border_float(in_float(potential.rows().border)),
+        weights_float(in_float(weights_double)),
+        border_float(in_float(border_double)),
         rotation_double(
             potential.scene().hourglass == Hourglass::kFull ? rows.row_count() * 9 * kLanes : 0),
         rotation_float(rotation_double.size()),

@@ -123,10 +123,6 @@ class StepOnDevice : public DeviceStep {
   bool has_before_ = false;
 };
 
-std::vector<double> values_of(const Array<double>& array) {
-  return {array.data(), array.data() + array.size()};
-}
-
 DeviceQuasi make_quasi(const IncrementalPotential& potential, const Preconditioner<float>* first) {
   return first ? DeviceQuasi(potential, *first) : DeviceQuasi(potential);
 }
@@ -136,8 +132,8 @@ StepOnDevice::StepOnDevice(const IncrementalPotential& potential,
     : scene_(potential.scene()),
       quasi_(make_quasi(potential, first)),
       pieces_(scene_),
-      rest_(values_of(scene_.grid.rest)),
-      mass_(values_of(scene_.mass)),
+      rest_(scene_.grid.rest.data(), scene_.grid.rest.size()),
+      mass_(scene_.mass.data(), scene_.mass.size()),
       x_(rest_.size()),
       v_(size()),
       x_before_(size()),
