@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "network/device_pieces.cuh"
+#include "network/free_flight.hpp"
 
 #include <algorithm>
 
@@ -7,18 +8,6 @@ namespace elastogen::cuda {
 namespace {
 
 constexpr int32_t kChunk = 1024;  // entries
-
-/// Nodes of the pieces without a pin.
-std::vector<std::vector<int32_t>> free_pieces(const Scene& scene) {
-  const VoxelGrid& grid = scene.grid;
-  std::vector<uint8_t> held(static_cast<size_t>(grid.pieces));
-  for (int64_t n = 0; n < grid.node_count(); ++n) held[size_t(grid.piece(n))] |= scene.pinned(n);
-  std::vector<std::vector<int32_t>> nodes(held.size());
-  for (int64_t n = 0; n < grid.node_count(); ++n)
-    if (!held[size_t(grid.piece(n))]) nodes[size_t(grid.piece(n))].push_back(int32_t(n));
-  std::erase_if(nodes, [](const auto& list) { return list.empty(); });
-  return nodes;
-}
 
 /// As in predictor.cpp.
 __device__ bool steady(const PieceFrame& before, const PieceFrame& now, const PieceFrame& next) {

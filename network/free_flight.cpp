@@ -1,15 +1,36 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "network/free_flight.hpp"
 
+#include "core/parallel.hpp"
+
 namespace elastogen {
 
+std::vector<uint8_t> held_pieces(const Scene& scene) {
+  std::vector<uint8_t> held(size_t(scene.grid.pieces));
+  for (const int32_t n :
+       filtered(scene.grid.node_count(), [&](int64_t n) { return scene.pinned(n); }))
+    held[size_t(scene.grid.piece(n))] = 1;
+  return held;
+}
+
+std::vector<std::vector<int32_t>> free_pieces(const Scene& scene) {
+  const std::vector<uint8_t> held = held_pieces(scene);
+  std::vector<std::vector<int32_t>> nodes;
+  std::vector<int32_t> place(held.size(), -1);
+  for (size_t p = 0; p < held.size(); ++p)
+    if (!held[p]) place[p] = int32_t(nodes.size()), nodes.emplace_back();
+  if (nodes.empty()) return nodes;
+  for (int64_t n = 0; n < scene.grid.node_count(); ++n)
+    if (const int32_t p = place[size_t(scene.grid.piece(n))]; p >= 0)
+      nodes[size_t(p)].push_back(int32_t(n));
+  return nodes;
+}
+
 FreeFlight::FreeFlight(const Scene& scene) : scene_(scene) {
-  const int64_t nodes = scene.grid.node_count();
-  std::vector<double> mass(size_t(scene.grid.pieces));
-  std::vector<uint8_t> held(mass.size());
-  for (int64_t n = 0; n < nodes; ++n) held[piece(size_t(n))] |= scene.pinned(n);
+  const std::vector<uint8_t> held = held_pieces(scene);
   if (std::find(held.begin(), held.end(), 0) == held.end()) return;
-  for (int64_t n = 0; n < nodes; ++n) mass[piece(size_t(n))] += scene.mass(n);
+  std::vector<double> mass(held.size());
+  for (int64_t n = 0; n < scene.grid.node_count(); ++n) mass[piece(size_t(n))] += scene.mass(n);
   per_mass_.resize(mass.size());
   excess_.resize(mass.size());
   for (size_t p = 0; p < mass.size(); ++p)

@@ -13,6 +13,11 @@
 
 namespace elastogen {
 
+/// Whether a node of each piece is pinned, (pieces).
+std::vector<uint8_t> held_pieces(const Scene& scene);
+/// Nodes of each piece that is not held.
+std::vector<std::vector<int32_t>> free_pieces(const Scene& scene);
+
 class FreeFlight {
  public:
   explicit FreeFlight(const Scene& scene);

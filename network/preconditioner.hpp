@@ -36,7 +36,7 @@ class Preconditioner {
   const IncrementalPotential& potential_;
   Multigrid<T> multigrid_;
   std::optional<Encoder<T>> encoder_;
-  std::vector<T> r_, z_;
+  Zeroed<T> r_, z_;
   bool in_contact_ = false;
 };
 

@@ -4,6 +4,7 @@
 #include "core/parallel.hpp"
 #include "core/polar.hpp"
 #include "core/scene.hpp"
+#include "network/free_flight.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -49,16 +50,7 @@ bool steady(const Frame& before, const Frame& now, const Frame& next) {
 
 }  // namespace
 
-Predictor::Predictor(const Scene& scene) : scene_(scene) {
-  const VoxelGrid& grid = scene.grid;
-  std::vector<uint8_t> pinned(size_t(grid.pieces));
-  for (int64_t n = 0; n < grid.node_count(); ++n) pinned[size_t(grid.piece(n))] |= scene.pinned(n);
-  std::vector<std::vector<int32_t>> nodes(size_t(grid.pieces));
-  for (int64_t n = 0; n < grid.node_count(); ++n)
-    if (!pinned[size_t(grid.piece(n))]) nodes[size_t(grid.piece(n))].push_back(int32_t(n));
-  for (std::vector<int32_t>& list : nodes)
-    if (!list.empty()) free_pieces_.push_back(std::move(list));
-}
+Predictor::Predictor(const Scene& scene) : scene_(scene), free_pieces_(free_pieces(scene)) {}
 
 void Predictor::start(const State& state, const Zeroed<double>& predictor, double* u) const {
   const Array<double>& X = scene_.grid.rest;
