@@ -95,8 +95,8 @@ class PinnedUpload {
   }
 
  private:
-  static constexpr size_t kChunk = size_t{4} << 20;
-  static constexpr int64_t kPiece = int64_t{1} << 18;  // of a thread
+  static constexpr size_t kChunk = size_t{2} << 20;
+  static constexpr int64_t kPiece = int64_t{1} << 17;  // of a thread
 
   PinnedArray<unsigned char> room_;
   cudaEvent_t sent_[2] = {};

@@ -30,8 +30,8 @@ size_t bytes_of(const Recipe& recipe) {
 template <class Recipe>
 auto within_budget(const Recipe& recipe) {
   const size_t room = free_bytes();
-  const PinnedUpload upload;
   try {
+    const PinnedUpload upload;
     auto made = recipe.make();
     if (made->later_bytes() <= free_bytes()) return made;
   } catch (const Error& error) {

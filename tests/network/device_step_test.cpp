@@ -232,6 +232,20 @@ TEST_F(OnCard, RunsTakeTheIterationsOfTheHost) {
   }
 }
 
+TEST_F(OnCard, TablesOfManyChunksOfAnUploadArriveWhole) {
+  // 33 MB of modes and 9 MB of rest positions
+  constexpr double kEdge = 0.02;
+  const Scene scene =
+      clamped_beam(90, 70, 61, kEdge, solid(young_of_courant(8, kEdge, 1.0 / 60), 0.4));
+  const SolverOptions options{.mode = SolverMode::kQuasi, .tolerance = 1e-5};
+  const Outcome a = run_clip(scene, options, Device::kCpu, {}, 2);
+  const Outcome b = run_clip(scene, options, Device::kCuda, {}, 2);
+  EXPECT_EQ(a.converged, 2);
+  EXPECT_EQ(b.converged, 2);
+  EXPECT_NEAR(b.report.inner, a.report.inner, 2 + a.report.inner / 5);
+  EXPECT_LT(distance_of_ways(scene, b.state, a.state), 1e-4);
+}
+
 TEST_F(OnCard, LongRunsRepeatToTheBit) {
   const Scene scene = three_blocks(TimeScheme::kBdf2);
   const SolverOptions options{.mode = SolverMode::kQuasi};

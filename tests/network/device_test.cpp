@@ -168,7 +168,8 @@ TEST_F(OnCard, IterationsEndWhereThoseOfTheHostEnd) {
   const auto never = [] { return false; };
   for (const double tolerance : {1e-3, 1e-6}) {
     Pair pair(scene, now, true);
-    std::vector<double> host = pair.potential.predictor(), device = host, again = host, g(now);
+    Zeroed<double> host = pair.potential.predictor(), device = host, again = host;
+    std::vector<double> g(now);
     const bool single = tolerance > 1e-4;
     const double target = tolerance * force;
     const IterationResult on_host =
