@@ -51,7 +51,17 @@ class DeviceRows {
 
 namespace bricks {
 
-inline constexpr int kThreads = kSumThreads, kTile = ::elastogen::bricks::kTile;
+inline constexpr int kThreads = kSumThreads;
+
+// A tile in shared memory has lines of kPitch numbers: rows of eight voxels that follow each other
+// along y lie in different banks, four of them in float, two in double.
+inline constexpr int kPitch = 24, kTile = ::elastogen::bricks::kLines * kPitch;
+
+/// Place there of what has another one in the tile of the CPU, or begins at it.
+__device__ inline int pitched(int place) {
+  constexpr int kWidth = ::elastogen::bricks::kTileWidth;
+  return place + place / kWidth * (kPitch - kWidth);
+}
 
 /// Shared memory of a block: what nodes have and what they are given, (3, kTile) each.
 template <class T>
@@ -59,11 +69,20 @@ inline constexpr int kSharedBytes = 6 * kTile* int(sizeof(T));
 
 /// Place of a voxel's corner in the tile, from that of corner 0.
 __device__ inline int corner_offset(int c) {
-  return (c & 1) + (c & 2 ? 9 : 0) + (c & 4 ? 81 : 0);
+  return (c & 1) + (c & 2 ? kPitch : 0) + (c & 4 ? 9 * kPitch : 0);
 }
 
 /// Nodes of a tile that a thread reads and finishes; it asks for all of them before it waits.
-inline constexpr int kNodes = (kTile + kThreads - 1) / kThreads;
+inline constexpr int kNodes = (::elastogen::bricks::kTile + kThreads - 1) / kThreads;
+
+/// 0 for the numbers of a tile, 16 bytes at a time.
+template <class T>
+__device__ inline void clear_tile(T* given) {
+  static_assert(3 * kTile * sizeof(T) % sizeof(int4) == 0);
+  int4* const parts = reinterpret_cast<int4*>(given);
+  for (int k = int(threadIdx.x); k < int(3 * kTile * sizeof(T) / sizeof(int4)); k += kThreads)
+    parts[k] = int4{};
+}
 
 template <class T, class Read>
 __device__ inline void read_tile(const RowsView& g, int32_t begin, int32_t end, const Read& read,
@@ -75,7 +94,7 @@ __device__ inline void read_tile(const RowsView& g, int32_t begin, int32_t end, 
   for (int j = 0; j < kNodes; ++j) {
     const int32_t k = begin + int32_t(threadIdx.x) + j * kThreads;
     node[j] = k < end ? __ldg(g.tile_node + k) : -1;
-    place[j] = k < end ? __ldg(g.tile_place + k) : 0;
+    place[j] = k < end ? pitched(__ldg(g.tile_place + k)) : 0;
   }
 #pragma unroll
   for (int j = 0; j < kNodes; ++j)
@@ -95,7 +114,7 @@ __device__ inline void finish_tile(const RowsView& g, int32_t begin, int32_t end
     const int32_t k = begin + int32_t(threadIdx.x) + j * kThreads;
     node[j] = k < end ? __ldg(g.tile_node + k) : -1;
     part[j] = k < end ? __ldg(g.tile_part + k) : 0;
-    place[j] = k < end ? __ldg(g.tile_place + k) : 0;
+    place[j] = k < end ? pitched(__ldg(g.tile_place + k)) : 0;
   }
 #pragma unroll
   for (int j = 0; j < kNodes; ++j) {
@@ -125,7 +144,7 @@ __global__ void __launch_bounds__(kThreads, sizeof(T) == 4 ? 2 : 1)
   int32_t r = g.row_begin[b] + int32_t(threadIdx.x) / kLanes;
   VoxelRow next = row_at(g, r, row_end);
   begin_kernel();
-  for (int k = threadIdx.x; k < 3 * kTile; k += kThreads) given[k] = 0;
+  clear_tile(given);
   read_tile(g, begin, end, read, in);
   __syncthreads();
   Sums mine;
@@ -135,7 +154,7 @@ __global__ void __launch_bounds__(kThreads, sizeof(T) == 4 ? 2 : 1)
     r += kThreads / kLanes;
     next = row_at(g, r, row_end);
     const bool there = row.mask >> lane & 1;
-    const int place = row.offset + lane;
+    const int place = pitched(row.offset) + lane;
     T u[3][8], f[3][8];
     if (there) {
       for (int i = 0; i < 3; ++i)
