@@ -49,6 +49,19 @@ __device__ inline Respond<T, kHessian, Added> response_of(const LawParameters<T>
   return {law, added};
 }
 
+/// Scenes without nets, whose kernels have no code for them.
+struct NoNets {
+  struct Added {
+    __device__ static constexpr bool exists() { return false; }
+    template <bool kHessian, class T>
+    __device__ static LogResponse<T> at(const T*) {
+      return {};
+    }
+  };
+
+  __device__ Added operator()(const VoxelRow&, int64_t, int) const { return {}; }
+};
+
 /// What nets add by their tables.
 struct NetTables {
   struct Added {

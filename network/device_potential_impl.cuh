@@ -119,6 +119,7 @@ struct DevicePotential::Impl {
   /// pass(nets), which gives voxels what their nets add at u.
   template <class T, NetPass kPass, class Pass>
   void with_nets(const double* u, const Pass& pass) {
+    if (learned.empty()) return pass(NoNets{});
     if (results.size() == 0) return pass(NetTables{materials.data()});
     ask_nets<T, kPass>(u);
     pass(NetResults{materials.data(), results.data()});
