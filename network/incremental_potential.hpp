@@ -52,12 +52,14 @@ class IncrementalPotential {
 
   /// Bound on the rounding error of a value of Phi [J], for line searches,
   ///
-  ///     32 eps (sum of the parts) + 4 eps sqrt(2 S Phi_elastic),   S = sum_v W_v (2 mu + lambda):
+  ///     32 eps sum |part| + 4 eps sqrt(2 S |Phi_elastic|),   S = sum_v W_v (2 mu + lambda):
   ///
-  /// stretches are rounded by eps, which is eps/strain of the elastic energy.
+  /// stretches are rounded by eps, which is eps/strain of the elastic energy. That of a net may be
+  /// some digits of its table below 0 at rest.
   double noise(const PotentialValue& value, double epsilon) const {
-    const double parts = value.total();
-    return epsilon * (32 * parts + 4 * std::sqrt(2 * stiffness_ * std::max(value.elastic, 0.0)));
+    const double elastic = std::abs(value.elastic);
+    const double parts = value.total() - value.elastic + elastic;
+    return epsilon * (32 * parts + 4 * std::sqrt(2 * stiffness_ * elastic));
   }
 
   /// The same in float64 with the smallest Jacobians, for the certificate.
