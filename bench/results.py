@@ -159,7 +159,7 @@ def make_table(name: str, having: list[dict[str, Any]]) -> dict[str, Any]:
         judge_tips(rows)
     if name == "error-time" and having[0]["card"]:
         columns, rows = CURVES, curve_rows(rows)
-    commands = [re.sub(r" --(json|python) \S+", "", result["command"]) for result in having]
+    commands = [re.sub(r" --(json|python|script) \S+", "", result["command"]) for result in having]
     files = sorted(f"bench/{file}" for file in SOURCES[name] + COMMON)
     first = having[0]
     rates = first["copy_bytes_per_second"]

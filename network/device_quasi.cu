@@ -14,8 +14,7 @@ namespace elastogen::cuda {
 namespace {
 
 constexpr int kPatience = 25;  // iterations, as on the CPU
-constexpr int kMostHalvings = 12;
-constexpr int kTrialSums = 6 + 2 * kOlder;
+constexpr int kMostHalvings = 12, kTrialSums = 6 + 2 * kOlder;
 
 /// The gradients of an iteration in T; lbfgs.hpp on the device.
 template <class T>
