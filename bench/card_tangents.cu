@@ -34,7 +34,7 @@ void RecomputedHessian::Impl::linearise(const double* u) {
         const Mat3<float> F = deformation_gradient<true>(data, corner);
         for (int k = 0; k < 9; ++k) to[(r * 9 + k) * kLanes + lane] = F.m[k];
       },
-      [=] __device__(int64_t, const float*) {});
+      cuda::NoFinish{});
 }
 
 void RecomputedHessian::Impl::hessian_product(const float* p, float* product) {
@@ -64,7 +64,9 @@ void RecomputedHessian::Impl::hessian_product(const float* p, float* product) {
         };
         elastogen::hessian_product<true>(data, stress, corner, f);
       },
-      [=] __device__(int64_t n, const float force[3]) {
+      [=] __device__(int64_t n, const cuda::NodeSum<float>& given) {
+        float force[3];
+        given.get(force);
         for (int i = 0; i < 3; ++i)
           product[3 * n + i] = held[n] ? 0.f : force[i] + float(mass[n]) * p[3 * n + i];
       });

@@ -23,21 +23,41 @@ __device__ inline void begin_kernel() {
   cudaGridDependencySynchronize();
 }
 
-/// Launches on the default stream a kernel that calls begin_kernel(): its blocks start while the
-/// kernel before is ending, which hides most of what a launch costs.
+/// Where a kernel is launched, and when its blocks start: early, while the kernel before is ending,
+/// or where it waits for an event, after all that it waits for.
+struct Line {
+  cudaStream_t stream = cudaStreamPerThread;
+  bool early = true;
+
+  cudaLaunchAttribute attribute() const {
+    cudaLaunchAttribute result{};
+    result.id = cudaLaunchAttributeProgrammaticStreamSerialization;
+    result.val.programmaticStreamSerializationAllowed = early;
+    return result;
+  }
+};
+
+/// Launches a kernel that calls begin_kernel(); blocks that start early hide most of what a launch
+/// costs.
 template <class... Parameters, class... Arguments>
-void launch(void (*kernel)(Parameters...), dim3 blocks, dim3 threads, size_t shared_bytes,
-            const Arguments&... arguments) {
-  cudaLaunchAttribute attribute{};
-  attribute.id = cudaLaunchAttributeProgrammaticStreamSerialization;
-  attribute.val.programmaticStreamSerializationAllowed = 1;
+void launch_on(const Line& line, void (*kernel)(Parameters...), dim3 blocks, dim3 threads,
+               size_t shared_bytes, const Arguments&... arguments) {
+  cudaLaunchAttribute attribute = line.attribute();
   cudaLaunchConfig_t config{};
   config.gridDim = blocks;
   config.blockDim = threads;
   config.dynamicSmemBytes = shared_bytes;
+  config.stream = line.stream;
   config.attrs = &attribute;
   config.numAttrs = 1;
   check(cudaLaunchKernelEx(&config, kernel, Parameters(arguments)...));
+}
+
+/// The same early, on the stream of the thread.
+template <class... Parameters, class... Arguments>
+void launch(void (*kernel)(Parameters...), dim3 blocks, dim3 threads, size_t shared_bytes,
+            const Arguments&... arguments) {
+  launch_on(Line{}, kernel, blocks, threads, shared_bytes, arguments...);
 }
 
 template <class Body>
@@ -49,10 +69,11 @@ __global__ void for_each_kernel(int64_t n, Body body) {
 
 /// body(i) for each i of [0, n).
 template <class Body>
-void for_each(int64_t n, const Body& body) {
+void for_each(int64_t n, const Body& body, const Line& line = {}) {
   constexpr int kThreads = 256;
   if (n == 0) return;
-  launch(for_each_kernel<Body>, unsigned((n + kThreads - 1) / kThreads), kThreads, 0, n, body);
+  launch_on(line, for_each_kernel<Body>, unsigned((n + kThreads - 1) / kThreads), kThreads, 0, n,
+            body);
 }
 
 }  // namespace elastogen::cuda

@@ -19,18 +19,71 @@ struct Sums {
 
 inline constexpr int kSumThreads = 256, kSumBlocks = 512;
 
+inline constexpr int kSumWarps = kSumThreads / 32;
+
+/// That of the lane `step` above in the warp.
+template <class Sum>
+__device__ inline Sum from_above(const Sum& mine, int step) {
+  static_assert(sizeof(Sum) % sizeof(int) == 0);
+  constexpr int kWords = sizeof(Sum) / sizeof(int);
+  struct alignas(Sum) Words {
+    int word[kWords];
+  };
+  Words words = __builtin_bit_cast(Words, mine);
+#pragma unroll
+  for (int k = 0; k < kWords; ++k)
+    words.word[k] = __shfl_down_sync(~0u, words.word[k], unsigned(step));
+  return __builtin_bit_cast(Sum, words);
+}
+
 /// The sum over the threads of a block in a fixed order, for thread 0 alone, in a register. `all`
-/// holds kSumThreads Sums of shared memory.
+/// holds kSumWarps Sums of shared memory.
 template <class Sum>
 __device__ inline Sum block_sum(const Sum& mine, Sum* all) {
   Sum sum = mine;
-  all[threadIdx.x] = sum;
-  for (int half = kSumThreads / 2; half > 0; half /= 2) {
-    __syncthreads();
-    if (threadIdx.x >= half) continue;
-    sum.add(all[threadIdx.x + half]);
-    if (half > 1) all[threadIdx.x] = sum;
+  for (int step = 16; step > 0; step /= 2) sum.add(from_above(sum, step));
+  if (threadIdx.x % 32 == 0) all[threadIdx.x / 32] = sum;
+  __syncthreads();
+  if (threadIdx.x == 0)
+    for (int warp = 1; warp < kSumWarps; ++warp) sum.add(all[warp]);
+  return sum;
+}
+
+/// The same of many sums: at each step a lane hands half of its numbers to its partner and takes
+/// over the partner's other half, until it has one number of a few lanes.
+template <int K>
+__device__ inline Sums<K> block_sum(const Sums<K>& mine, Sums<K>* all) {
+  static_assert(K <= 16);
+  constexpr int kNumbers = K > 8 ? 16 : K > 4 ? 8 : K > 2 ? 4 : K;
+  const int lane = int(threadIdx.x) % 32, warp = int(threadIdx.x) / 32;
+  double value[kNumbers];
+#pragma unroll
+  for (int k = 0; k < kNumbers; ++k) value[k] = k < K ? mine.value[k] : 0;
+  int number = 0, step = 16;
+#pragma unroll
+  for (int width = kNumbers / 2; width > 0; width /= 2, step /= 2) {
+    const bool upper = lane & step;
+    if (upper) number += width;
+#pragma unroll
+    for (int k = 0; k < width; ++k) {
+      const double given = upper ? value[k] : value[k + width];
+      const double kept = upper ? value[k + width] : value[k];
+      value[k] = kept + __shfl_xor_sync(~0u, given, step);
+    }
   }
+  const int apart = 2 * step;  // lanes that have different numbers
+  for (; step > 0; step /= 2) value[0] += __shfl_xor_sync(~0u, value[0], step);
+  if (lane % apart == 0 && number < K) all[warp].value[number] = value[0];
+  __syncthreads();
+  Sums<K> sum;
+  if (warp > 0) return sum;
+  if (lane < K) {
+    double total = 0;
+    for (int w = 0; w < kSumWarps; ++w) total += all[w].value[lane];
+    all[0].value[lane] = total;
+  }
+  __syncwarp();
+  if (lane == 0) sum = all[0];
   return sum;
 }
 
@@ -56,7 +109,7 @@ __device__ inline Sum sum_of_partials(int64_t n, const Sum* partial, Sum* all) {
 template <class Sum, class Body, class Then>
 __global__ void __launch_bounds__(kSumThreads, 4)
     ordered_sum_kernel(int64_t n, SumRoom<Sum>* room, Body body, Then then) {
-  alignas(Sum) __shared__ unsigned char all[kSumThreads * sizeof(Sum)];
+  alignas(Sum) __shared__ unsigned char all[kSumWarps * sizeof(Sum)];
   __shared__ bool last;
   begin_kernel();
   Sum mine;
@@ -76,23 +129,10 @@ __global__ void __launch_bounds__(kSumThreads, 4)
   if (threadIdx.x == 0) then(sum);
 }
 
-template <class Sum, class Then>
-__global__ void __launch_bounds__(kSumThreads) total_sum(int64_t n, const Sum* partial, Then then) {
-  alignas(Sum) __shared__ unsigned char all[kSumThreads * sizeof(Sum)];
-  begin_kernel();
-  const Sum sum = sum_of_partials(n, partial, reinterpret_cast<Sum*>(all));
-  if (threadIdx.x == 0) then(sum);
-}
-
 }  // namespace detail
 
-/// then(sum of partial) by one thread of the device; a Sum has add(other).
-template <class Sum, class Then>
-void sum_of(int64_t n, const Sum* partial, const Then& then) {
-  launch(detail::total_sum<Sum, Then>, 1, kSumThreads, 0, n, partial, then);
-}
-
-/// Adds body(i, sum) over i of [0, n), then then(sum) by one thread of the device.
+/// Adds body(i, sum) over i of [0, n), then then(sum) by one thread of the device; a Sum has
+/// add(other).
 template <class Sum, class Body, class Then>
 void ordered_sum(int64_t n, SumRoom<Sum>* room, const Body& body, const Then& then) {
   const int64_t blocks = (n + kSumThreads - 1) / kSumThreads;

@@ -33,6 +33,17 @@ ELASTOGEN_HD inline double predicted_motion(const StepScheme& s, double x, doubl
   return (x - x_before) / 3 + 2 * s.dt / 9 * (4 * v - v_before) + 4 * s.dt * s.dt / 9 * gravity;
 }
 
+/// Motion of a node's coordinate in a step, which no force changes, if its velocity stays as it is
+/// (order 1, dt v) or goes on changing as in the step before (order 2; Adams and Bashforth),
+///
+///     Euler  dt (2 v - v'),     v the mean velocity of a step,
+///     BDF2   dt (3 v - v') / 2, v that at its end.
+ELASTOGEN_HD inline double extrapolated_motion(const StepScheme& s, int order, double v,
+                                               double v_before) {
+  if (order == 1) return s.dt * v;
+  return s.dt * (s.scheme == TimeScheme::kEuler ? 2 * v - v_before : (3 * v - v_before) / 2);
+}
+
 /// Velocity after the step: (x - x^n)/dt or (3 x - 4 x^n + x^{n-1})/(2 dt).
 ELASTOGEN_HD inline double velocity_after(const StepScheme& s, double x, double x_now,
                                           double x_before) {

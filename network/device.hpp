@@ -49,6 +49,9 @@ class DeviceStep {
   /// Predictor, inertia, frozen rotations and lagged contact of a step from the state at `time`,
   /// and u where it starts (network/predictor.hpp).
   virtual void begin_step(const StepScheme& scheme, double time) = 0;
+  /// Takes the extrapolation of lowest Phi in float for u (Predictor::extrapolate), if Phi is lower
+  /// there; the first after begin_step.
+  virtual void choose_start() = 0;
   /// Cuts the way to u where colliders are in it; the clear start is u_now, with what colliders run
   /// over carried along.
   /// @return the collider that a point lies in all the same, else null.

@@ -85,7 +85,7 @@ __global__ void __launch_bounds__(kSize* kSlices)
   if (slice == 0) solution[piece * kSize + row] = sum_of_slices(sums, row);
 }
 
-/// z += B y on a part of a chunk, a thread an entry; the modes go through shared memory, as
+/// z = B y on a part of a chunk, a thread an entry; the modes go through shared memory, as
 /// neighbouring threads need distant ones.
 template <class T>
 __global__ void __launch_bounds__(kTile)
@@ -106,7 +106,7 @@ __global__ void __launch_bounds__(kTile)
   for (int m = 0; m < kModes; ++m)
     for (int i = 0; i < 3; ++i) sum[i] += mode[thread * kModes + m] * coefficient[3 * m + i];
   T* value = z + 3 * int64_t(nodes[begin + thread]);
-  for (int i = 0; i < 3; ++i) value[i] += sum[i];
+  for (int i = 0; i < 3; ++i) value[i] = sum[i];
 }
 
 /// Sends modes to the numbers from `begin` on, in what they are held in there.
@@ -157,16 +157,17 @@ DeviceEncoder<T>::DeviceEncoder(const Encoder<T>& host) {
 }
 
 template <class T>
-void DeviceEncoder<T>::add(const T* r, T* z) {
+void DeviceEncoder<T>::apply(const T* r, T* z, cudaStream_t stream) {
   if (piece_count() == 0) return;
   const unsigned chunks = unsigned(chunks_.size()), pieces = unsigned(piece_count());
   const DeviceArray<double>& inverses = use_stiffness_ ? stiff_inverses_ : inverses_;
-  launch(encode_kernel<T>, chunks, dim3(kModes, kGroups), 0, chunks_.data(), nodes_.data(),
-         modes_.data(), r, partial_.data());
-  launch(solve_kernel<T>, pieces, dim3(kSize, kSlices), 0, chunk_begin_.data(), partial_.data(),
-         inverses.data(), solution_.data());
-  launch(decode_kernel<T>, dim3(chunks, kChunk / kTile), kTile, 0, chunks_.data(), nodes_.data(),
-         modes_.data(), solution_.data(), z);
+  const Line first{stream, false}, next{stream};
+  launch_on(first, encode_kernel<T>, chunks, dim3(kModes, kGroups), 0, chunks_.data(),
+            nodes_.data(), modes_.data(), r, partial_.data());
+  launch_on(next, solve_kernel<T>, pieces, dim3(kSize, kSlices), 0, chunk_begin_.data(),
+            partial_.data(), inverses.data(), solution_.data());
+  launch_on(next, decode_kernel<T>, dim3(chunks, kChunk / kTile), kTile, 0, chunks_.data(),
+            nodes_.data(), modes_.data(), solution_.data(), z);
 }
 
 template class DeviceEncoder<float>;

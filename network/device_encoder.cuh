@@ -51,8 +51,8 @@ class DeviceEncoder {
   /// Whether add() takes it into account.
   void use_stiffness(bool use) { use_stiffness_ = use; }
 
-  /// z += B A_r^-1 B^T r; (nodes, 3), on the device.
-  void add(const T* r, T* z);
+  /// z = B A_r^-1 B^T r on the nodes of the pieces; (nodes, 3), on the device.
+  void apply(const T* r, T* z, cudaStream_t stream);
 
  private:
   int64_t piece_count() const { return chunk_begin_.size() - 1; }

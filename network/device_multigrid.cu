@@ -73,7 +73,7 @@ struct Views {
 template <class T, int kRun, bool kAdded>
 __global__ void __launch_bounds__(stencil::kSlots / kRun,
                                   sizeof(T) == 4 && kRun > kSingleRun ? 2 * kRun : 1)
-    pass_kernel(const __grid_constant__ StencilView<T> v, Pass pass, T* out) {
+    pass_kernel(const __grid_constant__ StencilView<T> v, Pass pass, ResultOutput<T> out) {
   extern __shared__ __align__(16) unsigned char room[];
   begin_kernel();
   stencil::run_pass<T, kRun, kAdded>(v, pass, blockIdx.x, reinterpret_cast<T*>(room), out);
@@ -87,7 +87,7 @@ __device__ void share(int n, const Body& body) {
 }
 
 template <class T, bool kAdded>
-__device__ void cluster_pass(const StencilView<T>& v, Pass pass, T* out) {
+__device__ void cluster_pass(const StencilView<T>& v, Pass pass, const ResultOutput<T>& out) {
   extern __shared__ __align__(16) unsigned char room[];
   for (int32_t brick = int32_t(blockIdx.x); brick < v.bricks; brick += int32_t(gridDim.x)) {
     stencil::run_pass<T, kSingleRun, kAdded>(v, pass, brick, reinterpret_cast<T*>(room), out);
@@ -97,10 +97,10 @@ __device__ void cluster_pass(const StencilView<T>& v, Pass pass, T* out) {
 }
 
 /// The levels from `first` on as one cluster of blocks, which waits between passes within the card:
-/// down to the coarsest and back. `out` is z of level 0 by node, nullptr where first > 0.
+/// down to the coarsest and back. `out` is that of level 0.
 template <class T, bool kAdded>
 __global__ void __launch_bounds__(kClusterThreads)
-    cluster_kernel(const __grid_constant__ Views<T> views, int first, T* out) {
+    cluster_kernel(const __grid_constant__ Views<T> views, int first, ResultOutput<T> out) {
   const auto cluster = cooperative_groups::this_cluster();
   const int last = views.count - 1;
   begin_kernel();
@@ -112,12 +112,12 @@ __global__ void __launch_bounds__(kClusterThreads)
       cluster.sync();
     }
     if (v.inverses != nullptr) {
-      share(3 * 32 * v.nodes, [&](int k) { solve(v, k / 32, l == 0 ? out : nullptr); });
+      share(3 * 32 * v.nodes, [&](int k) { solve(v, k / 32, l == 0 ? out : ResultOutput<T>{}); });
       cluster.sync();
       continue;
     }
-    cluster_pass<T, kAdded>(v, Pass::kStart, nullptr);
-    if (l < last) cluster_pass<T, kAdded>(v, Pass::kResidual, nullptr);
+    cluster_pass<T, kAdded>(v, Pass::kStart, {});
+    if (l < last) cluster_pass<T, kAdded>(v, Pass::kResidual, {});
   }
   for (int l = last; l >= first; --l) {
     const StencilView<T>& v = views.level[l];
@@ -127,23 +127,22 @@ __global__ void __launch_bounds__(kClusterThreads)
             [&](int slot) { prolong_correction(v, views.level[l + 1], slot); });
       cluster.sync();
     }
-    cluster_pass<T, kAdded>(v, Pass::kFirst, nullptr);
-    cluster_pass<T, kAdded>(v, Pass::kSecond, l == 0 ? out : nullptr);
+    cluster_pass<T, kAdded>(v, Pass::kFirst, {});
+    cluster_pass<T, kAdded>(v, Pass::kSecond, l == 0 ? out : ResultOutput<T>{});
   }
 }
 
 /// A launch of the cluster kernel by `blocks` blocks.
 struct ClusterLaunch {
-  ClusterLaunch(unsigned blocks, int shared_bytes) {
-    attributes[0].id = cudaLaunchAttributeClusterDimension;
-    attributes[0].val.clusterDim.x = blocks;
-    attributes[0].val.clusterDim.y = attributes[0].val.clusterDim.z = 1;
-    attributes[1].id = cudaLaunchAttributeProgrammaticStreamSerialization;  // as launch() does
-    attributes[1].val.programmaticStreamSerializationAllowed = 1;
+  ClusterLaunch(unsigned blocks, int shared_bytes, const Line& line = {}) {
+    attributes[0] = line.attribute();
+    attributes[1].id = cudaLaunchAttributeClusterDimension;
+    attributes[1].val.clusterDim.x = blocks;
+    attributes[1].val.clusterDim.y = attributes[1].val.clusterDim.z = 1;
     config.gridDim = dim3(blocks);
     config.blockDim = dim3(kClusterThreads);
     config.dynamicSmemBytes = size_t(shared_bytes);
-    config.stream = cudaStreamPerThread;
+    config.stream = line.stream;
     config.attrs = attributes;
     config.numAttrs = 2;
   }
@@ -214,7 +213,7 @@ struct DeviceMultigridLevels {
     return {pass_kernel<T, kLongRun, kAdded>, kLongRun};
   }
 
-  void run(int l, Pass pass, T* out = nullptr) {
+  void run(int l, Pass pass, const ResultOutput<T>& out = {}, bool early = true) {
     const StencilView<T>& v = present().level[l];
     const auto [kernel, nodes] =
         use_stiffness ? kernel_for<true>(v.bricks) : kernel_for<false>(v.bricks);
@@ -222,33 +221,47 @@ struct DeviceMultigridLevels {
     // only the last pass needs room for z
     const int bytes =
         stencil::kSharedBytes<T> - (pass == Pass::kSecond ? 0 : stencil::kBrick * int(sizeof(T)));
-    launch(kernel, unsigned(v.bricks), unsigned(threads), size_t(bytes), v, pass, out);
+    launch_on(line(early), kernel, unsigned(v.bricks), unsigned(threads), size_t(bytes), v, pass,
+              out);
   }
 
-  void run_cluster(T* out) {
-    const ClusterLaunch launch(cluster_blocks, stencil::kSharedBytes<T>);
+  static Line line(bool early) { return {cudaStreamPerThread, early}; }
+
+  void run_cluster(const ResultOutput<T>& out, bool early) {
+    const ClusterLaunch launch(cluster_blocks, stencil::kSharedBytes<T>, line(early));
     const auto kernel = use_stiffness ? cluster_kernel<T, true> : cluster_kernel<T, false>;
     check(cudaLaunchKernelEx(&launch.config, kernel, present(), first_in_cluster, out));
   }
 
-  /// The cycle from level l on; level 0 has its residual.
-  void cycle(int l, T* out) {
-    if (l == first_in_cluster) return run_cluster(out);
-    const StencilView<T> v = present().level[l];
-    const int64_t slots = int64_t(v.bricks) * stencil::kSlots;
+  /// The cycle from level l on; the finest has its residual.
+  void cycle(int l, const ResultOutput<T>& out, const Companion<T>& beside) {
+    const bool last = l + 1 == views.count;
+    const bool alone = !beside.begin;
+    if (!alone && (last || l == first_in_cluster)) beside.begin(), beside.end();
+    if (l == first_in_cluster) return run_cluster(out, alone);
     if (l > 0) {
-      const StencilView<T> finer = present().level[l - 1];
-      cuda::for_each(slots, [=] __device__(int64_t s) { restrict_residual(finer, v, int(s)); });
+      const StencilView<T> v = present().level[l], finer = present().level[l - 1];
+      cuda::for_each(
+          int64_t(v.bricks) * stencil::kSlots,
+          [=] __device__(int64_t s) { restrict_residual(finer, v, int(s)); }, line(alone || !last));
     }
-    run(l, Pass::kStart);
-    if (l + 1 < views.count) {
+    run(l, Pass::kStart, {}, alone || !last);
+    if (!last) {
       run(l, Pass::kResidual);
-      cycle(l + 1, nullptr);
-      const StencilView<T> coarser = present().level[l + 1];
-      cuda::for_each(slots, [=] __device__(int64_t s) { prolong_correction(v, coarser, int(s)); });
+      if (!alone) beside.begin();
+      cycle(l + 1, {}, {});
+      if (!alone) beside.end();
+      prolong(l, alone);
     }
     run(l, Pass::kFirst);
     run(l, Pass::kSecond, out);
+  }
+
+  void prolong(int l, bool early) {
+    const StencilView<T> v = present().level[l], coarser = present().level[l + 1];
+    cuda::for_each(
+        int64_t(v.bricks) * stencil::kSlots,
+        [=] __device__(int64_t s) { prolong_correction(v, coarser, int(s)); }, line(early));
   }
 
   std::vector<std::unique_ptr<Level<T>>> levels;
@@ -342,8 +355,8 @@ void DeviceMultigrid<T>::use_stiffness(bool use) {
 }
 
 template <class T>
-void DeviceMultigrid<T>::cycle(T* z) {
-  levels_->cycle(0, z);
+void DeviceMultigrid<T>::cycle(T* z, const Companion<T>& companion) {
+  levels_->cycle(0, {z, companion.result}, companion);
 }
 
 template <class T>

@@ -8,6 +8,7 @@
 #include "network/device_contact.hpp"
 #include "network/multigrid.hpp"
 
+#include <functional>
 #include <memory>
 
 namespace elastogen::cuda {
@@ -17,6 +18,14 @@ struct DeviceMultigridLevels;
 
 template <class T>
 struct ResidualInput;  // device_stencil.cuh
+
+/// What goes on beside the coarser levels of a cycle, which leave most of the card idle.
+template <class T>
+struct Companion {
+  std::function<void()> begin;  ///< its launches; called once the finest level has its residual
+  std::function<void()> end;    ///< what is launched next waits for them
+  const T* result = nullptr;    ///< what they leave by node, (nodes, 3): z gets it too
+};
 
 /// @tparam T  float or double.
 template <class T>
@@ -38,7 +47,7 @@ class DeviceMultigrid {
   void apply(const T* r, T* z);
   /// The same in two parts, for kernels that put r there node by node.
   ResidualInput<T> input() const;
-  void cycle(T* z);
+  void cycle(T* z, const Companion<T>& companion = {});
 
  private:
   std::unique_ptr<DeviceMultigridLevels<T>> levels_;

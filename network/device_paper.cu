@@ -101,7 +101,11 @@ void Loops<T>::freeze_pass(const Nets& nets) {
         for (int k = 0; k < 9; ++k) of[(6 + k) * kLanes] = T(target.rest[k]);
         diagonal_shares(data, !is_full(data), target.NN, target.largest_slope, f[0]);
       },
-      [=] __device__(int64_t n, const double sum[3]) { to_diagonal[n] = mass[n] + sum[0]; });
+      [=] __device__(int64_t n, const NodeSum<double>& given) {
+        double sum[3];
+        given.get(sum);
+        to_diagonal[n] = mass[n] + sum[0];
+      });
 }
 
 template <class T>
@@ -145,7 +149,9 @@ void Loops<T>::sweep() {
                *mass = potential.inertia.data();
   const uint8_t* held = potential.pinned.data();
   double* to = quasi.trial_u();
-  apply<true>(RelativeMotion<T>{u}, [=] __device__(int64_t n, const T f[3]) {
+  apply<true>(RelativeMotion<T>{u}, [=] __device__(int64_t n, const NodeSum<T>& given) {
+    T f[3];
+    given.get(f);
     for (int i = 0; i < 3; ++i) {
       const int64_t k = 3 * n + i;
       const double gradient = double(f[i]) + mass[n] * (u[k] - aim[k]);
@@ -161,7 +167,9 @@ void Loops<T>::find_gradient() {
   const double *u = quasi.u(), *aim = potential.predictor.data(), *mass = potential.inertia.data();
   const uint8_t* held = potential.pinned.data();
   T* to = force.data();
-  apply<true>(RelativeMotion<T>{u}, [=] __device__(int64_t n, const T f[3]) {
+  apply<true>(RelativeMotion<T>{u}, [=] __device__(int64_t n, const NodeSum<T>& given) {
+    T f[3];
+    given.get(f);
     for (int i = 0; i < 3; ++i) {
       const int64_t k = 3 * n + i;
       to[k] = held[n] ? T(0) : T(double(f[i]) + mass[n] * (u[k] - aim[k]));
@@ -185,7 +193,9 @@ void Loops<T>::find_product(int first) {
       [=] __device__(int64_t n, int64_t reference, T v[3]) {
         for (int i = 0; i < 3; ++i) v[i] = value(n, i) - value(reference, i);
       },
-      [=] __device__(int64_t n, const T f[3]) {
+      [=] __device__(int64_t n, const NodeSum<T>& given) {
+        T f[3];
+        given.get(f);
         for (int i = 0; i < 3; ++i)
           to[3 * n + i] = held[n] ? T(0) : f[i] + T(mass[n]) * value(n, i);
       });

@@ -41,7 +41,7 @@ __global__ void __launch_bounds__(kSumThreads) entries_kernel(PiecesView g, Body
 /// partial[chunk] = sum of body(piece, node, sum) over the entries of a chunk.
 template <class Sum, class Body>
 __global__ void __launch_bounds__(kSumThreads) chunk_kernel(PiecesView g, Sum* partial, Body body) {
-  alignas(Sum) __shared__ unsigned char all[kSumThreads * sizeof(Sum)];
+  alignas(Sum) __shared__ unsigned char all[kSumWarps * sizeof(Sum)];
   const PieceChunk chunk = g.chunks[blockIdx.x];
   Sum mine;
   for (int k = chunk.begin + int(threadIdx.x); k < chunk.end; k += kSumThreads)
@@ -54,7 +54,7 @@ __global__ void __launch_bounds__(kSumThreads) chunk_kernel(PiecesView g, Sum* p
 template <class Sum, class Then>
 __global__ void __launch_bounds__(kSumThreads)
     piece_kernel(PiecesView g, const Sum* partial, Then then) {
-  alignas(Sum) __shared__ unsigned char all[kSumThreads * sizeof(Sum)];
+  alignas(Sum) __shared__ unsigned char all[kSumWarps * sizeof(Sum)];
   const int64_t p = blockIdx.x;
   const Sum sum = detail::sum_of_partials(int64_t(g.chunk_begin[p + 1] - g.chunk_begin[p]),
                                           partial + g.chunk_begin[p], reinterpret_cast<Sum*>(all));

@@ -65,7 +65,7 @@ void DevicePotential::Impl::freeze_rotations() {
           R_float[(r * 9 + k) * kLanes + lane] = float(rotation.m[k]);
         }
       },
-      [=] __device__(int64_t, const double*) {});
+      NoFinish{});
 }
 
 /// Row `component` of the fill-weighted sums of F_v over the voxels of each node.
@@ -85,7 +85,9 @@ void DevicePotential::Impl::add_gradients(const double* u, int component) {
         for (int j = 0; j < 3; ++j)
           for (int c = 0; c < 8; ++c) f[j][c] = data.phi * F(component, j);
       },
-      [=] __device__(int64_t n, const float sum[3]) {
+      [=] __device__(int64_t n, const NodeSum<float>& given) {
+        float sum[3];
+        given.get(sum);
         for (int j = 0; j < 3; ++j) sums[9 * n + j] = sum[j];
       });
 }
@@ -137,39 +139,42 @@ void DevicePotential::Impl::gradient_pass(const double* u, T* gradient, const Ne
   const VoxelTables<T> table = voxels<T>();
   const double *mass = inertia.data(), *aim = predictor.data();
   const uint8_t* held = pinned.data();
-  for_each_voxel<T>(
-      rows, reinterpret_cast<T*>(parts.data()), brick_sums.data(),
-      [=] __device__(int64_t n, int64_t reference, T v[3]) {
-        for (int i = 0; i < 3; ++i) v[i] = T(__ldg(u + 3 * n + i) - __ldg(u + 3 * reference + i));
-      },
-      [=] __device__(const VoxelRow& row, int64_t r, int lane, const T corner[3][8], T f[3][8],
-                     VoxelSums& sums) {
-        const VoxelData<T> data = table.data(row, r, lane);
-        const auto respond = response_of<false>(data.law, nets(row, r, lane));
-        const VoxelEnergy<T> e = voxel_energy<true>(data, respond, corner, f);
-        VoxelSums mine{double(e.elastic), double(e.hourglass), double(e.outside), double(e.J)};
-        // corners of border voxels may lie outside the body
-        if (kQuality && is_full(data)) mine.min_corner_j = corner_jacobian(corner, data.h);
-        sums.add(mine);
-      },
-      [=] __device__(int64_t n, const T force[3]) {
-        if (gradient == nullptr) return;
-        const bool moves = !__ldg(held + n);
-        const double weight = __ldg(mass + n);
-        for (int i = 0; i < 3; ++i) {
-          const double away = __ldg(u + 3 * n + i) - __ldg(aim + 3 * n + i);
-          gradient[3 * n + i] = moves ? T(weight * away + double(force[i])) : T(0);
-        }
-      });
+  DeviceValue* to = value.data();
+  const auto read = [=] __device__(int64_t n, int64_t reference, T v[3]) {
+    for (int i = 0; i < 3; ++i) v[i] = T(__ldg(u + 3 * n + i) - __ldg(u + 3 * reference + i));
+  };
+  const auto voxel = [=] __device__(const VoxelRow& row, int64_t r, int lane, const T corner[3][8],
+                                    T f[3][8], VoxelSums& sums) {
+    const VoxelData<T> data = table.data(row, r, lane);
+    const auto respond = response_of<false>(data.law, nets(row, r, lane));
+    const VoxelEnergy<T> e = voxel_energy<true>(data, respond, corner, f);
+    VoxelSums mine{double(e.elastic), double(e.hourglass), double(e.outside), double(e.J)};
+    // corners of border voxels may lie outside the body
+    if (kQuality && is_full(data)) mine.min_corner_j = corner_jacobian(corner, data.h);
+    sums.add(mine);
+  };
+  const auto finish = [=] __device__(int64_t n, const NodeSum<T>& given) {
+    const bool moves = !__ldg(held + n);
+    const double weight = __ldg(mass + n);
+    double away[3];
+    T force[3];
+    for (int i = 0; i < 3; ++i) away[i] = __ldg(u + 3 * n + i) - __ldg(aim + 3 * n + i);
+    given.get(force);
+    for (int i = 0; i < 3; ++i)
+      gradient[3 * n + i] = moves ? T(weight * away[i] + double(force[i])) : T(0);
+  };
+  const auto then = [=] __device__(const VoxelSums& sum) { to->voxels = sum; };
+  T* const room = reinterpret_cast<T*>(parts.data());
+  if (gradient == nullptr)
+    for_each_voxel<T>(rows, room, brick_sums.data(), read, voxel, NoFinish{}, then);
+  else
+    for_each_voxel<T>(rows, room, brick_sums.data(), read, voxel, finish, then);
 }
 
 template <class T, bool kQuality>
 void DevicePotential::Impl::start_gradient(const double* u, T* gradient) {
   with_nets<T, NetPass::kEnergy>(
       u, [&](const auto& nets) { gradient_pass<T, kQuality>(u, gradient, nets); });
-  DeviceValue* to = value.data();
-  sum_of(rows.bricks(), brick_sums.data(),
-         [=] __device__(const VoxelSums& sum) { to->voxels = sum; });
   if (contact) contact->start_evaluation(u, gradient);
 }
 

@@ -4,6 +4,7 @@
 
 #pragma once
 
+#include "core/device_branch.cuh"
 #include "core/device_graph.cuh"
 #include "network/device_encoder.cuh"
 #include "network/device_multigrid.cuh"
@@ -39,7 +40,10 @@ class DevicePreconditioner {
         multigrid_(host.multigrid()),
         r_(3 * potential.nodes()),
         z_(3 * potential.nodes()) {
-    if (host.encoder()) encoder_.emplace(*host.encoder());
+    if (host.encoder()) {
+      encoder_.emplace(*host.encoder());
+      encoded_ = DeviceArray<float>(z_.size());
+    }
     const DeviceContact* contact = potential.contact();
     if (!contact) return;
     multigrid_.expect_stiffness(host.multigrid());
@@ -88,8 +92,16 @@ class DevicePreconditioner {
   /// V-cycle and encoder on what turn() has left.
   void cycle() {
     (in_contact_ ? contact_graph_ : graph_).run([&] {
-      multigrid_.cycle(z_.data());
-      if (encoder_) encoder_->add(r_.data(), z_.data());
+      Companion<float> encoder;
+      if (encoder_) {
+        encoder.begin = [this] {
+          branch_.begin(
+              [this](cudaStream_t stream) { encoder_->apply(r_.data(), encoded_.data(), stream); });
+        };
+        encoder.end = [this] { branch_.end(); };
+        encoder.result = encoded_.data();
+      }
+      multigrid_.cycle(z_.data(), encoder);
     });
   }
 
@@ -101,7 +113,8 @@ class DevicePreconditioner {
   DevicePotential& potential_;
   DeviceMultigrid<float> multigrid_;
   std::optional<DeviceEncoder<float>> encoder_;
-  DeviceArray<float> r_, z_;
+  DeviceBranch branch_;  // of the encoder, beside the coarse levels
+  DeviceArray<float> r_, z_, encoded_;
   DeviceGraph graph_, contact_graph_, update_graph_;
   bool in_contact_ = false;
 };

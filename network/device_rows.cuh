@@ -49,6 +49,26 @@ class DeviceRows {
   int64_t parts_;
 };
 
+/// What the voxels around a node have given it. Who asks late has other loads on their way.
+template <class T>
+struct NodeSum {
+  const T* parts;  ///< of the bricks that share it, three numbers each
+  int32_t begin, end;
+  T rest[3];  ///< of the only brick, where there are no parts
+
+  __device__ void get(T sum[3]) const {
+    for (int i = 0; i < 3; ++i) sum[i] = rest[i];
+    for (int32_t p = begin; p < end; ++p)
+      for (int i = 0; i < 3; ++i) sum[i] += parts[3 * int64_t(p) + i];
+  }
+};
+
+/// finish of a loop whose voxels give their corners nothing.
+struct NoFinish {
+  template <class T>
+  __device__ void operator()(int64_t, const NodeSum<T>&) const {}
+};
+
 namespace bricks {
 
 inline constexpr int kThreads = kSumThreads;
@@ -63,9 +83,12 @@ __device__ inline int pitched(int place) {
   return place + place / kWidth * (kPitch - kWidth);
 }
 
+template <class Finish>
+inline constexpr bool kGives = !std::is_same_v<Finish, NoFinish>;
+
 /// Shared memory of a block: what nodes have and what they are given, (3, kTile) each.
-template <class T>
-inline constexpr int kSharedBytes = 6 * kTile* int(sizeof(T));
+template <class T, class Finish>
+inline constexpr int kSharedBytes = (kGives<Finish> ? 6 : 3) * kTile* int(sizeof(T));
 
 /// Place of a voxel's corner in the tile, from that of corner 0.
 __device__ inline int corner_offset(int c) {
@@ -119,12 +142,12 @@ __device__ inline void finish_tile(const RowsView& g, int32_t begin, int32_t end
 #pragma unroll
   for (int j = 0; j < kNodes; ++j) {
     if (node[j] < 0) continue;
-    T sum[3];
-    for (int i = 0; i < 3; ++i) sum[i] = given[i * kTile + place[j]];
+    NodeSum<T> sum{nullptr, 0, 0, {}};
+    for (int i = 0; i < 3; ++i) sum.rest[i] = given[i * kTile + place[j]];
     if (part[j] < 0)
       finish(int64_t(node[j]), sum);
     else
-      for (int i = 0; i < 3; ++i) parts[3 * int64_t(part[j]) + i] = sum[i];
+      for (int i = 0; i < 3; ++i) parts[3 * int64_t(part[j]) + i] = sum.rest[i];
   }
 }
 
@@ -144,7 +167,7 @@ __global__ void __launch_bounds__(kThreads, sizeof(T) == 4 ? 2 : 1)
   int32_t r = g.row_begin[b] + int32_t(threadIdx.x) / kLanes;
   VoxelRow next = row_at(g, r, row_end);
   begin_kernel();
-  clear_tile(given);
+  if constexpr (kGives<Finish>) clear_tile(given);
   read_tile(g, begin, end, read, in);
   __syncthreads();
   Sums mine;
@@ -161,43 +184,71 @@ __global__ void __launch_bounds__(kThreads, sizeof(T) == 4 ? 2 : 1)
         for (int c = 0; c < 8; ++c) u[i][c] = in[i * kTile + place + corner_offset(c)], f[i][c] = 0;
       voxel(row, number, lane, u, f, mine);
     }
-    for (int c = 0; c < 8; ++c) {
+    for (int c = 0; kGives<Finish> && c < 8; ++c) {
       __syncthreads();
       if (there)
         for (int i = 0; i < 3; ++i) given[i * kTile + place + corner_offset(c)] += f[i][c];
     }
   }
-  __syncthreads();
-  finish_tile(g, begin, end, finish, given, parts);
+  if constexpr (kGives<Finish>) {
+    __syncthreads();
+    finish_tile(g, begin, end, finish, given, parts);
+  }
   if constexpr (!std::is_same_v<Sums, NoSums>) {
-    static_assert(kThreads * sizeof(Sums) <= kSharedBytes<T>);
     __syncthreads();
     const Sums sum = block_sum(mine, reinterpret_cast<Sums*>(room));
     if (threadIdx.x == 0) sums[b] = sum;
   }
 }
 
+/// Finishes the nodes that bricks share, a thread each; the first block adds the sums of the
+/// bricks.
+template <class T, class Sums, class Finish, class Then>
+__global__ void __launch_bounds__(kThreads)
+    shared_kernel(RowsView g, const T* parts, const Sums* sums, Finish finish, Then then) {
+  begin_kernel();
+  int64_t block = blockIdx.x;
+  if constexpr (!std::is_same_v<Sums, NoSums>) {
+    if (block-- == 0) {
+      alignas(Sums) __shared__ unsigned char all[kSumWarps * sizeof(Sums)];
+      const Sums sum = detail::sum_of_partials(g.bricks, sums, reinterpret_cast<Sums*>(all));
+      if (threadIdx.x == 0) then(sum);
+      return;
+    }
+  }
+  const int64_t s = block * kThreads + threadIdx.x;
+  if (s >= g.shared) return;
+  finish(int64_t(g.shared_node[s]),
+         NodeSum<T>{parts, g.shared_begin[s], g.shared_begin[s + 1], {}});
+}
+
+/// What is done with the sum of NoSums.
+struct NoThen {
+  __device__ void operator()(const NoSums&) const {}
+};
+
 }  // namespace bricks
 
 /// voxel(row, index of the row, lane, u, f, sums) for every voxel: u and f (component, corner) as
-/// in the loop of the CPU; f is 0 at first. read and finish as there. Each brick's sums go to sums
-/// (bricks), which NoSums leaves alone; a Sums has add(other).
+/// in the loop of the CPU; f is 0 at first. read as there; finish(node, sum) gets a NodeSum. Each
+/// brick's sums go to sums (bricks), and then(their sum) is called by one thread of the device;
+/// NoSums leaves both alone; a Sums has add(other).
 /// @param parts  3 rows.parts() numbers.
-template <class T, class Sums, class Read, class Voxel, class Finish>
+template <class T, class Sums, class Read, class Voxel, class Finish, class Then = bricks::NoThen>
 void for_each_voxel(const DeviceRows& rows, T* parts, Sums* sums, const Read& read,
-                    const Voxel& voxel, const Finish& finish) {
+                    const Voxel& voxel, const Finish& finish, const Then& then = {}) {
   const RowsView g = rows.view();
   if (g.bricks == 0) return;
   const auto kernel = bricks::voxel_kernel<T, Sums, Read, Voxel, Finish>;
-  constexpr int kBytes = bricks::kSharedBytes<T>;
+  constexpr int kBytes = bricks::kSharedBytes<T, Finish>;
   check(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, kBytes));
   launch(kernel, unsigned(g.bricks), bricks::kThreads, kBytes, g, parts, sums, read, voxel, finish);
-  cuda::for_each(g.shared, [=] __device__(int64_t s) {
-    T sum[3] = {};
-    for (int32_t p = g.shared_begin[s]; p < g.shared_begin[s + 1]; ++p)
-      for (int i = 0; i < 3; ++i) sum[i] += parts[3 * int64_t(p) + i];
-    finish(int64_t(g.shared_node[s]), sum);
-  });
+  const int64_t shared = bricks::kGives<Finish> ? g.shared : 0;
+  const int64_t blocks =
+      (shared + bricks::kThreads - 1) / bricks::kThreads + (std::is_same_v<Sums, NoSums> ? 0 : 1);
+  if (blocks == 0) return;
+  launch(bricks::shared_kernel<T, Sums, Finish, Then>, unsigned(blocks), bricks::kThreads, 0, g,
+         static_cast<const T*>(parts), static_cast<const Sums*>(sums), finish, then);
 }
 
 }  // namespace elastogen::cuda

@@ -107,10 +107,20 @@ __device__ inline void prolong_correction(const StencilView<T>& fine, const Sten
   for (int i = 0; i < 3; ++i) z[i] += sum[i] / (corners + 1);
 }
 
-/// z_i = A_i^-1 r_i at number k = component nodes + node, by a warp. The inverses are symmetric.
-/// @param out  z by node, (nodes, 3), or nullptr: z of the level.
+/// Where the result of a cycle goes.
 template <class T>
-__device__ inline void solve(const StencilView<T>& v, int k, T* out) {
+struct ResultOutput {
+  T* z = nullptr;           ///< by node, (nodes, 3); nullptr: to z of the level
+  const T* plus = nullptr;  ///< what is added to it, or nullptr
+
+  __device__ void set(int64_t k, T value) const {
+    z[k] = plus == nullptr ? value : value + plus[k];
+  }
+};
+
+/// z_i = A_i^-1 r_i at number k = component nodes + node, by a warp. The inverses are symmetric.
+template <class T>
+__device__ inline void solve(const StencilView<T>& v, int k, const ResultOutput<T>& out) {
   const int component = k / v.nodes, node = k % v.nodes, lane = int(threadIdx.x) % 32;
   const T* inverse = v.inverses + int64_t(k) * v.nodes;
   T sum = 0;
@@ -118,8 +128,8 @@ __device__ inline void solve(const StencilView<T>& v, int k, T* out) {
     sum += inverse[m] * v.r[3 * int64_t(v.slot[m]) + component];
   for (int half = 16; half > 0; half /= 2) sum += __shfl_down_sync(~0u, sum, half);
   if (lane > 0) return;
-  if (out != nullptr)
-    out[3 * node + component] = sum;
+  if (out.z != nullptr)
+    out.set(3 * node + component, sum);
   else
     v.z[3 * int64_t(v.slot[node]) + component] = sum;
 }

@@ -84,22 +84,35 @@ __device__ inline void update_node(const StencilView<T>& v, Pass pass, const T w
 /// Results of a brick to where the pass leaves them.
 /// @param out  as in run_pass.
 template <class T, int kThreads>
-__device__ inline void store(const StencilView<T>& v, Pass pass, int64_t brick, T* own, T* out) {
+__device__ inline void store(const StencilView<T>& v, Pass pass, int64_t brick, T* own,
+                             const ResultOutput<T>& out) {
   if (pass == Pass::kResidual)
     return store_partial<T, kThreads>(own, v.partial + brick * 3 * kPartial);
-  if (out == nullptr || pass != Pass::kSecond)
+  if (out.z == nullptr || pass != Pass::kSecond)
     return store_brick<T, kThreads>(own, (pass == Pass::kFirst ? v.other : v.z) + brick * kBrick);
-  for (int32_t n = v.begin[brick] + int(threadIdx.x); n < v.begin[brick + 1]; n += kThreads)
-    for (int i = 0; i < 3; ++i) out[3 * int64_t(n) + i] = own[3 * (v.slot[n] % kSlots) + i];
+  const int32_t begin = v.begin[brick], count = v.begin[brick + 1] - begin;
+  constexpr int kNodes = kSlots / kThreads;
+  int place[kNodes];
+#pragma unroll
+  for (int j = 0; j < kNodes; ++j) {
+    const int n = int(threadIdx.x) + j * kThreads;
+    place[j] = n < count ? 3 * (v.slot[begin + n] % kSlots) : -1;
+  }
+#pragma unroll
+  for (int j = 0; j < kNodes; ++j) {
+    if (place[j] < 0) continue;
+    const int64_t k = 3 * (int64_t(begin) + int(threadIdx.x) + j * kThreads);
+    for (int i = 0; i < 3; ++i) out.set(k + i, own[place[j] + i]);
+  }
 }
 
 /// A pass over one brick by a block of 512 / kRun threads.
 /// @param room  kSharedBytes<T> of shared memory, aligned to 16.
-/// @param out   z by node, (nodes, 3), for the last pass of the finest level; else nullptr.
+/// @param out   z by node for the last pass of the finest level.
 /// @tparam kAdded  the view has a further stiffness.
 template <class T, int kRun, bool kAdded>
 __device__ inline void run_pass(const StencilView<T>& v, Pass pass, int64_t brick, T* room,
-                                T* out) {
+                                const ResultOutput<T>& out) {
   constexpr int kThreads = kSlots / kRun;
   T *const own = room + kTile, *const old = own + kBrick;
   const int x = int(threadIdx.x) % 8, y = int(threadIdx.x) / 8 % 8;

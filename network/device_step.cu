@@ -1,131 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/parallel.hpp"
-#include "network/device.hpp"
 #include "network/device_budget.cuh"
-#include "network/device_frames.cuh"
-#include "network/device_newton.hpp"
-#include "network/device_paper.hpp"
-#include "network/device_pieces.cuh"
-#include "network/device_quasi.hpp"
-
-#include <optional>
+#include "network/device_step_impl.cuh"
 
 namespace elastogen::cuda {
 namespace {
 
-/// What a step reads of the state and of its scene.
-struct Motion {
-  const double *x, *v, *x_before, *v_before;  ///< those before are those now in an Euler step
-  const double *rest, *mass;
-  const uint8_t* pinned;
-  StepScheme scheme;
-  double gravity[3];
-};
-
-/// The largest of what it is given.
-struct Largest {
-  double value = 0;
-  __device__ void add(const Largest& o) { value = o.value > value ? o.value : value; }
-};
-
-/// Where kernels leave what the host asks for.
-struct StepNumbers {
-  double farthest, reach, square, not_finite;
-  MotionEnergy energy;
-};
-
-class StepOnDevice : public DeviceStep {
- public:
-  /// With a first matrix, or for the published algorithm without one.
-  StepOnDevice(const IncrementalPotential& potential, const Preconditioner<float>* first,
-               const PaperLoops* paper);
-
-  void upload(const State& state) override;
-  void download(State& state, StateParts parts) override;
-  bool has_before() const override { return has_before_; }
-  void begin_step(const StepScheme& scheme, double time) override;
-  const Collider* clear_start() override;
-  double farthest() override;
-  void return_to_now() override { copy(potential().now(), quasi_.u()); }
-  void return_to_clear_start() override { copy(clear(), quasi_.u()); }
-  double phi() override { return phi_at(quasi_.u()); }
-  double phi_now() override { return phi_at(potential().now()); }
-  bool is_below_clear_start() override { return rough_phi(quasi_.u()) < rough_phi(clear()); }
-  void set_nodal_rotations() override { quasi_.set_nodal_rotations(); }
-  IterationResult solve(double target, int max_outer, bool float64,
-                        const std::function<bool()>& interrupted) override {
-    return quasi_.solve(target, max_outer, float64, interrupted);
-  }
-  void upload_u(const double* u) override;
-  void download_u(double* u) override;
-  IterationResult newton(double target, int max_outer, int max_inner,
-                         const std::function<bool()>& interrupted) override {
-    if (!newton_) newton_.emplace(quasi_);
-    return newton_->solve(target, max_outer, max_inner, interrupted);
-  }
-  IterationResult paper(const std::function<bool()>& interrupted) override {
-    return paper_.value().solve(interrupted);
-  }
-  Certificate certify(bool may_fly) override;
-  MotionEnergy finish(bool in_flight) override;
-  void download_gradient(double* gradient) const override { gradient_.download(gradient); }
-  double reach() override;
-  bool carry(const Embedding& embedding, bool with_gradient) override {
-    frames_.reset();
-    frames_ = make_frames(scene_.grid, embedding, with_gradient, later_bytes());
-    return frames_ != nullptr;
-  }
-  void start_frame(int slot) override { frames_->start(slot, x_.data(), rest_.data()); }
-  CarriedFrame take_frame(int slot) const override { return frames_->take(slot); }
-
-  /// What steps take beyond what the constructor does, at most.
-  size_t later_bytes() {
-    if (paper_) return 0;
-    return DeviceQuasi::later_bytes(size() / 3) + DeviceNewton::bytes(potential());
-  }
-
-  // called by the above; kernels may not be started from private functions
-  DevicePotential& potential() { return quasi_.potential(); }
-  Motion motion();
-  void round_positions();
-  bool balance();
-  void find_velocities();
-  void find_energies();
-
- private:
-  int64_t size() const { return x_.size(); }
-  /// u_now, or in a scene with colliders what clear_start() has made of it, until iterations begin.
-  double* clear() { return potential().contact() ? quasi_.trial_u() : potential().now(); }
-  bool touches();
-  void copy(const double* from, double* to) const;
-  double phi_at(const double* u);
-  double rough_phi(const double* u) {
-    return potential().evaluate(u, static_cast<float*>(nullptr)).total();
-  }
-  void send(const Array<double>& from, DeviceArray<double>& to);
-  void fetch(const DeviceArray<double>& from, Array<double>& to);
-
-  const Scene& scene_;
-  DeviceQuasi quasi_;
-  std::optional<DeviceNewton> newton_;  // from its first step on
-  std::optional<DevicePaper> paper_;
-  DevicePieces pieces_;
-  DeviceArray<double> rest_, mass_;
-  DeviceArray<double> x_, v_, x_before_, v_before_;  // the state
-  DeviceArray<double> x_next_, v_next_;              // until it is taken
-  DeviceArray<double> gradient_;                     // of the certificate
-  DeviceArray<SumRoom<Largest>> largest_;
-  DeviceArray<SumRoom<Sums<2>>> pair_sums_;
-  PinnedArray<StepNumbers> numbers_;
-  PinnedArray<double> staging_;  // arrays on their way; the bus takes other memory more slowly
-  std::unique_ptr<DeviceFrames> frames_;
-  StepScheme scheme_;
-  bool has_before_ = false;
-};
-
 DeviceQuasi make_quasi(const IncrementalPotential& potential, const Preconditioner<float>* first) {
   return first ? DeviceQuasi(potential, *first) : DeviceQuasi(potential);
 }
+
+}  // namespace
 
 StepOnDevice::StepOnDevice(const IncrementalPotential& potential,
                            const Preconditioner<float>* first, const PaperLoops* paper)
@@ -209,44 +94,6 @@ Motion StepOnDevice::motion() {
            {}};
   for (size_t d = 0; d < 3; ++d) m.gravity[d] = scene_.gravity[d];
   return m;
-}
-
-void StepOnDevice::begin_step(const StepScheme& scheme, double time) {
-  scheme_ = scheme;
-  const Motion m = motion();
-  double *inertia = potential().inertia(), *predictor = potential().predictor(),
-         *now = potential().now(), *u = quasi_.u();
-  cuda::for_each(size() / 3, [=] __device__(int64_t n) {
-    inertia[n] = m.scheme.a0 * m.mass[n] / (m.scheme.dt * m.scheme.dt);
-    for (int d = 0; d < 3; ++d) {
-      const int64_t k = 3 * n + d;
-      const double away = m.x[k] - m.rest[k];
-      const double way = m.pinned[n] ? 0
-                                     : predicted_motion(m.scheme, m.x[k], m.v[k], m.x_before[k],
-                                                        m.v_before[k], m.gravity[d]);
-      now[k] = away;
-      predictor[k] = u[k] = away + way;
-    }
-  });
-  potential().freeze_rotations();
-  pieces_.start(m.rest, m.mass, m.x, m.x_before, predictor, u);
-  if (DeviceContact* contact = potential().contact()) contact->begin_step(now, time);
-}
-
-const Collider* StepOnDevice::clear_start() {
-  DeviceContact* contact = potential().contact();
-  return contact ? contact->clear_start(potential().now(), clear(), quasi_.u()) : nullptr;
-}
-
-double StepOnDevice::farthest() {
-  const double *u = quasi_.u(), *now = potential().now();
-  StepNumbers* to = numbers_.data();
-  ordered_sum(
-      size(), largest_.data(),
-      [=] __device__(int64_t k, Largest & sum) { sum.add({fabs(u[k] - now[k])}); },
-      [=] __device__(const Largest& sum) { to->farthest = sum.value; });
-  synchronise();
-  return numbers_[0].farthest;
 }
 
 double StepOnDevice::reach() {
@@ -364,6 +211,8 @@ MotionEnergy StepOnDevice::finish(bool in_flight) {
   has_before_ = true;
   return numbers_[0].energy;
 }
+
+namespace {
 
 /// What a step is made of.
 struct Recipe {

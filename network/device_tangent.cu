@@ -19,7 +19,7 @@ void DevicePotential::Impl::tangent_pass(const double* u, TangentKind kind, cons
         const Tangent<float> t = voxel_tangent<true>(data, respond, corner, kind);
         for (int k = 0; k < 45; ++k) to[(r * 45 + k) * kLanes + lane] = t.m[k];
       },
-      [=] __device__(int64_t, const float*) {});
+      NoFinish{});
 }
 
 void DevicePotential::Impl::linearise(const double* u, TangentKind kind) {
@@ -44,7 +44,9 @@ void DevicePotential::Impl::hessian_product(const T* p, T* product) {
         for (int k = 0; k < 45; ++k) t.m[k] = T(from[(r * 45 + k) * kLanes + lane]);
         voxel_hessian<true>(table.data(row, r, lane), t, corner, f);
       },
-      [=] __device__(int64_t n, const T force[3]) {
+      [=] __device__(int64_t n, const NodeSum<T>& given) {
+        T force[3];
+        given.get(force);
         for (int i = 0; i < 3; ++i)
           product[3 * n + i] = held[n] ? T(0) : force[i] + T(mass[n]) * p[3 * n + i];
       });

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Start value of a step. A pinned piece starts at the predictor xhat of the time scheme. For a free
-// piece that straight line stretches it by 1/cos of its turn, and a stiff piece then starts far
+// Start values of a step. A pinned piece starts at the predictor xhat of the time scheme, which
+// knows of no elastic force, or where its velocities carry it (extrapolated_motion), as if the
+// forces went on as they were: iterations begin where the potential is lowest. A free piece would
+// be stretched by 1/cos of its turn on the straight line of xhat, and a stiff one then starts far
 // away; it is predicted in its own frame instead,
 //
 //     x = chat + Rhat (2 d_n - d_{n-1}),     d = R^T (x - c),
@@ -10,6 +12,7 @@
 #pragma once
 
 #include "core/state.hpp"
+#include "core/time_scheme.hpp"
 
 #include <vector>
 
@@ -23,10 +26,15 @@ class Predictor {
 
   /// Displacement u to start from, (nodes, 3). `predictor` is xhat - X of the step.
   void start(const State& state, const Zeroed<double>& predictor, double* u) const;
+  /// Another one of the pieces with a pin, by extrapolated_motion; leaves free pieces alone.
+  void extrapolate(const State& state, const StepScheme& scheme, int order, double* u) const;
+  /// The highest order that a state is good for.
+  static int orders(bool has_before) { return has_before ? 2 : 1; }
 
  private:
   const Scene& scene_;
   std::vector<std::vector<int32_t>> free_pieces_;  // nodes of the pieces without a pin
+  std::vector<uint8_t> is_free_;                   // nodes of these pieces
 };
 
 }  // namespace elastogen

@@ -44,7 +44,8 @@ struct Solver::Impl {
   const Collider* start(const State& state);
   const Collider* start_on_device();
   double phi(const Zeroed<double>& at);
-  bool is_lower(const Zeroed<double>& a, const Zeroed<double>& b);
+  double rough_phi(const Zeroed<double>& at);
+  void choose_start(const State& state);
   IterationResult retreat(double target);
   bool solve(const State& state, StepReport& report);
   void balance();

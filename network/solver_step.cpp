@@ -28,13 +28,25 @@ double Solver::Impl::phi(const Zeroed<double>& at) {
   return potential.evaluate<double>(at.data(), gradient.data()).total();
 }
 
-/// Whether Phi is lower at a than at b, in float where that has the digits: where iterations begin.
-bool Solver::Impl::is_lower(const Zeroed<double>& a, const Zeroed<double>& b) {
-  if (precise) return phi(a) < phi(b);
-  const auto value = [&](const Zeroed<double>& at) {
-    return potential.evaluate(at.data(), static_cast<float*>(nullptr)).total();
-  };
-  return value(a) < value(b);
+/// Phi in float where that has the digits, to find where iterations begin.
+double Solver::Impl::rough_phi(const Zeroed<double>& at) {
+  if (precise) return phi(at);
+  return potential.evaluate(at.data(), static_cast<float*>(nullptr)).total();
+}
+
+/// The start of the predictor, or where Phi is lower an extrapolation.
+void Solver::Impl::choose_start(const State& state) {
+  predictor.start(state, potential.predictor(), u.data());
+  if (!pinned) return;
+  Zeroed<double> other = u;
+  double lowest = rough_phi(u);
+  for (int order = 1; order <= Predictor::orders(!state.x_before.empty()); ++order) {
+    predictor.extrapolate(state, scheme, order, other.data());
+    const double phi = rough_phi(other);
+    if (!(phi < lowest || std::isnan(lowest))) continue;
+    lowest = phi;
+    u.swap(other);
+  }
 }
 
 /// Predictor, inertia and rotations of the step, and u where it starts; gives the collider that
@@ -54,12 +66,12 @@ const Collider* Solver::Impl::begin_step(const State& state) {
   return inside;
 }
 
-/// The predictor, cut where it would carry a surface point through the floor, or the state before
-/// where a predictor that leaves it by more than a voxel has the higher potential (a small pinned
-/// body falls many times its size in a step). What a collider would run over moves along with it;
-/// gives the collider that a point lies in all the same, else null.
+/// The chosen start, cut where it would carry a surface point through the floor, or the state
+/// before where a start that leaves it by more than a voxel has the higher potential (a small
+/// pinned body falls many times its size in a step). What a collider would run over moves along
+/// with it; gives the collider that a point lies in all the same, else null.
 const Collider* Solver::Impl::start(const State& state) {
-  predictor.start(state, potential.predictor(), u.data());
+  choose_start(state);
   Zeroed<double> now = potential.now();
   double farthest = 0;
   for (size_t k = 0; k < u.size(); ++k) farthest = std::max(farthest, std::abs(u[k] - now[k]));
@@ -71,12 +83,13 @@ const Collider* Solver::Impl::start(const State& state) {
       for (size_t k = 0; k < u.size(); ++k) u[k] = now[k] + share * (u[k] - now[k]);
   }
   if (!pinned || farthest < scene.grid.h) return nullptr;
-  if (!is_lower(u, now)) u = now;
+  if (!(rough_phi(u) < rough_phi(now))) u = now;
   return nullptr;
 }
 
-/// The same on the device, from the predictor there.
+/// The same on the device.
 const Collider* Solver::Impl::start_on_device() {
+  if (pinned) on_device->choose_start();
   const bool far = pinned && on_device->farthest() >= scene.grid.h;
   if (const Collider* inside = on_device->clear_start()) return inside;
   if (far && !on_device->is_below_clear_start()) on_device->return_to_clear_start();

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+// The step on the device and the state that stays there, for the files that make it up:
+// device_start.cu (where iterations begin), device_step.cu (all else).
+
+#pragma once
+
+#include "network/device.hpp"
+#include "network/device_frames.cuh"
+#include "network/device_newton.hpp"
+#include "network/device_paper.hpp"
+#include "network/device_pieces.cuh"
+#include "network/device_quasi.hpp"
+
+#include <optional>
+
+namespace elastogen::cuda {
+
+/// What a step reads of the state and of its scene.
+struct Motion {
+  const double *x, *v, *x_before, *v_before;  ///< those before are those now in an Euler step
+  const double *rest, *mass;
+  const uint8_t* pinned;
+  StepScheme scheme;
+  double gravity[3];
+};
+
+/// The largest of what it is given.
+struct Largest {
+  double value = 0;
+  __device__ void add(const Largest& o) { value = o.value > value ? o.value : value; }
+};
+
+/// Where kernels leave what the host asks for.
+struct StepNumbers {
+  double farthest, reach, square, not_finite;
+  MotionEnergy energy;
+};
+
+class StepOnDevice : public DeviceStep {
+ public:
+  /// With a first matrix, or for the published algorithm without one.
+  StepOnDevice(const IncrementalPotential& potential, const Preconditioner<float>* first,
+               const PaperLoops* paper);
+
+  void upload(const State& state) override;
+  void download(State& state, StateParts parts) override;
+  bool has_before() const override { return has_before_; }
+  void begin_step(const StepScheme& scheme, double time) override;
+  void choose_start() override;
+  const Collider* clear_start() override;
+  double farthest() override;
+  void return_to_now() override { copy(potential().now(), quasi_.u()); }
+  void return_to_clear_start() override { copy(clear(), quasi_.u()); }
+  double phi() override { return phi_at(quasi_.u()); }
+  double phi_now() override { return phi_at(potential().now()); }
+  bool is_below_clear_start() override { return rough_phi(quasi_.u()) < rough_phi(clear()); }
+  void set_nodal_rotations() override { quasi_.set_nodal_rotations(); }
+  IterationResult solve(double target, int max_outer, bool float64,
+                        const std::function<bool()>& interrupted) override {
+    return quasi_.solve(target, max_outer, float64, interrupted);
+  }
+  void upload_u(const double* u) override;
+  void download_u(double* u) override;
+  IterationResult newton(double target, int max_outer, int max_inner,
+                         const std::function<bool()>& interrupted) override {
+    if (!newton_) newton_.emplace(quasi_);
+    return newton_->solve(target, max_outer, max_inner, interrupted);
+  }
+  IterationResult paper(const std::function<bool()>& interrupted) override {
+    return paper_.value().solve(interrupted);
+  }
+  Certificate certify(bool may_fly) override;
+  MotionEnergy finish(bool in_flight) override;
+  void download_gradient(double* gradient) const override { gradient_.download(gradient); }
+  double reach() override;
+  bool carry(const Embedding& embedding, bool with_gradient) override {
+    frames_.reset();
+    frames_ = make_frames(scene_.grid, embedding, with_gradient, later_bytes());
+    return frames_ != nullptr;
+  }
+  void start_frame(int slot) override { frames_->start(slot, x_.data(), rest_.data()); }
+  CarriedFrame take_frame(int slot) const override { return frames_->take(slot); }
+
+  /// What steps take beyond what the constructor does, at most.
+  size_t later_bytes() {
+    if (paper_) return 0;
+    return DeviceQuasi::later_bytes(size() / 3) + DeviceNewton::bytes(potential());
+  }
+
+  // called by the above; kernels may not be started from private functions
+  DevicePotential& potential() { return quasi_.potential(); }
+  Motion motion();
+  void round_positions();
+  bool balance();
+  void extrapolate(int order, double* u);
+  void find_velocities();
+  void find_energies();
+
+ private:
+  int64_t size() const { return x_.size(); }
+  /// u_now, or in a scene with colliders what clear_start() has made of it, until iterations begin.
+  double* clear() { return potential().contact() ? quasi_.trial_u() : potential().now(); }
+  bool touches();
+  void copy(const double* from, double* to) const;
+  double phi_at(const double* u);
+  double rough_phi(const double* u) {
+    return potential().evaluate(u, static_cast<float*>(nullptr)).total();
+  }
+  void send(const Array<double>& from, DeviceArray<double>& to);
+  void fetch(const DeviceArray<double>& from, Array<double>& to);
+
+  const Scene& scene_;
+  DeviceQuasi quasi_;
+  std::optional<DeviceNewton> newton_;  // from its first step on
+  std::optional<DevicePaper> paper_;
+  DevicePieces pieces_;
+  DeviceArray<double> rest_, mass_;
+  DeviceArray<double> x_, v_, x_before_, v_before_;  // the state
+  DeviceArray<double> x_next_, v_next_;              // until it is taken
+  DeviceArray<double> gradient_;                     // of the certificate
+  DeviceArray<SumRoom<Largest>> largest_;
+  DeviceArray<SumRoom<Sums<2>>> pair_sums_;
+  PinnedArray<StepNumbers> numbers_;
+  PinnedArray<double> staging_;  // arrays on their way; the bus takes other memory more slowly
+  std::unique_ptr<DeviceFrames> frames_;
+  StepScheme scheme_;
+  bool has_before_ = false;
+};
+
+}  // namespace elastogen::cuda
