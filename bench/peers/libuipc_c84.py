@@ -21,39 +21,7 @@ import time
 from pathlib import Path
 
 import numpy as np
-
-LENGTH, FRAMES, DT = 1.0, 24, 1 / 30
-YOUNG, POISSON, DENSITY, GRAVITY = 1e5, 0.4, 1000.0, 9.81
-# corners x + 2 y + 4 z of the five tetrahedra of an even cell; an odd one is its mirror image in x
-EVEN = np.array([[0, 3, 5, 6], [1, 3, 0, 5], [2, 0, 3, 6], [4, 5, 0, 6], [7, 6, 3, 5]])
-ODD = EVEN ^ 1
-
-
-def lattice(size: float) -> tuple[np.ndarray, np.ndarray, int]:
-    """Nodes (nodes, 3), tetrahedra (tets, 4) of positive volume, and the number of cells."""
-    n = max(1, round((size / 4) ** (1 / 3)))
-    counts = np.array([4 * n, n, n])
-    shape = counts + 1
-    x, y, z = np.meshgrid(*(np.arange(k) for k in shape), indexing="ij")
-    nodes = np.stack([x, y, z], axis=-1).reshape(-1, 3) * (LENGTH / counts[0])
-    cells = np.stack(np.meshgrid(*(np.arange(k) for k in counts), indexing="ij"), axis=-1)
-    cells = cells.reshape(-1, 3)
-    parity = cells.sum(axis=1) % 2
-    corner = np.array([[c & 1, c >> 1 & 1, c >> 2] for c in range(8)])
-    index = cells[:, None, :] + corner
-    index = (index[..., 0] * shape[1] + index[..., 1]) * shape[2] + index[..., 2]
-    cut = np.where(parity[:, None, None] == 0, EVEN, ODD)
-    tets = np.take_along_axis(index[:, None, :], cut, axis=2).reshape(-1, 4)
-    edges = nodes[tets[:, 1:]] - nodes[tets[:, :1]]
-    turned = np.linalg.det(edges) < 0
-    tets[turned, :2] = tets[turned, 1::-1]
-    return nodes, tets.astype(np.int32), len(cells)
-
-
-def tip_of(nodes: np.ndarray) -> np.ndarray:
-    """The nodes nearest to the middle of the free end."""
-    away = np.linalg.norm(nodes - [LENGTH, LENGTH / 8, LENGTH / 8], axis=1)
-    return np.flatnonzero(away < away.min() + 1e-9)
+from c84_mesh import DENSITY, DT, FRAMES, GRAVITY, POISSON, YOUNG, lattice, tip_of
 
 
 def make_scene(uipc, nodes: np.ndarray, tets: np.ndarray, tight: bool):  # noqa: ANN001, ANN201
