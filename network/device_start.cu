@@ -44,7 +44,7 @@ double StepOnDevice::farthest() {
   return numbers_[0].farthest;
 }
 
-/// Predictor::extrapolate; free pieces as they are in u.
+/// Predictor::extrapolate; pieces that it leaves alone are as in u.
 void StepOnDevice::extrapolate(int order, double* to) {
   const Motion m = motion();
   const double* u = quasi_.u();
@@ -53,6 +53,7 @@ void StepOnDevice::extrapolate(int order, double* to) {
         m.pinned[k / 3] ? 0 : extrapolated_motion(m.scheme, order, m.v[k], m.v_before[k]);
     to[k] = m.x[k] - m.rest[k] + way;
   });
+  if (!scene_.colliders.empty()) return;
   pieces_.for_each([=] __device__(int64_t, int64_t n) {
     for (int d = 0; d < 3; ++d) to[3 * n + d] = u[3 * n + d];
   });

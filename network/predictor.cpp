@@ -51,16 +51,19 @@ bool steady(const Frame& before, const Frame& now, const Frame& next) {
 }  // namespace
 
 Predictor::Predictor(const Scene& scene)
-    : scene_(scene), free_pieces_(free_pieces(scene)), is_free_(size_t(scene.grid.node_count())) {
+    : scene_(scene),
+      free_pieces_(free_pieces(scene)),
+      is_left_alone_(size_t(scene.grid.node_count())) {
+  if (!scene.colliders.empty()) return;
   for (const auto& nodes : free_pieces_)
-    for (const int32_t n : nodes) is_free_[size_t(n)] = 1;
+    for (const int32_t n : nodes) is_left_alone_[size_t(n)] = 1;
 }
 
 void Predictor::extrapolate(const State& state, const StepScheme& scheme, int order,
                             double* u) const {
   const Array<double>& X = scene_.grid.rest;
   for_each(X.rows(), [&](int64_t n) {
-    if (is_free_[size_t(n)]) return;
+    if (is_left_alone_[size_t(n)]) return;
     for (int d = 0; d < 3; ++d) {
       const double v_before = order == 1 ? 0 : state.v_before(n, d);
       const double way =

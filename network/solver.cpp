@@ -37,6 +37,7 @@ Solver::Impl::Impl(const Scene& s, const SolverOptions& o)
                   "got ", o.max_outer, " and ", o.max_inner);
   pinned = std::any_of(s.pinned.data(), s.pinned.data() + s.pinned.rows(),
                        [](uint8_t p) { return p != 0; });
+  extrapolates = pinned || !s.colliders.empty();
   std::fill(std::begin(last_step), std::end(last_step), -kRetry);
   mode = o.mode;
   if (mode == SolverMode::kAuto) mode = stiff() ? SolverMode::kNewton : SolverMode::kQuasi;

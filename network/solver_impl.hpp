@@ -62,7 +62,7 @@ struct Solver::Impl {
   FreeFlight flight;
   bool in_flight = false;  // free pieces are there, and nothing touches
   double force, courant;
-  bool pinned = false;
+  bool pinned = false, extrapolates = false;
   SolverMode mode;
   double last_cost[4] = {};  // of each mode
   int64_t last_step[4];      // that it took

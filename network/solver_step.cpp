@@ -37,7 +37,7 @@ double Solver::Impl::rough_phi(const Zeroed<double>& at) {
 /// The start of the predictor, or where Phi is lower an extrapolation.
 void Solver::Impl::choose_start(const State& state) {
   predictor.start(state, potential.predictor(), u.data());
-  if (!pinned) return;
+  if (!extrapolates) return;
   Zeroed<double> other = u;
   double lowest = rough_phi(u);
   for (int order = 1; order <= Predictor::orders(!state.x_before.empty()); ++order) {
@@ -89,7 +89,7 @@ const Collider* Solver::Impl::start(const State& state) {
 
 /// The same on the device.
 const Collider* Solver::Impl::start_on_device() {
-  if (pinned) on_device->choose_start();
+  if (extrapolates) on_device->choose_start();
   const bool far = pinned && on_device->farthest() >= scene.grid.h;
   if (const Collider* inside = on_device->clear_start()) return inside;
   if (far && !on_device->is_below_clear_start()) on_device->return_to_clear_start();

@@ -105,6 +105,19 @@ TEST(TimeScheme, Bdf2FollowsAParabolaExactly) {
   }
 }
 
+TEST(TimeScheme, SecondExtrapolationFollowsAParabolaExactly) {
+  const double dt = 0.02;
+  const auto place = [](double t) { return 3 + 2 * t - 9.81 / 2 * t * t; };
+  const double way = place(3 * dt) - place(2 * dt);
+  const StepScheme euler{TimeScheme::kEuler, dt, 1}, bdf2{TimeScheme::kBdf2, dt, 2.25};
+  const double mean = (place(2 * dt) - place(dt)) / dt, mean_before = (place(dt) - place(0)) / dt;
+  EXPECT_NEAR(extrapolated_motion(euler, 2, mean, mean_before), way, 1e-14);
+  const double v = 2 - 9.81 * 2 * dt, v_before = 2 - 9.81 * dt;
+  EXPECT_NEAR(extrapolated_motion(bdf2, 2, v, v_before), way, 1e-14);
+  // the first misses what a force brings in a step
+  EXPECT_NEAR(extrapolated_motion(bdf2, 1, v, v_before), way + 9.81 / 2 * dt * dt, 1e-14);
+}
+
 TEST(TimeScheme, Bdf2NeedsAStepBefore) {
   Scene scene;
   scene.dt = 0.01, scene.scheme = TimeScheme::kBdf2;
