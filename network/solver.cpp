@@ -13,8 +13,10 @@ namespace {
 
 constexpr double kNewtonCourant = 100;   // auto: newton from here on,
 constexpr double kNewtonPoisson = 0.47;  // or here,
-constexpr double kCheap = 80;            // cost of a step that auto does not try to better
-constexpr int kRetry = 10;               // steps after which auto tries the other mode again
+constexpr double kCheap = 40;            // cost of a step that auto does not try to better
+constexpr int kRetry = 10;               // steps after which auto tries the other mode again,
+constexpr int kLateRetry = 40;           // or, where that cost this much more,
+constexpr double kMuchDearer = 1.3;
 constexpr double kFailed = 1e300;        // cost of a mode that did not get there
 constexpr double kDoubleCourant = 1000;  // everything in float64
 constexpr double kEncoderCourant = 2;    // below it multigrid alone does as well
@@ -119,9 +121,11 @@ IterationResult Solver::Impl::iterate(double target, StepReport& report) {
 }
 
 /// What a step cost, in passes of the preconditioner: one of quasi comes with an evaluation, one of
-/// newton with a product, and a Newton step with Hessian and evaluation.
+/// newton with a product, which is dearer beside it on a device, and a Newton step with Hessian and
+/// evaluation.
 double Solver::Impl::cost(const IterationResult& r) const {
-  return mode == SolverMode::kNewton ? 1.3 * r.inner + 3 * r.outer : 2 * r.inner;
+  const double pass = on_device ? 1.8 : 1.3;
+  return mode == SolverMode::kNewton ? pass * r.inner + 3 * r.outer : 2 * r.inner;
 }
 
 /// auto: quasi while that is cheap, else the cheaper of both; what one cannot do the other tries.
@@ -132,7 +136,8 @@ IterationResult Solver::Impl::choose(double target, StepReport& report) {
   const SolverMode other = mode == SolverMode::kNewton ? SolverMode::kQuasi : SolverMode::kNewton;
   last_cost[int(mode)] = result.converged ? cost(result) : kFailed;
   last_step[int(mode)] = report.step;
-  const bool stale = report.step - last_step[int(other)] >= kRetry;
+  const bool lost = last_cost[int(other)] > kMuchDearer * last_cost[int(mode)];
+  const bool stale = report.step - last_step[int(other)] >= (lost ? kLateRetry : kRetry);
   const bool dear = last_cost[int(mode)] > kCheap || mode == SolverMode::kNewton;
   const bool better = last_cost[int(other)] < last_cost[int(mode)];
   if (!result.converged && !options.interrupted()) {
