@@ -14,10 +14,6 @@ namespace {
 constexpr double kNewtonCourant = 100;   // auto: newton from here on,
 constexpr double kNewtonPoisson = 0.47;  // or here,
 constexpr double kCheap = 40;            // cost of a step that auto does not try to better
-constexpr int kRetry = 10;               // steps after which auto tries the other mode again,
-constexpr int kLateRetry = 40;           // or, where that cost this much more,
-constexpr double kMuchDearer = 1.3;
-constexpr double kFailed = 1e300;        // cost of a mode that did not get there
 constexpr double kDoubleCourant = 1000;  // everything in float64
 constexpr double kEncoderCourant = 2;    // below it multigrid alone does as well
 
@@ -121,20 +117,28 @@ IterationResult Solver::Impl::iterate(double target, StepReport& report) {
 }
 
 /// What a step cost, in passes of the preconditioner: one of quasi comes with an evaluation, one of
-/// newton with a product, which is dearer beside it on a device, and a Newton step with Hessian and
-/// evaluation.
+/// newton with a product, and a Newton step with Hessian and evaluation.
 double Solver::Impl::cost(const IterationResult& r) const {
-  const double pass = on_device ? 1.8 : 1.3;
-  return mode == SolverMode::kNewton ? pass * r.inner + 3 * r.outer : 2 * r.inner;
+  if (!r.converged) return kFailed;
+  return mode == SolverMode::kNewton ? 1.3 * r.inner + 3 * r.outer : 2 * r.inner;
+}
+
+/// What the start of a step cost is set beside what the other one does.
+IterationResult Solver::Impl::iterate_and_learn(double target, StepReport& report) {
+  const IterationResult result = iterate(target, report);
+  if (extrapolates && (result.converged || !options.interrupted()))
+    starts[int(mode)].take(way, report.step, cost(result));
+  return result;
 }
 
 /// auto: quasi while that is cheap, else the cheaper of both; what one cannot do the other tries.
 /// Where Phi is not convex quasi gets nowhere, and newton is not left to see whether it does.
 IterationResult Solver::Impl::choose(double target, StepReport& report) {
-  if (options.mode != SolverMode::kAuto || stiff()) return iterate(target, report);
-  IterationResult result = iterate(target, report);
+  const bool tried = extrapolates && way != starts[int(mode)].better();
+  IterationResult result = iterate_and_learn(target, report);
+  if (options.mode != SolverMode::kAuto || stiff() || (tried && result.converged)) return result;
   const SolverMode other = mode == SolverMode::kNewton ? SolverMode::kQuasi : SolverMode::kNewton;
-  last_cost[int(mode)] = result.converged ? cost(result) : kFailed;
+  last_cost[int(mode)] = cost(result);
   last_step[int(mode)] = report.step;
   const bool lost = last_cost[int(other)] > kMuchDearer * last_cost[int(mode)];
   const bool stale = report.step - last_step[int(other)] >= (lost ? kLateRetry : kRetry);

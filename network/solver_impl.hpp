@@ -4,6 +4,7 @@
 
 #pragma once
 
+#include "network/cheaper_of.hpp"
 #include "network/device.hpp"
 #include "network/free_flight.hpp"
 #include "network/newton_solver.hpp"
@@ -28,6 +29,7 @@ struct Solver::Impl {
   IterationResult iterate(double target, StepReport& report);
   IterationResult choose(double target, StepReport& report);
   double cost(const IterationResult& r) const;
+  IterationResult iterate_and_learn(double target, StepReport& report);
   template <class T, class P>
   IterationResult quasi(std::unique_ptr<QuasiSolver<T>>& solver, double target,
                         Preconditioner<P>& first) {
@@ -42,9 +44,10 @@ struct Solver::Impl {
   StepReport advance(State& state);
   const Collider* begin_step(const State& state);
   const Collider* start(const State& state);
-  const Collider* start_on_device();
+  const Collider* start_on_device(int64_t step);
   double phi(const Zeroed<double>& at);
   double rough_phi(const Zeroed<double>& at);
+  bool begins_by_extrapolation(int64_t step);
   void choose_start(const State& state);
   IterationResult retreat(double target);
   bool solve(const State& state, StepReport& report);
@@ -62,7 +65,10 @@ struct Solver::Impl {
   FreeFlight flight;
   bool in_flight = false;  // free pieces are there, and nothing touches
   double force, courant;
-  bool pinned = false, extrapolates = false;
+  bool pinned = false;
+  bool extrapolates = false;  // where the predictor is not always best; then
+  std::vector<CheaperOf> starts = std::vector<CheaperOf>(4, CheaperOf(20));  // of each mode
+  int way = 0;  // that a step starts, 0: extrapolations too
   SolverMode mode;
   double last_cost[4] = {};  // of each mode
   int64_t last_step[4];      // that it took

@@ -34,10 +34,18 @@ double Solver::Impl::rough_phi(const Zeroed<double>& at) {
   return potential.evaluate(at.data(), static_cast<float*>(nullptr)).total();
 }
 
+/// Extrapolations save iterations where forces go on as they were; where waves run through a body
+/// the predictor, far away as it is, can do with fewer: it leaves errors that iterations find soon.
+bool Solver::Impl::begins_by_extrapolation(int64_t step) {
+  if (!extrapolates) return false;
+  way = starts[int(mode)].choose(step);
+  return way == 0;
+}
+
 /// The start of the predictor, or where Phi is lower an extrapolation.
 void Solver::Impl::choose_start(const State& state) {
   predictor.start(state, potential.predictor(), u.data());
-  if (!extrapolates) return;
+  if (!begins_by_extrapolation(state.steps + 1)) return;
   Zeroed<double> other = u;
   double lowest = rough_phi(u);
   for (int order = 1; order <= Predictor::orders(!state.x_before.empty()); ++order) {
@@ -55,7 +63,7 @@ const Collider* Solver::Impl::begin_step(const State& state) {
   if (on_device) {
     on_device->begin_step(scheme, state.time);
     if (mode == SolverMode::kPaper) return nullptr;
-    const Collider* inside = start_on_device();
+    const Collider* inside = start_on_device(state.steps + 1);
     if (!inside) on_device->set_nodal_rotations();
     return inside;
   }
@@ -88,8 +96,8 @@ const Collider* Solver::Impl::start(const State& state) {
 }
 
 /// The same on the device.
-const Collider* Solver::Impl::start_on_device() {
-  if (extrapolates) on_device->choose_start();
+const Collider* Solver::Impl::start_on_device(int64_t step) {
+  if (begins_by_extrapolation(step)) on_device->choose_start();
   const bool far = pinned && on_device->farthest() >= scene.grid.h;
   if (const Collider* inside = on_device->clear_start()) return inside;
   if (far && !on_device->is_below_clear_start()) on_device->return_to_clear_start();
