@@ -1,7 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The beam of the scene c84 of `elastogen bench` for other codes: numbers, lattice, tetrahedra."""
+"""The beam of the scene c84 of `elastogen bench` for other codes: numbers, lattice, tetrahedra, and
+what a run is asked for and says."""
 
 from __future__ import annotations
+
+import argparse
+import statistics
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -52,3 +58,23 @@ def tip_of(nodes: np.ndarray) -> np.ndarray:
     """The nodes nearest to the middle of the free end."""
     away = np.linalg.norm(nodes - [LENGTH, LENGTH / 8, LENGTH / 8], axis=1)
     return np.flatnonzero(away < away.min() + 1e-9)
+
+
+def arguments(text: str | None) -> argparse.ArgumentParser:
+    """The options that every peer has."""
+    options = argparse.ArgumentParser(description=text,
+                                      formatter_class=argparse.RawDescriptionHelpFormatter)
+    options.add_argument("--sizes", default="3.2e4,2.56e5,1e6", help="cells, about")
+    options.add_argument("--json", type=Path)
+    return options
+
+
+def outcome(name: str, cells: int, setup: float, ms: list[float],
+            way: list[float]) -> dict[str, Any]:
+    """The row of a run, which it also prints: milliseconds and tip [m] of each frame."""
+    median = statistics.median(ms)
+    marks = ", ".join(f"{1e3 * way[round(t / DT) - 1]:.1f}" for t in (0.2, 0.4, 0.6, 0.8))
+    print(f"{name} {cells} cells: {median:.1f} ms a frame (longest {max(ms):.1f}), "
+          f"tip at 0.2, 0.4, 0.6, 0.8 s {marks} mm", flush=True)
+    return {"run": name, "cells": cells, "setup_seconds": setup, "ms": median,
+            "slowest_ms": max(ms), "tip": way}

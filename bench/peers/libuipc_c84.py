@@ -12,16 +12,14 @@ law, which takes Young's modulus and Poisson's ratio through Lame's constants.""
 
 from __future__ import annotations
 
-import argparse
 import json
-import statistics
 import sys
 import tempfile
 import time
-from pathlib import Path
 
 import numpy as np
-from c84_mesh import DENSITY, DT, FRAMES, GRAVITY, POISSON, YOUNG, lattice, tip_of
+from c84_mesh import (
+    DENSITY, DT, FRAMES, GRAVITY, POISSON, YOUNG, arguments, lattice, outcome, tip_of)
 
 
 def make_scene(uipc, nodes: np.ndarray, tets: np.ndarray, tight: bool):  # noqa: ANN001, ANN201
@@ -69,21 +67,14 @@ def run(uipc, size: float, tight: bool, backend: str) -> dict:  # noqa: ANN001
             positions = slot.geometry().positions()
             places = np.asarray(uipc.view(positions)).reshape(-1, 3)
             way.append(float((places[tip, 2] - nodes[tip, 2]).mean()))
-    name, median = "libuipc, tight" if tight else "libuipc", statistics.median(ms)
-    print(f"{name} {cells} cells: {median:.1f} ms a frame (longest {max(ms):.1f}), "
-          f"tip {way[-1]:.5f} m", flush=True)
-    return {"run": name, "cells": cells, "setup_seconds": setup, "ms": median,
-            "slowest_ms": max(ms), "tip": way}
+    return outcome("libuipc, tight" if tight else "libuipc", cells, setup, ms, way)
 
 
 def main() -> int:
     """Runs the sizes."""
-    options = argparse.ArgumentParser(description=__doc__,
-                                      formatter_class=argparse.RawDescriptionHelpFormatter)
-    options.add_argument("--sizes", default="3.2e4,2.56e5,1e6", help="cells, about")
+    options = arguments(__doc__)
     options.add_argument("--tight", action="store_true")
     options.add_argument("--backend", default="cuda", help="cuda, or none (nothing moves)")
-    options.add_argument("--json", type=Path)
     given = options.parse_args()
     try:
         import uipc

@@ -14,13 +14,13 @@ from __future__ import annotations
 
 import argparse
 import json
-import statistics
 import sys
 import time
 from pathlib import Path
 
 import numpy as np
-from c84_mesh import DENSITY, DT, FRAMES, GRAVITY, POISSON, YOUNG, colours, lattice, tip_of
+from c84_mesh import (
+    DENSITY, DT, FRAMES, GRAVITY, POISSON, YOUNG, arguments, colours, lattice, outcome, tip_of)
 
 # of newton/examples/softbody/example_softbody_hanging.py, the one example of a held soft body, whose
 # frames are of 1/60 s and which turns `particle_enable_tile_solve` (here --tile) off
@@ -87,24 +87,17 @@ def run(newton, wp, size: float, given: argparse.Namespace) -> dict:  # noqa: AN
         ms.append(1e3 * (time.perf_counter() - begin))
         way.append(float((states[0].particle_q.numpy()[tip, 2] - nodes[tip, 2]).mean()))
     tiles = " in tiles" if given.tile else ""
-    name, median = f"Newton VBD {given.substeps} x {given.iterations}{tiles}", statistics.median(ms)
-    marks = ", ".join(f"{1e3 * way[round(t / DT) - 1]:.1f}" for t in (0.2, 0.4, 0.6, 0.8))
-    print(f"{name} {cells} cells: {median:.1f} ms a frame (longest {max(ms):.1f}), "
-          f"tip at 0.2, 0.4, 0.6, 0.8 s {marks} mm", flush=True)
-    return {"run": name, "cells": cells, "setup_seconds": setup, "ms": median,
-            "slowest_ms": max(ms), "tip": way}
+    name = f"Newton VBD {given.substeps} x {given.iterations}{tiles}"
+    return outcome(name, cells, setup, ms, way)
 
 
 def main() -> int:
     """Runs the sizes."""
-    options = argparse.ArgumentParser(description=__doc__,
-                                      formatter_class=argparse.RawDescriptionHelpFormatter)
-    options.add_argument("--sizes", default="3.2e4,2.56e5,1e6", help="cells, about")
+    options = arguments(__doc__)
     options.add_argument("--substeps", type=int, default=SUBSTEPS, help="of a frame")
     options.add_argument("--iterations", type=int, default=ITERATIONS, help="sweeps of a substep")
     options.add_argument("--tile", action="store_true", help="sixteen threads a node, on a card")
     options.add_argument("--device", default="cuda", help="cuda, or cpu (small sizes)")
-    options.add_argument("--json", type=Path)
     given = options.parse_args()
     # newton.py beside this file is another one
     here = Path(__file__).resolve().parent
