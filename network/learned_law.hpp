@@ -11,8 +11,8 @@
 
 #pragma once
 
-#include "core/eigen3.hpp"
 #include "core/elastic_law.hpp"
+#include "core/spectrum3.hpp"
 #include "network/mtl_table.hpp"
 #include "network/neural_mtl.hpp"
 
@@ -132,20 +132,22 @@ template <class T, class Difference>
 ELASTOGEN_HD inline void add_difference(const LawParameters<Scalar<T>>& law, const Symmetric3<T>& E,
                                         const Difference& difference, T& psi, Symmetric3<T>& S,
                                         T& outside) {
-  const Eigen3<T> axes = eigen3(E);
-  T e[3];
-  for (int i = 0; i < 3; ++i) e[i] = log_1p(T(2 * axes.value[i])) / 2;
+  const Spectrum3<T> spectrum = spectrum3(E);
+  T e[3], square[3], stress[3];
+  for (int i = 0; i < 3; ++i) {
+    const T twice = 2 * spectrum.value(i);
+    square[i] = 1 + twice;
+    e[i] = log_1p(twice) / 2;
+  }
   outside = in_fitted_box(law.law, e) ? T{} : constant<T>(1);
   const auto young = young_of(law);
   const LogResponse<T> d = difference(e);
   psi += young * d.psi;
-  for (int k = 0; k < 3; ++k) {
-    const T stress = young * d.w[k] / (1 + 2 * axes.value[k]);
-    for (int m = 0; m < 6; ++m) {
-      const int i = m % 3, j = m < 3 ? i : (i + 1) % 3;
-      S.m[m] += stress * axes.Q(i, k) * axes.Q(j, k);
-    }
-  }
+  const T scale = young / (square[0] * square[1] * square[2]);
+  for (int i = 0; i < 3; ++i)
+    stress[i] = scale * d.w[i] * (square[(i + 1) % 3] * square[(i + 2) % 3]);
+  const Symmetric3<T> more = spectrum.isotropic(stress);
+  for (int k = 0; k < 6; ++k) S.m[k] += more.m[k];
 }
 
 /// D of a net with its slope, by its evaluation.

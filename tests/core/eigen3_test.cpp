@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/eigen3.hpp"
 
+#include "core/spectrum3.hpp"
 #include "tests/support/eigenvalues.hpp"
 #include "tests/support/matrices.hpp"
 
@@ -112,6 +113,63 @@ TEST(Eigen3, PacksDoWhatScalarsDo) {
     const Symmetric3<Pack<double>> B = positive_part(A);
     for (int lane = 0; lane < kLanes; ++lane)
       for (int i = 0; i < 6; ++i) ASSERT_EQ(B.m[i][lane], positive_part(all[k + lane]).m[i]);
+  }
+}
+
+/// The value apart and mean and product of the pair to some eps of the matrix.
+TEST(Spectrum3, ValuesAreThoseOfEigen) {
+  for (const Symmetric3<double>& A : samples()) {
+    const double unit = std::max(1e-300, dense(A).norm());
+    const Spectrum3<double> s = spectrum3(A);
+    const Eigen::VectorXd sorted = test::eigenvalues(dense(A)) / unit;
+    const int apart = s.t[0] < 0 ? 0 : 2, low = apart == 0 ? 1 : 0;
+    ASSERT_NEAR(s.value(0) / unit, sorted(apart), 2e-15);
+    const double a = s.value(1) / unit, b = s.value(2) / unit;
+    ASSERT_NEAR(a + b, sorted(low) + sorted(low + 1), 4e-15);
+    ASSERT_NEAR(a * b, sorted(low) * sorted(low + 1), 4e-15);
+    ASSERT_GT(s.t[1], s.t[2]);
+  }
+}
+
+/// Error of sum_i exp(a_i) v_i v_i^T against the sum over eigenvectors.
+template <class T>
+double isotropic_error(const Symmetric3<double>& A) {
+  Symmetric3<T> B;
+  for (int k = 0; k < 6; ++k) B.m[k] = T(A.m[k]);
+  const Spectrum3<T> s = spectrum3(B);
+  const T f[3] = {std::exp(s.value(0)), std::exp(s.value(1)), std::exp(s.value(2))};
+  const Symmetric3<T> found = s.isotropic(f);
+  Symmetric3<double> in_double;
+  for (int k = 0; k < 6; ++k) in_double.m[k] = double(found.m[k]);
+  const Eigen3<double> axes = eigen3(A);
+  Symmetric3<double> exact{};
+  for (int i = 0; i < 3; ++i)
+    for (int k = 0; k < 3; ++k) {
+      exact.m[i] += std::exp(axes.value[k]) * axes.Q(i, k) * axes.Q(i, k);
+      exact.m[3 + i] += std::exp(axes.value[k]) * axes.Q(i, k) * axes.Q((i + 1) % 3, k);
+    }
+  return (dense(in_double) - dense(exact)).norm() / dense(exact).norm();
+}
+
+TEST(Spectrum3, IsotropicFunctionsAreThoseByEigenvectors) {
+  Random random(4);
+  for (int k = 0; k < 200; ++k)
+    for (const double apart : {0.0, 1e-15, 1e-12, 1e-9, 1e-7, 1e-5, 1e-3, 0.1, 0.5})
+      for (const double third : {0.0, 1e-14, 1e-8, -1e-4, 0.3, -0.7}) {
+        const Symmetric3<double> A =
+            with_eigenvalues(0.2, 0.2 + apart, 0.2 + apart / 3 + third, random);
+        ASSERT_LT(isotropic_error<double>(A), 3e-15) << apart << ' ' << third;
+        ASSERT_LT(isotropic_error<float>(A), 2e-6) << apart << ' ' << third;
+      }
+}
+
+TEST(Spectrum3, DiagonalMatricesKeepTheirDiagonal) {
+  const Spectrum3<double> zero = spectrum3(Symmetric3<double>{});
+  const double f[3] = {2, 2, 2};
+  const Symmetric3<double> same = zero.isotropic(f);
+  for (int k = 0; k < 6; ++k) {
+    EXPECT_EQ(same.m[k], k < 3 ? 2 : 0);
+    EXPECT_EQ(zero.value(k % 3), 0);
   }
 }
 
