@@ -37,6 +37,17 @@ class InverseTile {
         body(int(threadIdx.y) + kWidth * a, int(threadIdx.x) + kWidth * b, entry_[a][b]);
   }
 
+  /// body(i, j, A(i, j), B(i, j)).
+  template <class Body>
+  __device__ void for_entries(InverseTile& B, const Body& body) {
+#pragma unroll
+    for (int a = 0; a < kSpan; ++a)
+#pragma unroll
+      for (int b = 0; b < kSpan; ++b)
+        body(int(threadIdx.y) + kWidth * a, int(threadIdx.x) + kWidth * b, entry_[a][b],
+             B.entry_[a][b]);
+  }
+
   /// A becomes its inverse, A symmetric and positive definite: Gauss-Jordan without pivoting. For
   /// all threads of the block.
   __device__ void invert(Room& room) {

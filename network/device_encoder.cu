@@ -12,7 +12,7 @@ constexpr int kModes = Encoder<float>::kModes, kSize = 3 * kModes;
 constexpr int kChunk = 1024;                               // entries
 constexpr int kGroups = 32;                                // of kModes threads that encode a chunk
 constexpr int kSlices = 16;                                // of the chunks of a piece
-constexpr int kColumns = (kSize + kSlices - 1) / kSlices;  // of its inverse, of a slice
+constexpr int kColumns = (kSize + kSlices - 1) / kSlices;  // of its correction, of a slice
 constexpr int kTile = 128;                                 // entries that a block decodes
 
 /// B^T r of a chunk, a block of (kModes, kGroups) threads: each group takes every kGroups-th entry,
@@ -51,22 +51,22 @@ __device__ inline double sum_of_slices(const double sums[kSlices][kSize], int co
   return total;
 }
 
-/// A_r^-1 B^T r of a piece in float64, a block of (kSize, kSlices) threads: each slice adds every
-/// kSlices-th chunk, and multiplies every kSlices-th column of the inverse; the slices' sums are
-/// added in order.
+/// The correction times B^T r of a piece in float64, a block of (kSize, kSlices) threads: each
+/// slice adds every kSlices-th chunk, and multiplies every kSlices-th column of the correction; the
+/// slices' sums are added in order.
 template <class T>
 __global__ void __launch_bounds__(kSize* kSlices)
-    solve_kernel(const int32_t* chunk_begin, const T* partial, const double* inverses,
+    solve_kernel(const int32_t* chunk_begin, const T* partial, const double* corrections,
                  double* solution) {
   __shared__ double sums[kSlices][kSize], reduced[kSize];
   const int64_t piece = blockIdx.x;
   const int row = int(threadIdx.x), slice = int(threadIdx.y);
   begin_kernel();
-  const double* inverse = inverses + piece * kSize * kSize + row;
+  const double* matrix = corrections + piece * kSize * kSize + row;
   double column[kColumns];
 #pragma unroll
   for (int k = 0; k < kColumns; ++k)
-    column[k] = slice + k * kSlices < kSize ? inverse[(slice + k * kSlices) * kSize] : 0;
+    column[k] = slice + k * kSlices < kSize ? matrix[(slice + k * kSlices) * kSize] : 0;
   const int32_t end = chunk_begin[piece + 1];
   double sum = 0;
 #pragma unroll 8
@@ -131,7 +131,7 @@ DeviceEncoder<T>::DeviceEncoder(const Encoder<T>& host) {
   nodes_ = DeviceArray<int32_t>(entries);
   modes_ = DeviceArray<ModeNumber<T>>(entries * kModes);
   std::vector<int32_t> chunk_begin;
-  std::vector<double> inverses;
+  std::vector<double> corrections;
   std::vector<EncoderChunk> chunks;
   int32_t first = 0;
   for (const auto& piece : host.pieces()) {
@@ -142,14 +142,14 @@ DeviceEncoder<T>::DeviceEncoder(const Encoder<T>& host) {
                  modes_);
     for (int column = 0; column < kSize; ++column)
       for (int row = 0; row < kSize; ++row)
-        inverses.push_back(piece.inverse[size_t(row * kSize + column)]);
+        corrections.push_back(piece.correction[size_t(row * kSize + column)]);
     chunk_begin.push_back(int32_t(chunks.size()));
     for (int32_t begin = first; begin < end; begin += kChunk)
       chunks.push_back({number, begin, std::min(begin + kChunk, end)});
     first = end;
   }
   chunk_begin.push_back(int32_t(chunks.size()));
-  inverses_ = DeviceArray<double>(inverses);
+  corrections_ = DeviceArray<double>(corrections);
   chunks_ = DeviceArray<EncoderChunk>(chunks);
   chunk_begin_ = DeviceArray<int32_t>(chunk_begin);
   partial_ = DeviceArray<T>(chunks_.size() * kSize);
@@ -160,12 +160,12 @@ template <class T>
 void DeviceEncoder<T>::apply(const T* r, T* z, cudaStream_t stream) {
   if (piece_count() == 0) return;
   const unsigned chunks = unsigned(chunks_.size()), pieces = unsigned(piece_count());
-  const DeviceArray<double>& inverses = use_stiffness_ ? stiff_inverses_ : inverses_;
+  const DeviceArray<double>& corrections = use_stiffness_ ? stiff_corrections_ : corrections_;
   const Line first{stream, false}, next{stream};
   launch_on(first, encode_kernel<T>, chunks, dim3(kModes, kGroups), 0, chunks_.data(),
             nodes_.data(), modes_.data(), r, partial_.data());
   launch_on(next, solve_kernel<T>, pieces, dim3(kSize, kSlices), 0, chunk_begin_.data(),
-            partial_.data(), inverses.data(), solution_.data());
+            partial_.data(), corrections.data(), solution_.data());
   launch_on(next, decode_kernel<T>, dim3(chunks, kChunk / kTile), kTile, 0, chunks_.data(),
             nodes_.data(), modes_.data(), solution_.data(), z);
 }

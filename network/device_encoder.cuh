@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The encoder of network/encoder.hpp on the device: modes and inverses of a finished one, copied
-// once, and the same map in three launches, all sums in a fixed order.
+// The encoder of network/encoder.hpp on the device, beside multigrid: modes and corrections of a
+// finished one, copied once, and the same map in three launches, all sums in a fixed order.
 
 #pragma once
 
@@ -39,7 +39,7 @@ struct StiffEntry {
 template <class T>
 class DeviceEncoder {
  public:
-  /// Takes the host's present inverses; later changes of the host have no effect.
+  /// Takes the host's present corrections; later changes of the host have no effect.
   /// @throws Error (resources) where the device has no room.
   explicit DeviceEncoder(const Encoder<T>& host);
 
@@ -48,10 +48,10 @@ class DeviceEncoder {
   void expect_stiffness(const Encoder<T>& host, const std::vector<int32_t>& nodes);
   /// As Encoder::set_nodal_stiffness; only once it is expected.
   void set_nodal_stiffness(const NodalStiffness& stiffness);
-  /// Whether add() takes it into account.
+  /// Whether apply() takes it into account.
   void use_stiffness(bool use) { use_stiffness_ = use; }
 
-  /// z = B A_r^-1 B^T r on the nodes of the pieces; (nodes, 3), on the device.
+  /// z = B (A_r^-1 - s D_r^-1) B^T r on the nodes of the pieces; (nodes, 3), on the device.
   void apply(const T* r, T* z, cudaStream_t stream);
 
  private:
@@ -59,11 +59,12 @@ class DeviceEncoder {
 
   DeviceArray<int32_t> nodes_;        // of all pieces, one after the other
   DeviceArray<ModeNumber<T>> modes_;  // (entries of nodes_, kModes)
-  DeviceArray<double> inverses_;      // (pieces, 3 kModes, 3 kModes), column-major
+  DeviceArray<double>
+      corrections_;  // A_r^-1 - s D_r^-1, (pieces, 3 kModes, 3 kModes), column-major
   DeviceArray<EncoderChunk> chunks_;  // in the order of the pieces
   DeviceArray<int32_t> chunk_begin_;  // first chunk of each piece, (pieces + 1)
   DeviceArray<T> partial_;            // B^T r of each chunk, (chunks, 3 kModes)
-  DeviceArray<double> solution_;      // A_r^-1 B^T r, (pieces, 3 kModes)
+  DeviceArray<double> solution_;      // those times B^T r, (pieces, 3 kModes)
 
   // of a further stiffness, where one is expected
   bool use_stiffness_ = false;
@@ -73,7 +74,7 @@ class DeviceEncoder {
   DeviceArray<int32_t> stiff_begin_;        // first chunk of each piece, (pieces + 1)
   DeviceArray<double> products_;            // of the chunks, (chunks, kProducts)
   DeviceArray<int32_t> touched_;            // chunks whose products are not all 0
-  DeviceArray<double> stiff_inverses_;      // like inverses_
+  DeviceArray<double> stiff_corrections_;   // like corrections_
 };
 
 }  // namespace elastogen::cuda

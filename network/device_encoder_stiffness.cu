@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The encoder's operators with a further stiffness of some nodes: their blocks on the modes, chunk
-// by chunk, and the inverses, as in encoder.cpp.
+// by chunk, and the corrections, as in encoder.cpp.
 #include "core/device_inverse.cuh"
 #include "network/device_encoder.cuh"
 
@@ -74,9 +74,9 @@ __global__ void __launch_bounds__(kSumWidth* kSumSlices)
 using ReducedTile = InverseTile<4>;
 static_assert(kWidth <= ReducedTile::kRows);
 
-/// Inverses of rest plus sums, both (pieces, ...), a block a piece.
+/// A_r^-1 - s D_r^-1 of A_r = rest plus sums, both (pieces, ...), a block a piece.
 __global__ void __launch_bounds__(ReducedTile::kThreads)
-    reduced_inverse_kernel(const double* rest, const double* sums, double* inverses) {
+    correction_kernel(const double* rest, const double* sums, double* corrections) {
   __shared__ ReducedTile::Room room;
   __shared__ double scale[kWidth];
   const double* from = rest + int64_t(blockIdx.x) * kWidth * kWidth;
@@ -90,12 +90,18 @@ __global__ void __launch_bounds__(ReducedTile::kThreads)
   // scaled to unit diagonal; 1e-9 as on the host
   if (thread < kWidth) scale[thread] = 1 / sqrt(fmax(full(thread, thread), 1e-300));
   __syncthreads();
-  ReducedTile tile(
-      kWidth, [&](int a, int b) { return scale[a] * full(a, b) * scale[b] + (a == b ? 1e-9 : 0); });
+  const auto scaled = [&](int a, int b) {
+    return scale[a] * full(a, b) * scale[b] + (a == b ? 1e-9 : 0);
+  };
+  ReducedTile known(kWidth, [&](int a, int b) { return a % 3 == b % 3 ? scaled(a, b) : 0; });
+  known.invert(room);
+  __syncthreads();
+  ReducedTile tile(kWidth, scaled);
   tile.invert(room);
-  double* to = inverses + int64_t(blockIdx.x) * kWidth * kWidth;
-  tile.for_entries([&](int a, int b, double value) {
-    if (a < kWidth && b < kWidth) to[a * kWidth + b] = scale[a] * value * scale[b];
+  double* to = corrections + int64_t(blockIdx.x) * kWidth * kWidth;
+  tile.for_entries(known, [&](int a, int b, double value, double of_known) {
+    if (a < kWidth && b < kWidth)
+      to[a * kWidth + b] = scale[a] * (value - Encoder<float>::kKnown * of_known) * scale[b];
   });
 }
 
@@ -129,7 +135,7 @@ void DeviceEncoder<T>::expect_stiffness(const Encoder<T>& host, const std::vecto
   stiff_begin_ = DeviceArray<int32_t>(begin);
   products_ = DeviceArray<double>((stiff_chunks_.size() + piece_count()) * kProducts);
   touched_ = DeviceArray<int32_t>(stiff_chunks_.size());
-  stiff_inverses_ = DeviceArray<double>(inverses_.size());
+  stiff_corrections_ = DeviceArray<double>(corrections_.size());
 }
 
 template <class T>
@@ -147,8 +153,8 @@ void DeviceEncoder<T>::set_nodal_stiffness(const NodalStiffness& stiffness) {
       stiff_begin_.data(), touched_.data(), of_chunks, of_pieces);
   check(cudaGetLastError());
   constexpr dim3 kSquare(ReducedTile::kWidth, ReducedTile::kWidth);
-  reduced_inverse_kernel<<<unsigned(pieces), kSquare>>>(rest_.data(), of_pieces,
-                                                        stiff_inverses_.data());
+  correction_kernel<<<unsigned(pieces), kSquare>>>(rest_.data(), of_pieces,
+                                                   stiff_corrections_.data());
   check(cudaGetLastError());
 }
 

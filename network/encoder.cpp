@@ -29,6 +29,19 @@ double kept(double mode, double) {
   return mode;
 }
 
+constexpr int kSize = 3 * Encoder<float>::kModes;
+using Reduced = Eigen::Matrix<double, kSize, kSize, Eigen::RowMajor>;
+using ReducedVector = Eigen::Matrix<double, kSize, 1>;
+
+/// The entries of a reduced operator that couple a component with itself; the others 0.
+Reduced within_components(const Reduced& A) {
+  Reduced D = A;
+  for (int a = 0; a < kSize; ++a)
+    for (int b = 0; b < kSize; ++b)
+      if (a % 3 != b % 3) D(a, b) = 0;
+  return D;
+}
+
 /// Box of some nodes at rest.
 Box rest_box(const Scene& scene, const std::vector<int32_t>& nodes) {
   std::vector<Box> boxes((nodes.size() + size_t(kBlock) - 1) / size_t(kBlock));
@@ -115,26 +128,47 @@ void Encoder<T>::build_operators(const IncrementalPotential& potential) {
   solution_.resize(reduced_.size());
 }
 
-/// Inverse of A scaled to unit diagonal; 1e-9 keeps directions that the modes hold twice harmless.
+/// Of A scaled to unit diagonal; 1e-9 keeps directions that the modes hold twice harmless.
 template <class T>
 void Encoder<T>::invert(Piece& piece, const std::vector<double>& A) {
-  constexpr int kSize = 3 * kModes;
-  using Matrix = Eigen::Matrix<double, kSize, kSize, Eigen::RowMajor>;
-  const Eigen::Map<const Matrix> full(A.data());
-  const Eigen::Matrix<double, kSize, 1> scale =
-      full.diagonal().array().max(1e-300).sqrt().inverse().matrix();
-  Matrix scaled = scale.asDiagonal() * (full + full.transpose()) * scale.asDiagonal() / 2;
+  const Eigen::Map<const Reduced> full(A.data());
+  const ReducedVector scale = full.diagonal().array().max(1e-300).sqrt().inverse().matrix();
+  Reduced scaled = scale.asDiagonal() * (full + full.transpose()) * scale.asDiagonal() / 2;
   scaled.diagonal().array() += 1e-9;
-  const Matrix inverse = scaled.llt().solve(Matrix::Identity());
-  const Matrix result =
-      scale.asDiagonal() * (inverse + inverse.transpose()) * scale.asDiagonal() / 2;
-  piece.inverse.assign(result.data(), result.data() + kSize * kSize);
+  const auto take_inverse = [&](const Reduced& of) {
+    const Reduced inverse = of.llt().solve(Reduced::Identity());
+    return Reduced(scale.asDiagonal() * (inverse + inverse.transpose()) * scale.asDiagonal() / 2);
+  };
+  const Reduced inverse = take_inverse(scaled);
+  const Reduced correction = inverse - kKnown * take_inverse(within_components(scaled));
+  piece.inverse.assign(inverse.data(), inverse.data() + inverse.size());
+  piece.correction.assign(correction.data(), correction.data() + correction.size());
+}
+
+/// By the power method on A_r^-1 D_r, symmetric in the product with D_r.
+template <class T>
+double Encoder<T>::softness() const {
+  constexpr int kSteps = 50;
+  double softest = 1;
+  for (const Piece& piece : pieces_) {
+    const Eigen::Map<const Reduced> A(piece.rest.data()), inverse(piece.inverse.data());
+    const Reduced D = within_components(A);
+    ReducedVector x = A.diagonal().array().max(1e-300).sqrt().inverse().matrix();
+    for (int k = 0; k < kSize; ++k) x(k) *= 1 + 0.1 * (k % 7);  // not orthogonal to any direction
+    double value = 1;
+    for (int step = 0; step < kSteps; ++step) {
+      const ReducedVector Dx = D * x, y = inverse * Dx;
+      value = y.dot(Dx) / x.dot(Dx);
+      x = y / y.norm();
+    }
+    softest = std::max(softest, value);
+  }
+  return softest;
 }
 
 template <class T>
 void Encoder<T>::set_nodal_stiffness(const std::vector<int32_t>& nodes,
                                      const std::vector<double>& blocks) {
-  constexpr size_t kSize = 3 * kModes;
   std::vector<std::vector<double>> A(pieces_.size());
   for (size_t s = 0; s < nodes.size(); ++s) {
     const auto [piece, local] = place_[size_t(nodes[s])];
@@ -144,7 +178,7 @@ void Encoder<T>::set_nodal_stiffness(const std::vector<int32_t>& nodes,
     const T* mode = pieces_[size_t(piece)].modes.data() + size_t(local) * kModes;
     for (size_t m = 0; m < kModes; ++m)
       for (size_t i = 0; i < 3; ++i) {
-        double* row = sum.data() + (3 * m + i) * kSize;
+        double* row = sum.data() + (3 * m + i) * size_t(kSize);
         for (size_t n = 0; n < kModes; ++n)
           for (size_t j = 0; j < 3; ++j)
             row[3 * n + j] += double(mode[m]) * double(mode[n]) * blocks[9 * s + 3 * i + j];
@@ -163,7 +197,6 @@ void Encoder<T>::load_modes(const Piece& piece, int64_t k, Pack<T> mode[kPacks])
 template <class T>
 void Encoder<T>::encode(const T* r, double* y) const {
   constexpr int64_t kChunk = 1024;
-  constexpr int kSize = 3 * kModes;
   using Partial = std::array<Pack<T>, 3 * kPacks>;
   for (size_t s = 0; s < pieces_.size(); ++s) {
     const Piece& piece = pieces_[s];
@@ -216,15 +249,12 @@ void Encoder<T>::decode(const double* y, T* z) const {
 }
 
 template <class T>
-void Encoder<T>::add(const T* r, T* z) {
-  constexpr int kSize = 3 * kModes;
+void Encoder<T>::add(std::vector<double> Piece::*matrix, const T* r, T* z) {
   encode(r, reduced_.data());
   for (size_t s = 0; s < pieces_.size(); ++s) {
-    using Vector = Eigen::Matrix<double, kSize, 1>;
-    using Matrix = Eigen::Matrix<double, kSize, kSize, Eigen::RowMajor>;
-    const Eigen::Map<const Matrix> inverse(pieces_[s].inverse.data());
-    Eigen::Map<Vector>(solution_.data() + s * kSize).noalias() =
-        inverse * Eigen::Map<const Vector>(reduced_.data() + s * kSize);
+    const Eigen::Map<const Reduced> of((pieces_[s].*matrix).data());
+    Eigen::Map<ReducedVector>(solution_.data() + s * kSize).noalias() =
+        of * Eigen::Map<const ReducedVector>(reduced_.data() + s * kSize);
   }
   decode(solution_.data(), z);
 }

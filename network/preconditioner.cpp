@@ -15,6 +15,12 @@ Preconditioner<T>::Preconditioner(IncrementalPotential& potential, bool with_enc
 }
 
 template <class T>
+void Preconditioner<T>::leave_out_weak_encoder() {
+  constexpr double kSoft = 5;  // counts of beams and balls are the same with and without below it
+  if (encoder_ && encoder_->softness() < kSoft) encoder_.reset();
+}
+
+template <class T>
 void Preconditioner<T>::update_contact() {
   const Contact& contact = potential_.contact();
   const std::vector<int32_t>& nodes = contact.stiff_nodes();
@@ -49,7 +55,7 @@ void Preconditioner<T>::apply(const In* r, In* z) {
       r_[size_t(3 * n + i)] = T(R[i]) * T(v[0]) + T(R[3 + i]) * T(v[1]) + T(R[6 + i]) * T(v[2]);
   });
   multigrid_.apply(r_.data(), z_.data());
-  if (encoder_) encoder_->add(r_.data(), z_.data());
+  if (encoder_) encoder_->add_correction(r_.data(), z_.data());
   for_each(nodes, [&](int64_t n) {
     const float* R = rotation + 9 * n;
     const T* w = z_.data() + 3 * n;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // RNN-2's one pass: V-cycle plus encoder in nodal rotations,
 //
-//     z = R ( MG + B A_r^-1 B^T ) R^T r,
+//     z = R ( MG + B (A_r^-1 - s D_r^-1) B^T ) R^T r        (network/encoder.hpp),
 //
 // R the block diagonal of nodal rotations at the start of the iteration. Contact adds the stiffness
 // K of its nodes to both: its diagonal in the rotated frames to multigrid, the 3x3 blocks to A_r.
@@ -25,6 +25,9 @@ class Preconditioner {
   /// z = B r, both (nodes, 3); In is the type of the iteration, the work is done in T.
   template <class In>
   void apply(const In* r, In* z);
+
+  /// Does without the encoder from here on where multigrid alone does as well.
+  void leave_out_weak_encoder();
 
   /// Takes the frozen contact stiffness of the potential.
   void update_contact();

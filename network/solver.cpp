@@ -54,6 +54,10 @@ Solver::Impl::Impl(const Scene& s, const SolverOptions& o)
     precise.emplace(potential, encoder);
   else
     single.emplace(potential, encoder);
+  if (o.skip && scene.colliders.empty()) {  // contact may ask for what rest does not
+    if (single) single->leave_out_weak_encoder();
+    if (precise) precise->leave_out_weak_encoder();
+  }
   take_device();
 }
 
