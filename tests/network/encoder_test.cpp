@@ -4,6 +4,8 @@
 #include "network/smooth_modes.hpp"
 #include "tests/network/multigrid_scenes.hpp"
 
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
 namespace elastogen::test {
@@ -59,6 +61,67 @@ TEST(Encoder, SolvesTheQuadraticOfMaterialsAndWeightsThatDifferFromVoxelToVoxel)
     finish_scene(scene);
     expect_projection(scene, 55);
   }
+}
+
+/// A_r of a body of one piece: products with the decoded modes, encoded.
+Eigen::MatrixXd reduced_operator(Rest& rest, const Encoder<double>& encoder) {
+  Eigen::MatrixXd A(kCoarseSize, kCoarseSize);
+  std::vector<double> mode(3 * size_t(rest.scene.grid.node_count()));
+  for (int k = 0; k < kCoarseSize; ++k) {
+    const Eigen::VectorXd y = Eigen::VectorXd::Unit(kCoarseSize, k);
+    encoder.decode(y.data(), mode.data());
+    encoder.encode(rest.product(mode).data(), A.col(k).data());
+    std::fill(mode.begin(), mode.end(), 0);
+  }
+  return A;
+}
+
+/// What couples a component with itself.
+Eigen::MatrixXd within_components(const Eigen::MatrixXd& A) {
+  return Eigen::MatrixXd::NullaryExpr(A.rows(), A.cols(), [&](Eigen::Index a, Eigen::Index b) {
+    return a % 3 == b % 3 ? A(a, b) : 0;
+  });
+}
+
+TEST(Encoder, CorrectionIsTheInverseLessWhatMultigridKnows) {
+  for (const double poisson : {0.0, 0.3, 0.49}) {
+    const Scene scene = clamped_beam(16, 6, 5, 0.05, solid(1e6, poisson));
+    Rest rest(scene);
+    Encoder<double> encoder(rest.potential);
+    const Eigen::MatrixXd A = reduced_operator(rest, encoder);
+    const std::vector<double> r = random_field(scene, 1, 56);
+    Eigen::VectorXd y(kCoarseSize);
+    encoder.encode(r.data(), y.data());
+    const Eigen::VectorXd solution = A.llt().solve(y) - 0.8 * within_components(A).llt().solve(y);
+    std::vector<double> z(r.size()), expected(r.size());
+    encoder.decode(solution.data(), expected.data());
+    encoder.add_correction(r.data(), z.data());
+    EXPECT_LT(relative_difference(z, expected), 1e-6) << poisson;
+  }
+}
+
+TEST(Encoder, SoftnessIsTheLargestEigenvalueOfWhatMultigridKnowsOverTheOperator) {
+  for (const double C : {0.1, 3.0, 100.0})
+    for (const double poisson : {0.0, 0.45}) {
+      const double h = 0.05;
+      const Scene scene =
+          clamped_beam(16, 6, 5, h, solid(young_of_courant(C, h, 1.0 / 60), poisson));
+      Rest rest(scene);
+      const Encoder<double> encoder(rest.potential);
+      const Eigen::MatrixXd A = reduced_operator(rest, encoder);
+      const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(
+          within_components(A), A, Eigen::EigenvaluesOnly);
+      const double largest = solver.eigenvalues().maxCoeff();
+      printf("C %g, nu %g: softness %.4f\n", C, poisson, largest);
+      EXPECT_LE(encoder.softness(), largest * (1 + 1e-6));
+      EXPECT_GE(encoder.softness(), 0.95 * largest);
+      if (C == 0.1) {
+        EXPECT_LT(largest, 1.1);
+      }
+      if (C == 100) {
+        EXPECT_GT(largest, 5);
+      }
+    }
 }
 
 TEST(Encoder, IsTheSameForOneAndTwoThreads) {

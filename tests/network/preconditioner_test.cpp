@@ -4,6 +4,7 @@
 #include "core/pcg.hpp"
 #include "tests/network/scenes.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
 namespace elastogen::test {
@@ -121,6 +122,84 @@ TEST(Preconditioner, IsSymmetricAndPositiveInATurnedStateWithContact) {
   EXPECT_GT(relative_difference(Bx, free), 1e-3);  // the scaling of contact is at work
   EXPECT_NEAR(dot(x, By), dot(y, Bx), 1e-6 * norm(x) * norm(By));  // nodal rotations are float
   EXPECT_GT(dot(x, Bx), 0);
+}
+
+/// The least and the largest eigenvalue of B times the elastic operator at rest on the free
+/// components, B the preconditioner with and without the encoder.
+std::array<double, 2> spectrum_at_rest(const Scene& scene, bool with_encoder) {
+  IncrementalPotential potential(scene);
+  potential.begin_step(initial_state(scene), {TimeScheme::kEuler, scene.dt, 1});
+  Preconditioner<double> preconditioner(potential, with_encoder);
+  std::vector<size_t> free;
+  const auto size = 3 * size_t(scene.grid.node_count());
+  for (size_t k = 0; k < size; ++k)
+    if (!scene.pinned(int64_t(k / 3))) free.push_back(k);
+  const auto count = Eigen::Index(free.size());
+  Eigen::MatrixXd A(count, count), B(count, count);
+  std::vector<double> unit(size), Au(size), Bu(size);
+  for (Eigen::Index column = 0; column < count; ++column) {
+    const size_t k = free[size_t(column)];
+    unit[k] = 1;
+    potential.rest_hessian_product(unit.data(), Au.data());
+    preconditioner.apply(unit.data(), Bu.data());
+    unit[k] = 0;
+    for (Eigen::Index row = 0; row < count; ++row) {
+      A(row, column) = Au[free[size_t(row)]];
+      B(row, column) = Bu[free[size_t(row)]];
+    }
+  }
+  const Eigen::MatrixXd L = A.llt().matrixL();
+  const Eigen::VectorXd values =
+      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(L.transpose() * (B + B.transpose()) / 2 * L,
+                                                     Eigen::EigenvaluesOnly)
+          .eigenvalues();
+  return {values.minCoeff(), values.maxCoeff()};
+}
+
+TEST(Preconditioner, LeavesTheEncoderOutWhereThatHasNothingToAdd) {
+  for (const auto& [C, kept] : {std::pair{2.0, false}, std::pair{100.0, true}}) {
+    const Scene scene = swinging_beam(C, 0.3);
+    IncrementalPotential potential(scene);
+    potential.begin_step(initial_state(scene), {TimeScheme::kEuler, scene.dt, 1});
+    Preconditioner<float> preconditioner(potential, true), alone(potential, false);
+    preconditioner.leave_out_weak_encoder();
+    EXPECT_EQ(preconditioner.encoder() != nullptr, kept);
+    std::vector<double> r = load(scene), z(r.size()), expected(r.size());
+    preconditioner.apply(r.data(), z.data());
+    alone.apply(r.data(), expected.data());
+    EXPECT_EQ(z == expected, !kept);
+  }
+}
+
+TEST(Preconditioner, IsAsGoodWithTheEncoderAsWithoutInItsWorstDirection) {
+  struct Case {
+    const char* name;
+    VoxelGrid grid;
+    bool pinned;
+  };
+  const double h = 0.05;
+  const Case cases[] = {{"beam", make_box(10, 3, 3, h), true},
+                        {"needle", make_box(30, 1, 1, h), true},
+                        {"plate", make_box(8, 8, 1, h), false},
+                        {"ragged", ragged_grid(7, 6, 5, h, 66), true},
+                        {"ball", ball_grid(3 * h, h), false}};
+  for (const Case& c : cases)
+    for (const double C : {1.0, 10.0, 100.0})
+      for (const double poisson : {0.0, 0.49}) {
+        Scene scene = scene_on(c.grid, solid(young_of_courant(C, h, 1.0 / 60), poisson));
+        if (c.pinned) pin_below(scene, 0, c.grid.rest(0, 0) + h / 2);
+        finish_scene(scene);
+        const auto [low, high] = spectrum_at_rest(scene, true);
+        const auto [low_alone, high_alone] = spectrum_at_rest(scene, false);
+        printf("%-8s C %5g, nu %4g: %.4f ... %.3f, multigrid alone %.4f ... %.3f\n", c.name, C,
+               poisson, low, high, low_alone, high_alone);
+        // what multigrid gives is taken away where the encoder knows better, and not twice given
+        EXPECT_GT(low, 0.85 * low_alone);
+        EXPECT_LT(high, 1.25 * high_alone);
+        if (C == 100) {
+          EXPECT_GT(low, 1.04 * low_alone);
+        }
+      }
 }
 
 }  // namespace
