@@ -7,14 +7,17 @@
 #include "core/device_array.cuh"
 #include "network/lbfgs_products.hpp"
 
+#include <cuda_bf16.h>
+
 namespace elastogen::cuda {
 
 inline constexpr int kPairs = LbfgsProducts::kPairs, kOlder = LbfgsProducts::kOlder;
 
 /// What an iteration tells the host.
 struct Numbers {
-  double slope;     ///< Phi' along the step, at its start
-  double gradient;  ///< |g|^2 at the trial
+  double slope;        ///< Phi' along the step, at its start
+  double trial_slope;  ///< and at the trial
+  double gradient;     ///< |g|^2 at the trial
   LbfgsProducts::Newest pair;
 };
 
@@ -22,39 +25,42 @@ struct FirstLoop {
   double alpha[kPairs];
 };
 
+/// Of the vectors of pairs: the range of float and 8 digits, binary.
+using PairNumber = __nv_bfloat16;
+
 /// The vectors of the pairs, the newest first.
 struct PairViews {
-  const float *s[kPairs], *y[kPairs];
+  const PairNumber *s[kPairs], *y[kPairs];
   int count;
 };
 
-/// The pairs in float, whatever the iteration is in: what the rounding takes from them is far below
-/// what a direction is good for. The step that is tried lies where its s will be.
+/// The pairs and the step that is tried. All products are of the pairs as they are kept, so that
+/// what the rounding takes from them leaves the matrix symmetric and positive definite, with as
+/// many iterations (docs/benchmarks.md) and half of the bytes of float.
 struct Pairs {
-  explicit Pairs(int64_t n) {
-    for (int k = 0; k <= kPairs; ++k) s.emplace_back(n);
-    for (int k = 0; k < kPairs; ++k) y.emplace_back(n);
+  explicit Pairs(int64_t n) : step(n) {
+    for (int k = 0; k < kPairs; ++k) s.emplace_back(n), y.emplace_back(n);
   }
 
   PairViews views() const {
     PairViews list{{}, {}, products.count};
     for (int k = 0; k < kPairs; ++k) {
-      list.s[k] = s[size_t((next_s + kPairs - k) % (kPairs + 1))].data();
-      list.y[k] = y[size_t((next_y + kPairs - 1 - k) % kPairs)].data();
+      const auto place = size_t((next + kPairs - 1 - k) % kPairs);
+      list.s[k] = s[place].data(), list.y[k] = y[place].data();
     }
     return list;
   }
-  float* step() { return s[size_t(next_s)].data(); }
-  float* next_difference() { return y[size_t(next_y)].data(); }
+  /// Where the next pair goes, in place of the oldest of a full history.
+  PairNumber* next_s() { return s[size_t(next)].data(); }
+  PairNumber* next_y() { return y[size_t(next)].data(); }
   void take(const LbfgsProducts::Newest& pair) {
-    if (!products.take(pair)) return;
-    next_s = (next_s + 1) % (kPairs + 1);
-    next_y = (next_y + 1) % kPairs;
+    if (products.take(pair)) next = (next + 1) % kPairs;
   }
 
-  std::vector<DeviceArray<float>> s, y;  // rings of kPairs + 1 and of kPairs
+  DeviceArray<float> step;
+  std::vector<DeviceArray<PairNumber>> s, y;  // rings
   LbfgsProducts products;
-  int next_s = 0, next_y = 0;
+  int next = 0;
 };
 
 }  // namespace elastogen::cuda

@@ -122,11 +122,6 @@ __global__ void __launch_bounds__(kClusterThreads)
   for (int l = last; l >= first; --l) {
     const StencilView<T>& v = views.level[l];
     if (v.inverses != nullptr) continue;
-    if (l < last) {
-      share(v.bricks * stencil::kSlots,
-            [&](int slot) { prolong_correction(v, views.level[l + 1], slot); });
-      cluster.sync();
-    }
     cluster_pass<T, kAdded>(v, Pass::kFirst, {});
     cluster_pass<T, kAdded>(v, Pass::kSecond, l == 0 ? out : ResultOutput<T>{});
   }
@@ -160,6 +155,7 @@ struct DeviceMultigridLevels {
     add_levels(host);
     views.count = first_in_cluster = int(levels.size());
     for (int l = 0; l < views.count; ++l) views.level[l] = levels[size_t(l)]->view();
+    for (int l = 0; l + 1 < views.count; ++l) views.level[l].coarse_z = views.level[l + 1].z;
     while (first_in_cluster > 0 && fits_cluster(views.level[first_in_cluster - 1]))
       --first_in_cluster;
     prepare_kernels<false>();
@@ -215,12 +211,15 @@ struct DeviceMultigridLevels {
 
   void run(int l, Pass pass, const ResultOutput<T>& out = {}, bool early = true) {
     const StencilView<T>& v = present().level[l];
+    const bool last = l + 1 == views.count;
     const auto [kernel, nodes] =
         use_stiffness ? kernel_for<true>(v.bricks) : kernel_for<false>(v.bricks);
     const int threads = stencil::kSlots / nodes;
-    // only the last pass needs room for z
-    const int bytes =
-        stencil::kSharedBytes<T> - (pass == Pass::kSecond ? 0 : stencil::kBrick * int(sizeof(T)));
+    // room for z needs only the last pass, for coarse values only those that prolong them
+    int bytes = stencil::kSharedBytes<T>;
+    if (pass != Pass::kSecond) bytes -= stencil::kBrick * int(sizeof(T));
+    if (last || pass == Pass::kStart || pass == Pass::kResidual)
+      bytes -= stencil::kCoarse * int(sizeof(T));
     launch_on(line(early), kernel, unsigned(v.bricks), unsigned(threads), size_t(bytes), v, pass,
               out);
   }
@@ -251,17 +250,9 @@ struct DeviceMultigridLevels {
       if (!alone) beside.begin();
       cycle(l + 1, {}, {});
       if (!alone) beside.end();
-      prolong(l, alone);
     }
-    run(l, Pass::kFirst);
+    run(l, Pass::kFirst, {}, alone || last);
     run(l, Pass::kSecond, out);
-  }
-
-  void prolong(int l, bool early) {
-    const StencilView<T> v = present().level[l], coarser = present().level[l + 1];
-    cuda::for_each(
-        int64_t(v.bricks) * stencil::kSlots,
-        [=] __device__(int64_t s) { prolong_correction(v, coarser, int(s)); }, line(early));
   }
 
   std::vector<std::unique_ptr<Level<T>>> levels;

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "core/device_wide.cuh"
 #include "core/polar.hpp"
+#include "network/device_nodal_sums.cuh"
 #include "network/device_potential_impl.cuh"
 
 namespace elastogen::cuda {
@@ -68,30 +70,6 @@ void DevicePotential::Impl::freeze_rotations() {
       NoFinish{});
 }
 
-/// Row `component` of the fill-weighted sums of F_v over the voxels of each node.
-void DevicePotential::Impl::add_gradients(const double* u, int component) {
-  float* sums = gradient_sums.data() + 3 * component;
-  const VoxelTables<float> table = voxels<float>();
-  for_each_voxel<float>(
-      rows, reinterpret_cast<float*>(parts.data()), static_cast<NoSums*>(nullptr),
-      [=] __device__(int64_t n, int64_t reference, float v[3]) {
-        for (int i = 0; i < 3; ++i) v[i] = float(u[3 * n + i] - u[3 * reference + i]);
-      },
-      [=] __device__(const VoxelRow& row, int64_t r, int lane, float corner[3][8], float f[3][8],
-                     NoSums&) {
-        const VoxelData<float> data = table.data(row, r, lane);
-        for (int i = 0; i < 3; ++i) hex8::to_patterns(corner[i]);
-        const Mat3<float> F = deformation_gradient<true>(data, corner);
-        for (int j = 0; j < 3; ++j)
-          for (int c = 0; c < 8; ++c) f[j][c] = data.phi * F(component, j);
-      },
-      [=] __device__(int64_t n, const NodeSum<float>& given) {
-        float sum[3];
-        given.get(sum);
-        for (int j = 0; j < 3; ++j) sums[9 * n + j] = sum[j];
-      });
-}
-
 DevicePotential::DevicePotential(const IncrementalPotential& host)
     : impl_(std::make_unique<Impl>(host)) {}
 
@@ -123,15 +101,27 @@ void DevicePotential::freeze_rotations() {
   impl_->freeze_rotations();
 }
 
+/// Of the fill-weighted sums of F_v over the voxels of each node.
 void DevicePotential::set_nodal_rotations(const double* u) {
-  for (int component = 0; component < 3; ++component) impl_->add_gradients(u, component);
-  const float* sums = impl_->gradient_sums.data();
+  const VoxelTables<float> table = impl_->voxels<float>();
   Quaternion<float>* rotation = impl_->nodal_rotation.data();
-  cuda::for_each(nodes(), [=] __device__(int64_t n) {
-    Mat3<float> sum;
-    for (int k = 0; k < 9; ++k) sum.m[k] = sums[9 * n + k];
-    rotation[n] = quaternion_of(polar_rotation(sum));
-  });
+  sum_at_nodes<float, 9>(
+      impl_->rows, reinterpret_cast<float*>(impl_->parts.data()),
+      [=] __device__(int64_t n, int64_t reference, float v[3]) {
+        for (int i = 0; i < 3; ++i)
+          v[i] = float(__ldg(u + 3 * n + i) - __ldg(u + 3 * reference + i));
+      },
+      [=] __device__(const VoxelRow& row, int64_t r, int lane, float corner[3][8], float sum[9]) {
+        const VoxelData<float> data = table.data(row, r, lane);
+        for (int i = 0; i < 3; ++i) hex8::to_patterns(corner[i]);
+        const Mat3<float> F = deformation_gradient<true>(data, corner);
+        for (int k = 0; k < 9; ++k) sum[k] = data.phi * F.m[k];
+      },
+      [=] __device__(int64_t n, const float sum[9]) {
+        Mat3<float> F;
+        for (int k = 0; k < 9; ++k) F.m[k] = sum[k];
+        rotation[n] = quaternion_of(polar_rotation(F));
+      });
 }
 
 template <class T, bool kQuality, class Nets>
@@ -180,9 +170,17 @@ void DevicePotential::Impl::start_gradient(const double* u, T* gradient) {
 
 void DevicePotential::Impl::sum_inertia(const double* u) {
   const InertiaTerms terms = inertia_terms();
+  const int64_t n = 3 * nodes();
   ordered_sum(
-      3 * nodes(), inertia_sums.data(),
-      [=] __device__(int64_t k, Sums<1> & sum) { sum.value[0] += terms.energy(k, u[k]); },
+      Wide<4>::parts(n), inertia_sums.data(),
+      [=] __device__(int64_t part, Sums<1> & sum) {
+        const Wide<4> at(part, n);
+        double place[4];
+        at.load(u, place);
+#pragma unroll
+        for (int j = 0; j < 4; ++j)
+          if (j < at.count) sum.value[0] += terms.energy(at.first + j, place[j]);
+      },
       [=] __device__(const Sums<1>& sum) { *terms.total = sum.value[0]; });
 }
 

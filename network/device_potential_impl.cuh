@@ -86,10 +86,9 @@ struct DevicePotential::Impl {
         inertia(nodes()),
         predictor(3 * nodes()),
         u_now(3 * nodes()),
-        gradient_sums(9 * nodes()),
         nodal_rotation(nodes()),
         pinned(nodes()),
-        parts(3 * rows.parts()),
+        parts((9 * rows.parts() + 1) / 2),
         brick_sums(rows.bricks()),
         inertia_sums(1),
         value(1) {
@@ -135,7 +134,6 @@ struct DevicePotential::Impl {
   }
   void sum_inertia(const double* u);
   void freeze_rotations();
-  void add_gradients(const double* u, int component);
   template <class Nets>
   void tangent_pass(const double* u, TangentKind kind, const Nets& nets);
   void linearise(const double* u, TangentKind kind);
@@ -149,10 +147,9 @@ struct DevicePotential::Impl {
   DeviceArray<double> rotation_double;
   DeviceArray<float> rotation_float;
   DeviceArray<double> inertia, predictor, u_now;
-  DeviceArray<float> gradient_sums;  // of the voxels of each node, (nodes, 9)
   DeviceArray<Quaternion<float>> nodal_rotation;
   DeviceArray<uint8_t> pinned;
-  DeviceArray<double> parts;  // floats take the first half
+  DeviceArray<double> parts;  // three in double or nine in float of each
   DeviceArray<VoxelSums> brick_sums;
   DeviceArray<SumRoom<Sums<1>>> inertia_sums;
   PinnedArray<DeviceValue> value;

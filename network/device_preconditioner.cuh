@@ -36,12 +36,10 @@ class DevicePreconditioner {
  public:
   /// Both must outlive it.
   DevicePreconditioner(DevicePotential& potential, const Preconditioner<float>& host)
-      : potential_(potential),
-        multigrid_(host.multigrid()),
-        r_(3 * potential.nodes()),
-        z_(3 * potential.nodes()) {
+      : potential_(potential), multigrid_(host.multigrid()), z_(3 * potential.nodes()) {
     if (host.encoder()) {
       encoder_.emplace(*host.encoder());
+      turned_ = DeviceArray<float>(z_.size());
       encoded_ = DeviceArray<float>(z_.size());
     }
     const DeviceContact* contact = potential.contact();
@@ -77,14 +75,15 @@ class DevicePreconditioner {
   void turn(const Read& read) {
     const Quaternion<float>* rotation = potential_.nodal_rotation();
     const ResidualInput<float> input = multigrid_.input();
-    float* turned = r_.data();
+    float* turned = turned_.data();
     cuda::for_each(potential_.nodes(), [=] __device__(int64_t n) {
       const Mat3<float> R = rotation_matrix(rotation[n]);
       float v[3];
       read(n, v);
       float r[3];
-      for (int i = 0; i < 3; ++i)
-        turned[3 * n + i] = r[i] = R(0, i) * v[0] + R(1, i) * v[1] + R(2, i) * v[2];
+      for (int i = 0; i < 3; ++i) r[i] = R(0, i) * v[0] + R(1, i) * v[1] + R(2, i) * v[2];
+      if (turned != nullptr)
+        for (int i = 0; i < 3; ++i) turned[3 * n + i] = r[i];
       input.set(n, r);
     });
   }
@@ -95,8 +94,9 @@ class DevicePreconditioner {
       Companion<float> encoder;
       if (encoder_) {
         encoder.begin = [this] {
-          branch_.begin(
-              [this](cudaStream_t stream) { encoder_->apply(r_.data(), encoded_.data(), stream); });
+          branch_.begin([this](cudaStream_t stream) {
+            encoder_->apply(turned_.data(), encoded_.data(), stream);
+          });
         };
         encoder.end = [this] { branch_.end(); };
         encoder.result = encoded_.data();
@@ -114,7 +114,8 @@ class DevicePreconditioner {
   DeviceMultigrid<float> multigrid_;
   std::optional<DeviceEncoder<float>> encoder_;
   DeviceBranch branch_;  // of the encoder, beside the coarse levels
-  DeviceArray<float> r_, z_, encoded_;
+  DeviceArray<float> z_;
+  DeviceArray<float> turned_, encoded_;  // what the encoder takes and gives
   DeviceGraph graph_, contact_graph_, update_graph_;
   bool in_contact_ = false;
 };

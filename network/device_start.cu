@@ -11,17 +11,16 @@ void StepOnDevice::begin_step(const StepScheme& scheme, double time) {
   const Motion m = motion();
   double *inertia = potential().inertia(), *predictor = potential().predictor(),
          *now = potential().now(), *u = quasi_.u();
-  cuda::for_each(size() / 3, [=] __device__(int64_t n) {
-    inertia[n] = m.scheme.a0 * m.mass[n] / (m.scheme.dt * m.scheme.dt);
-    for (int d = 0; d < 3; ++d) {
-      const int64_t k = 3 * n + d;
-      const double away = m.x[k] - m.rest[k];
-      const double way = m.pinned[n] ? 0
-                                     : predicted_motion(m.scheme, m.x[k], m.v[k], m.x_before[k],
-                                                        m.v_before[k], m.gravity[d]);
-      now[k] = away;
-      predictor[k] = u[k] = away + way;
-    }
+  cuda::for_each(size(), [=] __device__(int64_t k) {
+    const int64_t n = k / 3;
+    const int d = int(k % 3);
+    if (d == 0) inertia[n] = m.scheme.a0 * m.mass[n] / (m.scheme.dt * m.scheme.dt);
+    const double away = m.x[k] - m.rest[k];
+    const double way = m.pinned[n] ? 0
+                                   : predicted_motion(m.scheme, m.x[k], m.v[k], m.x_before[k],
+                                                      m.v_before[k], m.gravity[d]);
+    now[k] = away;
+    predictor[k] = u[k] = away + way;
   });
   potential().freeze_rotations();
   pieces_.start(m.rest, m.mass, m.x, m.x_before, predictor, u);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A level of network/stencil_bricks.hpp on the device, and the work of single threads on it: the
-// transfers between levels and the dense solve of the coarsest.
+// residual of a coarser level and the dense solve of the coarsest.
 //
 // Vectors of a level are (bricks, kSlots, 3), z and other with one brick more, which stands for
 // those that are missing. Slots without a free node hold 0 in every vector, always.
@@ -19,7 +19,8 @@ struct StencilView {
   const T *rows, *inverses;    ///< inverses: nullptr where the cycle smooths
   T *r, *z, *other, *partial;  ///< partial: (bricks + 1, kPartial, 3)
   int32_t bricks, nodes;
-  T first, keep, add;  ///< of the Chebyshev polynomial
+  T first, keep, add;           ///< of the Chebyshev polynomial
+  const T* coarse_z = nullptr;  ///< z of the next coarser level; nullptr: there is none
   T* added = nullptr;  ///< further stiffness of the diagonal, (bricks + 1, kSlots, 3), or nullptr
   int32_t* stiff = nullptr;  ///< bricks in which it is not all 0, (bricks + 1)
 
@@ -80,31 +81,6 @@ __device__ inline void restrict_residual(const StencilView<T>& fine, const Stenc
     for (int i = 0; i < 3; ++i) sum[i] += part[i];
   }
   set_residual(coarse, slot, sum);
-}
-
-/// z of a fine slot += P times that of the coarser level, on free nodes.
-template <class T>
-__device__ inline void prolong_correction(const StencilView<T>& fine, const StencilView<T>& coarse,
-                                          int slot) {
-  if (fine.row[slot] == 0) return;
-  const BrickLinks& links = fine.links[slot / stencil::kSlots];
-  const int at[3] = {slot % 8, slot / 8 % 8, slot / 64 % 8};
-  // the corners that differ: those along the odd axes
-  const int odd = (at[0] & 1) | (at[1] & 1) << 1 | (at[2] & 1) << 2;
-  T sum[3] = {}, corners = 0;
-  for (int c = odd;; c = (c - 1) & odd, corners += 1) {
-    int brick = 0, place = 0;
-    for (int d = 0; d < 3; ++d) {
-      const int x = 4 * (links.odd >> d & 1) + (at[d] >> 1) + (c >> d & 1);
-      brick += (x >> 3) << d;
-      place += (x & 7) << (3 * d);
-    }
-    const T* z = coarse.z + (int64_t(links.coarse[brick]) * stencil::kSlots + place) * 3;
-    for (int i = 0; i < 3; ++i) sum[i] += z[i];
-    if (c == 0) break;
-  }
-  T* const z = fine.z + 3 * int64_t(slot);
-  for (int i = 0; i < 3; ++i) z[i] += sum[i] / (corners + 1);
 }
 
 /// Where the result of a cycle goes.

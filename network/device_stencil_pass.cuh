@@ -14,8 +14,8 @@ namespace elastogen::cuda {
 enum class Pass {
   kStart,     ///< z = p + keep p + add D^-1 (r - A p), p = first D^-1 r in `other`: both steps
   kResidual,  ///< `partial` = the brick's share of P^T (r - A z)
-  kFirst,     ///< other = z + first D^-1 (r - A z)
-  kSecond     ///< z = p + keep (p - z) + add D^-1 (r - A p), p in `other`
+  kFirst,     ///< other = z' + first D^-1 (r - A z'), z' = z + P times the coarser level's z
+  kSecond     ///< z = p + keep (p - z') + add D^-1 (r - A p), p in `other`
 };
 
 namespace stencil {
@@ -31,8 +31,8 @@ __device__ inline T updated(const StencilView<T>& v, Pass pass, T p, T before, T
 
 /// One component of kRun nodes, from the lowest up.
 /// @param at     tile, one node before the lowest along each axis.
-/// @param own    r of the lowest, which the result replaces.
-/// @param old    z of the lowest.
+/// @param own    r of the lowest, which the result replaces where there is a free node.
+/// @param old    z' of the lowest.
 /// @param added  further stiffness of the lowest, nullptr: none.
 template <class T, int kRun, bool kAdded>
 __device__ inline void update_column(const StencilView<T>& v, Pass pass, int component,
@@ -60,7 +60,7 @@ __device__ inline void update_column(const StencilView<T>& v, Pass pass, int com
       residual -= added[place] * p;
       inverse = v.with_added(inverse, added[place]);
     }
-    own[place] = updated(v, pass, p, before, inverse, residual);
+    if (row[j] != 0) own[place] = updated(v, pass, p, before, inverse, residual);
   }
 }
 
@@ -115,13 +115,26 @@ __device__ inline void run_pass(const StencilView<T>& v, Pass pass, int64_t bric
                                 const ResultOutput<T>& out) {
   constexpr int kThreads = kSlots / kRun;
   T *const own = room + kTile, *const old = own + kBrick;
+  T* const coarse = pass == Pass::kSecond ? old + kBrick : old;
+  const bool prolongs = v.coarse_z != nullptr && (pass == Pass::kFirst || pass == Pass::kSecond);
   const int x = int(threadIdx.x) % 8, y = int(threadIdx.x) / 8 % 8;
   const int z = kRun * (int(threadIdx.x) / 64), place = x + 8 * (y + 8 * z);
   const bool from_z = pass == Pass::kResidual || pass == Pass::kFirst;
   load_tile<T, kThreads>(v.links[brick], from_z ? v.z : v.other, room);
   load_brick<T, kThreads>(v.r + brick * kBrick, own);
   if (pass == Pass::kSecond) load_brick<T, kThreads>(v.z + brick * kBrick, old);
+  if (prolongs) load_coarse<T, kThreads>(v.links[brick], v.coarse_z, coarse);
   __pipeline_commit();
+  const auto wait = [&] {
+    __pipeline_wait_prior(0);
+    __syncthreads();
+    if (!prolongs) return;
+    if (pass == Pass::kFirst)
+      prolong_tile<T, kThreads>(coarse, room);
+    else
+      prolong_brick<T, kThreads>(coarse, old);
+    __syncthreads();
+  };
   // r and the result are 0 where there is no free node
   const T* const at = room + kPitch * (y + 10 * z) + 3 * x + 1;
   if constexpr (kRun == 1 && sizeof(T) == 4 && !kAdded) {  // all weights come while the values do
@@ -129,16 +142,14 @@ __device__ inline void run_pass(const StencilView<T>& v, Pass pass, int64_t bric
     T weights[3][kComponent];
     for (int i = 0; i < 3; ++i)
       if (row != 0) load_weights(v.rows + int64_t(row) * kRow + i * kComponent, weights[i]);
-    __pipeline_wait_prior(0);
-    __syncthreads();
+    wait();
     for (int i = 0; i < 3; ++i)
       if (row != 0)
         update_node(v, pass, weights[i], at + i, own + 3 * place + i, old + 3 * place + i);
   } else {
     int32_t row[kRun], any = 0;
     for (int j = 0; j < kRun; ++j) any |= row[j] = v.row[brick * kSlots + place + 64 * j];
-    __pipeline_wait_prior(0);
-    __syncthreads();
+    wait();
     const T* added = nullptr;
     if (kAdded && v.stiff[brick] != 0) added = v.added + brick * kBrick + 3 * place;
 #pragma unroll 1

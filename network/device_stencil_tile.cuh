@@ -19,9 +19,13 @@ using ::elastogen::stencil::kSlots;
 inline constexpr int kPitch = 40;  // of a line of ten nodes in the tile: no bank conflicts
 inline constexpr int kLine = 8 * 3, kBrick = 3 * kSlots, kTile = 100 * kPitch;
 
-/// Shared memory of a block: the tile, then the brick's r, which results replace, and its z.
+/// Coarse nodes that the nodes of a tile lie on or between, from one before the brick on, per axis.
+inline constexpr int kParents = 6, kCoarse = 3 * kParents * kParents * kParents;
+
+/// Shared memory of a block: the tile, then the brick's r, which results replace, its z, and the
+/// coarse values.
 template <class T>
-inline constexpr int kSharedBytes = (kTile + 2 * kBrick) * int(sizeof(T));
+inline constexpr int kSharedBytes = (kTile + 2 * kBrick + kCoarse) * int(sizeof(T));
 
 template <class T>
 inline constexpr int kPart = 16 / int(sizeof(T));  // numbers that are moved at once
@@ -70,6 +74,56 @@ template <class T, int kThreads>
 __device__ inline void store_brick(const T* from, T* to) {
   for (int k = kPart<T> * int(threadIdx.x); k < kBrick; k += kPart<T> * kThreads)
     *reinterpret_cast<Part<T>*>(to + k) = *reinterpret_cast<const Part<T>*>(from + k);
+}
+
+/// The coarse values around a brick, (kParents, kParents, kParents, 3).
+template <class T, int kThreads>
+__device__ inline void load_coarse(const BrickLinks& links, const T* z, T* coarse) {
+  for (int k = int(threadIdx.x); k < kParents * kParents * kParents; k += kThreads) {
+    const int parent[3] = {k % kParents, k / kParents % kParents, k / (kParents * kParents)};
+    int brick = 0, place = 0;
+    for (int d = 0; d < 3; ++d) {
+      const int x = (links.odd >> d & 1 ? 3 : 7) + parent[d];
+      brick += (x >> 3) << d;
+      place += (x & 7) << (3 * d);
+    }
+    const T* from = z + (int64_t(links.coarse[brick]) * kSlots + place) * 3;
+    for (int i = 0; i < 3; ++i) __pipeline_memcpy_async(coarse + 3 * k + i, from + i, sizeof(T));
+  }
+}
+
+/// Adds P z of the coarse values to a component of nodes kFirst, ..., kFirst + kCount - 1 of line
+/// (y, z) of the tile, 3 numbers apart: a node on a coarse one takes its value, others the mean of
+/// those on both sides, axis by axis.
+template <int kFirst, int kCount, class T>
+__device__ inline void prolong_line(const T* coarse, int y, int z, T* line) {
+  constexpr int kRow = 3 * kParents, kPlane = kParents * kRow;
+  const int y0 = (y + y % 2) / 2, y1 = y / 2 + 1, z0 = (z + z % 2) / 2, z1 = z / 2 + 1;
+  T parent[kParents];
+#pragma unroll
+  for (int x = kFirst / 2; x < kParents; ++x) {
+    const T* at = coarse + 3 * x;
+    parent[x] = ((at[kRow * y0 + kPlane * z0] + at[kRow * y1 + kPlane * z0]) +
+                 (at[kRow * y0 + kPlane * z1] + at[kRow * y1 + kPlane * z1])) /
+                4;
+  }
+#pragma unroll
+  for (int j = 0; j < kCount; ++j) {
+    const int x = kFirst + j;
+    line[3 * j] += x % 2 == 1 ? parent[x / 2 + 1] : (parent[x / 2] + parent[x / 2 + 1]) / 2;
+  }
+}
+
+/// The same on all nodes of a tile, or of a brick.
+template <class T, int kThreads>
+__device__ inline void prolong_tile(const T* coarse, T* tile) {
+  for (int k = int(threadIdx.x); k < 3 * 100; k += kThreads)
+    prolong_line<0, 10>(coarse + k % 3, k / 3 % 10, k / 30, tile + kPitch * (k / 3) + 1 + k % 3);
+}
+template <class T, int kThreads>
+__device__ inline void prolong_brick(const T* coarse, T* brick) {
+  for (int k = int(threadIdx.x); k < 3 * 64; k += kThreads)
+    prolong_line<1, 8>(coarse + k % 3, k / 3 % 8 + 1, k / 24 + 1, brick + kLine * (k / 3) + k % 3);
 }
 
 /// Nine values of a component around a node of one plane.

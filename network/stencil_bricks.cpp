@@ -104,15 +104,28 @@ template <class T>
 class RowMaker {
  public:
   RowMaker(const MultigridLevel<T>& level, const StencilBricks<T>& g, const BrickMap& map)
-      : level_(level), g_(g), voxel_at_(voxels_at_slots(level, map, g.brick_count())) {}
+      : level_(level),
+        g_(g),
+        voxel_at_(voxels_at_slots(level, map, g.brick_count())),
+        pinned_(size_t(kSlots * g.brick_count())),
+        has_pins_(size_t(g.brick_count() + 1)) {
+    run_tasks(g.brick_count(), [&](int64_t b) {
+      for (int32_t n = g.begin[size_t(b)]; n < g.begin[size_t(b + 1)]; ++n)
+        if (level.pinned[size_t(n)]) pinned_[size_t(g.slot[size_t(n)])] = has_pins_[size_t(b)] = 1;
+    });
+  }
 
   /// The rows of a brick's free nodes; `row` of its slots becomes 1 + their index there.
   BrickStencils<T> make(int64_t brick, int32_t* row) const {
     BrickStencils<T> rows;
+    const int32_t* around_brick = g_.links[size_t(brick)].neighbour;
+    const bool near_pins = std::any_of(around_brick, around_brick + 27,
+                                       [&](int32_t b) { return has_pins_[size_t(b)] != 0; });
     Node last;
     for (int32_t n = g_.begin[size_t(brick)]; n < g_.begin[size_t(brick + 1)]; ++n) {
       if (level_.pinned[size_t(n)]) continue;
-      const Node node = around(n);
+      Node node = around(n);
+      if (near_pins) node.pins = pins_around(n);
       int32_t& index = row[g_.slot[size_t(n)]];
       if (last.number >= 0 && alike(last, node)) {
         index = row[g_.slot[size_t(last.number)]];
@@ -129,22 +142,35 @@ class RowMaker {
  private:
   struct Node {
     int32_t number = -1;
-    int32_t voxel[8];  ///< of which the node is corner c
+    int32_t voxel[8];   ///< of which the node is corner c
+    uint32_t pins = 0;  ///< which of the 27 nodes around it, in the order of the weights
   };
 
   Node around(int32_t n) const {
     Node node{n, {}};
-    const int32_t slot = g_.slot[size_t(n)];
     for (int c = 0; c < 8; ++c) {
-      const int x = slot % 8 - (c & 1), y = slot / 8 % 8 - (c >> 1 & 1),
-                z = slot / 64 % 8 - (c >> 2);
-      const int side = (x >> 3) + 1 + 3 * ((y >> 3) + 1) + 9 * ((z >> 3) + 1);
-      const int32_t brick = g_.links[size_t(slot / kSlots)].neighbour[side];
-      node.voxel[c] = brick == g_.brick_count()
-                          ? -1
-                          : voxel_at_[size_t(kSlots * int64_t(brick) + place_of(x, y, z))];
+      const int64_t slot = slot_beside(n, -(c & 1), -(c >> 1 & 1), -(c >> 2));
+      node.voxel[c] = slot < 0 ? -1 : voxel_at_[size_t(slot)];
     }
     return node;
+  }
+
+  uint32_t pins_around(int32_t n) const {
+    uint32_t pins = 0;
+    for (int k = 0; k < 27; ++k) {
+      const int64_t slot = slot_beside(n, k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
+      if (slot >= 0 && pinned_[size_t(slot)]) pins |= 1u << k;
+    }
+    return pins;
+  }
+
+  /// The slot at an offset from a node; -1 where there is no brick.
+  int64_t slot_beside(int32_t n, int dx, int dy, int dz) const {
+    const int32_t slot = g_.slot[size_t(n)];
+    const int x = slot % 8 + dx, y = slot / 8 % 8 + dy, z = slot / 64 % 8 + dz;
+    const int side = (x >> 3) + 1 + 3 * ((y >> 3) + 1) + 9 * ((z >> 3) + 1);
+    const int32_t brick = g_.links[size_t(slot / kSlots)].neighbour[side];
+    return brick == g_.brick_count() ? -1 : kSlots * int64_t(brick) + place_of(x, y, z);
   }
 
   T modulus(int32_t voxel, int j) const {
@@ -155,6 +181,7 @@ class RowMaker {
 
   /// Whether two nodes surely have one row.
   bool alike(const Node& a, const Node& b) const {
+    if (a.pins != b.pins) return false;
     for (int i = 0; i < 3; ++i) {
       const size_t k = 3 * size_t(a.number) + size_t(i), m = 3 * size_t(b.number) + size_t(i);
       if (level_.added[k] != level_.added[m]) return false;
@@ -195,6 +222,8 @@ class RowMaker {
       if (node.voxel[c] >= 0) add_voxel(node.voxel[c], c, weights);
     for (int i = 0; i < 3; ++i) {
       const size_t k = 3 * size_t(node.number) + size_t(i);
+      for (int j = 0; j < 27; ++j)
+        if (node.pins >> j & 1) weights[i][j] = 0;
       weights[i][13] += double(level_.added[k]);
       std::copy(weights[i], weights[i] + 27, row + kComponent * i);
       row[kComponent * i + 27] = level_.inverse_diagonal[k];
@@ -221,6 +250,8 @@ class RowMaker {
   const MultigridLevel<T>& level_;
   const StencilBricks<T>& g_;
   Zeroed<int32_t> voxel_at_;
+  Zeroed<uint8_t> pinned_;    // of each slot
+  Zeroed<uint8_t> has_pins_;  // of each brick, and of those that are missing
 };
 
 /// Row 0 and the rows of all bricks, plain ones once; `row` becomes their index.
@@ -279,7 +310,8 @@ void link_levels(StencilBricks<T>& finer, StencilBricks<T>& coarser) {
   const BrickMap fine(finer.coord), coarse(coarser.coord);
   run_tasks(finer.brick_count(), [&](int64_t b) {
     const Coord& at = finer.coord[size_t(b)];
-    find_block(coarse, {at[0] >> 1, at[1] >> 1, at[2] >> 1}, 0, 2, finer.links[size_t(b)].coarse);
+    const Coord base = {(at[0] - 1) >> 1, (at[1] - 1) >> 1, (at[2] - 1) >> 1};
+    find_block(coarse, base, 0, 2, finer.links[size_t(b)].coarse);
   });
   run_tasks(coarser.brick_count(), [&](int64_t b) {
     const Coord& at = coarser.coord[size_t(b)];

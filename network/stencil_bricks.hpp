@@ -27,7 +27,8 @@ inline constexpr int kPartial = 125;  ///< coarse nodes that the nodes of a bric
 /// Where the bricks around a brick are; the number of bricks of that level where there is none.
 struct BrickLinks {
   int32_t neighbour[27];  ///< offsets -1, 0, 1 per axis, x fastest
-  int32_t coarse[8];      ///< of the next coarser level: offsets 0, 1 from half the coordinate
+  int32_t coarse[8];      ///< of the next coarser level: offsets 0, 1 from (coordinate - 1) / 2,
+                          ///< rounded down: all that the nodes around the brick have parents in
   int32_t fine[27];       ///< of the next finer level: offsets -1, 0, 1 from twice the coordinate
   int32_t odd;            ///< axes of odd brick coordinate as bits
 };
@@ -45,7 +46,8 @@ struct StencilBricks {
 };
 
 /// The level's operator, (A p)_n = sum over the 27 nodes around n of weight times p, each component
-/// for itself, in units of the level. Repeats to the bit on any number of threads.
+/// for itself, in units of the level; weights of pinned nodes are 0, whatever p says there. Repeats
+/// to the bit on any number of threads.
 template <class T>
 StencilBricks<T> make_stencil_bricks(const MultigridLevel<T>& level);
 
