@@ -62,10 +62,10 @@ PotentialValue total(const std::vector<Sums>& sums) {
 IncrementalPotential::IncrementalPotential(const Scene& scene, LearnedLaws learned)
     : scene_(scene),
       learned_(std::move(learned)),
-      rows_(make_brick_rows(scene.grid, scene.material)),
+      rows_(std::make_shared<const BrickRows>(make_brick_rows(scene.grid, scene.material))),
       contact_(scene),
-      scratch_float_(rows_),
-      scratch_double_(rows_) {
+      scratch_float_(*rows_),
+      scratch_double_(*rows_) {
   learned_.resize(scene.materials.size());
   for (size_t m = 0; m < learned_.size(); ++m) {
     const Material& material = scene.materials[m];
@@ -76,7 +76,7 @@ IncrementalPotential::IncrementalPotential(const Scene& scene, LearnedLaws learn
   }
   fill_weights();
   const size_t nodes = size_t(scene.grid.node_count());
-  rotation_.resize(size_t(rows_.row_count()) * 9 * kLanes);
+  rotation_.resize(size_t(rows_->row_count()) * 9 * kLanes);
   gradients_.resize(rotation_.size());
   nodal_rotation_.resize(9 * nodes);
   for_each(int64_t(nodes), [&](int64_t n) {
@@ -90,11 +90,11 @@ IncrementalPotential::IncrementalPotential(const Scene& scene, LearnedLaws learn
 /// Fill and variance weights, and S of noise().
 void IncrementalPotential::fill_weights() {
   const VoxelGrid& grid = scene_.grid;
-  weights_.resize(size_t(rows_.row_count()) * 5 * kLanes);
+  weights_.resize(size_t(rows_->row_count()) * 5 * kLanes);
   stiffness_ = ordered_sum(grid.voxel_count(), [&](int64_t begin, int64_t end) {
     double sum = 0;
     for (int64_t v = begin; v < end; ++v) {
-      const size_t slot = size_t(rows_.slot[size_t(v)]), lane = slot % kLanes;
+      const size_t slot = size_t(rows_->slot[size_t(v)]), lane = slot % kLanes;
       double* w = weights_.data() + (slot - lane) * 5 + lane;
       w[0] = grid.fill(v);
       for (int k = 0; k < 4; ++k) w[(k + 1) * kLanes] = scene_.variance(v, k);
@@ -107,7 +107,7 @@ void IncrementalPotential::fill_weights() {
 
 template <class T>
 void IncrementalPotential::read_voxel_data(int64_t row, VoxelData<Pack<T>>& data) const {
-  const VoxelRow& r = rows_.rows[size_t(row)];
+  const VoxelRow& r = rows_->rows[size_t(row)];
   const Material& m = scene_.materials[size_t(r.material)];
   data.law = {m.law, T(m.mu()), T(m.lambda())};
   data.learned = learned_[size_t(r.material)].get();
@@ -118,7 +118,7 @@ void IncrementalPotential::read_voxel_data(int64_t row, VoxelData<Pack<T>>& data
   for (int k = 0; k < 4; ++k) data.c[k] = convert<T>(w + (k + 1) * kLanes);
   if (r.border >= 0)
     for (int p = 0; p < 7; ++p)
-      data.M[p] = convert<T>(rows_.border.data() + (size_t(r.border) * 7 + size_t(p)) * kLanes);
+      data.M[p] = convert<T>(rows_->border.data() + (size_t(r.border) * 7 + size_t(p)) * kLanes);
   if (data.hourglass == Hourglass::kFull)
     for (int k = 0; k < 9; ++k)
       data.R[k] = convert<T>(rotation_.data() + (size_t(row) * 9 + size_t(k)) * kLanes);
@@ -158,7 +158,7 @@ void IncrementalPotential::begin_step(const State& state, const StepScheme& sche
 /// R_v of every row at now_.
 void IncrementalPotential::freeze_rotations() {
   deformation_gradients(now_.data(), rotation_);
-  for_each(rows_.row_count(), [&](int64_t r) {
+  for_each(rows_->row_count(), [&](int64_t r) {
     Mat3<Pack<double>> F;
     for (int k = 0; k < 9; ++k) F.m[k] = load(rotation_.data() + (r * 9 + k) * kLanes);
     const Mat3<Pack<double>> R = unique_rotation(F);
@@ -169,7 +169,7 @@ void IncrementalPotential::freeze_rotations() {
 /// F_v of every row.
 void IncrementalPotential::deformation_gradients(const double* u, Zeroed<double>& result) {
   for_each_row(
-      rows_, scratch_double_, no_sums_,
+      *rows_, scratch_double_, no_sums_,
       [&](int64_t n, int64_t reference, double value[3]) {
         for (int i = 0; i < 3; ++i) value[i] = u[3 * n + i] - u[3 * reference + i];
       },
@@ -180,7 +180,7 @@ void IncrementalPotential::deformation_gradients(const double* u, Zeroed<double>
           hex8::to_patterns(corner[i]);
           for (int c = 0; c < 8; ++c) f[i][c] = Pack<double>{};
         }
-        const Mat3<Pack<double>> F = rows_.rows[size_t(r)].border >= 0
+        const Mat3<Pack<double>> F = rows_->rows[size_t(r)].border >= 0
                                          ? deformation_gradient<true>(data, corner)
                                          : deformation_gradient<false>(data, corner);
         for (int k = 0; k < 9; ++k) store(result.data() + (r * 9 + k) * kLanes, F.m[k]);
@@ -196,7 +196,7 @@ void IncrementalPotential::set_nodal_rotations(const double* u) {
     for (int c = 0; c < 8; ++c) {
       const int32_t v = grid.voxels(n, c);
       if (v < 0) continue;
-      const size_t slot = size_t(rows_.slot[size_t(v)]), lane = slot % kLanes;
+      const size_t slot = size_t(rows_->slot[size_t(v)]), lane = slot % kLanes;
       const double* F = gradients_.data() + (slot - lane) * 9 + lane;
       for (int k = 0; k < 9; ++k) sum.m[k] += grid.fill(v) * F[k * kLanes];
     }
@@ -207,12 +207,12 @@ void IncrementalPotential::set_nodal_rotations(const double* u) {
 
 /// The lanes of a row that hold a full voxel.
 uint32_t IncrementalPotential::full_lanes(int64_t row) const {
-  const VoxelRow& r = rows_.rows[size_t(row)];
+  const VoxelRow& r = rows_->rows[size_t(row)];
   uint32_t mask = r.mask;
   if (r.border < 0) return mask;
   for (int lane = 0; lane < kLanes; ++lane)
     for (size_t p = 1; p < 7; ++p)
-      if (rows_.border[(size_t(r.border) * 7 + p) * kLanes + size_t(lane)] != 0)
+      if (rows_->border[(size_t(r.border) * 7 + p) * kLanes + size_t(lane)] != 0)
         mask &= ~(1u << lane);
   return mask;
 }
@@ -230,7 +230,7 @@ PotentialValue IncrementalPotential::evaluate_all(const double* u, T* gradient) 
   const auto row = [&](int64_t r, const Pack<T> corner[3][8], Pack<T> f[3][8], Sums& sums) {
     VoxelData<Pack<T>> data;
     read_voxel_data<T>(r, data);
-    const VoxelEnergy<Pack<T>> e = rows_.rows[size_t(r)].border >= 0
+    const VoxelEnergy<Pack<T>> e = rows_->rows[size_t(r)].border >= 0
                                        ? voxel_energy<true>(data, corner, f)
                                        : voxel_energy<false>(data, corner, f);
     sums.elastic += in_double(e.elastic);
@@ -250,7 +250,7 @@ PotentialValue IncrementalPotential::evaluate_all(const double* u, T* gradient) 
           scene_.pinned(n) ? T(0) : T(inertia_[size_t(n)] * away + double(force[i]));
     }
   };
-  for_each_row(rows_, *scratch, sums_, read, row, finish);
+  for_each_row(*rows_, *scratch, sums_, read, row, finish);
 
   PotentialValue value = total(sums_);
   value.inertia = inertial_energy(u);
@@ -296,16 +296,16 @@ PotentialValue IncrementalPotential::residual(const double* u, double* gradient)
 }
 
 void IncrementalPotential::linearise(const double* u, TangentKind kind) {
-  tangent_.resize(size_t(rows_.row_count()) * 45 * kLanes);
+  tangent_.resize(size_t(rows_->row_count()) * 45 * kLanes);
   for_each_row(
-      rows_, scratch_float_, no_sums_,
+      *rows_, scratch_float_, no_sums_,
       [&](int64_t n, int64_t reference, float value[3]) {
         for (int i = 0; i < 3; ++i) value[i] = float(u[3 * n + i] - u[3 * reference + i]);
       },
       [&](int64_t r, const Pack<float> corner[3][8], Pack<float> f[3][8], NoSums&) {
         VoxelData<Pack<float>> data;
         read_voxel_data<float>(r, data);
-        const Tangent<Pack<float>> t = rows_.rows[size_t(r)].border >= 0
+        const Tangent<Pack<float>> t = rows_->rows[size_t(r)].border >= 0
                                            ? voxel_tangent<true>(data, corner, kind)
                                            : voxel_tangent<false>(data, corner, kind);
         for (int k = 0; k < 45; ++k) store(tangent_.data() + (r * 45 + k) * kLanes, t.m[k]);
@@ -318,7 +318,7 @@ void IncrementalPotential::linearise(const double* u, TangentKind kind) {
 
 void IncrementalPotential::hessian_product(const float* p, float* product) {
   for_each_row(
-      rows_, scratch_float_, no_sums_,
+      *rows_, scratch_float_, no_sums_,
       [&](int64_t n, int64_t, float value[3]) {
         for (int i = 0; i < 3; ++i) value[i] = p[3 * n + i];
       },
@@ -327,7 +327,7 @@ void IncrementalPotential::hessian_product(const float* p, float* product) {
         read_voxel_data<float>(r, data);
         Tangent<Pack<float>> t;
         for (int k = 0; k < 45; ++k) t.m[k] = load(tangent_.data() + (r * 45 + k) * kLanes);
-        if (rows_.rows[size_t(r)].border >= 0)
+        if (rows_->rows[size_t(r)].border >= 0)
           voxel_hessian<true>(data, t, corner, f);
         else
           voxel_hessian<false>(data, t, corner, f);
@@ -342,7 +342,7 @@ void IncrementalPotential::hessian_product(const float* p, float* product) {
 
 void IncrementalPotential::rest_hessian_product(const double* p, double* product) {
   for_each_row(
-      rows_, scratch_double_, no_sums_,
+      *rows_, scratch_double_, no_sums_,
       [&](int64_t n, int64_t, double value[3]) {
         for (int i = 0; i < 3; ++i) value[i] = p[3 * n + i];
       },
@@ -350,7 +350,7 @@ void IncrementalPotential::rest_hessian_product(const double* p, double* product
         VoxelData<Pack<double>> data;
         read_voxel_data<double>(r, data);
         for (int k = 0; k < 9; ++k) data.R[k] = constant<Pack<double>>(k % 4 == 0);
-        if (rows_.rows[size_t(r)].border >= 0)
+        if (rows_->rows[size_t(r)].border >= 0)
           voxel_rest_hessian<true>(data, corner, f);
         else
           voxel_rest_hessian<false>(data, corner, f);

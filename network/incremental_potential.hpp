@@ -16,6 +16,8 @@
 #include "network/contact.hpp"
 #include "network/local_model.hpp"
 
+#include <memory>
+
 namespace elastogen {
 
 /// Value of the potential in its parts [J].
@@ -76,7 +78,9 @@ class IncrementalPotential {
   void rest_hessian_product(const double* p, double* product);
 
   const Scene& scene() const { return scene_; }
-  const BrickRows& rows() const { return rows_; }
+  const BrickRows& rows() const { return *rows_; }
+  /// The same, for what outlives it or shares them.
+  std::shared_ptr<const BrickRows> shared_rows() const { return rows_; }
   const Contact& contact() const { return contact_; }
   Contact& contact() { return contact_; }
   const StepScheme& scheme() const { return scheme_; }
@@ -113,7 +117,7 @@ class IncrementalPotential {
 
   const Scene& scene_;
   LearnedLaws learned_;
-  BrickRows rows_;
+  std::shared_ptr<const BrickRows> rows_;
   Contact contact_;
   StepScheme scheme_;
   double stiffness_ = 0;      ///< S of noise() [J]

@@ -33,12 +33,12 @@ double largest_eigenvalue(const LevelGrid& level) {
 template <class T>
 struct Multigrid<T>::Level {
   explicit Level(LevelGrid&& g)
-      : grid(std::move(g)), scratch(grid.rows), lambda_max(largest_eigenvalue(grid)) {
+      : grid(std::move(g)), scratch(*grid.rows), lambda_max(largest_eigenvalue(grid)) {
     const size_t size = 3 * size_t(grid.nodes);
     for (Zeroed<T>* vector : {&r, &z, &d, &inverse_diagonal}) vector->resize(size);
-    moduli.resize(size_t(grid.rows.row_count()) * 6 * kLanes);
-    for_each(int64_t(grid.rows.slot.size()), [&](int64_t v) {
-      const size_t slot = size_t(grid.rows.slot[size_t(v)]), lane = slot % kLanes;
+    moduli.resize(size_t(grid.rows->row_count()) * 6 * kLanes);
+    for_each(int64_t(grid.rows->slot.size()), [&](int64_t v) {
+      const size_t slot = size_t(grid.rows->slot[size_t(v)]), lane = slot % kLanes;
       for (size_t k = 0; k < 6; ++k)
         moduli[(slot - lane) * 6 + k * kLanes + lane] =
             T(grid.moduli[6 * size_t(v) + k] * grid.h / grid.unit);
@@ -51,7 +51,7 @@ struct Multigrid<T>::Level {
   template <class Finish>
   void product(const T* p, const Finish& finish) {
     for_each_row(
-        grid.rows, scratch, no_sums,
+        *grid.rows, scratch, no_sums,
         [=](int64_t n, int64_t, T value[3]) {
           for (int i = 0; i < 3; ++i) value[i] = p[3 * n + i];
         },
@@ -74,9 +74,9 @@ struct Multigrid<T>::Level {
   void set_diagonal() {
     const size_t size = 3 * size_t(grid.nodes);
     elastic_diagonal.resize(size);
-    BrickScratch<double> room(grid.rows);
+    BrickScratch<double> room(*grid.rows);
     for_each_row(
-        grid.rows, room, no_sums,
+        *grid.rows, room, no_sums,
         [](int64_t, int64_t, double value[3]) { std::fill_n(value, 3, 0.0); },
         [&](int64_t r, const Pack<double>[3][8], Pack<double> f[3][8], NoSums&) {
           corner_diagonal(r, f);
@@ -91,7 +91,7 @@ struct Multigrid<T>::Level {
   void corner_diagonal(int64_t r, Pack<double> f[3][8]) const {
     Pack<double> k[6] = {}, M[7];
     for (int lane = 0; lane < kLanes; ++lane) {
-      const int32_t v = grid.rows.voxel[size_t(r * kLanes + lane)];
+      const int32_t v = grid.rows->voxel[size_t(r * kLanes + lane)];
       for (int j = 0; j < 6 && v >= 0; ++j)
         k[j][lane] = grid.moduli[size_t(6 * v + j)] * grid.h / grid.unit;
     }
@@ -112,10 +112,10 @@ struct Multigrid<T>::Level {
   /// Moments of the fill of a row; false where that has no border.
   template <class S>
   bool load_moments(int64_t r, Pack<S> M[7]) const {
-    const int32_t border = grid.rows.rows[size_t(r)].border;
+    const int32_t border = grid.rows->rows[size_t(r)].border;
     for (int m = 0; m < 7 && border >= 0; ++m)
       M[m] = __builtin_convertvector(
-          load(grid.rows.border.data() + (size_t(border) * 7 + size_t(m)) * kLanes), Pack<S>);
+          load(grid.rows->border.data() + (size_t(border) * 7 + size_t(m)) * kLanes), Pack<S>);
     return border >= 0;
   }
 
@@ -183,11 +183,16 @@ struct Multigrid<T>::Level {
 };
 
 template <class T>
-Multigrid<T>::Multigrid(const Scene& scene, double a0) {
+Multigrid<T>::Multigrid(const Scene& scene, double a0)
+    : Multigrid(scene, a0,
+                std::make_shared<const BrickRows>(make_brick_rows(scene.grid, scene.material))) {}
+
+template <class T>
+Multigrid<T>::Multigrid(const Scene& scene, double a0, std::shared_ptr<const BrickRows> rows) {
   // nodes that a dense inverse serves; colliders change it, and the inverse is taken anew, every
   // step
   const int64_t dense = scene.colliders.empty() ? 400 : 100;
-  levels_.push_back(std::make_unique<Level>(finest_level(scene, a0)));
+  levels_.push_back(std::make_unique<Level>(finest_level(scene, a0, std::move(rows))));
   while (levels_.back()->grid.nodes > dense && levels_.size() < 12) {
     LevelGrid coarse = coarser_level(levels_.back()->grid);
     if (coarse.nodes > 0.7 * double(levels_.back()->grid.nodes)) break;  // dust: no use in going on
@@ -311,7 +316,7 @@ MultigridLevel<T> Multigrid<T>::level(int l) const {
     const Eigen::MatrixXd A = from.dense_operator(i);
     operators.insert(operators.end(), A.data(), A.data() + A.size());
   }
-  return {grid.rows,       from.moduli,     from.added, from.inverse_diagonal,
+  return {*grid.rows,      from.moduli,     from.added, from.inverse_diagonal,
           grid.pinned,     grid.node_coord, inverses,   operators,
           from.lambda_max, grid.unit,       grid.nodes};
 }

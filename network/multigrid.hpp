@@ -38,7 +38,9 @@ struct MultigridLevel {
 template <class T>
 class Multigrid {
  public:
-  /// @param a0  mass factor of the time scheme.
+  /// @param a0    mass factor of the time scheme.
+  /// @param rows  those of the scene; made where they are not given.
+  Multigrid(const Scene& scene, double a0, std::shared_ptr<const BrickRows> rows);
   Multigrid(const Scene& scene, double a0);
   ~Multigrid();
 

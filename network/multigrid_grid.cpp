@@ -114,10 +114,10 @@ void moduli_of_voxel(const Scene& scene, int64_t v, double k[6]) {
 
 }  // namespace
 
-LevelGrid finest_level(const Scene& scene, double a0) {
+LevelGrid finest_level(const Scene& scene, double a0, std::shared_ptr<const BrickRows> rows) {
   const VoxelGrid& grid = scene.grid;
   LevelGrid level;
-  level.rows = make_brick_rows(grid, scene.material);
+  level.rows = std::move(rows);
   level.nodes = grid.node_count();
   level.h = grid.h;
   level.moduli.resize(6 * size_t(grid.voxel_count()));
@@ -145,7 +145,8 @@ LevelGrid coarser_level(LevelGrid& fine) {
   coarse.voxel_index = fine.voxel_index.halved();
   coarse.node_index = coarse.voxel_index.corners();
   VoxelGrid grid = make_tables(coarse.voxel_index, coarse.node_index);
-  coarse.rows = make_brick_rows(grid, Array<int32_t>(grid.voxel_count()));
+  coarse.rows =
+      std::make_shared<const BrickRows>(make_brick_rows(grid, Array<int32_t>(grid.voxel_count())));
   coarse.nodes = grid.node_coord.rows();
   coarse.h = 2 * fine.h;
   coarse.unit = fine.unit;
@@ -161,8 +162,6 @@ LevelGrid coarser_level(LevelGrid& fine) {
 void release_setup(LevelGrid& level) {
   level.moduli = {};
   level.voxel_index = level.node_index = {};
-  level.rows.slot = {};
-  level.rows.voxel = {};
 }
 
 template <class T>

@@ -7,12 +7,13 @@
 #include "network/brick_rows.hpp"
 #include "voxelize/brick_index.hpp"
 
+#include <memory>
 #include <vector>
 
 namespace elastogen {
 
 struct LevelGrid {
-  BrickRows rows;
+  std::shared_ptr<const BrickRows> rows;
   int64_t nodes = 0;
   double h = 0;     ///< edge [m]
   double unit = 1;  ///< [N/m]; the cycle runs on the operator divided by it, whatever the scale
@@ -29,7 +30,8 @@ struct LevelGrid {
   Zeroed<int32_t> children;  ///< fine nodes at offset -1, 0, 1 per axis, (nodes, 27), -1 if none
 };
 
-LevelGrid finest_level(const Scene& scene, double a0);
+/// @param rows  those of the scene.
+LevelGrid finest_level(const Scene& scene, double a0, std::shared_ptr<const BrickRows> rows);
 
 /// The next level; fills `parents` of the fine one.
 LevelGrid coarser_level(LevelGrid& fine);

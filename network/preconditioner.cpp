@@ -7,7 +7,8 @@ namespace elastogen {
 
 template <class T>
 Preconditioner<T>::Preconditioner(IncrementalPotential& potential, bool with_encoder)
-    : potential_(potential), multigrid_(potential.scene(), potential.scheme().a0) {
+    : potential_(potential),
+      multigrid_(potential.scene(), potential.scheme().a0, potential.shared_rows()) {
   if (with_encoder) encoder_.emplace(potential);
   const size_t size = 3 * size_t(potential.scene().grid.node_count());
   r_.resize(size);

@@ -77,9 +77,14 @@ TEST(Multigrid, SolvesItsOwnOperatorInAFewIterationsWhateverTheTimeStep) {
   EXPECT_LE(counts[1], 30);
 }
 
+LevelGrid finest_of(const Scene& scene) {
+  return finest_level(
+      scene, 1, std::make_shared<const BrickRows>(make_brick_rows(scene.grid, scene.material)));
+}
+
 TEST(Multigrid, RestrictionIsTheTransposeOfProlongation) {
   const Scene scene = ragged_scene(0.3);
-  LevelGrid fine = finest_level(scene, 1);
+  LevelGrid fine = finest_of(scene);
   for (int level = 0; level < 3; ++level) {
     LevelGrid coarse = coarser_level(fine);
     std::mt19937 random(3);
@@ -103,7 +108,7 @@ TEST(Multigrid, RestrictionIsTheTransposeOfProlongation) {
 TEST(Multigrid, ProlongationReproducesLinearFieldsAwayFromPins) {
   Scene scene = scene_on(ragged_grid(14, 12, 10, kGridH, 42), solid(1e6, 0.3));
   finish_scene(scene);
-  LevelGrid fine = finest_level(scene, 1);
+  LevelGrid fine = finest_of(scene);
   const LevelGrid coarse = coarser_level(fine);
   std::vector<double> f(3 * size_t(fine.nodes)), c(3 * size_t(coarse.nodes));
   for (int64_t n = 0; n < coarse.nodes; ++n)
@@ -118,7 +123,7 @@ TEST(Multigrid, CoarseLevelsKeepMassAndStiffness) {
   // their volume)
   Scene scene = scene_on(ragged_grid(14, 12, 10, kGridH, 43), solid(1e6, 0.3));
   finish_scene(scene);
-  LevelGrid fine = finest_level(scene, 1);
+  LevelGrid fine = finest_of(scene);
   const LevelGrid coarse = coarser_level(fine);
   double mass[2] = {}, stiffness[2] = {};
   const LevelGrid* levels[2] = {&fine, &coarse};
