@@ -61,9 +61,27 @@ Box rest_box(const Scene& scene, const std::vector<int32_t>& nodes) {
 
 template <class T>
 Encoder<T>::Encoder(const IncrementalPotential& potential) {
-  find_pieces(potential.scene());
-  for (Piece& piece : pieces_) fill_modes(potential.scene(), piece);
-  build_operators(potential);
+  build_modes(potential.scene());
+  build_operators(potential, 1);
+}
+
+template <class T>
+std::optional<Encoder<T>> Encoder<T>::if_soft(const IncrementalPotential& potential, double least) {
+  constexpr int64_t kSample = 1 << 16, kSparsest = 16;  // voxels; of that many blocks one
+  const int64_t voxels = potential.scene().grid.voxel_count();
+  const int64_t stride = std::clamp<int64_t>(voxels / kSample, 1, kSparsest);
+  Encoder encoder;
+  encoder.build_modes(potential.scene());
+  encoder.build_operators(potential, stride);
+  if (stride > 1 && encoder.softness() >= least) encoder.build_operators(potential, 1);
+  if (encoder.softness() < least) return {};
+  return encoder;
+}
+
+template <class T>
+void Encoder<T>::build_modes(const Scene& scene) {
+  find_pieces(scene);
+  for (Piece& piece : pieces_) fill_modes(scene, piece);
 }
 
 /// The largest pieces, by node count; ties by number.
@@ -112,16 +130,17 @@ void Encoder<T>::fill_modes(const Scene& scene, Piece& piece) {
   });
 }
 
-/// A_r of the pieces at rest.
+/// A_r of the pieces at rest, by stride as in reduced_rest_operator.
 template <class T>
-void Encoder<T>::build_operators(const IncrementalPotential& potential) {
+void Encoder<T>::build_operators(const IncrementalPotential& potential, int64_t stride) {
   const VoxelGrid& grid = potential.scene().grid;
   const std::vector<std::vector<int32_t>> voxels =
       grouped(grid.voxel_count(), pieces_.size(),
               [&](int64_t v) { return place_[size_t(grid.corners(v, 0))].piece; });
   for (size_t s = 0; s < pieces_.size(); ++s) {
     Piece& piece = pieces_[s];
-    piece.rest = reduced_rest_operator<T>(potential, {piece.nodes, place_, voxels[s], piece.modes});
+    piece.rest =
+        reduced_rest_operator<T>(potential, {piece.nodes, place_, voxels[s], piece.modes}, stride);
     invert(piece, piece.rest);
   }
   reduced_.resize(pieces_.size() * 3 * kModes);

@@ -21,6 +21,7 @@
 #include "core/pack.hpp"
 #include "network/incremental_potential.hpp"
 
+#include <optional>
 #include <vector>
 
 namespace elastogen {
@@ -50,6 +51,10 @@ class Encoder {
   /// Builds modes and A_r; the potential must have the scheme that will be used.
   explicit Encoder(const IncrementalPotential& potential);
 
+  /// The encoder, or none where softness() is below `least`; of large bodies that is estimated from
+  /// a sample of their voxels first.
+  static std::optional<Encoder> if_soft(const IncrementalPotential& potential, double least);
+
   /// z += B A_r^-1 B^T r; (nodes, 3).
   void add(const T* r, T* z) { add(&Piece::inverse, r, z); }
   /// z += B (A_r^-1 - s D_r^-1) B^T r, beside multigrid.
@@ -72,9 +77,11 @@ class Encoder {
   int piece_count() const { return int(pieces_.size()); }
 
  private:
+  Encoder() = default;
+  void build_modes(const Scene& scene);
   void find_pieces(const Scene& scene);
   void fill_modes(const Scene& scene, Piece& piece);
-  void build_operators(const IncrementalPotential& potential);
+  void build_operators(const IncrementalPotential& potential, int64_t stride);
   static void load_modes(const Piece& piece, int64_t k, Pack<T> mode[kPacks]);
   static void invert(Piece& piece, const std::vector<double>& A);
   void add(std::vector<double> Piece::*matrix, const T* r, T* z);

@@ -152,10 +152,12 @@ void VoxelBlock::add_unlike(Products& sum, Eigen::Index lines, Hourglass hourgla
   if (hourglass == Hourglass::kFull) sum.torsion += square_of(patterns.leftCols<kAxes>());
 }
 
-/// part(first, last, sums) over equal shares of [0, n), as many on every machine.
+/// part(first, last, sums) over equal shares of [0, n), as many on every machine; first is a
+/// multiple of kBlockVoxels.
 template <class Part>
 Products sum_of_parts(int64_t n, const Part& part) {
-  const int64_t share = std::max<int64_t>(8 * kBlockVoxels, (n + kMostParts - 1) / kMostParts);
+  const int64_t share =
+      std::max<int64_t>(8, (n / kBlockVoxels + kMostParts) / kMostParts) * kBlockVoxels;
   std::vector<Products, Eigen::aligned_allocator<Products>> parts(size_t((n + share - 1) / share));
   for_blocks(
       n, [&](int64_t first, int64_t last) { part(first, last, parts[size_t(first / share)]); },
@@ -168,11 +170,12 @@ Products sum_of_parts(int64_t n, const Part& part) {
 }
 
 template <class T>
-Products voxel_products(const Scene& scene, const PieceModes<T>& piece) {
+Products voxel_products(const Scene& scene, const PieceModes<T>& piece, int64_t stride) {
   return sum_of_parts(int64_t(piece.voxels.size()),
                       [&](int64_t first, int64_t last, Products& sum) {
                         VoxelBlock block;
                         for (int64_t from = first; from < last; from += kBlockVoxels) {
+                          if (from / kBlockVoxels % stride != 0) continue;
                           const int64_t to = std::min(last, from + kBlockVoxels);
                           for (int64_t k = from; k < to; ++k)
                             block.set(int(k - from), scene, piece.voxels[size_t(k)], piece);
@@ -182,11 +185,13 @@ Products voxel_products(const Scene& scene, const PieceModes<T>& piece) {
 }
 
 template <class T>
-ModeProduct inertia_products(const IncrementalPotential& potential, const PieceModes<T>& piece) {
+ModeProduct inertia_products(const IncrementalPotential& potential, const PieceModes<T>& piece,
+                             int64_t stride) {
   return sum_of_parts(int64_t(piece.nodes.size()),
                       [&](int64_t first, int64_t last, Products& sum) {
                         Block<kModes> modes(kBlockVoxels, kModes);
                         for (int64_t from = first; from < last; from += kBlockVoxels) {
+                          if (from / kBlockVoxels % stride != 0) continue;
                           const int64_t to = std::min(last, from + kBlockVoxels);
                           for (int64_t k = from; k < to; ++k) {
                             const double root =
@@ -205,10 +210,10 @@ ModeProduct inertia_products(const IncrementalPotential& potential, const PieceM
 
 template <class T>
 std::vector<double> reduced_rest_operator(const IncrementalPotential& potential,
-                                          const PieceModes<T>& piece) {
-  const Products p = voxel_products(potential.scene(), piece);
+                                          const PieceModes<T>& piece, int64_t stride) {
+  const Products p = voxel_products(potential.scene(), piece, stride);
   // what is alike for the three components
-  ModeProduct alike = inertia_products(potential, piece);
+  ModeProduct alike = inertia_products(potential, piece, stride);
   for (int a = 0; a < 3; ++a) alike += p.mu.block<kModes, kModes>(a * kModes, a * kModes);
   for (const ModeProduct& variance : p.variance) alike += variance;
   std::vector<double> A(size_t(kAxes) * kAxes);
@@ -228,8 +233,8 @@ std::vector<double> reduced_rest_operator(const IncrementalPotential& potential,
 }
 
 template std::vector<double> reduced_rest_operator(const IncrementalPotential&,
-                                                   const PieceModes<float>&);
+                                                   const PieceModes<float>&, int64_t);
 template std::vector<double> reduced_rest_operator(const IncrementalPotential&,
-                                                   const PieceModes<double>&);
+                                                   const PieceModes<double>&, int64_t);
 
 }  // namespace elastogen

@@ -6,19 +6,17 @@
 namespace elastogen {
 
 template <class T>
-Preconditioner<T>::Preconditioner(IncrementalPotential& potential, bool with_encoder)
+Preconditioner<T>::Preconditioner(IncrementalPotential& potential, bool with_encoder,
+                                  double least_softness)
     : potential_(potential),
       multigrid_(potential.scene(), potential.scheme().a0, potential.shared_rows()) {
-  if (with_encoder) encoder_.emplace(potential);
+  if (with_encoder && least_softness > 0)
+    encoder_ = Encoder<T>::if_soft(potential, least_softness);
+  else if (with_encoder)
+    encoder_.emplace(potential);
   const size_t size = 3 * size_t(potential.scene().grid.node_count());
   r_.resize(size);
   z_.resize(size);
-}
-
-template <class T>
-void Preconditioner<T>::leave_out_weak_encoder() {
-  constexpr double kSoft = 5;  // counts of beams and balls are the same with and without below it
-  if (encoder_ && encoder_->softness() < kSoft) encoder_.reset();
 }
 
 template <class T>

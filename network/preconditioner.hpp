@@ -19,15 +19,13 @@ namespace elastogen {
 template <class T>
 class Preconditioner {
  public:
-  /// @param with_encoder  small time steps do without (docs/physics.md).
-  Preconditioner(IncrementalPotential& potential, bool with_encoder);
+  /// @param with_encoder   small time steps do without (docs/physics.md).
+  /// @param least_softness  of Encoder::softness() below which the encoder is left out as well.
+  Preconditioner(IncrementalPotential& potential, bool with_encoder, double least_softness = 0);
 
   /// z = B r, both (nodes, 3); In is the type of the iteration, the work is done in T.
   template <class In>
   void apply(const In* r, In* z);
-
-  /// Does without the encoder from here on where multigrid alone does as well.
-  void leave_out_weak_encoder();
 
   /// Takes the frozen contact stiffness of the potential.
   void update_contact();

@@ -15,7 +15,8 @@ constexpr double kNewtonCourant = 100;   // auto: newton from here on,
 constexpr double kNewtonPoisson = 0.47;  // or here,
 constexpr double kCheap = 40;            // cost of a step that auto does not try to better
 constexpr double kDoubleCourant = 1000;  // everything in float64
-constexpr double kEncoderCourant = 2;    // below it multigrid alone does as well
+constexpr double kEncoderCourant = 2;    // below it multigrid alone does as well,
+constexpr double kEncoderSoftness = 5;  // and below it too: beams and balls take as many iterations
 
 }  // namespace
 
@@ -48,16 +49,14 @@ Solver::Impl::Impl(const Scene& s, const SolverOptions& o)
   // the preconditioner is built for the scheme of the run
   potential.set_scheme({scene.scheme, scene.dt, scene.scheme == TimeScheme::kBdf2 ? 2.25 : 1});
   const bool encoder = !o.skip || courant > kEncoderCourant;
+  // contact may ask for what rest does not
+  const double softness = o.skip && scene.colliders.empty() ? kEncoderSoftness : 0;
   // forces beyond the range of float, or conditions beyond its digits
   const bool in_range = force < 1e25 && force > 1e-25;
   if (courant > kDoubleCourant || !in_range)
-    precise.emplace(potential, encoder);
+    precise.emplace(potential, encoder, softness);
   else
-    single.emplace(potential, encoder);
-  if (o.skip && scene.colliders.empty()) {  // contact may ask for what rest does not
-    if (single) single->leave_out_weak_encoder();
-    if (precise) precise->leave_out_weak_encoder();
-  }
+    single.emplace(potential, encoder, softness);
   take_device();
 }
 

@@ -124,6 +124,23 @@ TEST(Encoder, SoftnessIsTheLargestEigenvalueOfWhatMultigridKnowsOverTheOperator)
     }
 }
 
+TEST(Encoder, IsThereWhereItIsSoftByASampleToo) {
+  // twice the voxels of a sample, so that every second block is looked at first
+  Scene scene = scene_on(ball_grid(33, 1), solid(young_of_courant(60, 1, 1.0 / 60), 0.3));
+  finish_scene(scene);
+  ASSERT_GT(scene.grid.voxel_count(), 2 << 16);
+  Rest rest(scene);
+  const Encoder<float> encoder(rest.potential);
+  const double softness = encoder.softness();
+  printf("%d voxels, softness %.3f\n", int(scene.grid.voxel_count()), softness);
+  ASSERT_GT(softness, 5);
+  EXPECT_FALSE(Encoder<float>::if_soft(rest.potential, 1.1 * softness));
+  const auto made = Encoder<float>::if_soft(rest.potential, 0.9 * softness);
+  ASSERT_TRUE(made);
+  EXPECT_EQ(made->pieces()[0].rest, encoder.pieces()[0].rest);
+  EXPECT_EQ(made->pieces()[0].correction, encoder.pieces()[0].correction);
+}
+
 TEST(Encoder, IsTheSameForOneAndTwoThreads) {
   const Scene scene = ragged_of_two_materials(12, 10, 9);
   Rest rest(scene);

@@ -161,8 +161,7 @@ TEST(Preconditioner, LeavesTheEncoderOutWhereThatHasNothingToAdd) {
     const Scene scene = swinging_beam(C, 0.3);
     IncrementalPotential potential(scene);
     potential.begin_step(initial_state(scene), {TimeScheme::kEuler, scene.dt, 1});
-    Preconditioner<float> preconditioner(potential, true), alone(potential, false);
-    preconditioner.leave_out_weak_encoder();
+    Preconditioner<float> preconditioner(potential, true, 5), alone(potential, false);
     EXPECT_EQ(preconditioner.encoder() != nullptr, kept);
     std::vector<double> r = load(scene), z(r.size()), expected(r.size());
     preconditioner.apply(r.data(), z.data());
