@@ -95,8 +95,7 @@ void add_hessians(const Scene& scene, cuda::DevicePotential& potential, Rows& ro
 std::vector<KernelRow> card_kernels(const Scene& scene) {
   IncrementalPotential potential(scene);
   potential.begin_step(initial_state(scene), {TimeScheme::kEuler, scene.dt, 1});
-  const Preconditioner<float> first(potential, true), cycle(potential, false);
-  cuda::DeviceQuasi quasi(potential, first), without(potential, cycle);
+  cuda::DeviceQuasi quasi(potential, EncoderChoice{}), without(potential, EncoderChoice{false});
   const auto V = double(scene.grid.voxel_count()), N = double(scene.grid.node_count());
   Room<double> u(int64_t(3 * N)), gradient(int64_t(3 * N));
   Room<float> r(int64_t(3 * N)), z(int64_t(3 * N)), single(int64_t(3 * N));

@@ -78,7 +78,7 @@ class DeviceArray {
   size_t bytes() const { return size_t(size_) * sizeof(T); }
   void copy(void* to, const void* from, int64_t count, cudaMemcpyKind kind) const {
     if (!data_ || count == 0) return;  // no numbers, or counted only
-    PinnedUpload* upload = PinnedUpload::present();
+    PinnedChunks* upload = PinnedUpload::present();
     if (upload && kind == cudaMemcpyHostToDevice)
       return upload->send(to, from, size_t(count) * sizeof(T));
     check(cudaMemcpyAsync(to, from, size_t(count) * sizeof(T), kind, cudaStreamPerThread));

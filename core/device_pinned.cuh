@@ -51,56 +51,90 @@ class PinnedArray {
   T* data_ = nullptr;
 };
 
-/// While one lives, what its thread uploads goes through two pinned chunks that all threads fill:
-/// the driver fills its own with one, at a fraction of the rate of the bus.
-class PinnedUpload {
+/// Two pinned chunks that numbers of the host go through, both ways, on the stream of the thread:
+/// all threads fill and empty them. The driver fills its own with one, at a fraction of the rate of
+/// the bus; pinning all numbers takes longer than to move them.
+class PinnedChunks {
  public:
   /// @throws Error (resources) where the host has no room.
-  PinnedUpload() : room_(2 * kChunk) {
-    for (cudaEvent_t& sent : sent_) check(cudaEventCreateWithFlags(&sent, cudaEventDisableTiming));
-    present() = this;
+  PinnedChunks() : room_(2 * kChunk) {
+    for (cudaEvent_t& moved : moved_)
+      check(cudaEventCreateWithFlags(&moved, cudaEventDisableTiming));
   }
-  PinnedUpload(const PinnedUpload&) = delete;
-  ~PinnedUpload() {
-    present() = nullptr;
-    for (cudaEvent_t& sent : sent_) {
-      cudaEventSynchronize(sent);
-      cudaEventDestroy(sent);
+  PinnedChunks(const PinnedChunks&) = delete;
+  ~PinnedChunks() {
+    for (cudaEvent_t& moved : moved_) {
+      cudaEventSynchronize(moved);
+      cudaEventDestroy(moved);
     }
   }
 
-  /// Sends on the stream of the thread; `from` is free again when it returns.
+  /// To the device; `from` is free again when it returns.
   void send(void* to, const void* from, size_t bytes) {
-    for (size_t begin = 0; begin < bytes; begin += kChunk) {
+    for (size_t begin = 0; begin < bytes; begin += kChunk, turn_ = 1 - turn_) {
       const size_t count = std::min(kChunk, bytes - begin);
-      unsigned char* chunk = room_.data() + turn_ * kChunk;
-      const auto* source = static_cast<const unsigned char*>(from) + begin;
-      check(cudaEventSynchronize(sent_[turn_]));
-      for_blocks(
-          int64_t(count),
-          [=](int64_t first, int64_t last) {
-            std::memcpy(chunk + first, source + first, size_t(last - first));
-          },
-          kPiece);
-      check(cudaMemcpyAsync(static_cast<unsigned char*>(to) + begin, chunk, count,
-                            cudaMemcpyHostToDevice, cudaStreamPerThread));
-      check(cudaEventRecord(sent_[turn_], cudaStreamPerThread));
-      turn_ = 1 - turn_;
+      check(cudaEventSynchronize(moved_[turn_]));
+      copy(chunk(turn_), at(from, begin), count);
+      move(at(to, begin), chunk(turn_), count, cudaMemcpyHostToDevice);
     }
   }
 
-  static PinnedUpload*& present() {
-    static thread_local PinnedUpload* upload = nullptr;
-    return upload;
+  /// From the device; all is there when it returns.
+  void fetch(void* to, const void* from, size_t bytes) {
+    size_t before = 0;  // bytes of the chunk that is under way
+    for (size_t begin = 0; begin < bytes || before > 0; begin += kChunk) {
+      const size_t count = begin < bytes ? std::min(kChunk, bytes - begin) : 0;
+      if (count > 0) move(chunk(turn_), at(from, begin), count, cudaMemcpyDeviceToHost);
+      turn_ = 1 - turn_;
+      if (before > 0) {
+        check(cudaEventSynchronize(moved_[turn_]));
+        copy(at(to, begin - kChunk), chunk(turn_), before);
+      }
+      before = count;
+    }
   }
 
  private:
   static constexpr size_t kChunk = size_t{2} << 20;
   static constexpr int64_t kPiece = int64_t{1} << 17;  // of a thread
 
+  static void* at(void* from, size_t begin) { return static_cast<unsigned char*>(from) + begin; }
+  static const void* at(const void* from, size_t begin) {
+    return static_cast<const unsigned char*>(from) + begin;
+  }
+  unsigned char* chunk(size_t turn) { return room_.data() + turn * kChunk; }
+  void move(void* to, const void* from, size_t bytes, cudaMemcpyKind kind) {
+    check(cudaMemcpyAsync(to, from, bytes, kind, cudaStreamPerThread));
+    check(cudaEventRecord(moved_[turn_], cudaStreamPerThread));
+  }
+  static void copy(void* to, const void* from, size_t bytes) {
+    for_blocks(
+        int64_t(bytes),
+        [=](int64_t first, int64_t last) {
+          std::memcpy(at(to, size_t(first)), at(from, size_t(first)), size_t(last - first));
+        },
+        kPiece);
+  }
+
   PinnedArray<unsigned char> room_;
-  cudaEvent_t sent_[2] = {};
+  cudaEvent_t moved_[2] = {};
   size_t turn_ = 0;
+};
+
+/// While one lives, what its thread uploads goes through its chunks.
+class PinnedUpload {
+ public:
+  PinnedUpload() { present() = &chunks_; }
+  PinnedUpload(const PinnedUpload&) = delete;
+  ~PinnedUpload() { present() = nullptr; }
+
+  static PinnedChunks*& present() {
+    static thread_local PinnedChunks* chunks = nullptr;
+    return chunks;
+  }
+
+ private:
+  PinnedChunks chunks_;
 };
 
 }  // namespace elastogen::cuda

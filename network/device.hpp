@@ -103,12 +103,12 @@ class DeviceStep {
   virtual void download_gradient(double* gradient) const = 0;
 };
 
-/// On the tables of both, which must outlive it.
+/// Of a potential that has the scheme of the run, and must outlive it.
 /// @throws Error (resources) where the device has no room for
 ///         what the scene takes to the end of its clip, with both amounts, (device) in builds
 ///         without CUDA.
 std::unique_ptr<DeviceStep> make_device_step(const IncrementalPotential& potential,
-                                             const Preconditioner<float>& first);
+                                             const EncoderChoice& encoder);
 
 /// The same for the published algorithm, which has no first matrix.
 /// @throws Error as above, and as check_paper_scene.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/parallel.hpp"
 #include "network/device_encoder.cuh"
+#include "network/device_encoder_operator.cuh"
 
 #include <algorithm>
 
@@ -131,7 +132,6 @@ DeviceEncoder<T>::DeviceEncoder(const Encoder<T>& host) {
   nodes_ = DeviceArray<int32_t>(entries);
   modes_ = DeviceArray<ModeNumber<T>>(entries * kModes);
   std::vector<int32_t> chunk_begin;
-  std::vector<double> corrections;
   std::vector<EncoderChunk> chunks;
   int32_t first = 0;
   for (const auto& piece : host.pieces()) {
@@ -140,20 +140,47 @@ DeviceEncoder<T>::DeviceEncoder(const Encoder<T>& host) {
     nodes_.upload(piece.nodes.data(), first, end - first);
     upload_modes(piece.modes.data(), int64_t(end - first) * kModes, int64_t(first) * kModes,
                  modes_);
-    for (int column = 0; column < kSize; ++column)
-      for (int row = 0; row < kSize; ++row)
-        corrections.push_back(piece.correction[size_t(row * kSize + column)]);
     chunk_begin.push_back(int32_t(chunks.size()));
     for (int32_t begin = first; begin < end; begin += kChunk)
       chunks.push_back({number, begin, std::min(begin + kChunk, end)});
     first = end;
   }
   chunk_begin.push_back(int32_t(chunks.size()));
-  corrections_ = DeviceArray<double>(corrections);
   chunks_ = DeviceArray<EncoderChunk>(chunks);
   chunk_begin_ = DeviceArray<int32_t>(chunk_begin);
   partial_ = DeviceArray<T>(chunks_.size() * kSize);
   solution_ = DeviceArray<double>(piece_count() * kSize);
+}
+
+template <class T>
+std::vector<std::vector<double>> DeviceEncoder<T>::rest_operators(DevicePotential& potential,
+                                                                  const Encoder<T>& host) const {
+  DeviceArray<int32_t> entry(potential.nodes());
+  check(cudaMemsetAsync(entry.data(), 0xff, size_t(entry.size()) * sizeof(int32_t),
+                        cudaStreamPerThread));
+  const int32_t* const node = nodes_.data();
+  int32_t* const entry_of = entry.data();
+  cuda::for_each(nodes_.size(), [=] __device__(int64_t k) { entry_of[node[k]] = int32_t(k); });
+  const DeviceModes<T> modes{modes_.data(), node, entry_of};
+  std::vector<std::vector<double>> operators;
+  int32_t first = 0;
+  for (const auto& piece : host.pieces()) {
+    const int32_t end = first + int32_t(piece.nodes.size());
+    operators.push_back(reduced_rest_operator(potential, modes, first, end));
+    first = end;
+  }
+  return operators;
+}
+
+/// Column by column.
+template <class T>
+void DeviceEncoder<T>::take_corrections(const Encoder<T>& host) {
+  std::vector<double> corrections;
+  for (const auto& piece : host.pieces())
+    for (int column = 0; column < kSize; ++column)
+      for (int row = 0; row < kSize; ++row)
+        corrections.push_back(piece.correction[size_t(row * kSize + column)]);
+  corrections_ = DeviceArray<double>(corrections);
 }
 
 template <class T>

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// The encoder of network/encoder.hpp on the device, beside multigrid: modes and corrections of a
-// finished one, copied once, and the same map in three launches, all sums in a fixed order.
+// The encoder of network/encoder.hpp on the device, beside multigrid: modes and corrections of one
+// of the host, whose operators may be made here, and the same map in three launches, all sums in a
+// fixed order.
 
 #pragma once
 
 #include "core/device_array.cuh"
 #include "network/device_contact.hpp"
+#include "network/device_potential.hpp"
 #include "network/encoder.hpp"
 
 #include <cuda_fp16.h>
@@ -39,9 +41,15 @@ struct StiffEntry {
 template <class T>
 class DeviceEncoder {
  public:
-  /// Takes the host's present corrections; later changes of the host have no effect.
+  /// Takes the host's modes.
   /// @throws Error (resources) where the device has no room.
   explicit DeviceEncoder(const Encoder<T>& host);
+
+  /// A_r at rest of each piece, made here; `host` is that of the constructor.
+  std::vector<std::vector<double>> rest_operators(DevicePotential& potential,
+                                                  const Encoder<T>& host) const;
+  /// Takes the host's present corrections; later changes of the host have no effect.
+  void take_corrections(const Encoder<T>& host);
 
   /// Makes room for a further stiffness of these nodes, in this order; `host` is that of the
   /// constructor.

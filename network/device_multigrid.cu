@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/device_array.cuh"
+#include "network/device_hierarchy.cuh"
 #include "network/device_multigrid.cuh"
 #include "network/device_stencil_pass.cuh"
 #include "network/device_stencil_stiffness.cuh"
-#include "network/multigrid_element.hpp"
 
 #include <cooperative_groups.h>
 
@@ -21,40 +20,35 @@ constexpr int kClusterThreads = stencil::kSlots / kSingleRun;
 
 template <class T>
 struct Level {
-  Level(const MultigridLevel<T>& host, const StencilBricks<T>& g)
-      : links(g.links),
-        begin(g.begin),
-        slot(g.slot),
-        row(g.row),
-        rows(g.rows),
-        inverses(host.inverses),
-        r(g.brick_count() * stencil::kBrick),
-        z((g.brick_count() + 1) * stencil::kBrick),
+  Level(HierarchyLevel<T>&& made, const std::vector<T>& dense)
+      : of(std::move(made)),
+        inverses(dense),
+        r(of.links.size() * stencil::kBrick),
+        z((of.links.size() + 1) * stencil::kBrick),
         other(z.size()),
-        partial((g.brick_count() + 1) * 3 * stencil::kPartial),
-        smoother(host.lambda_max) {}
+        partial((of.links.size() + 1) * 3 * stencil::kPartial),
+        smoother(of.lambda_max) {}
 
   StencilView<T> view() {
-    return {links.data(),
-            begin.data(),
-            slot.data(),
-            row.data(),
-            rows.data(),
+    return {of.links.data(),
+            of.begin.data(),
+            of.slot.data(),
+            of.row.data(),
+            of.rows.data(),
             inverses.data(),
             r.data(),
             z.data(),
             other.data(),
             partial.data(),
-            int32_t(links.size()),
-            int32_t(slot.size()),
+            int32_t(of.links.size()),
+            int32_t(of.slot.size()),
             T(smoother.first),
             T(smoother.keep),
             T(smoother.add)};
   }
 
-  DeviceArray<BrickLinks> links;
-  DeviceArray<int32_t> begin, slot, row;
-  DeviceArray<T> rows, inverses;
+  HierarchyLevel<T> of;
+  DeviceArray<T> inverses;  // of the coarsest one, where it is solved
   DeviceArray<T> r, z, other, partial;
   Chebyshev smoother;
 
@@ -150,9 +144,16 @@ struct ClusterLaunch {
 
 template <class T>
 struct DeviceMultigridLevels {
-  explicit DeviceMultigridLevels(const Multigrid<T>& host)
-      : unit(host.level(0).unit), scale(T(1 / unit)) {
-    add_levels(host);
+  explicit DeviceMultigridLevels(Hierarchy<T>&& made)
+      : unit(made.unit), scale(T(1 / unit)), operators(made.operators) {
+    static_assert(kMaxLevels >= kMostLevels);
+    const std::vector<T> inverses =
+        dense_inverses<T>(made.operators, made.levels.back().slot.size());
+    for (HierarchyLevel<T>& level : made.levels) {
+      const bool solved = &level == &made.levels.back();
+      levels.push_back(
+          std::make_unique<Level<T>>(std::move(level), solved ? inverses : std::vector<T>{}));
+    }
     views.count = first_in_cluster = int(levels.size());
     for (int l = 0; l < views.count; ++l) views.level[l] = levels[size_t(l)]->view();
     for (int l = 0; l + 1 < views.count; ++l) views.level[l].coarse_z = views.level[l + 1].z;
@@ -163,18 +164,6 @@ struct DeviceMultigridLevels {
 
   static bool fits_cluster(const StencilView<T>& v) {
     return v.inverses != nullptr || v.bricks <= kClusterBricks;
-  }
-
-  void add_levels(const Multigrid<T>& host) {
-    ELASTOGEN_CHECK(host.level_count() <= kMaxLevels, "at most ", kMaxLevels, " levels");
-    StencilBricks<T> finer = make_stencil_bricks(host.level(0));
-    for (int l = 1; l < host.level_count(); ++l) {
-      StencilBricks<T> coarser = make_stencil_bricks(host.level(l));
-      link_levels(finer, coarser);
-      levels.push_back(std::make_unique<Level<T>>(host.level(l - 1), finer));
-      finer = std::move(coarser);
-    }
-    levels.push_back(std::make_unique<Level<T>>(host.level(host.level_count() - 1), finer));
   }
 
   /// Asks for shared memory, and for 16 blocks of a cluster where the card has room for them.
@@ -196,7 +185,7 @@ struct DeviceMultigridLevels {
     cluster_blocks = 8;  // which every card grants
   }
 
-  void expect_stiffness(const Multigrid<T>& host);
+  void expect_stiffness();
   void set_nodal_stiffness(const NodalStiffness& stiffness);
 
   const Views<T>& present() const { return use_stiffness ? stiff_views : views; }
@@ -262,27 +251,29 @@ struct DeviceMultigridLevels {
   double unit;  // [N/m]
   T scale;      // 1 / unit
 
+  std::vector<double> operators;  // of the coarsest level, where that is solved
+
   // of a further stiffness, where one is expected
   Views<T> stiff_views;
-  DeviceArray<double> operators;  // of the coarsest level, where that is solved, (3, nodes, nodes)
+  DeviceArray<double> operators_here;
   bool use_stiffness = false;
 };
 
 template <class T>
-void DeviceMultigridLevels<T>::expect_stiffness(const Multigrid<T>& host) {
+void DeviceMultigridLevels<T>::expect_stiffness() {
   stiff_views = views;
   for (int l = 0; l < views.count; ++l) {
     Level<T>& level = *levels[size_t(l)];
     level.added = DeviceArray<T>(level.z.size());
-    level.stiff = DeviceArray<int32_t>(level.links.size() + 1);
+    level.stiff = DeviceArray<int32_t>(level.of.links.size() + 1);
     level.added_inverses = DeviceArray<T>(level.inverses.size());
     StencilView<T>& view = stiff_views.level[l];
     view.added = level.added.data();
     view.stiff = level.stiff.data();
     view.inverses = level.added_inverses.data();
   }
-  operators = DeviceArray<double>(host.level(views.count - 1).operators);
-  ELASTOGEN_CHECK(operators.size() == 0 || views.level[views.count - 1].nodes <= DenseTile::kRows,
+  operators_here = DeviceArray<double>(operators);
+  ELASTOGEN_CHECK(operators.empty() || views.level[views.count - 1].nodes <= DenseTile::kRows,
                   "at most ", DenseTile::kRows, " nodes of a level that is solved");
   prepare_kernels<true>();
 }
@@ -310,17 +301,17 @@ void DeviceMultigridLevels<T>::set_nodal_stiffness(const NodalStiffness& stiffne
     check(cudaGetLastError());
   }
   const StencilView<T>& last = stiff_views.level[views.count - 1];
-  if (operators.size() == 0) return;
+  if (operators.empty()) return;
   const auto kernel = last.nodes <= SmallDenseTile::kRows ? inverse_kernel<T, SmallDenseTile>
                                                           : inverse_kernel<T, DenseTile>;
   constexpr dim3 kThreads(DenseTile::kWidth, DenseTile::kWidth);
-  kernel<<<3, kThreads>>>(last, operators.data(), levels.back()->added_inverses.data());
+  kernel<<<3, kThreads>>>(last, operators_here.data(), levels.back()->added_inverses.data());
   check(cudaGetLastError());
 }
 
 template <class T>
-DeviceMultigrid<T>::DeviceMultigrid(const Multigrid<T>& host)
-    : levels_(std::make_unique<DeviceMultigridLevels<T>>(host)) {}
+DeviceMultigrid<T>::DeviceMultigrid(DevicePotential& potential)
+    : levels_(std::make_unique<DeviceMultigridLevels<T>>(make_hierarchy<T>(potential))) {}
 
 template <class T>
 DeviceMultigrid<T>::~DeviceMultigrid() = default;
@@ -331,8 +322,8 @@ ResidualInput<T> DeviceMultigrid<T>::input() const {
 }
 
 template <class T>
-void DeviceMultigrid<T>::expect_stiffness(const Multigrid<T>& host) {
-  levels_->expect_stiffness(host);
+void DeviceMultigrid<T>::expect_stiffness() {
+  levels_->expect_stiffness();
 }
 
 template <class T>
@@ -357,6 +348,29 @@ void DeviceMultigrid<T>::apply(const T* r, T* z) {
   cycle(z);
 }
 
+template <class T>
+std::vector<LevelRows<T>> hierarchy_rows(DevicePotential& potential, int hash_bits) {
+  const auto on_host = [](const auto& array) {
+    std::vector<std::remove_cvref_t<decltype(*array.data())>> values(size_t(array.size()));
+    array.download(values.data());
+    return values;
+  };
+  std::vector<LevelRows<T>> result;
+  for (const HierarchyLevel<T>& level : make_hierarchy<T>(potential, hash_bits).levels) {
+    const std::vector<int32_t> slot = on_host(level.slot), row = on_host(level.row);
+    const std::vector<T> rows = on_host(level.rows);
+    LevelRows<T>& to = result.emplace_back();
+    to.distinct = int64_t(rows.size()) / stencil::kRow;
+    for (const int32_t s : slot) {
+      const auto from = rows.begin() + int64_t(row[size_t(s)]) * stencil::kRow;
+      to.by_node.insert(to.by_node.end(), from, from + stencil::kRow);
+    }
+  }
+  return result;
+}
+
+template std::vector<LevelRows<float>> hierarchy_rows(DevicePotential&, int);
+template std::vector<LevelRows<double>> hierarchy_rows(DevicePotential&, int);
 template class DeviceMultigrid<float>;
 template class DeviceMultigrid<double>;
 

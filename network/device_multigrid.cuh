@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// The V-cycle of network/multigrid.hpp on the device: the numbers of a finished hierarchy, copied
-// once, and the same cycle, launched without waiting for the device: level by level where a level
-// fills the card, the small ones together as one cluster of blocks (compute capability 9.0).
+// The V-cycle of network/multigrid.hpp on the device: levels that are made there
+// (device_hierarchy.cuh), and the same cycle, launched without waiting for the device: level by
+// level where a level fills the card, the small ones together as one cluster of blocks (compute
+// capability 9.0).
 
 #pragma once
 
 #include "network/device_contact.hpp"
+#include "network/device_potential.hpp"
 #include "network/multigrid.hpp"
 
 #include <functional>
 #include <memory>
+#include <vector>
 
 namespace elastogen::cuda {
 
@@ -31,13 +34,13 @@ struct Companion {
 template <class T>
 class DeviceMultigrid {
  public:
-  /// Takes the host's present nodal stiffness; later changes of the host have no effect.
+  /// Of the potential's scene and inertia.
   /// @throws Error (resources) where the device has no room.
-  explicit DeviceMultigrid(const Multigrid<T>& host);
+  explicit DeviceMultigrid(DevicePotential& potential);
   ~DeviceMultigrid();
 
-  /// Makes room for a further stiffness; `host` is that of the constructor.
-  void expect_stiffness(const Multigrid<T>& host);
+  /// Makes room for a further stiffness.
+  void expect_stiffness();
   /// As Multigrid::set_nodal_stiffness with the diagonals of the blocks; only once it is expected.
   void set_nodal_stiffness(const NodalStiffness& stiffness);
   /// Whether cycles take it into account.
@@ -52,5 +55,16 @@ class DeviceMultigrid {
  private:
   std::unique_ptr<DeviceMultigridLevels<T>> levels_;
 };
+
+/// Stencils of a level, for tests.
+template <class T>
+struct LevelRows {
+  int64_t distinct = 0;    ///< rows, with that of no node
+  std::vector<T> by_node;  ///< (nodes, kRow) of stencil_bricks.hpp
+};
+
+/// Those that make_hierarchy makes (device_hierarchy.cuh), the finest level first.
+template <class T>
+std::vector<LevelRows<T>> hierarchy_rows(DevicePotential& potential, int hash_bits = 64);
 
 }  // namespace elastogen::cuda

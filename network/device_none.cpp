@@ -15,8 +15,7 @@ std::string device_name() {
   throw Error("built without CUDA", ErrorKind::kDevice);
 }
 
-std::unique_ptr<DeviceStep> make_device_step(const IncrementalPotential&,
-                                             const Preconditioner<float>&) {
+std::unique_ptr<DeviceStep> make_device_step(const IncrementalPotential&, const EncoderChoice&) {
   throw Error("built without CUDA", ErrorKind::kDevice);
 }
 

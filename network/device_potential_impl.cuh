@@ -83,7 +83,7 @@ struct DevicePotential::Impl {
         rotation_double(
             potential.scene().hourglass == Hourglass::kFull ? rows.row_count() * 9 * kLanes : 0),
         rotation_float(rotation_double.size()),
-        inertia(nodes()),
+        inertia(potential.inertia()),
         predictor(3 * nodes()),
         u_now(3 * nodes()),
         nodal_rotation(nodes()),

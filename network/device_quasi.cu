@@ -107,9 +107,9 @@ IterationResult DeviceQuasi::Impl::solve(double target, int max_outer,
   }
 }
 
-DeviceQuasi::DeviceQuasi(const IncrementalPotential& potential, const Preconditioner<float>& first)
+DeviceQuasi::DeviceQuasi(const IncrementalPotential& potential, const EncoderChoice& encoder)
     : DeviceQuasi(potential) {
-  impl_->first.emplace(impl_->potential, first);
+  impl_->first.emplace(impl_->potential, encoder);
 }
 
 DeviceQuasi::DeviceQuasi(const IncrementalPotential& potential)

@@ -13,9 +13,9 @@ class DevicePreconditioner;
 
 class DeviceQuasi {
  public:
-  /// On the tables of both, which must outlive it.
+  /// The potential must outlive it, and have the scheme that will be used.
   /// @throws Error (resources) where the device has no room.
-  DeviceQuasi(const IncrementalPotential& potential, const Preconditioner<float>& first);
+  DeviceQuasi(const IncrementalPotential& potential, const EncoderChoice& encoder);
   /// Without a first matrix there are no iterations: for the displacement and the potential.
   explicit DeviceQuasi(const IncrementalPotential& potential);
   ~DeviceQuasi();

@@ -6,16 +6,16 @@
 namespace elastogen::cuda {
 namespace {
 
-DeviceQuasi make_quasi(const IncrementalPotential& potential, const Preconditioner<float>* first) {
-  return first ? DeviceQuasi(potential, *first) : DeviceQuasi(potential);
+DeviceQuasi make_quasi(const IncrementalPotential& potential, const EncoderChoice* encoder) {
+  return encoder ? DeviceQuasi(potential, *encoder) : DeviceQuasi(potential);
 }
 
 }  // namespace
 
-StepOnDevice::StepOnDevice(const IncrementalPotential& potential,
-                           const Preconditioner<float>* first, const PaperLoops* paper)
+StepOnDevice::StepOnDevice(const IncrementalPotential& potential, const EncoderChoice* encoder,
+                           const PaperLoops* paper)
     : scene_(potential.scene()),
-      quasi_(make_quasi(potential, first)),
+      quasi_(make_quasi(potential, encoder)),
       pieces_(scene_),
       rest_(scene_.grid.rest.data(), scene_.grid.rest.size()),
       mass_(scene_.mass.data(), scene_.mass.size()),
@@ -28,8 +28,7 @@ StepOnDevice::StepOnDevice(const IncrementalPotential& potential,
       gradient_(size()),
       largest_(1),
       pair_sums_(1),
-      numbers_(1),
-      staging_(size()) {
+      numbers_(1) {
   if (paper) paper_.emplace(quasi_, *paper);
 }
 
@@ -39,18 +38,12 @@ void StepOnDevice::copy(const double* from, double* to) const {
 }
 
 void StepOnDevice::send(const Array<double>& from, DeviceArray<double>& to) {
-  for_blocks(size(), [&](int64_t begin, int64_t end) {
-    std::copy(from.data() + begin, from.data() + end, staging_.data() + begin);
-  });
-  to.upload(staging_.data());
+  chunks_.send(to.data(), from.data(), size_t(size()) * sizeof(double));
 }
 
 void StepOnDevice::fetch(const DeviceArray<double>& from, Array<double>& to) {
-  from.download(staging_.data());
   if (to.size() != size()) to = Array<double>(size() / 3, 3);
-  for_blocks(size(), [&](int64_t begin, int64_t end) {
-    std::copy(staging_.data() + begin, staging_.data() + end, to.data() + begin);
-  });
+  chunks_.fetch(to.data(), from.data(), size_t(size()) * sizeof(double));
 }
 
 void StepOnDevice::upload(const State& state) {
@@ -217,19 +210,19 @@ namespace {
 /// What a step is made of.
 struct Recipe {
   const IncrementalPotential& potential;
-  const Preconditioner<float>* first;
+  const EncoderChoice* encoder;
   const PaperLoops* paper;
 
   std::unique_ptr<StepOnDevice> make() const {
-    return std::make_unique<StepOnDevice>(potential, first, paper);
+    return std::make_unique<StepOnDevice>(potential, encoder, paper);
   }
 };
 
 }  // namespace
 
 std::unique_ptr<DeviceStep> make_device_step(const IncrementalPotential& potential,
-                                             const Preconditioner<float>& first) {
-  return within_budget(Recipe{potential, &first, nullptr});
+                                             const EncoderChoice& encoder) {
+  return within_budget(Recipe{potential, &encoder, nullptr});
 }
 
 std::unique_ptr<DeviceStep> make_device_step(const IncrementalPotential& potential,

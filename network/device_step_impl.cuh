@@ -38,8 +38,8 @@ struct StepNumbers {
 
 class StepOnDevice : public DeviceStep {
  public:
-  /// With a first matrix, or for the published algorithm without one.
-  StepOnDevice(const IncrementalPotential& potential, const Preconditioner<float>* first,
+  /// With a first matrix (null: without one), for the published algorithm or without it.
+  StepOnDevice(const IncrementalPotential& potential, const EncoderChoice* encoder,
                const PaperLoops* paper);
 
   void upload(const State& state) override;
@@ -121,7 +121,7 @@ class StepOnDevice : public DeviceStep {
   DeviceArray<SumRoom<Largest>> largest_;
   DeviceArray<SumRoom<Sums<2>>> pair_sums_;
   PinnedArray<StepNumbers> numbers_;
-  PinnedArray<double> staging_;  // arrays on their way; the bus takes other memory more slowly
+  PinnedChunks chunks_;  // that arrays of the state go through
   std::unique_ptr<DeviceFrames> frames_;
   StepScheme scheme_;
   bool has_before_ = false;

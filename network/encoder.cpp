@@ -60,22 +60,31 @@ Box rest_box(const Scene& scene, const std::vector<int32_t>& nodes) {
 }  // namespace
 
 template <class T>
-Encoder<T>::Encoder(const IncrementalPotential& potential) {
+Encoder<T>::Encoder(const IncrementalPotential& potential, const MakeOperators& make) {
   build_modes(potential.scene());
-  build_operators(potential, 1);
+  make_operators(potential, make);
 }
 
 template <class T>
-std::optional<Encoder<T>> Encoder<T>::if_soft(const IncrementalPotential& potential, double least) {
+std::optional<Encoder<T>> Encoder<T>::if_soft(const IncrementalPotential& potential, double least,
+                                              const MakeOperators& make) {
   constexpr int64_t kSample = 1 << 16, kSparsest = 16;  // voxels; of that many blocks one
   const int64_t voxels = potential.scene().grid.voxel_count();
   const int64_t stride = std::clamp<int64_t>(voxels / kSample, 1, kSparsest);
   Encoder encoder;
   encoder.build_modes(potential.scene());
-  encoder.build_operators(potential, stride);
-  if (stride > 1 && encoder.softness() >= least) encoder.build_operators(potential, 1);
+  if (stride > 1 && !make) {
+    encoder.take_operators(encoder.rest_operators(potential, stride));
+    if (encoder.softness() < least) return {};
+  }
+  encoder.make_operators(potential, make);
   if (encoder.softness() < least) return {};
   return encoder;
+}
+
+template <class T>
+void Encoder<T>::make_operators(const IncrementalPotential& potential, const MakeOperators& make) {
+  take_operators(make ? make(*this) : rest_operators(potential, 1));
 }
 
 template <class T>
@@ -132,16 +141,24 @@ void Encoder<T>::fill_modes(const Scene& scene, Piece& piece) {
 
 /// A_r of the pieces at rest, by stride as in reduced_rest_operator.
 template <class T>
-void Encoder<T>::build_operators(const IncrementalPotential& potential, int64_t stride) {
+std::vector<std::vector<double>> Encoder<T>::rest_operators(const IncrementalPotential& potential,
+                                                            int64_t stride) const {
   const VoxelGrid& grid = potential.scene().grid;
   const std::vector<std::vector<int32_t>> voxels =
       grouped(grid.voxel_count(), pieces_.size(),
               [&](int64_t v) { return place_[size_t(grid.corners(v, 0))].piece; });
+  std::vector<std::vector<double>> operators;
+  for (size_t s = 0; s < pieces_.size(); ++s)
+    operators.push_back(reduced_rest_operator<T>(
+        potential, {pieces_[s].nodes, place_, voxels[s], pieces_[s].modes}, stride));
+  return operators;
+}
+
+template <class T>
+void Encoder<T>::take_operators(std::vector<std::vector<double>>&& operators) {
   for (size_t s = 0; s < pieces_.size(); ++s) {
-    Piece& piece = pieces_[s];
-    piece.rest =
-        reduced_rest_operator<T>(potential, {piece.nodes, place_, voxels[s], piece.modes}, stride);
-    invert(piece, piece.rest);
+    pieces_[s].rest = std::move(operators[s]);
+    invert(pieces_[s], pieces_[s].rest);
   }
   reduced_.resize(pieces_.size() * 3 * kModes);
   solution_.resize(reduced_.size());

@@ -21,6 +21,7 @@
 #include "core/pack.hpp"
 #include "network/incremental_potential.hpp"
 
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -48,12 +49,17 @@ class Encoder {
   };
   static constexpr double kKnown = 0.8;  ///< s
 
+  /// Gives A_r at rest of each piece of an encoder that has its modes.
+  using MakeOperators = std::function<std::vector<std::vector<double>>(const Encoder&)>;
+
   /// Builds modes and A_r; the potential must have the scheme that will be used.
-  explicit Encoder(const IncrementalPotential& potential);
+  /// @param make  null: reduced_rest_operator.
+  explicit Encoder(const IncrementalPotential& potential, const MakeOperators& make = {});
 
   /// The encoder, or none where softness() is below `least`; of large bodies that is estimated from
-  /// a sample of their voxels first.
-  static std::optional<Encoder> if_soft(const IncrementalPotential& potential, double least);
+  /// a sample of their voxels first, unless their operators are made by others.
+  static std::optional<Encoder> if_soft(const IncrementalPotential& potential, double least,
+                                        const MakeOperators& make = {});
 
   /// z += B A_r^-1 B^T r; (nodes, 3).
   void add(const T* r, T* z) { add(&Piece::inverse, r, z); }
@@ -81,7 +87,10 @@ class Encoder {
   void build_modes(const Scene& scene);
   void find_pieces(const Scene& scene);
   void fill_modes(const Scene& scene, Piece& piece);
-  void build_operators(const IncrementalPotential& potential, int64_t stride);
+  void make_operators(const IncrementalPotential& potential, const MakeOperators& make);
+  std::vector<std::vector<double>> rest_operators(const IncrementalPotential& potential,
+                                                  int64_t stride) const;
+  void take_operators(std::vector<std::vector<double>>&& operators);
   static void load_modes(const Piece& piece, int64_t k, Pack<T> mode[kPacks]);
   static void invert(Piece& piece, const std::vector<double>& A);
   void add(std::vector<double> Piece::*matrix, const T* r, T* z);

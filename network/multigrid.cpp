@@ -15,20 +15,32 @@
 namespace elastogen {
 namespace {
 
-/// Largest eigenvalue of D^-1 K over the voxels (element bound), components x, y, z together.
-/// Border voxels reach at most 3 % more than the full voxel's formula.
+/// Largest eigenvalue of D^-1 K over the voxels, a bound for the whole.
 double largest_eigenvalue(const LevelGrid& level) {
-  return 1.03 * largest(int64_t(level.moduli.size() / 6), [&](int64_t v) {
-           const double* k = level.moduli.data() + 6 * v;
-           const double variance = (k[2] + k[3] + k[4]) / 24 + k[5] / 48;
-           const double diagonal = (4 * k[0] + k[1]) / 16 + variance;
-           const double top =
-               std::max({(2 * k[0] + k[1]) / 2, k[2] / 3, k[3] / 3, k[4] / 3, k[5] / 6});
-           return top / diagonal;
+  return kBorderExcess * largest(int64_t(level.moduli.size() / 6), [&](int64_t v) {
+           return element_bound(level.moduli.data() + 6 * v);
          });
 }
 
+Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& A) {
+  const Eigen::MatrixXd result = A.llt().solve(Eigen::MatrixXd::Identity(A.rows(), A.cols()));
+  return (result + result.transpose()) / 2;
+}
+
 }  // namespace
+
+template <class T>
+std::vector<T> dense_inverses(const std::vector<double>& operators, int64_t n) {
+  std::vector<T> inverses(operators.size());
+  run_tasks(int64_t(operators.size()) / (n * n), [&](int64_t k) {
+    const Eigen::Map<const Eigen::MatrixXd> A(operators.data() + k * n * n, n, n);
+    Eigen::Map<Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>>(
+        inverses.data() + k * n * n, n, n) = inverse_of(A).template cast<T>();
+  });
+  return inverses;
+}
+template std::vector<float> dense_inverses(const std::vector<double>&, int64_t);
+template std::vector<double> dense_inverses(const std::vector<double>&, int64_t);
 
 template <class T>
 struct Multigrid<T>::Level {
@@ -132,12 +144,8 @@ struct Multigrid<T>::Level {
 
   /// Dense inverses of the three operators.
   void invert() {
-    using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic>;
-    const Eigen::Index n = grid.nodes;
-    for (int i = 0; i < 3; ++i) {
-      const Matrix result = dense_operator(i).llt().solve(Matrix::Identity(n, n));
-      inverse[i] = ((result + result.transpose()) / 2).template cast<T>();
-    }
+    run_tasks(
+        3, [&](int64_t i) { inverse[i] = inverse_of(dense_operator(int(i))).template cast<T>(); });
   }
 
   /// The operator of a component, 1 on the diagonal of pinned nodes.
@@ -189,13 +197,11 @@ Multigrid<T>::Multigrid(const Scene& scene, double a0)
 
 template <class T>
 Multigrid<T>::Multigrid(const Scene& scene, double a0, std::shared_ptr<const BrickRows> rows) {
-  // nodes that a dense inverse serves; colliders change it, and the inverse is taken anew, every
-  // step
-  const int64_t dense = scene.colliders.empty() ? 400 : 100;
+  const int64_t dense = dense_nodes(scene);
   levels_.push_back(std::make_unique<Level>(finest_level(scene, a0, std::move(rows))));
-  while (levels_.back()->grid.nodes > dense && levels_.size() < 12) {
+  while (levels_.back()->grid.nodes > dense && int(levels_.size()) < kMostLevels) {
     LevelGrid coarse = coarser_level(levels_.back()->grid);
-    if (coarse.nodes > 0.7 * double(levels_.back()->grid.nodes)) break;  // dust: no use in going on
+    if (!is_worthwhile(coarse.nodes, levels_.back()->grid.nodes)) break;
     levels_.push_back(std::make_unique<Level>(std::move(coarse)));
   }
 
@@ -307,18 +313,9 @@ template <class T>
 MultigridLevel<T> Multigrid<T>::level(int l) const {
   const Level& from = *levels_[size_t(l)];
   const LevelGrid& grid = from.grid;
-  std::vector<T> inverses;
-  std::vector<double> operators;
-  for (int i = 0; i < 3; ++i) {
-    const auto& inverse = from.inverse[i];
-    if (inverse.size() == 0) continue;
-    inverses.insert(inverses.end(), inverse.data(), inverse.data() + inverse.size());
-    const Eigen::MatrixXd A = from.dense_operator(i);
-    operators.insert(operators.end(), A.data(), A.data() + A.size());
-  }
-  return {*grid.rows,      from.moduli,     from.added, from.inverse_diagonal,
-          grid.pinned,     grid.node_coord, inverses,   operators,
-          from.lambda_max, grid.unit,       grid.nodes};
+  return {*grid.rows,  from.moduli,     from.added,      from.inverse_diagonal,
+          grid.pinned, grid.node_coord, from.lambda_max, grid.unit,
+          grid.nodes};
 }
 
 template class Multigrid<float>;

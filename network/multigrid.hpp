@@ -18,8 +18,8 @@
 
 namespace elastogen {
 
-/// What the cycle reads of one level: borrowed from the hierarchy, which must outlive it and keep
-/// its nodal stiffness.
+/// What the cycle reads of one level, for tests: borrowed from the hierarchy, which must outlive it
+/// and keep its nodal stiffness.
 template <class T>
 struct MultigridLevel {
   const BrickRows& rows;
@@ -28,11 +28,14 @@ struct MultigridLevel {
   const Zeroed<T>& inverse_diagonal;  ///< times unit, (nodes, 3); 0 on pinned nodes
   const Zeroed<uint8_t>& pinned;      ///< (nodes)
   const Array<int32_t>& node_coord;   ///< lattice coordinates of this level, (nodes, 3)
-  std::vector<T> inverses;  ///< dense, row-major, (3, nodes, nodes); empty where the cycle smooths
-  std::vector<double> operators;  ///< what they are the inverses of
-  double lambda_max, unit;        ///< bound of the smoother; [N/m], what the operator is divided by
+  double lambda_max, unit;  ///< bound of the smoother; [N/m], what the operator is divided by
   int64_t nodes;
 };
+
+/// Inverses of dense symmetric positive definite matrices, (count, n, n): what a coarsest level is
+/// solved by.
+template <class T>
+std::vector<T> dense_inverses(const std::vector<double>& operators, int64_t n);
 
 /// @tparam T  float, or double where the condition number asks for it (Courant number above 1e3).
 template <class T>

@@ -28,6 +28,18 @@ template <bool kBorder, class P>
   hex8::to_corners(f);
 }
 
+/// Largest eigenvalue of D^-1 K of a full voxel, components x, y, z together; D its diagonal.
+ELASTOGEN_HD inline double element_bound(const double k[6]) {
+  const double variance = (k[2] + k[3] + k[4]) / 24 + k[5] / 48;
+  const double tops[] = {(2 * k[0] + k[1]) / 2, k[2] / 3, k[3] / 3, k[4] / 3, k[5] / 6};
+  double top = 0;
+  for (const double value : tops) top = value > top ? value : top;
+  return top / ((4 * k[0] + k[1]) / 16 + variance);
+}
+
+/// What border voxels reach more than that formula, at most.
+inline constexpr double kBorderExcess = 1.03;
+
 /// Coefficients of the Chebyshev polynomial of degree 2 on [b/6, b].
 struct Chebyshev {
   explicit Chebyshev(double b) {

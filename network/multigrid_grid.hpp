@@ -30,6 +30,19 @@ struct LevelGrid {
   Zeroed<int32_t> children;  ///< fine nodes at offset -1, 0, 1 per axis, (nodes, 27), -1 if none
 };
 
+/// Nodes of a level that a dense inverse serves: the coarsest one. Colliders change it, and the
+/// inverse is taken anew, every step.
+inline int64_t dense_nodes(const Scene& scene) {
+  return scene.colliders.empty() ? 400 : 100;
+}
+
+inline constexpr int kMostLevels = 12;
+
+/// Whether a level of that many nodes helps a finer one; in dust there is no use in going on.
+inline bool is_worthwhile(int64_t nodes, int64_t finer) {
+  return double(nodes) <= 0.7 * double(finer);
+}
+
 /// @param rows  those of the scene.
 LevelGrid finest_level(const Scene& scene, double a0, std::shared_ptr<const BrickRows> rows);
 

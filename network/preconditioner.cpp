@@ -6,14 +6,10 @@
 namespace elastogen {
 
 template <class T>
-Preconditioner<T>::Preconditioner(IncrementalPotential& potential, bool with_encoder,
-                                  double least_softness)
+Preconditioner<T>::Preconditioner(IncrementalPotential& potential, const EncoderChoice& encoder)
     : potential_(potential),
-      multigrid_(potential.scene(), potential.scheme().a0, potential.shared_rows()) {
-  if (with_encoder && least_softness > 0)
-    encoder_ = Encoder<T>::if_soft(potential, least_softness);
-  else if (with_encoder)
-    encoder_.emplace(potential);
+      multigrid_(potential.scene(), potential.scheme().a0, potential.shared_rows()),
+      encoder_(encoder.make<T>(potential)) {
   const size_t size = 3 * size_t(potential.scene().grid.node_count());
   r_.resize(size);
   z_.resize(size);

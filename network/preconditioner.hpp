@@ -16,12 +16,25 @@
 
 namespace elastogen {
 
+/// Whether a preconditioner has an encoder.
+struct EncoderChoice {
+  bool wanted = true;         ///< small time steps do without (docs/physics.md)
+  double least_softness = 0;  ///< of Encoder::softness() below which it is left out as well
+
+  /// The encoder, or none.
+  template <class T>
+  std::optional<Encoder<T>> make(const IncrementalPotential& potential,
+                                 const typename Encoder<T>::MakeOperators& operators = {}) const {
+    if (!wanted) return {};
+    if (least_softness > 0) return Encoder<T>::if_soft(potential, least_softness, operators);
+    return Encoder<T>(potential, operators);
+  }
+};
+
 template <class T>
 class Preconditioner {
  public:
-  /// @param with_encoder   small time steps do without (docs/physics.md).
-  /// @param least_softness  of Encoder::softness() below which the encoder is left out as well.
-  Preconditioner(IncrementalPotential& potential, bool with_encoder, double least_softness = 0);
+  Preconditioner(IncrementalPotential& potential, const EncoderChoice& encoder);
 
   /// z = B r, both (nodes, 3); In is the type of the iteration, the work is done in T.
   template <class In>
@@ -30,7 +43,6 @@ class Preconditioner {
   /// Takes the frozen contact stiffness of the potential.
   void update_contact();
 
-  const Multigrid<T>& multigrid() const { return multigrid_; }
   const Encoder<T>* encoder() const { return encoder_ ? &*encoder_ : nullptr; }
 
  private:

@@ -42,22 +42,23 @@ Solver::Impl::Impl(const Scene& s, const SolverOptions& o)
   if (mode == SolverMode::kAuto) mode = stiff() ? SolverMode::kNewton : SolverMode::kQuasi;
   if (mode == SolverMode::kPaper) {
     check_paper_scene(potential, o.paper);
-    take_device();
+    take_device({}, true);
     if (!on_device) paper.emplace(potential, o.paper);
     return;
   }
   // the preconditioner is built for the scheme of the run
   potential.set_scheme({scene.scheme, scene.dt, scene.scheme == TimeScheme::kBdf2 ? 2.25 : 1});
-  const bool encoder = !o.skip || courant > kEncoderCourant;
   // contact may ask for what rest does not
-  const double softness = o.skip && scene.colliders.empty() ? kEncoderSoftness : 0;
+  const EncoderChoice encoder{!o.skip || courant > kEncoderCourant,
+                              o.skip && scene.colliders.empty() ? kEncoderSoftness : 0};
   // forces beyond the range of float, or conditions beyond its digits
-  const bool in_range = force < 1e25 && force > 1e-25;
-  if (courant > kDoubleCourant || !in_range)
-    precise.emplace(potential, encoder, softness);
+  const bool in_float = courant <= kDoubleCourant && force < 1e25 && force > 1e-25;
+  take_device(encoder, in_float);
+  if (on_device) return;  // which has its own
+  if (in_float)
+    single.emplace(potential, encoder);
   else
-    single.emplace(potential, encoder, softness);
-  take_device();
+    precise.emplace(potential, encoder);
 }
 
 bool Solver::Impl::stiff() const {
@@ -66,23 +67,17 @@ bool Solver::Impl::stiff() const {
   return courant > kNewtonCourant || poisson > kNewtonPoisson;
 }
 
-/// Why the device cannot take this scene, null if it can.
-const char* Solver::Impl::unfit_for_device() const {
-  const bool fits = single || mode == SolverMode::kPaper;
-  return fits ? nullptr : "float has too few digits for it";
-}
-
-void Solver::Impl::take_device() {
+/// @param in_float  whether float has the digits for the scene.
+void Solver::Impl::take_device(const EncoderChoice& encoder, bool in_float) {
   const bool asked = options.device == Device::kCuda;
-  if (options.device == Device::kCpu || (!asked && (unfit_for_device() || !cuda::has_device())))
-    return;
+  if (options.device == Device::kCpu || (!asked && (!in_float || !cuda::has_device()))) return;
   if (!cuda::has_device())
     throw Error("there is no CUDA device, or none that this build can use: leave out --device cuda",
                 ErrorKind::kDevice);
-  ELASTOGEN_CHECK(!unfit_for_device(), "the device cannot take the scene: ", unfit_for_device());
+  ELASTOGEN_CHECK(in_float, "the device cannot take the scene: float has too few digits for it");
   try {
     on_device = mode == SolverMode::kPaper ? cuda::make_device_step(potential, options.paper)
-                                           : cuda::make_device_step(potential, *single);
+                                           : cuda::make_device_step(potential, encoder);
   } catch (const Error& error) {  // no room there: auto goes on here
     if (asked || error.kind() != ErrorKind::kResources) throw;
   }
@@ -108,15 +103,15 @@ IterationResult Solver::Impl::iterate(double target, StepReport& report) {
                      : paper->solve(u.data(), options.interrupted);
   }
   if (mode == SolverMode::kNewton) return newton(target);
-  if (precise) return quasi(quasi_double, target, *precise);
+  if (precise) return quasi(quasi_double, target, precise);
   IterationResult result;
   if (options.skip && float_floor(scene) < options.tolerance / 3) {
     report.float64 = false;
-    result = quasi(quasi_float, target, *single);
+    result = quasi(quasi_float, target, single);
     if (result.converged) return result;
     report.float64 = true;
   }
-  return sum(result, quasi(quasi_double, target, *single));
+  return sum(result, quasi(quasi_double, target, single));
 }
 
 /// What a step cost, in passes of the preconditioner: one of quasi comes with an evaluation, one of

@@ -22,8 +22,7 @@ struct Solver::Impl {
   Impl(const Scene& s, const SolverOptions& o);
 
   bool stiff() const;
-  const char* unfit_for_device() const;
-  void take_device();
+  void take_device(const EncoderChoice& encoder, bool in_float);
 
   // the modes, which improve u
   IterationResult iterate(double target, StepReport& report);
@@ -32,11 +31,11 @@ struct Solver::Impl {
   IterationResult iterate_and_learn(double target, StepReport& report);
   template <class T, class P>
   IterationResult quasi(std::unique_ptr<QuasiSolver<T>>& solver, double target,
-                        Preconditioner<P>& first) {
+                        std::optional<Preconditioner<P>>& first) {
     if (on_device)
       return on_device->solve(target, options.max_outer, sizeof(T) == 8, options.interrupted);
     if (!solver) solver = std::make_unique<QuasiSolver<T>>(potential);
-    return solver->solve(u.data(), target, options.max_outer, first, options.interrupted);
+    return solver->solve(u.data(), target, options.max_outer, *first, options.interrupted);
   }
   IterationResult newton(double target);
 
@@ -72,6 +71,7 @@ struct Solver::Impl {
   SolverMode mode;
   double last_cost[4] = {};  // of each mode
   int64_t last_step[4];      // that it took
+  // without a device
   std::optional<Preconditioner<float>> single;
   std::optional<Preconditioner<double>> precise;
   std::unique_ptr<QuasiSolver<float>> quasi_float;

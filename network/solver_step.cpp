@@ -227,7 +227,7 @@ bool Solver::Impl::solve(const State& state, StepReport& report) {
   certify(state, report);
   if (!report.converged && !report.float64 && report.finite && !paper_mode) {
     report.float64 = true;
-    result = sum(result, quasi(quasi_double, target, *single));
+    result = sum(result, quasi(quasi_double, target, single));
     certify(state, report);
   }
   report.outer = result.outer;

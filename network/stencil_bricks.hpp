@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// A level of network/multigrid.hpp as 27-point stencils on bricks of 8x8x8 nodes, as the device
-// runs it: every brick has 512 slots, x fastest, whether a node stands there or not, so that places
-// of neighbours follow from those of bricks. Nodes that see the same voxels, masses and stiffness
+// The levels of network/multigrid.hpp as 27-point stencils on bricks of 8x8x8 nodes, as the device
+// runs them: every brick has 512 slots, x fastest, whether a node stands there or not, so that
+// places of neighbours follow from those of bricks. Nodes that see the same voxels, masses and pins
 // share one row of weights, so a uniform block needs 27 rows.
 //
-// Memory: 4 bytes a slot and 84 numbers a row.
+// Here is where the bricks lie, and the row of a node; what rows a scene has is found where they
+// are used (network/device_hierarchy.cu).
 
 #pragma once
 
-#include "network/multigrid.hpp"
-
-#include <array>
-#include <vector>
+#include "network/multigrid_element.hpp"
+#include "network/multigrid_grid.hpp"
 
 namespace elastogen {
 
@@ -33,26 +32,42 @@ struct BrickLinks {
   int32_t odd;            ///< axes of odd brick coordinate as bits
 };
 
-template <class T>
-struct StencilBricks {
-  std::vector<std::array<int32_t, 3>> coord;  ///< of each brick, in bricks
-  std::vector<BrickLinks> links;              ///< (bricks); coarse and fine by link_levels
-  std::vector<int32_t> begin;                 ///< first node of each brick, (bricks + 1)
-  Zeroed<int32_t> slot;                       ///< of each node: kSlots brick + place
-  Zeroed<int32_t> row;  ///< of each slot; 0 where there is no node or a pinned one
-  Zeroed<T> rows;       ///< (rows, 3, kComponent); row 0 is 0
+/// Voxels and nodes of a level, and links between the bricks of its nodes.
+struct StencilLevel {
+  BrickIndex voxels, nodes;
+  std::vector<BrickLinks> links;  ///< (bricks of nodes); `coarse` and `fine` where such a level is
 
-  int64_t brick_count() const { return int64_t(coord.size()); }
+  int64_t brick_count() const { return nodes.brick_count(); }
 };
 
-/// The level's operator, (A p)_n = sum over the 27 nodes around n of weight times p, each component
-/// for itself, in units of the level; weights of pinned nodes are 0, whatever p says there. Repeats
-/// to the bit on any number of threads.
-template <class T>
-StencilBricks<T> make_stencil_bricks(const MultigridLevel<T>& level);
+/// Those of Multigrid, the finest first.
+/// @param dense  dense_nodes of the scene.
+std::vector<StencilLevel> make_stencil_levels(const VoxelGrid& grid, int64_t dense);
 
-/// Fills `coarse` of the finer level and `fine` of the coarser one.
-template <class T>
-void link_levels(StencilBricks<T>& finer, StencilBricks<T>& coarser);
+/// A component of a node's row: the weights of the 27 nodes around it in the level's operator,
+/// (A p)_n = sum of weight times p, in units of the level, and 1 / its diagonal, 0 where that is
+/// not positive. Weights of pinned nodes are 0, whatever p says there.
+/// @param voxel  voxel(c, k, M): whether the node is corner c of a voxel, whose moduli times h over
+///               the level's unit and moments of the fill it puts into k[6] and M[7].
+/// @param pins   which of the 27 are pinned, as bits; of `added`, the node's inertia over the unit.
+template <class T, class Voxel>
+ELASTOGEN_HD inline void stencil_row(int component, const Voxel& voxel, uint32_t pins, T added,
+                                     T row[stencil::kComponent]) {
+  double weights[27] = {};
+  for (int c = 0; c < 8; ++c) {
+    double k[6], M[7], unit[8] = {}, f[8];
+    if (!voxel(c, k, M)) continue;
+    unit[c] = 1;
+    scalar_element<true>(k, M, component, unit, f);  // a column, which is the row
+    for (int q = 0; q < 8; ++q) {
+      const int dx = (q & 1) - (c & 1), dy = (q >> 1 & 1) - (c >> 1 & 1), dz = (q >> 2) - (c >> 2);
+      weights[13 + dx + 3 * dy + 9 * dz] += f[q];
+    }
+  }
+  const T diagonal = T(weights[13]) + added;
+  for (int j = 0; j < 27; ++j) row[j] = pins >> j & 1 ? T(0) : T(weights[j]);
+  row[13] = T(weights[13] + double(added));
+  row[27] = diagonal > 0 ? 1 / diagonal : T(0);
+}
 
 }  // namespace elastogen

@@ -210,8 +210,21 @@ BrickIndex BrickIndex::corners() const {
       }
   };
   for_each(result.brick_count(), fill, kBricks);
+  result.drop_empty_bricks();
   result.number();
   return result;
+}
+
+void BrickIndex::drop_empty_bricks() {
+  size_t kept = 0;
+  for (size_t b = 0; b < bricks_.size(); ++b) {
+    const auto& mask = bricks_[b].mask;
+    if (std::all_of(mask.begin(), mask.end(), [](uint64_t word) { return word == 0; })) continue;
+    keys_[kept] = keys_[b];
+    bricks_[kept++] = bricks_[b];
+  }
+  keys_.resize(kept);
+  bricks_.resize(kept);
 }
 
 }  // namespace elastogen

@@ -40,6 +40,11 @@ class BrickIndex {
   int64_t find(int64_t brick, int place) const;
   int64_t find(const Coord& point) const;
   int64_t point_count() const { return points_; }
+  /// Bits of the points of a brick, a word a plane of z, x + 8 y; and the number of its first one.
+  const std::array<uint64_t, 8>& mask(int64_t brick) const { return bricks_[brick].mask; }
+  int64_t first(int64_t brick) const { return bricks_[brick].first; }
+  /// Coordinates of the first place of a brick.
+  Coord first_place(int64_t brick) const;
   /// Coordinates of all points in order, (points, 3).
   Array<int32_t> points() const;
 
@@ -55,9 +60,8 @@ class BrickIndex {
     std::array<int16_t, 8> before = {};  ///< its points in the planes before each
   };
   static uint64_t bit(int place) { return uint64_t{1} << (place & 63); }
-  /// Coordinates of the first place of a brick.
-  Coord first_place(int64_t brick) const;
   Brick brick_at(const Coord& point) const;
+  void drop_empty_bricks();
 
   std::vector<uint64_t> keys_;
   std::vector<Brick> bricks_;

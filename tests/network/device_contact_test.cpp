@@ -46,8 +46,8 @@ struct InTouch {
     state.time = 0.25;
     potential.begin_step(state, {TimeScheme::kEuler, scene.dt, 1});
     potential.set_nodal_rotations(u.data());
-    first.emplace(potential, with_encoder);
-    device.emplace(potential, *first);
+    first.emplace(potential, EncoderChoice{with_encoder});
+    device.emplace(potential, EncoderChoice{with_encoder});
     device->begin_step();
     const std::vector<double> away = random_field(scene, 0.02 * kEdge, 4);
     for (size_t k = 0; k < u.size(); ++k) u[k] += away[k];

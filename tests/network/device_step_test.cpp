@@ -31,8 +31,7 @@ struct Begun {
   explicit Begun(const Scene& s)
       : scene(s), state(in_motion(s)), scheme(step_scheme(s, state)), potential(s), flight(s) {
     potential.begin_step(state, scheme);
-    first.emplace(potential, true);
-    device = cuda::make_device_step(potential, *first);
+    device = cuda::make_device_step(potential, EncoderChoice{});
     device->upload(state);
     device->begin_step(scheme, state.time);
   }
@@ -68,7 +67,6 @@ struct Begun {
   StepScheme scheme;
   IncrementalPotential potential;
   FreeFlight flight;
-  std::optional<Preconditioner<float>> first;
   std::unique_ptr<cuda::DeviceStep> device;
 };
 

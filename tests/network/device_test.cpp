@@ -121,8 +121,8 @@ struct Pair {
       : state(state_at(scene, now)), potential(scene) {
     potential.begin_step(state, {TimeScheme::kEuler, scene.dt, 1});
     potential.set_nodal_rotations(now.data());
-    first.emplace(potential, with_encoder);
-    device.emplace(potential, *first);
+    first.emplace(potential, EncoderChoice{with_encoder});
+    device.emplace(potential, EncoderChoice{with_encoder});
     device->begin_step();
     device->set_nodal_rotations(now.data());
   }

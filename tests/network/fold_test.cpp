@@ -124,7 +124,7 @@ TEST(Fold, ThePotentialFallsWithEveryStepOfNewton) {
   IncrementalPotential potential(scene), judge(scene);
   potential.begin_step(start, scheme);
   judge.begin_step(start, scheme);
-  Preconditioner<float> first(potential, true);
+  Preconditioner<float> first(potential, {});
   Zeroed<double> u = potential.now();
   std::vector<double> g(u.size());
   potential.set_nodal_rotations(u.data());

@@ -36,7 +36,7 @@ std::vector<double> load(const Scene& scene) {
 std::array<int, 3> iterations(const Scene& scene) {
   IncrementalPotential potential(scene);
   potential.begin_step(initial_state(scene), {TimeScheme::kEuler, scene.dt, 1});
-  Preconditioner<float> preconditioner(potential, true);
+  Preconditioner<float> preconditioner(potential, {});
   Encoder<double> encoder(potential);
   const std::vector<double> b = load(scene);
   const int64_t size = int64_t(b.size());
@@ -111,7 +111,7 @@ TEST(Preconditioner, IsSymmetricAndPositiveInATurnedStateWithContact) {
   potential.begin_step(state, {TimeScheme::kEuler, scene.dt, 1});
   const std::vector<double> u = displacement(scene, state);
   potential.linearise(u.data());
-  Preconditioner<double> preconditioner(potential, true);
+  Preconditioner<double> preconditioner(potential, {});
   const std::vector<double> x = random_field(scene, 1, 64), y = random_field(scene, 1, 65);
   std::vector<double> Bx(x.size()), By(x.size()), free(x.size());
   preconditioner.apply(x.data(), free.data());
@@ -129,7 +129,7 @@ TEST(Preconditioner, IsSymmetricAndPositiveInATurnedStateWithContact) {
 std::array<double, 2> spectrum_at_rest(const Scene& scene, bool with_encoder) {
   IncrementalPotential potential(scene);
   potential.begin_step(initial_state(scene), {TimeScheme::kEuler, scene.dt, 1});
-  Preconditioner<double> preconditioner(potential, with_encoder);
+  Preconditioner<double> preconditioner(potential, {with_encoder});
   std::vector<size_t> free;
   const auto size = 3 * size_t(scene.grid.node_count());
   for (size_t k = 0; k < size; ++k)
@@ -161,7 +161,7 @@ TEST(Preconditioner, LeavesTheEncoderOutWhereThatHasNothingToAdd) {
     const Scene scene = swinging_beam(C, 0.3);
     IncrementalPotential potential(scene);
     potential.begin_step(initial_state(scene), {TimeScheme::kEuler, scene.dt, 1});
-    Preconditioner<float> preconditioner(potential, true, 5), alone(potential, false);
+    Preconditioner<float> preconditioner(potential, {true, 5}), alone(potential, {false});
     EXPECT_EQ(preconditioner.encoder() != nullptr, kept);
     std::vector<double> r = load(scene), z(r.size()), expected(r.size());
     preconditioner.apply(r.data(), z.data());

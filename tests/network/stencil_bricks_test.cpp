@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "network/stencil_bricks.hpp"
 
+#include "network/multigrid.hpp"
 #include "tests/network/multigrid_scenes.hpp"
 
 #include <gtest/gtest.h>
@@ -8,23 +9,95 @@
 namespace elastogen::test {
 namespace {
 
-/// The product by the rows and links alone, node by node; 0 on pinned nodes.
-std::vector<double> product(const StencilBricks<double>& g, const std::vector<double>& p) {
-  std::vector<double> at_slot(3 * stencil::kSlots * size_t(g.brick_count() + 1)), result(p.size());
-  for (size_t k = 0; k < p.size(); ++k) at_slot[size_t(3 * g.slot[k / 3]) + k % 3] = p[k];
-  for (size_t k = 0; k < p.size(); ++k) {
-    const int slot = g.slot[k / 3], brick = slot / stencil::kSlots;
-    for (int c = 0; c < 27; ++c) {
-      const int x = slot % 8 + c % 3 + 7, y = slot / 8 % 8 + c / 3 % 3 + 7,
-                z = slot / 64 % 8 + c / 9 + 7;  // plus 8
-      const int there = g.links[size_t(brick)].neighbour[x / 8 + 3 * (y / 8) + 9 * (z / 8)];
-      const int neighbour = stencil::kSlots * there + x % 8 + 8 * (y % 8) + 64 * (z % 8);
-      const size_t weight =
-          size_t(g.row[size_t(slot)]) * stencil::kRow + k % 3 * stencil::kComponent + size_t(c);
-      result[k] += g.rows[weight] * at_slot[size_t(3 * neighbour) + k % 3];
+using stencil::kComponent;
+using stencil::kRow;
+using stencil::kSlots;
+
+/// The rows of all nodes of a level, one each, from what Multigrid has there.
+class Rows {
+ public:
+  Rows(const MultigridLevel<double>& of, const StencilLevel& bricks)
+      : of_(of), bricks_(bricks), rows_(size_t(of.nodes * kRow)) {
+    for (int64_t n = 0; n < of.nodes; ++n) {
+      if (of.pinned[size_t(n)]) continue;
+      uint32_t pins = 0;
+      for (int j = 0; j < 27; ++j)
+        if (const int64_t there = beside(n, j); there >= 0 && of.pinned[size_t(there)])
+          pins |= 1u << j;
+      for (int i = 0; i < 3; ++i)
+        stencil_row<double>(
+            i, [&](int c, double k[6], double M[7]) { return voxel(n, c, k, M); }, pins,
+            of.added[size_t(3 * n + i)], rows_.data() + n * kRow + i * kComponent);
     }
   }
-  return result;
+
+  /// The row of a component.
+  const double* operator()(int64_t n, int i) const {
+    return rows_.data() + n * kRow + i * kComponent;
+  }
+
+  /// Node j of the 27 around n, found by slots and links; -1 where there is none.
+  int64_t beside(int64_t n, int j) const {
+    const int32_t* at = of_.node_coord.row(n);
+    const int64_t brick = bricks_.nodes.find_brick(brick_key({at[0], at[1], at[2]}) >> 9);
+    const int x = (at[0] & 7) + j % 3 + 7, y = (at[1] & 7) + j / 3 % 3 + 7,
+              z = (at[2] & 7) + j / 9 + 7;  // plus 8
+    const int32_t there = bricks_.links[size_t(brick)].neighbour[x / 8 + 3 * (y / 8) + 9 * (z / 8)];
+    if (there == bricks_.brick_count()) return -1;
+    return bricks_.nodes.find(there, x % 8 | y % 8 << 3 | z % 8 << 6);
+  }
+
+  /// The product by rows alone; 0 on pinned nodes.
+  std::vector<double> product(const std::vector<double>& p) const {
+    std::vector<double> result(p.size());
+    for (int64_t n = 0; n < of_.nodes; ++n)
+      for (int j = 0; j < 27; ++j)
+        if (const int64_t there = beside(n, j); there >= 0)
+          for (int i = 0; i < 3; ++i)
+            result[size_t(3 * n + i)] += (*this)(n, i)[j] * p[size_t(3 * there + i)];
+    return result;
+  }
+
+ private:
+  bool voxel(int64_t n, int c, double k[6], double M[7]) const {
+    const int32_t* at = of_.node_coord.row(n);
+    const int64_t v =
+        bricks_.voxels.find({at[0] - (c & 1), at[1] - (c >> 1 & 1), at[2] - (c >> 2)});
+    if (v < 0) return false;
+    const int32_t slot = of_.rows.slot[size_t(v)], row = slot / kLanes, lane = slot % kLanes;
+    for (int j = 0; j < 6; ++j) k[j] = of_.moduli[size_t((row * 6 + j) * kLanes + lane)];
+    const int32_t border = of_.rows.rows[size_t(row)].border;
+    for (int m = 0; m < 7; ++m)
+      M[m] = border < 0 ? 0 : of_.rows.border[size_t((border * 7 + m) * kLanes + lane)];
+    return true;
+  }
+
+  const MultigridLevel<double>& of_;
+  const StencilLevel& bricks_;
+  std::vector<double> rows_;
+};
+
+std::vector<StencilLevel> levels_of(const Scene& scene) {
+  return make_stencil_levels(scene.grid, dense_nodes(scene));
+}
+
+TEST(StencilBricks, LevelsAreThoseOfTheMultigrid) {
+  for (const NamedScene& named : multigrid_scenes()) {
+    SCOPED_TRACE(named.name);
+    const Multigrid<float> multigrid(named.scene, 1);
+    const std::vector<StencilLevel> bricks = levels_of(named.scene);
+    ASSERT_EQ(int(bricks.size()), multigrid.level_count());
+    for (size_t l = 0; l < bricks.size(); ++l) {
+      const Array<int32_t> found = bricks[l].nodes.points();
+      const Array<int32_t>& expected = multigrid.level(int(l)).node_coord;
+      ASSERT_EQ(found.rows(), expected.rows());
+      EXPECT_TRUE(std::equal(found.data(), found.data() + found.size(), expected.data()));
+      for (int64_t b = 0; b < bricks[l].brick_count(); ++b)  // none is there for nothing
+        ASSERT_LT(bricks[l].nodes.first(b), b + 1 < bricks[l].brick_count()
+                                                ? bricks[l].nodes.first(b + 1)
+                                                : bricks[l].nodes.point_count());
+    }
+  }
 }
 
 TEST(StencilBricks, ProductIsThatOfTheMultigrid) {
@@ -32,84 +105,63 @@ TEST(StencilBricks, ProductIsThatOfTheMultigrid) {
     SCOPED_TRACE(named.name);
     const Scene& scene = named.scene;
     Multigrid<double> multigrid(scene, 1);
+    const std::vector<StencilLevel> bricks = levels_of(scene);
     for (const bool stiffened : {false, true}) {
       if (stiffened) multigrid.set_nodal_stiffness(some_stiffness(scene));
-      const std::vector<double> p = random_field(scene, 1, 5);
-      std::vector<double> expected(p.size());
+      std::vector<double> p = random_field(scene, 1, 5), expected(p.size());
       multigrid.operator_product(p.data(), expected.data());
-      std::vector<double> found = product(make_stencil_bricks(multigrid.level(0)), p);
-      for (double& value : found) value *= multigrid.level(0).unit;
+      const MultigridLevel<double> level = multigrid.level(0);
+      std::vector<double> found = Rows(level, bricks[0]).product(p);
+      for (double& value : found) value *= level.unit;
       EXPECT_LT(relative_difference(found, expected), 1e-13);
     }
   }
 }
 
-TEST(StencilBricks, RowsHoldTheInverseDiagonalAndNothingWherePinned) {
+TEST(StencilBricks, RowsHoldTheInverseDiagonal) {
   const Scene scene = ragged_of_two_materials(19, 13, 11);
-  Multigrid<double> multigrid(scene, 1);
+  const Multigrid<double> multigrid(scene, 1);
+  const std::vector<StencilLevel> bricks = levels_of(scene);
   for (int l = 0; l < multigrid.level_count(); ++l) {
     const MultigridLevel<double> level = multigrid.level(l);
-    const StencilBricks<double> g = make_stencil_bricks(level);
-    for (size_t k = 0; k < level.added.size(); ++k) {
-      const double* row = g.rows.data() + size_t(g.row[size_t(g.slot[k / 3])]) * stencil::kRow +
-                          k % 3 * stencil::kComponent;
-      ASSERT_EQ(row[27], level.inverse_diagonal[k]);
-      if (level.pinned[k / 3])
-        ASSERT_EQ(row[13], 0);
-      else
+    const Rows rows(level, bricks[size_t(l)]);
+    for (int64_t n = 0; n < level.nodes; ++n)
+      for (int i = 0; i < 3; ++i) {
+        if (level.pinned[size_t(n)]) continue;
+        const double* row = rows(n, i);
         ASSERT_NEAR(row[13] * row[27], 1, 1e-14);
-    }
+        ASSERT_NEAR(row[27] / level.inverse_diagonal[size_t(3 * n + i)], 1, 1e-13);
+      }
   }
 }
 
 TEST(StencilBricks, WeightsOfPinnedNodesAreNothing) {
   const Scene scene = ragged_of_two_materials(19, 13, 11);
-  Multigrid<double> multigrid(scene, 1);
-  const StencilBricks<double> g = make_stencil_bricks(multigrid.level(0));
+  const Multigrid<double> multigrid(scene, 1);
+  const std::vector<StencilLevel> bricks = levels_of(scene);
+  const MultigridLevel<double> level = multigrid.level(0);
+  const Rows rows(level, bricks[0]);
   const std::vector<double> p = random_field(scene, 1, 6);
   std::vector<double> q = p;
   for (size_t k = 0; k < q.size(); ++k)
     if (scene.pinned(int64_t(k / 3))) q[k] = 1e3;
   ASSERT_NE(p, q);
-  EXPECT_EQ(product(g, p), product(g, q));
-}
-
-TEST(StencilBricks, AUniformBlockNeedsARowForEachKindOfNode) {
-  // inner nodes, faces, edges and corners are 27 kinds; row 0 is that of no node
-  const Scene scene = box_at({-9, -8, -1}, 40, 30, 20);
-  Multigrid<float> multigrid(scene, 1);
-  EXPECT_EQ(int64_t(make_stencil_bricks(multigrid.level(0)).rows.size()) / stencil::kRow, 28);
-}
-
-TEST(StencilBricks, AreTheSameForOneAndTwoThreads) {
-  const Scene scene = ragged_of_two_materials(19, 13, 11);
-  const Multigrid<float> multigrid(scene, 1);
-  StencilBricks<float> built[2];
-  for (int threads = 1; threads <= 2; ++threads) {
-    const ThreadLimit limit(threads);
-    built[threads - 1] = make_stencil_bricks(multigrid.level(0));
-  }
-  EXPECT_EQ(built[0].coord, built[1].coord);
-  EXPECT_EQ(built[0].begin, built[1].begin);
-  EXPECT_EQ(built[0].slot, built[1].slot);
-  EXPECT_EQ(built[0].row, built[1].row);
-  EXPECT_EQ(built[0].rows, built[1].rows);
+  EXPECT_EQ(rows.product(p), rows.product(q));
 }
 
 TEST(StencilBricks, LinksOfTwoLevelsAreEachOthers) {
   const Scene scene = box_at({-9, -8, -1}, 40, 30, 20);
-  Multigrid<double> multigrid(scene, 1);
-  StencilBricks<double> fine = make_stencil_bricks(multigrid.level(0)),
-                        coarse = make_stencil_bricks(multigrid.level(1));
-  link_levels(fine, coarse);
+  const std::vector<StencilLevel> levels = levels_of(scene);
+  ASSERT_GE(levels.size(), 2u);
+  const StencilLevel &fine = levels[0], &coarse = levels[1];
   int links = 0;
-  for (size_t b = 0; b < coarse.coord.size(); ++b)
+  for (int64_t b = 0; b < coarse.brick_count(); ++b)
     for (int c = 0; c < 27; ++c) {
-      const int32_t below = coarse.links[b].fine[c];
+      const int32_t below = coarse.links[size_t(b)].fine[c];
       if (below == int32_t(fine.brick_count())) continue;
       const int offset[3] = {c % 3 - 1, c / 3 % 3 - 1, c / 9 - 1};
-      for (int d = 0; d < 3; ++d)
-        ASSERT_EQ(fine.coord[size_t(below)][size_t(d)], 2 * coarse.coord[b][size_t(d)] + offset[d]);
+      const Coord at = coarse.nodes.first_place(b), child = fine.nodes.first_place(below);
+      for (size_t d = 0; d < 3; ++d) ASSERT_EQ(child[d], 2 * at[d] + 8 * offset[d]);
       if (offset[0] < 0 || offset[1] < 0 || offset[2] < 0) continue;
       // one before half the coordinate where that is even: what lies before the brick has it too
       int place = 0;

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// The elastic operator at rest on the modes of the encoder (network/encoder_operator.hpp), made by
+// the device from the tables of the potential.
+
+#pragma once
+
+#include "network/device_potential.hpp"
+
+#include <cuda_fp16.h>
+
+#include <type_traits>
+#include <vector>
+
+namespace elastogen::cuda {
+
+/// The list of all pieces' nodes of an encoder on the device.
+template <class T>
+struct DeviceModes {
+  /// (entries, kModes), ModeNumber of device_encoder.cuh.
+  const std::conditional_t<sizeof(T) == 4, __half, double>* modes;
+  const int32_t* nodes;  ///< node of each entry, (entries)
+  const int32_t* entry;  ///< entry of each node of the grid, -1: in no piece; (nodes)
+};
+
+/// A_r at rest of the entries [first, end), which are one connected piece: that of
+/// reduced_rest_operator on the host, (3 kModes, 3 kModes), row 3 m + i mode m of component i; to
+/// rounding in float64, for modes that are numbers of ModeNumber. The same bits on every run.
+/// Waits for the device; not while room is only counted.
+/// @param potential  its inertia must be there.
+/// @throws Error (resources) where the device has no room.
+template <class T>
+std::vector<double> reduced_rest_operator(DevicePotential& potential, const DeviceModes<T>& modes,
+                                          int32_t first, int32_t end);
+
+}  // namespace elastogen::cuda

@@ -1,0 +1,344 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "network/device_hierarchy.cuh"
+#include "network/device_potential_impl.cuh"
+#include "network/device_stencil_rows.cuh"
+
+#include <bit>
+
+namespace elastogen::cuda {
+namespace {
+
+/// The largest of what they are given.
+struct Maxima {
+  double value[2] = {};
+  __device__ void add(const Maxima& o) {
+    for (int k = 0; k < 2; ++k) value[k] = o.value[k] > value[k] ? o.value[k] : value[k];
+  }
+};
+
+/// Masks of a level's voxels by the bricks of its nodes.
+std::vector<uint64_t> voxel_masks(const StencilLevel& level) {
+  std::vector<uint64_t> masks(size_t(8 * level.brick_count()));
+  ::elastogen::for_each(level.brick_count(), [&](int64_t b) {
+    const int64_t of = level.voxels.find_brick(brick_key(level.nodes.first_place(b)) >> 9);
+    if (of >= 0) std::copy_n(level.voxels.mask(of).begin(), 8, masks.begin() + 8 * b);
+  });
+  return masks;
+}
+
+std::vector<uint64_t> node_masks(const StencilLevel& level) {
+  std::vector<uint64_t> masks(size_t(8 * level.brick_count()));
+  for (int64_t b = 0; b < level.brick_count(); ++b)
+    std::copy_n(level.nodes.mask(b).begin(), 8, masks.begin() + 8 * b);
+  return masks;
+}
+
+std::vector<int32_t> first_nodes(const StencilLevel& level) {
+  std::vector<int32_t> begin;
+  for (int64_t b = 0; b < level.brick_count(); ++b) begin.push_back(int32_t(level.nodes.first(b)));
+  begin.push_back(int32_t(level.nodes.point_count()));
+  return begin;
+}
+
+/// A level as it is made. What only that needs goes when it is done.
+template <class T>
+class LevelMaker {
+ public:
+  explicit LevelMaker(const StencilLevel& bricks)
+      : nodes_(node_masks(bricks)),
+        voxels_(voxel_masks(bricks)),
+        moduli_(6 * kSlots * bricks.brick_count()),
+        inertia_(kSlots * bricks.brick_count()),
+        pinned_(inertia_.size()),
+        node_count_(bricks.nodes.point_count()) {
+    made.links = DeviceArray<BrickLinks>(bricks.links);
+    made.begin = DeviceArray<int32_t>(first_nodes(bricks));
+    made.slot = DeviceArray<int32_t>(node_count_);
+    made.row = DeviceArray<int32_t>(inertia_.size());
+  }
+
+  void take_scene(DevicePotential::Impl& potential, const StencilLevel& bricks);
+  void average(LevelMaker& finer);
+  Maxima maxima();
+  void find_lambda();
+  void number_rows(double h, double unit, uint64_t hash_bits);
+
+  HierarchyLevel<T> made;
+
+ private:
+  SlotTables tables() {
+    return {made.links.data(), made.begin.data(),         nodes_.data(),  voxels_.data(),
+            moduli_.data(),    inertia_.data(),           pinned_.data(), border_.data(),
+            moments_,          int32_t(made.links.size())};
+  }
+
+  DeviceArray<uint64_t> nodes_, voxels_;
+  DeviceArray<double> moduli_, inertia_;
+  DeviceArray<uint8_t> pinned_;
+  DeviceArray<int32_t> border_;
+  const double* moments_ = nullptr;
+  int64_t node_count_;
+};
+
+/// Fills the finest level.
+template <class T>
+void LevelMaker<T>::take_scene(DevicePotential::Impl& potential, const StencilLevel& bricks) {
+  border_ = DeviceArray<int32_t>(inertia_.size());
+  moments_ = potential.border_double.data();
+  std::vector<int32_t> home;  // brick of nodes that each brick of voxels is
+  for (int64_t b = 0; b < bricks.voxels.brick_count(); ++b)
+    home.push_back(int32_t(bricks.nodes.find_brick(brick_key(bricks.voxels.first_place(b)) >> 9)));
+  std::vector<int32_t> brick_of(size_t(potential.rows.row_count()));
+  const BrickRows& rows = potential.host.rows();
+  ::elastogen::for_each(rows.brick_count(), [&](int64_t b) {
+    for (int32_t r = rows.row_begin[size_t(b)]; r < rows.row_begin[size_t(b + 1)]; ++r)
+      brick_of[size_t(r)] = home[size_t(b)];
+  });
+  const DeviceArray<int32_t> brick(brick_of);
+  const int32_t* const brick_at = brick.data();
+  const VoxelTables<double> of = potential.voxels<double>();
+  const VoxelRow* const row_at = potential.rows.view().rows;
+  const SlotTables to = tables();
+  int32_t* const border = border_.data();
+  cuda::for_each(potential.rows.row_count() * kLanes, [=] __device__(int64_t k) {
+    const int64_t r = k / kLanes;
+    const int lane = int(k % kLanes);
+    const VoxelRow row = row_at[r];
+    if (!(row.mask >> lane & 1)) return;
+    const int line = row.offset / ::elastogen::bricks::kTileWidth;
+    const int64_t slot = int64_t(kSlots) * brick_at[r] + lane + 8 * (line % 9) + 64 * (line / 9);
+    const LawParameters<double>& law = of.materials[row.material].law;
+    const double* weight = of.weights + 5 * kLanes * r + lane;
+    const auto set = [&](int j, double modulus) {
+      to.moduli[j * to.slots() + slot] = weight[0] * modulus;
+    };
+    set(0, law.mu);
+    set(1, law.lambda);
+    // without the variance term the cycle could not see twelve modes of a voxel: it keeps its own
+    for (int j = 0; j < 4; ++j)
+      set(2 + j, of.hourglass == Hourglass::kOff ? law.mu : weight[(1 + j) * kLanes]);
+    border[slot] = row.border < 0 ? -1 : kLanes * row.border + lane;
+  });
+  const double* const inertia = potential.inertia.data();
+  const uint8_t* const pinned = potential.pinned.data();
+  int32_t* const slot_of = made.slot.data();
+  cuda::for_each(inertia_.size(), [=] __device__(int64_t slot) {
+    if (!to.has_node(slot)) return;
+    const int32_t n = to.node(slot);
+    to.inertia[slot] = inertia[n];
+    to.pinned[slot] = pinned[n];
+    slot_of[n] = int32_t(slot);
+  });
+}
+
+/// Moduli are means of the eight children, empty ones counted as 0, with one variance weight for
+/// all patterns; masses are P^T of the finer ones, nodes on a pinned node are pinned.
+template <class T>
+void LevelMaker<T>::average(LevelMaker& finer) {
+  const SlotTables fine = finer.tables(), coarse = tables();
+  int32_t* const slot_of = made.slot.data();
+  cuda::for_each(inertia_.size(), [=] __device__(int64_t slot) {
+    if (!coarse.has_node(slot)) return;
+    const Place at(slot);
+    const int32_t* around = coarse.links[slot / kSlots].fine;
+    double inertia = 0;
+    for (int k = 0; k < 27; ++k) {
+      const int dx = k % 3 - 1, dy = k / 3 % 3 - 1, dz = k / 9 - 1;
+      const int64_t child = fine.slot_at(around, 2 * at.x + dx, 2 * at.y + dy, 2 * at.z + dz);
+      if (child < 0 || !fine.has_node(child)) continue;
+      const int odd = (dx != 0) + (dy != 0) + (dz != 0);
+      if (odd == 0) coarse.pinned[slot] = fine.pinned[child];
+      inertia += fine.inertia[child] / double(1 << odd);
+    }
+    coarse.inertia[slot] = inertia;
+    slot_of[coarse.node(slot)] = int32_t(slot);
+    if (!coarse.has_voxel(slot)) return;
+    double sum[6] = {};
+    for (int c = 0; c < 8; ++c) {
+      const int64_t child =
+          fine.slot_at(around, 2 * at.x + (c & 1), 2 * at.y + (c >> 1 & 1), 2 * at.z + (c >> 2));
+      if (child < 0 || !fine.has_voxel(child)) continue;
+      double k[6];
+      for (int j = 0; j < 6; ++j) k[j] = fine.moduli[j * fine.slots() + child];
+      sum[0] += k[0] / 8;
+      sum[1] += k[1] / 8;
+      const double variance = (k[2] + k[3] + k[4] + k[5]) / 4;
+      for (int j = 2; j < 6; ++j) sum[j] += variance / 8;
+    }
+    for (int j = 0; j < 6; ++j) coarse.moduli[j * coarse.slots() + slot] = sum[j];
+  });
+}
+
+/// Body(slot, maxima) over the slots, and what they come to.
+template <class Body>
+Maxima largest_of(int64_t slots, const Body& body) {
+  DeviceArray<SumRoom<Maxima>> room(1);
+  PinnedArray<Maxima> result(1);
+  Maxima* const to = result.data();
+  ordered_sum(slots, room.data(), body, [=] __device__(const Maxima& found) { *to = found; });
+  synchronise();
+  return result[0];
+}
+
+/// Largest inertia and modulus.
+template <class T>
+Maxima LevelMaker<T>::maxima() {
+  const SlotTables of = tables();
+  return largest_of(inertia_.size(), [=] __device__(int64_t slot, Maxima & sum) {
+    double most = 0;
+    for (int j = 0; j < 6; ++j) most = fmax(most, of.moduli[j * of.slots() + slot]);
+    sum.add({{of.inertia[slot], most}});
+  });
+}
+
+template <class T>
+void LevelMaker<T>::find_lambda() {
+  const SlotTables of = tables();
+  made.lambda_max =
+      kBorderExcess * largest_of(inertia_.size(), [=] __device__(int64_t slot, Maxima & sum) {
+                        if (!of.has_voxel(slot)) return;
+                        double k[6];
+                        for (int j = 0; j < 6; ++j) k[j] = of.moduli[j * of.slots() + slot];
+                        sum.add({{element_bound(k), 0}});
+                      }).value[0];
+}
+
+/// Numbers the different rows, and writes them. Slots are told apart by a hash of their row, and
+/// compared with the first of theirs; the few that differ from it go into a further round.
+template <class T>
+void LevelMaker<T>::number_rows(double h, double unit, uint64_t hash_bits) {
+  const int64_t slots = inertia_.size();
+  const int32_t bricks = int32_t(made.links.size());
+  const RowSource<T> source{tables(), h / unit, unit};
+  const int64_t entries = int64_t(std::bit_ceil(uint64_t(2 * node_count_)));
+  DeviceArray<unsigned long long> keys(entries);
+  DeviceArray<int32_t> first(entries), counts(bricks), base(bricks);
+  DeviceArray<uint64_t> entry(slots);
+  PinnedArray<int32_t> left(1);
+  const FirstSlots of{keys.data(), first.data(), uint64_t(entries - 1)};
+  int32_t *const row = made.row.data(), *const waiting = left.data();
+  uint64_t* const entry_of = entry.data();
+  const auto is_pending = [=] __device__(int64_t slot) {
+    return source.level.is_free(slot) && row[slot] == 0;
+  };
+  std::vector<int32_t> number(static_cast<size_t>(bricks));
+  int32_t count = 1;  // row 0 is that of no node
+  do {
+    check(cudaMemsetAsync(keys.data(), 0, size_t(entries) * sizeof(uint64_t), cudaStreamPerThread));
+    check(cudaMemsetAsync(first.data(), 0x7f, size_t(entries) * sizeof(int32_t),
+                          cudaStreamPerThread));
+    cuda::for_each(slots, [=] __device__(int64_t slot) {
+      if (is_pending(slot)) entry_of[slot] = of.take(source.hash(slot, hash_bits), int32_t(slot));
+    });
+    launch(number_kernel<T>, unsigned(bricks), kSlots, 0, source, of, entry_of,
+           static_cast<const int32_t*>(nullptr), counts.data(), row, static_cast<T*>(nullptr));
+    counts.download(number.data());
+    const int32_t before = count;
+    for (int32_t& k : number) std::swap(k, count), count += k;
+    base.upload(number.data());
+    DeviceArray<T> rows(int64_t(kRow) * count);
+    check(cudaMemcpyAsync(rows.data(), made.rows.data(), size_t(made.rows.size()) * sizeof(T),
+                          cudaMemcpyDeviceToDevice, cudaStreamPerThread));
+    launch(number_kernel<T>, unsigned(bricks), kSlots, 0, source, of, entry_of, base.data(),
+           counts.data(), row, rows.data());
+    made.rows = std::move(rows);
+    const T* const all = made.rows.data();
+    left[0] = 0;
+    cuda::for_each(slots, [=] __device__(int64_t slot) {
+      if (!is_pending(slot)) return;
+      const int32_t like = row[of.first[entry_of[slot]]];
+      bool same = true;
+      source.for_numbers(slot,
+                         [&](int k, T value) { same &= value == all[int64_t(kRow) * like + k]; });
+      if (same)
+        row[slot] = like;
+      else
+        *waiting = 1;
+    });
+    synchronise();
+    ELASTOGEN_CHECK(count > before, "rows of stencils cannot be told apart");
+  } while (left[0] > 0);
+}
+
+/// Dense operators of a level.
+template <class T>
+std::vector<double> dense_operators(const HierarchyLevel<T>& level, const StencilLevel& bricks) {
+  std::vector<int32_t> row(size_t(level.row.size())), slot(size_t(level.slot.size()));
+  std::vector<T> rows(size_t(level.rows.size()));
+  level.row.download(row.data());
+  level.slot.download(slot.data());
+  level.rows.download(rows.data());
+  const size_t n = slot.size();
+  std::vector<double> operators(3 * n * n);
+  for (size_t a = 0; a < n; ++a) {
+    const int64_t brick = slot[a] / kSlots, place = slot[a] % kSlots;
+    const T* const weights = rows.data() + size_t(row[size_t(slot[a])]) * kRow;
+    for (int j = 0; j < 27; ++j) {
+      const int x = int(place % 8) + j % 3 - 1, y = int(place / 8 % 8) + j / 3 % 3 - 1,
+                z = int(place / 64) + j / 9 - 1;
+      const int32_t side = (x >> 3) + 1 + 3 * ((y >> 3) + 1) + 9 * ((z >> 3) + 1);
+      const int32_t there = bricks.links[size_t(brick)].neighbour[side];
+      if (there == bricks.brick_count()) continue;
+      const int64_t b = bricks.nodes.find(there, (x & 7) | (y & 7) << 3 | (z & 7) << 6);
+      // half of each of two that are alike to rounding
+      for (size_t i = 0; b >= 0 && i < 3; ++i) {
+        const double half = double(weights[i * kComponent + size_t(j)]) / 2;
+        operators[(i * n + a) * n + size_t(b)] += half;
+        operators[(i * n + size_t(b)) * n + a] += half;
+      }
+    }
+    for (size_t i = 0; row[size_t(slot[a])] == 0 && i < 3; ++i) operators[(i * n + a) * n + a] = 1;
+  }
+  return operators;
+}
+
+/// Rows that a scene has, about: one for each node of a border voxel on the finest level, four
+/// thirds of them on all.
+int64_t row_estimate(const IncrementalPotential& potential) {
+  const BrickRows& rows = potential.rows();
+  const int64_t border_voxels = int64_t(rows.border.size()) / 7;
+  return 27 * kMostLevels + border_voxels * 4 / 3;
+}
+
+}  // namespace
+
+template <class T>
+Hierarchy<T> make_hierarchy(DevicePotential& potential, int hash_bits) {
+  const Scene& scene = potential.host().scene();
+  const int64_t dense = dense_nodes(scene);
+  const std::vector<StencilLevel> bricks = make_stencil_levels(scene.grid, dense);
+  const uint64_t bits = hash_bits < 64 ? (uint64_t{1} << hash_bits) - 1 : ~uint64_t{0};
+  const bool counts = RoomCount::present() != nullptr;
+  Hierarchy<T> result;
+  std::unique_ptr<LevelMaker<T>> finer;
+  double h = scene.grid.h;
+  for (const StencilLevel& level : bricks) {
+    auto maker = std::make_unique<LevelMaker<T>>(level);
+    if (!counts) {
+      if (finer) {
+        maker->average(*finer);
+      } else {
+        maker->take_scene(potential.impl(), level);
+        const Maxima largest = maker->maxima();
+        result.unit = largest.value[0] + largest.value[1] * h;
+      }
+      maker->find_lambda();
+      maker->number_rows(h, result.unit, bits);
+    }
+    if (finer) result.levels.push_back(std::move(finer->made));
+    finer = std::move(maker);
+    h *= 2;
+  }
+  result.levels.push_back(std::move(finer->made));
+  if (counts) result.levels[0].rows = DeviceArray<T>(kRow * row_estimate(potential.host()));
+  if (bricks.back().nodes.point_count() > dense) return result;
+  const int64_t n = bricks.back().nodes.point_count();
+  result.operators = counts ? std::vector<double>(size_t(3 * n * n))
+                            : dense_operators(result.levels.back(), bricks.back());
+  return result;
+}
+
+template Hierarchy<float> make_hierarchy(DevicePotential&, int);
+template Hierarchy<double> make_hierarchy(DevicePotential&, int);
+
+}  // namespace elastogen::cuda
