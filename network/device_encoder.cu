@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/parallel.hpp"
 #include "network/device_encoder.cuh"
-#include "network/device_encoder_operator.cuh"
 
 #include <algorithm>
 

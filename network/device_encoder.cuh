@@ -7,18 +7,10 @@
 
 #include "core/device_array.cuh"
 #include "network/device_contact.hpp"
-#include "network/device_potential.hpp"
+#include "network/device_encoder_operator.cuh"
 #include "network/encoder.hpp"
 
-#include <cuda_fp16.h>
-
-#include <type_traits>
-
 namespace elastogen::cuda {
-
-/// What modes are held in: those of a host in float are numbers of half precision.
-template <class T>
-using ModeNumber = std::conditional_t<sizeof(T) == 4, __half, double>;
 
 __device__ inline float mode_value(__half mode) {
   return __half2float(mode);

@@ -13,13 +13,16 @@
 
 namespace elastogen::cuda {
 
+/// What modes are held in: those of a host in float are numbers of half precision.
+template <class T>
+using ModeNumber = std::conditional_t<sizeof(T) == 4, __half, double>;
+
 /// The list of all pieces' nodes of an encoder on the device.
 template <class T>
 struct DeviceModes {
-  /// (entries, kModes), ModeNumber of device_encoder.cuh.
-  const std::conditional_t<sizeof(T) == 4, __half, double>* modes;
-  const int32_t* nodes;  ///< node of each entry, (entries)
-  const int32_t* entry;  ///< entry of each node of the grid, -1: in no piece; (nodes)
+  const ModeNumber<T>* modes;  ///< (entries, kModes)
+  const int32_t* nodes;        ///< node of each entry, (entries)
+  const int32_t* entry;        ///< entry of each node of the grid, -1: in no piece; (nodes)
 };
 
 /// A_r at rest of the entries [first, end), which are one connected piece: that of

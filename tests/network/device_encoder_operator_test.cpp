@@ -23,7 +23,7 @@ constexpr double kRounding = 1e-12;  // of the largest entry
 /// The modes of all pieces, as a DeviceEncoder lists them.
 template <class T>
 struct ModeLists {
-  using Number = std::remove_cvref_t<decltype(*cuda::DeviceModes<T>::modes)>;
+  using Number = cuda::ModeNumber<T>;
 
   ModeLists(const Scene& scene, const Encoder<T>& encoder)
       : entry(size_t(scene.grid.node_count()), -1) {
