@@ -44,17 +44,17 @@ std::vector<int32_t> first_nodes(const StencilLevel& level) {
 template <class T>
 class LevelMaker {
  public:
-  explicit LevelMaker(const StencilLevel& bricks)
-      : nodes_(node_masks(bricks)),
-        voxels_(voxel_masks(bricks)),
-        moduli_(6 * kSlots * bricks.brick_count()),
-        inertia_(kSlots * bricks.brick_count()),
-        pinned_(inertia_.size()),
-        node_count_(bricks.nodes.point_count()) {
+  explicit LevelMaker(const StencilLevel& bricks) : slots_(kSlots * bricks.brick_count()) {
     made.links = DeviceArray<BrickLinks>(bricks.links);
     made.begin = DeviceArray<int32_t>(first_nodes(bricks));
-    made.slot = DeviceArray<int32_t>(node_count_);
-    made.row = DeviceArray<int32_t>(inertia_.size());
+    made.slot = DeviceArray<int32_t>(bricks.nodes.point_count());
+    made.row = DeviceArray<int32_t>(slots_);
+    if (RoomCount::present()) return;
+    nodes_ = DeviceArray<uint64_t>(node_masks(bricks));
+    voxels_ = DeviceArray<uint64_t>(voxel_masks(bricks));
+    moduli_ = DeviceArray<double>(6 * slots_);
+    inertia_ = DeviceArray<double>(slots_);
+    pinned_ = DeviceArray<uint8_t>(slots_);
   }
 
   void take_scene(DevicePotential::Impl& potential, const StencilLevel& bricks);
@@ -77,13 +77,13 @@ class LevelMaker {
   DeviceArray<uint8_t> pinned_;
   DeviceArray<int32_t> border_;
   const double* moments_ = nullptr;
-  int64_t node_count_;
+  int64_t slots_;
 };
 
 /// Fills the finest level.
 template <class T>
 void LevelMaker<T>::take_scene(DevicePotential::Impl& potential, const StencilLevel& bricks) {
-  border_ = DeviceArray<int32_t>(inertia_.size());
+  border_ = DeviceArray<int32_t>(slots_);
   moments_ = potential.border_double.data();
   std::vector<int32_t> home;  // brick of nodes that each brick of voxels is
   for (int64_t b = 0; b < bricks.voxels.brick_count(); ++b)
@@ -122,7 +122,7 @@ void LevelMaker<T>::take_scene(DevicePotential::Impl& potential, const StencilLe
   const double* const inertia = potential.inertia.data();
   const uint8_t* const pinned = potential.pinned.data();
   int32_t* const slot_of = made.slot.data();
-  cuda::for_each(inertia_.size(), [=] __device__(int64_t slot) {
+  cuda::for_each(slots_, [=] __device__(int64_t slot) {
     if (!to.has_node(slot)) return;
     const int32_t n = to.node(slot);
     to.inertia[slot] = inertia[n];
@@ -137,7 +137,7 @@ template <class T>
 void LevelMaker<T>::average(LevelMaker& finer) {
   const SlotTables fine = finer.tables(), coarse = tables();
   int32_t* const slot_of = made.slot.data();
-  cuda::for_each(inertia_.size(), [=] __device__(int64_t slot) {
+  cuda::for_each(slots_, [=] __device__(int64_t slot) {
     if (!coarse.has_node(slot)) return;
     const Place at(slot);
     const int32_t* around = coarse.links[slot / kSlots].fine;
@@ -184,7 +184,7 @@ Maxima largest_of(int64_t slots, const Body& body) {
 template <class T>
 Maxima LevelMaker<T>::maxima() {
   const SlotTables of = tables();
-  return largest_of(inertia_.size(), [=] __device__(int64_t slot, Maxima & sum) {
+  return largest_of(slots_, [=] __device__(int64_t slot, Maxima & sum) {
     double most = 0;
     for (int j = 0; j < 6; ++j) most = fmax(most, of.moduli[j * of.slots() + slot]);
     sum.add({{of.inertia[slot], most}});
@@ -194,26 +194,25 @@ Maxima LevelMaker<T>::maxima() {
 template <class T>
 void LevelMaker<T>::find_lambda() {
   const SlotTables of = tables();
-  made.lambda_max =
-      kBorderExcess * largest_of(inertia_.size(), [=] __device__(int64_t slot, Maxima & sum) {
-                        if (!of.has_voxel(slot)) return;
-                        double k[6];
-                        for (int j = 0; j < 6; ++j) k[j] = of.moduli[j * of.slots() + slot];
-                        sum.add({{element_bound(k), 0}});
-                      }).value[0];
+  made.lambda_max = kBorderExcess * largest_of(slots_, [=] __device__(int64_t slot, Maxima & sum) {
+                                      if (!of.has_voxel(slot)) return;
+                                      double k[6];
+                                      for (int j = 0; j < 6; ++j)
+                                        k[j] = of.moduli[j * of.slots() + slot];
+                                      sum.add({{element_bound(k), 0}});
+                                    }).value[0];
 }
 
 /// Numbers the different rows, and writes them. Slots are told apart by a hash of their row, and
 /// compared with the first of theirs; the few that differ from it go into a further round.
 template <class T>
 void LevelMaker<T>::number_rows(double h, double unit, uint64_t hash_bits) {
-  const int64_t slots = inertia_.size();
   const int32_t bricks = int32_t(made.links.size());
   const RowSource<T> source{tables(), h / unit, unit};
-  const int64_t entries = int64_t(std::bit_ceil(uint64_t(2 * node_count_)));
+  const int64_t entries = int64_t(std::bit_ceil(uint64_t(2 * made.slot.size())));
   DeviceArray<unsigned long long> keys(entries);
   DeviceArray<int32_t> first(entries), counts(bricks), base(bricks);
-  DeviceArray<uint64_t> entry(slots);
+  DeviceArray<uint64_t> entry(slots_);
   PinnedArray<int32_t> left(1);
   const FirstSlots of{keys.data(), first.data(), uint64_t(entries - 1)};
   int32_t *const row = made.row.data(), *const waiting = left.data();
@@ -227,7 +226,7 @@ void LevelMaker<T>::number_rows(double h, double unit, uint64_t hash_bits) {
     check(cudaMemsetAsync(keys.data(), 0, size_t(entries) * sizeof(uint64_t), cudaStreamPerThread));
     check(cudaMemsetAsync(first.data(), 0x7f, size_t(entries) * sizeof(int32_t),
                           cudaStreamPerThread));
-    cuda::for_each(slots, [=] __device__(int64_t slot) {
+    cuda::for_each(slots_, [=] __device__(int64_t slot) {
       if (is_pending(slot)) entry_of[slot] = of.take(source.hash(slot, hash_bits), int32_t(slot));
     });
     launch(number_kernel<T>, unsigned(bricks), kSlots, 0, source, of, entry_of,
@@ -244,12 +243,13 @@ void LevelMaker<T>::number_rows(double h, double unit, uint64_t hash_bits) {
     made.rows = std::move(rows);
     const T* const all = made.rows.data();
     left[0] = 0;
-    cuda::for_each(slots, [=] __device__(int64_t slot) {
+    cuda::for_each(slots_, [=] __device__(int64_t slot) {
       if (!is_pending(slot)) return;
       const int32_t like = row[of.first[entry_of[slot]]];
       bool same = true;
-      source.for_numbers(slot,
-                         [&](int k, T value) { same &= value == all[int64_t(kRow) * like + k]; });
+      source.for_numbers(slot, [&](int k, T value) {
+        same &= source.bits_of(value) == source.bits_of(all[int64_t(kRow) * like + k]);
+      });
       if (same)
         row[slot] = like;
       else

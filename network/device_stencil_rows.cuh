@@ -98,12 +98,18 @@ struct RowSource {
     }
   }
 
+  __device__ static uint64_t bits_of(T value) {
+    if constexpr (sizeof(T) == 4)
+      return __float_as_uint(value);
+    else
+      return uint64_t(__double_as_longlong(value));
+  }
+
   /// Never 0.
   __device__ uint64_t hash(int64_t slot, uint64_t bits) const {
     uint64_t h = 0;
     for_numbers(slot, [&](int, T value) {
-      h ^= sizeof(T) == 4 ? uint64_t(__float_as_uint(float(value)))
-                          : uint64_t(__double_as_longlong(double(value)));
+      h ^= bits_of(value);
       h *= 0x9e3779b97f4a7c15;
       h ^= h >> 29;
     });
