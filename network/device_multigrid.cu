@@ -9,7 +9,6 @@
 namespace elastogen::cuda {
 namespace {
 
-constexpr int kMaxLevels = 12;
 // nodes a thread, 512 / kRun threads a brick: long runs cost least where bricks fill the card,
 // short ones end sooner
 constexpr int kLongRun = 4, kShortRun = 2, kSingleRun = 1;
@@ -60,7 +59,7 @@ struct Level {
 /// The levels, 0 the finest, as a kernel takes them.
 template <class T>
 struct Views {
-  StencilView<T> level[kMaxLevels];
+  StencilView<T> level[kMostLevels];
   int count;
 };
 
@@ -146,7 +145,6 @@ template <class T>
 struct DeviceMultigridLevels {
   explicit DeviceMultigridLevels(Hierarchy<T>&& made)
       : unit(made.unit), scale(T(1 / unit)), operators(made.operators) {
-    static_assert(kMaxLevels >= kMostLevels);
     const std::vector<T> inverses =
         dense_inverses<T>(made.operators, made.levels.back().slot.size());
     for (HierarchyLevel<T>& level : made.levels) {

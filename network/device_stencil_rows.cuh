@@ -41,8 +41,7 @@ struct SlotTables {
     return before + __popcll(nodes[word] & ((uint64_t{1} << (slot & 63)) - 1));
   }
 
-  /// The slot at x, y, z, from one brick before `at` on, of the bricks `around` it; -1 where there
-  /// is none.
+  /// The slot at x, y, z of a brick or of those `around` it, -8 to 15; -1 where there is none.
   __device__ int64_t slot_at(const int32_t around[27], int x, int y, int z) const {
     const int32_t brick = around[(x >> 3) + 1 + 3 * ((y >> 3) + 1) + 9 * ((z >> 3) + 1)];
     if (brick == bricks) return -1;

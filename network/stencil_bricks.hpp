@@ -49,7 +49,8 @@ std::vector<StencilLevel> make_stencil_levels(const VoxelGrid& grid, int64_t den
 /// not positive. Weights of pinned nodes are 0, whatever p says there.
 /// @param voxel  voxel(c, k, M): whether the node is corner c of a voxel, whose moduli times h over
 ///               the level's unit and moments of the fill it puts into k[6] and M[7].
-/// @param pins   which of the 27 are pinned, as bits; of `added`, the node's inertia over the unit.
+/// @param pins   which of the 27 are pinned, as bits.
+/// @param added  the node's inertia over the unit, and what further stiffness it has.
 template <class T, class Voxel>
 ELASTOGEN_HD inline void stencil_row(int component, const Voxel& voxel, uint32_t pins, T added,
                                      T row[stencil::kComponent]) {

@@ -116,6 +116,22 @@ TEST_F(OnCard, StateComesBackAsItWent) {
   EXPECT_EQ(read.v_before, b.state.v_before);
 }
 
+TEST_F(OnCard, StateOfSeveralChunksComesBackAsItWent) {
+  // 5.4 MB an array, which go through two chunks of 2 MB by turns, the last of them in part
+  const Scene scene = clamped_beam(60, 60, 60, 0.02, solid(1e5, 0.3));
+  Begun b(scene);
+  State read;
+  for (int k = 0; k < 2; ++k) {
+    b.device->download(read, StateParts::kAll);
+    EXPECT_TRUE(read.x == b.state.x);
+    EXPECT_TRUE(read.v == b.state.v);
+    EXPECT_TRUE(read.x_before == b.state.x_before);
+    EXPECT_TRUE(read.v_before == b.state.v_before);
+    std::swap(b.state.x, b.state.x_before);
+    b.device->upload(b.state);
+  }
+}
+
 /// The end of a step by the host's arithmetic, as in Solver.
 struct End {
   State state;
