@@ -100,7 +100,7 @@ std::vector<KernelRow> card_kernels(const Scene& scene) {
   Room<double> u(int64_t(3 * N)), gradient(int64_t(3 * N));
   Room<float> r(int64_t(3 * N)), z(int64_t(3 * N)), single(int64_t(3 * N));
   for (cuda::DeviceQuasi* q : {&quasi, &without}) {
-    q->begin_step();
+    q->begin_step(potential);
     q->set_nodal_rotations(potential.now().data());
   }
   Rows rows;

@@ -9,6 +9,7 @@
 
 #include <cstring>
 #include <mutex>
+#include <vector>
 
 namespace elastogen::cuda {
 
@@ -24,22 +25,76 @@ inline std::mutex& device_wide() {
   return mutex;
 }
 
+/// Memory of the host that does not leave its place, kept for who asks next: to pin it takes a
+/// millisecond, whatever its size, and another one a megabyte.
+class PinnedPool {
+ public:
+  static constexpr size_t kLargest = size_t{4} << 20;  ///< that is kept
+
+  static PinnedPool& instance() {
+    static PinnedPool* pool = new PinnedPool;  // the driver may be gone before the last array is
+    return *pool;
+  }
+
+  /// @throws Error (resources) where the host has no room.
+  void* take(size_t bytes) {
+    if (bytes > kLargest) return pin(bytes);
+    const std::lock_guard lock(mutex_);
+    std::vector<void*>& free = free_[size_class(bytes)];
+    if (free.empty()) {
+      const size_t size = kSmallest << size_class(bytes), count = size < kSlab ? kSlab / size : 1;
+      auto* const slab = static_cast<unsigned char*>(pin(count * size));
+      for (size_t k = 0; k < count; ++k) free.push_back(slab + (count - 1 - k) * size);
+    }
+    void* const taken = free.back();
+    free.pop_back();
+    return taken;
+  }
+
+  /// Waits for the device, which may still write there.
+  void give_back(void* memory, size_t bytes) {
+    {
+      const std::lock_guard lock(device_wide());
+      cudaDeviceSynchronize();
+      if (bytes > kLargest) cudaFreeHost(memory);
+    }
+    if (bytes > kLargest) return;
+    const std::lock_guard lock(mutex_);
+    free_[size_class(bytes)].push_back(memory);
+  }
+
+ private:
+  static constexpr size_t kSmallest = 256, kSlab = size_t{1} << 16;
+
+  static size_t size_class(size_t bytes) {
+    size_t k = 0;
+    while ((kSmallest << k) < bytes) ++k;
+    return k;
+  }
+  static void* pin(size_t bytes) {
+    void* memory = nullptr;
+    check(cudaHostAlloc(&memory, bytes, cudaHostAllocMapped | cudaHostAllocPortable));
+    return memory;
+  }
+
+  std::mutex mutex_;
+  std::vector<void*> free_[16];  // of kSmallest times powers of two
+};
+
 /// Owns numbers of the host that do not leave its memory: the bus moves them at its full rate, and
 /// kernels write them in place. The host reads what kernels wrote after synchronise().
 template <class T>
 class PinnedArray {
  public:
   /// @throws Error (resources) where the host has no room.
-  explicit PinnedArray(int64_t size) {
+  explicit PinnedArray(int64_t size) : size_(size) {
     if (size == 0) return;
-    check(cudaHostAlloc(&data_, size_t(size) * sizeof(T), cudaHostAllocMapped));
-    for (int64_t i = 0; i < size; ++i) data_[i] = T{};
+    data_ = static_cast<T*>(PinnedPool::instance().take(bytes()));
+    std::fill_n(data_, size, T{});
   }
   PinnedArray(const PinnedArray&) = delete;
   ~PinnedArray() {
-    if (!data_) return;
-    const std::lock_guard lock(device_wide());
-    cudaFreeHost(data_);
+    if (data_) PinnedPool::instance().give_back(data_, bytes());
   }
 
   T* data() { return data_; }
@@ -48,7 +103,10 @@ class PinnedArray {
   const T& operator[](int64_t i) const { return data_[i]; }
 
  private:
+  size_t bytes() const { return size_t(size_) * sizeof(T); }
+
   T* data_ = nullptr;
+  int64_t size_;
 };
 
 /// Two pinned chunks that numbers of the host go through, both ways, on the stream of the thread:

@@ -19,13 +19,6 @@ bool begins_brick(const VoxelGrid& grid, int64_t v) {
   return v == 0;
 }
 
-bool is_full(const VoxelGrid& grid, int64_t v) {
-  if (grid.shape_mean.empty()) return true;
-  for (int c = 0; c < 8; ++c)
-    if (grid.shape_mean(v, c) != 0.125) return false;
-  return true;
-}
-
 /// What is made of the voxels [begin, end) of a brick before the numbers of those before are known.
 struct Brick {
   int32_t begin, end;
@@ -189,6 +182,10 @@ BrickRows make_brick_rows(const VoxelGrid& grid, In<int32_t> material) {
   run_tasks(int64_t(bricks.size()), [&](int64_t b) { write_rows(grid, bricks[size_t(b)], g); });
   number_parts(grid, bricks, g);
   return g;
+}
+
+BrickRows make_brick_rows(const Scene& scene) {
+  return make_brick_rows(scene.grid, scene.material);
 }
 
 }  // namespace elastogen

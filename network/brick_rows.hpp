@@ -22,6 +22,8 @@ struct VoxelRow {
   int32_t material = 0;  ///< index into Scene::materials
   int32_t border = -1;   ///< index into border data, -1 where all voxels are full
   uint32_t mask = 0;     ///< bit l: lane l holds a voxel
+
+  bool operator==(const VoxelRow&) const = default;
 };
 
 /// Rows and tiles of a grid. The slot of a voxel is kLanes * row + lane; voxel data are stored as
@@ -43,10 +45,18 @@ struct BrickRows {
   int64_t brick_count() const { return int64_t(row_begin.size()) - 1; }
 };
 
-/// Builds rows and tiles; `material` (voxels) splits rows, and voxels whose shape means are not all
-/// 1/8 get border data (without shape means all are full). Of the grid it needs coordinates and
-/// tables.
+/// Whether the shape means of a voxel are all 1/8; without shape means all voxels are full.
+inline bool is_full(const VoxelGrid& grid, int64_t v) {
+  if (grid.shape_mean.empty()) return true;
+  for (int c = 0; c < 8; ++c)
+    if (grid.shape_mean(v, c) != 0.125) return false;
+  return true;
+}
+
+/// Builds rows and tiles; `material` (voxels) splits rows, and voxels that are not full get border
+/// data. Of the grid it needs coordinates and tables.
 BrickRows make_brick_rows(const VoxelGrid& grid, In<int32_t> material);
+BrickRows make_brick_rows(const Scene& scene);
 
 namespace bricks {
 

@@ -107,13 +107,12 @@ class DeviceStep {
 /// @throws Error (resources) where the device has no room for
 ///         what the scene takes to the end of its clip, with both amounts, (device) in builds
 ///         without CUDA.
-std::unique_ptr<DeviceStep> make_device_step(const IncrementalPotential& potential,
+std::unique_ptr<DeviceStep> make_device_step(const PotentialTerms& terms,
                                              const EncoderChoice& encoder);
 
 /// The same for the published algorithm, which has no first matrix.
 /// @throws Error as above, and as check_paper_scene.
-std::unique_ptr<DeviceStep> make_device_step(const IncrementalPotential& potential,
-                                             const PaperLoops& loops);
+std::unique_ptr<DeviceStep> make_device_step(const PotentialTerms& terms, const PaperLoops& loops);
 
 }  // namespace cuda
 }  // namespace elastogen

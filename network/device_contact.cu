@@ -26,7 +26,7 @@ bool have_paths(const std::vector<Collider>& colliders) {
 
 }  // namespace
 
-DeviceContact::Impl::Impl(const IncrementalPotential& host)
+DeviceContact::Impl::Impl(const PotentialTerms& host)
     : scene(host.scene()),
       lengths(host.contact().lengths()),
       moving(have_paths(scene.colliders)),
@@ -104,8 +104,7 @@ void DeviceContact::Impl::gather_forces(T* to) const {
   });
 }
 
-DeviceContact::DeviceContact(const IncrementalPotential& host)
-    : impl_(std::make_unique<Impl>(host)) {}
+DeviceContact::DeviceContact(const PotentialTerms& host) : impl_(std::make_unique<Impl>(host)) {}
 
 DeviceContact::~DeviceContact() = default;
 

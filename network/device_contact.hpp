@@ -28,7 +28,7 @@ class DeviceContact {
  public:
   /// @param host  with contact; must outlive it.
   /// @throws Error (resources) where the device has no room.
-  explicit DeviceContact(const IncrementalPotential& host);
+  explicit DeviceContact(const PotentialTerms& host);
   ~DeviceContact();
 
   /// As Contact::begin_step; u on the device, as all arrays below.

@@ -76,7 +76,7 @@ struct ContactNumbers {
 };
 
 struct DeviceContact::Impl {
-  explicit Impl(const IncrementalPotential& host);
+  explicit Impl(const PotentialTerms& host);
 
   ContactView view() {
     return {corners.data(), weights.data(), position.data(),  stiffness.data(),  walls.data(),

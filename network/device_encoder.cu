@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/parallel.hpp"
 #include "network/device_encoder.cuh"
 
 #include <algorithm>
+#include <limits>
 
 namespace elastogen::cuda {
 namespace {
 
 // numbers of a piece and of a chunk lie as 3 mode + component
-constexpr int kModes = Encoder<float>::kModes, kSize = 3 * kModes;
+constexpr int kModes = kEncoderModes, kSize = kReducedSize;
 constexpr int kChunk = 1024;                               // entries
 constexpr int kGroups = 32;                                // of kModes threads that encode a chunk
 constexpr int kSlices = 16;                                // of the chunks of a piece
@@ -109,77 +109,60 @@ __global__ void __launch_bounds__(kTile)
   for (int i = 0; i < 3; ++i) value[i] = sum[i];
 }
 
-/// Sends modes to the numbers from `begin` on, in what they are held in there.
+/// A_r at rest of all pieces.
 template <class T>
-void upload_modes(const T* modes, int64_t count, int64_t begin, DeviceArray<ModeNumber<T>>& to) {
-  constexpr int64_t kAtOnce = 1 << 22;
-  std::vector<ModeNumber<T>> held(size_t(std::min(count, kAtOnce)));
-  for (int64_t first = 0; first < count; first += kAtOnce) {
-    const int64_t part = std::min(kAtOnce, count - first);
-    ::elastogen::for_each(part,
-                          [&](int64_t k) { held[size_t(k)] = ModeNumber<T>(modes[first + k]); });
-    to.upload(held.data(), begin + first, part);
-  }
+std::vector<ReducedOperator> rest_operators(DevicePotential& potential,
+                                            const PieceModesOnDevice<T>& modes) {
+  DeviceArray<int32_t> entry(potential.nodes());
+  check(cudaMemsetAsync(entry.data(), 0xff, size_t(entry.size()) * sizeof(int32_t),
+                        cudaStreamPerThread));
+  const int32_t* const node = modes.nodes.data();
+  int32_t* const entry_of = entry.data();
+  cuda::for_each(modes.nodes.size(), [=] __device__(int64_t k) { entry_of[node[k]] = int32_t(k); });
+  const DeviceModes<T> of{modes.values.data(), node, entry_of};
+  std::vector<ReducedOperator> operators;
+  for (size_t p = 0; p + 1 < modes.first.size(); ++p)
+    operators.emplace_back(
+        reduced_rest_operator(potential, of, modes.first[p], modes.first[p + 1]));
+  return operators;
 }
 
 }  // namespace
 
 template <class T>
-DeviceEncoder<T>::DeviceEncoder(const Encoder<T>& host) {
-  int64_t entries = 0;
-  for (const auto& piece : host.pieces()) entries += int64_t(piece.nodes.size());
-  nodes_ = DeviceArray<int32_t>(entries);
-  modes_ = DeviceArray<ModeNumber<T>>(entries * kModes);
+DeviceEncoder<T>::DeviceEncoder(DevicePotential& potential,
+                                const std::vector<std::vector<int32_t>>& pieces)
+    : modes_(make_modes<T>(potential, pieces)) {
   std::vector<int32_t> chunk_begin;
   std::vector<EncoderChunk> chunks;
-  int32_t first = 0;
-  for (const auto& piece : host.pieces()) {
-    const int32_t number = int32_t(chunk_begin.size());
-    const int32_t end = first + int32_t(piece.nodes.size());
-    nodes_.upload(piece.nodes.data(), first, end - first);
-    upload_modes(piece.modes.data(), int64_t(end - first) * kModes, int64_t(first) * kModes,
-                 modes_);
+  for (size_t p = 0; p < pieces.size(); ++p) {
     chunk_begin.push_back(int32_t(chunks.size()));
-    for (int32_t begin = first; begin < end; begin += kChunk)
-      chunks.push_back({number, begin, std::min(begin + kChunk, end)});
-    first = end;
+    const int32_t end = modes_.first[p + 1];
+    for (int32_t begin = modes_.first[p]; begin < end; begin += kChunk)
+      chunks.push_back({int32_t(p), begin, std::min(begin + kChunk, end)});
   }
   chunk_begin.push_back(int32_t(chunks.size()));
   chunks_ = DeviceArray<EncoderChunk>(chunks);
   chunk_begin_ = DeviceArray<int32_t>(chunk_begin);
   partial_ = DeviceArray<T>(chunks_.size() * kSize);
   solution_ = DeviceArray<double>(piece_count() * kSize);
-}
-
-template <class T>
-std::vector<std::vector<double>> DeviceEncoder<T>::rest_operators(DevicePotential& potential,
-                                                                  const Encoder<T>& host) const {
-  DeviceArray<int32_t> entry(potential.nodes());
-  check(cudaMemsetAsync(entry.data(), 0xff, size_t(entry.size()) * sizeof(int32_t),
-                        cudaStreamPerThread));
-  const int32_t* const node = nodes_.data();
-  int32_t* const entry_of = entry.data();
-  cuda::for_each(nodes_.size(), [=] __device__(int64_t k) { entry_of[node[k]] = int32_t(k); });
-  const DeviceModes<T> modes{modes_.data(), node, entry_of};
-  std::vector<std::vector<double>> operators;
-  int32_t first = 0;
-  for (const auto& piece : host.pieces()) {
-    const int32_t end = first + int32_t(piece.nodes.size());
-    operators.push_back(reduced_rest_operator(potential, modes, first, end));
-    first = end;
-  }
-  return operators;
-}
-
-/// Column by column.
-template <class T>
-void DeviceEncoder<T>::take_corrections(const Encoder<T>& host) {
-  std::vector<double> corrections;
-  for (const auto& piece : host.pieces())
+  corrections_ = DeviceArray<double>(piece_count() * kSize * kSize);
+  if (RoomCount::present()) return;
+  operators_ = rest_operators(potential, modes_);
+  std::vector<double> corrections;  // column by column
+  for (const ReducedOperator& of : operators_)
     for (int column = 0; column < kSize; ++column)
       for (int row = 0; row < kSize; ++row)
-        corrections.push_back(piece.correction[size_t(row * kSize + column)]);
-  corrections_ = DeviceArray<double>(corrections);
+        corrections.push_back(of.correction[size_t(row * kSize + column)]);
+  corrections_.upload(corrections.data());
+}
+
+template <class T>
+double DeviceEncoder<T>::softness() const {
+  if (operators_.empty() && piece_count() > 0) return std::numeric_limits<double>::infinity();
+  double softest = 1;
+  for (const ReducedOperator& of : operators_) softest = std::max(softest, of.softness());
+  return softest;
 }
 
 template <class T>
@@ -189,11 +172,11 @@ void DeviceEncoder<T>::apply(const T* r, T* z, cudaStream_t stream) {
   const DeviceArray<double>& corrections = use_stiffness_ ? stiff_corrections_ : corrections_;
   const Line first{stream, false}, next{stream};
   launch_on(first, encode_kernel<T>, chunks, dim3(kModes, kGroups), 0, chunks_.data(),
-            nodes_.data(), modes_.data(), r, partial_.data());
+            modes_.nodes.data(), modes_.values.data(), r, partial_.data());
   launch_on(next, solve_kernel<T>, pieces, dim3(kSize, kSlices), 0, chunk_begin_.data(),
             partial_.data(), corrections.data(), solution_.data());
   launch_on(next, decode_kernel<T>, dim3(chunks, kChunk / kTile), kTile, 0, chunks_.data(),
-            nodes_.data(), modes_.data(), solution_.data(), z);
+            modes_.nodes.data(), modes_.values.data(), solution_.data(), z);
 }
 
 template class DeviceEncoder<float>;

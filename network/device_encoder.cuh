@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// The encoder of network/encoder.hpp on the device, beside multigrid: modes and corrections of one
-// of the host, whose operators may be made here, and the same map in three launches, all sums in a
-// fixed order.
+// The encoder of network/encoder.hpp on the device, beside multigrid: modes and operators are made
+// here, corrections on the host, and the map takes three launches, all sums in a fixed order.
 
 #pragma once
 
 #include "core/device_array.cuh"
 #include "network/device_contact.hpp"
-#include "network/device_encoder_operator.cuh"
-#include "network/encoder.hpp"
+#include "network/device_modes.cuh"
+#include "network/reduced_operator.hpp"
 
 namespace elastogen::cuda {
 
@@ -33,19 +32,18 @@ struct StiffEntry {
 template <class T>
 class DeviceEncoder {
  public:
-  /// Takes the host's modes.
+  /// Modes and operators at rest of a potential, which must have its inertia.
+  /// @param pieces  nodes of encoder_pieces.
   /// @throws Error (resources) where the device has no room.
-  explicit DeviceEncoder(const Encoder<T>& host);
+  DeviceEncoder(DevicePotential& potential, const std::vector<std::vector<int32_t>>& pieces);
 
-  /// A_r at rest of each piece, made here; `host` is that of the constructor.
-  std::vector<std::vector<double>> rest_operators(DevicePotential& potential,
-                                                  const Encoder<T>& host) const;
-  /// Takes the host's present corrections; later changes of the host have no effect.
-  void take_corrections(const Encoder<T>& host);
+  /// As Encoder::softness; while room is counted there are no operators, and it is infinite.
+  double softness() const;
 
-  /// Makes room for a further stiffness of these nodes, in this order; `host` is that of the
+  /// Makes room for a further stiffness of these nodes, in this order; `pieces` are those of the
   /// constructor.
-  void expect_stiffness(const Encoder<T>& host, const std::vector<int32_t>& nodes);
+  void expect_stiffness(const std::vector<std::vector<int32_t>>& pieces,
+                        const std::vector<int32_t>& nodes);
   /// As Encoder::set_nodal_stiffness; only once it is expected.
   void set_nodal_stiffness(const NodalStiffness& stiffness);
   /// Whether apply() takes it into account.
@@ -57,8 +55,8 @@ class DeviceEncoder {
  private:
   int64_t piece_count() const { return chunk_begin_.size() - 1; }
 
-  DeviceArray<int32_t> nodes_;        // of all pieces, one after the other
-  DeviceArray<ModeNumber<T>> modes_;  // (entries of nodes_, kModes)
+  PieceModesOnDevice<T> modes_;
+  std::vector<ReducedOperator> operators_;  // of the pieces
   DeviceArray<double>
       corrections_;  // A_r^-1 - s D_r^-1, (pieces, 3 kModes, 3 kModes), column-major
   DeviceArray<EncoderChunk> chunks_;  // in the order of the pieces

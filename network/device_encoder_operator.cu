@@ -18,7 +18,7 @@
 namespace elastogen::cuda {
 namespace {
 
-constexpr int kModes = Encoder<float>::kModes, kSize = 3 * kModes;
+constexpr int kModes = kEncoderModes, kSize = kReducedSize;
 constexpr int kSide = 8, kFour = 4;                    // modes and voxels of a product
 constexpr int kGroups = (kModes + kSide - 1) / kSide;  // of modes
 constexpr int kBlocks = 264;                           // whatever the card

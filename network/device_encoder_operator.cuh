@@ -13,7 +13,7 @@
 
 namespace elastogen::cuda {
 
-/// What modes are held in: those of a host in float are numbers of half precision.
+/// What modes are held in: those in float are numbers of half precision.
 template <class T>
 using ModeNumber = std::conditional_t<sizeof(T) == 4, __half, double>;
 
@@ -34,5 +34,11 @@ struct DeviceModes {
 template <class T>
 std::vector<double> reduced_rest_operator(DevicePotential& potential, const DeviceModes<T>& modes,
                                           int32_t first, int32_t end);
+
+/// The modes of pieces that a DeviceEncoder makes itself (network/device_modes.cuh), piece by
+/// piece, for tests.
+template <class T>
+std::vector<ModeNumber<T>> modes_by_device(DevicePotential& potential,
+                                           const std::vector<std::vector<int32_t>>& pieces);
 
 }  // namespace elastogen::cuda

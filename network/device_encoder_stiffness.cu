@@ -9,7 +9,7 @@
 namespace elastogen::cuda {
 namespace {
 
-constexpr int kModesOfNode = Encoder<float>::kModes, kWidth = 3 * kModesOfNode;
+constexpr int kModesOfNode = kEncoderModes, kWidth = 3 * kModesOfNode;
 constexpr int kStiffChunk = 64;  // entries
 constexpr int kThreads = 256;
 constexpr int kSumWidth = 32, kSumSlices = 16;
@@ -101,33 +101,35 @@ __global__ void __launch_bounds__(ReducedTile::kThreads)
   double* to = corrections + int64_t(blockIdx.x) * kWidth * kWidth;
   tile.for_entries(known, [&](int a, int b, double value, double of_known) {
     if (a < kWidth && b < kWidth)
-      to[a * kWidth + b] = scale[a] * (value - Encoder<float>::kKnown * of_known) * scale[b];
+      to[a * kWidth + b] = scale[a] * (value - ReducedOperator::kKnown * of_known) * scale[b];
   });
 }
 
 }  // namespace
 
 template <class T>
-void DeviceEncoder<T>::expect_stiffness(const Encoder<T>& host, const std::vector<int32_t>& nodes) {
+void DeviceEncoder<T>::expect_stiffness(const std::vector<std::vector<int32_t>>& pieces,
+                                        const std::vector<int32_t>& nodes) {
   std::vector<StiffEntry> entries;
   std::vector<EncoderChunk> chunks;
   std::vector<int32_t> begin;
-  std::vector<double> rest;
-  int32_t first = 0;
-  for (const auto& piece : host.pieces()) {
+  for (size_t p = 0; p < pieces.size(); ++p) {
+    const std::vector<int32_t>& own = pieces[p];
     begin.push_back(int32_t(chunks.size()));
     const auto from = int32_t(entries.size());
     // both lists ascend
-    for (size_t k = 0, s = 0; k < piece.nodes.size() && s < nodes.size();) {
-      if (piece.nodes[k] == nodes[s]) entries.push_back({int32_t(s), first + int32_t(k)});
-      piece.nodes[k] < nodes[s] ? ++k : ++s;
+    for (size_t k = 0, s = 0; k < own.size() && s < nodes.size();) {
+      if (own[k] == nodes[s]) entries.push_back({int32_t(s), modes_.first[p] + int32_t(k)});
+      own[k] < nodes[s] ? ++k : ++s;
     }
     const auto end = int32_t(entries.size());
     for (int32_t at = from; at < end; at += kStiffChunk)
-      chunks.push_back({int32_t(begin.size()) - 1, at, std::min(at + kStiffChunk, end)});
-    first += int32_t(piece.nodes.size());
-    rest.insert(rest.end(), piece.rest.begin(), piece.rest.end());
+      chunks.push_back({int32_t(p), at, std::min(at + kStiffChunk, end)});
   }
+  std::vector<double> rest;
+  for (const ReducedOperator& of : operators_)
+    rest.insert(rest.end(), of.rest.begin(), of.rest.end());
+  rest.resize(size_t(corrections_.size()));
   begin.push_back(int32_t(chunks.size()));
   rest_ = DeviceArray<double>(rest);
   stiff_ = DeviceArray<StiffEntry>(entries);
@@ -145,8 +147,8 @@ void DeviceEncoder<T>::set_nodal_stiffness(const NodalStiffness& stiffness) {
   double *of_chunks = products_.data(), *of_pieces = of_chunks + chunks * kProducts;
   if (chunks > 0)
     product_kernel<<<unsigned(chunks), kThreads>>>(stiff_chunks_.data(), stiff_.data(),
-                                                   stiffness.blocks, modes_.data(), of_chunks,
-                                                   touched_.data());
+                                                   stiffness.blocks, modes_.values.data(),
+                                                   of_chunks, touched_.data());
   check(cudaGetLastError());
   constexpr unsigned kBlocks = (kProducts + kSumWidth - 1) / kSumWidth;
   sum_kernel<<<dim3(kBlocks, unsigned(pieces)), dim3(kSumWidth, kSumSlices)>>>(
@@ -158,9 +160,9 @@ void DeviceEncoder<T>::set_nodal_stiffness(const NodalStiffness& stiffness) {
   check(cudaGetLastError());
 }
 
-template void DeviceEncoder<float>::expect_stiffness(const Encoder<float>&,
+template void DeviceEncoder<float>::expect_stiffness(const std::vector<std::vector<int32_t>>&,
                                                      const std::vector<int32_t>&);
-template void DeviceEncoder<double>::expect_stiffness(const Encoder<double>&,
+template void DeviceEncoder<double>::expect_stiffness(const std::vector<std::vector<int32_t>>&,
                                                       const std::vector<int32_t>&);
 template void DeviceEncoder<float>::set_nodal_stiffness(const NodalStiffness&);
 template void DeviceEncoder<double>::set_nodal_stiffness(const NodalStiffness&);

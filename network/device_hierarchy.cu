@@ -16,42 +16,15 @@ struct Maxima {
   }
 };
 
-/// Masks of a level's voxels by the bricks of its nodes.
-std::vector<uint64_t> voxel_masks(const StencilLevel& level) {
-  std::vector<uint64_t> masks(size_t(8 * level.brick_count()));
-  ::elastogen::for_each(level.brick_count(), [&](int64_t b) {
-    const int64_t of = level.voxels.find_brick(brick_key(level.nodes.first_place(b)) >> 9);
-    if (of >= 0) std::copy_n(level.voxels.mask(of).begin(), 8, masks.begin() + 8 * b);
-  });
-  return masks;
-}
-
-std::vector<uint64_t> node_masks(const StencilLevel& level) {
-  std::vector<uint64_t> masks(size_t(8 * level.brick_count()));
-  for (int64_t b = 0; b < level.brick_count(); ++b)
-    std::copy_n(level.nodes.mask(b).begin(), 8, masks.begin() + 8 * b);
-  return masks;
-}
-
-std::vector<int32_t> first_nodes(const StencilLevel& level) {
-  std::vector<int32_t> begin;
-  for (int64_t b = 0; b < level.brick_count(); ++b) begin.push_back(int32_t(level.nodes.first(b)));
-  begin.push_back(int32_t(level.nodes.point_count()));
-  return begin;
-}
-
 /// A level as it is made. What only that needs goes when it is done.
 template <class T>
 class LevelMaker {
  public:
-  explicit LevelMaker(const StencilLevel& bricks) : slots_(kSlots * bricks.brick_count()) {
-    made.links = DeviceArray<BrickLinks>(bricks.links);
-    made.begin = DeviceArray<int32_t>(first_nodes(bricks));
+  explicit LevelMaker(const StencilLevel& bricks)
+      : bricks_(bricks), slots_(kSlots * bricks.brick_count()) {
     made.slot = DeviceArray<int32_t>(bricks.nodes.point_count());
     made.row = DeviceArray<int32_t>(slots_);
     if (RoomCount::present()) return;
-    nodes_ = DeviceArray<uint64_t>(node_masks(bricks));
-    voxels_ = DeviceArray<uint64_t>(voxel_masks(bricks));
     moduli_ = DeviceArray<double>(6 * slots_);
     inertia_ = DeviceArray<double>(slots_);
     pinned_ = DeviceArray<uint8_t>(slots_);
@@ -63,16 +36,22 @@ class LevelMaker {
   void find_lambda();
   void number_rows(double h, double unit, uint64_t hash_bits);
 
+  /// The level; nothing else is left.
+  HierarchyLevel<T> take() {
+    made.links = std::move(bricks_.links);
+    made.begin = std::move(bricks_.begin);
+    return std::move(made);
+  }
+
   HierarchyLevel<T> made;
 
  private:
   SlotTables tables() {
-    return {made.links.data(), made.begin.data(),         nodes_.data(),  voxels_.data(),
-            moduli_.data(),    inertia_.data(),           pinned_.data(), border_.data(),
-            moments_,          int32_t(made.links.size())};
+    return {bricks_.tables(), moduli_.data(), inertia_.data(),
+            pinned_.data(),   border_.data(), moments_};
   }
 
-  DeviceArray<uint64_t> nodes_, voxels_;
+  DeviceBricks bricks_;
   DeviceArray<double> moduli_, inertia_;
   DeviceArray<uint8_t> pinned_;
   DeviceArray<int32_t> border_;
@@ -84,29 +63,18 @@ class LevelMaker {
 template <class T>
 void LevelMaker<T>::take_scene(DevicePotential::Impl& potential, const StencilLevel& bricks) {
   border_ = DeviceArray<int32_t>(slots_);
-  moments_ = potential.border_double.data();
-  std::vector<int32_t> home;  // brick of nodes that each brick of voxels is
-  for (int64_t b = 0; b < bricks.voxels.brick_count(); ++b)
-    home.push_back(int32_t(bricks.nodes.find_brick(brick_key(bricks.voxels.first_place(b)) >> 9)));
-  std::vector<int32_t> brick_of(size_t(potential.rows.row_count()));
-  const BrickRows& rows = potential.host.rows();
-  ::elastogen::for_each(rows.brick_count(), [&](int64_t b) {
-    for (int32_t r = rows.row_begin[size_t(b)]; r < rows.row_begin[size_t(b + 1)]; ++r)
-      brick_of[size_t(r)] = home[size_t(b)];
-  });
-  const DeviceArray<int32_t> brick(brick_of);
-  const int32_t* const brick_at = brick.data();
+  moments_ = potential.rows.border().data();
+  const DeviceArray<int32_t> home(bricks.home);
+  const int32_t* const brick_at = home.data();
   const VoxelTables<double> of = potential.voxels<double>();
-  const VoxelRow* const row_at = potential.rows.view().rows;
+  const RowsView rows = potential.rows.view();
   const SlotTables to = tables();
   int32_t* const border = border_.data();
-  cuda::for_each(potential.rows.row_count() * kLanes, [=] __device__(int64_t k) {
-    const int64_t r = k / kLanes;
-    const int lane = int(k % kLanes);
-    const VoxelRow row = row_at[r];
+  const auto take = [=] __device__(int64_t brick, int64_t r, int lane) {
+    const VoxelRow row = rows.rows[r];
     if (!(row.mask >> lane & 1)) return;
     const int line = row.offset / ::elastogen::bricks::kTileWidth;
-    const int64_t slot = int64_t(kSlots) * brick_at[r] + lane + 8 * (line % 9) + 64 * (line / 9);
+    const int64_t slot = int64_t(kSlots) * brick + lane + 8 * (line % 9) + 64 * (line / 9);
     const LawParameters<double>& law = of.materials[row.material].law;
     const double* weight = of.weights + 5 * kLanes * r + lane;
     const auto set = [&](int j, double modulus) {
@@ -118,6 +86,11 @@ void LevelMaker<T>::take_scene(DevicePotential::Impl& potential, const StencilLe
     for (int j = 0; j < 4; ++j)
       set(2 + j, of.hourglass == Hourglass::kOff ? law.mu : weight[(1 + j) * kLanes]);
     border[slot] = row.border < 0 ? -1 : kLanes * row.border + lane;
+  };
+  cuda::for_each(kSlots * rows.bricks, [=] __device__(int64_t k) {
+    const int64_t b = k / kSlots, first = rows.row_begin[b] + k % kSlots / kLanes;
+    for (int64_t r = first; r < rows.row_begin[b + 1]; r += kSlots / kLanes)
+      take(brick_at[b], r, int(k % kLanes));
   });
   const double* const inertia = potential.inertia.data();
   const uint8_t* const pinned = potential.pinned.data();
@@ -207,7 +180,7 @@ void LevelMaker<T>::find_lambda() {
 /// compared with the first of theirs; the few that differ from it go into a further round.
 template <class T>
 void LevelMaker<T>::number_rows(double h, double unit, uint64_t hash_bits) {
-  const int32_t bricks = int32_t(made.links.size());
+  const int32_t bricks = int32_t(slots_ / kSlots);
   const RowSource<T> source{tables(), h / unit, unit};
   const int64_t entries = int64_t(std::bit_ceil(uint64_t(2 * made.slot.size())));
   DeviceArray<unsigned long long> keys(entries);
@@ -294,9 +267,8 @@ std::vector<double> dense_operators(const HierarchyLevel<T>& level, const Stenci
 
 /// Rows that a scene has, about: one for each node of a border voxel on the finest level, four
 /// thirds of them on all.
-int64_t row_estimate(const IncrementalPotential& potential) {
-  const BrickRows& rows = potential.rows();
-  const int64_t border_voxels = int64_t(rows.border.size()) / 7;
+int64_t row_estimate(const DevicePotential::Impl& potential) {
+  const int64_t border_voxels = potential.rows.border().size() / 7;
   return 27 * kMostLevels + border_voxels * 4 / 3;
 }
 
@@ -304,9 +276,9 @@ int64_t row_estimate(const IncrementalPotential& potential) {
 
 template <class T>
 Hierarchy<T> make_hierarchy(DevicePotential& potential, int hash_bits) {
-  const Scene& scene = potential.host().scene();
+  const Scene& scene = potential.terms().scene();
   const int64_t dense = dense_nodes(scene);
-  const std::vector<StencilLevel> bricks = make_stencil_levels(scene.grid, dense);
+  const std::vector<StencilLevel>& bricks = potential.impl().levels;
   const uint64_t bits = hash_bits < 64 ? (uint64_t{1} << hash_bits) - 1 : ~uint64_t{0};
   const bool counts = RoomCount::present() != nullptr;
   Hierarchy<T> result;
@@ -325,12 +297,12 @@ Hierarchy<T> make_hierarchy(DevicePotential& potential, int hash_bits) {
       maker->find_lambda();
       maker->number_rows(h, result.unit, bits);
     }
-    if (finer) result.levels.push_back(std::move(finer->made));
+    if (finer) result.levels.push_back(finer->take());
     finer = std::move(maker);
     h *= 2;
   }
-  result.levels.push_back(std::move(finer->made));
-  if (counts) result.levels[0].rows = DeviceArray<T>(kRow * row_estimate(potential.host()));
+  result.levels.push_back(finer->take());
+  if (counts) result.levels[0].rows = DeviceArray<T>(kRow * row_estimate(potential.impl()));
   if (bricks.back().nodes.point_count() > dense) return result;
   const int64_t n = bricks.back().nodes.point_count();
   result.operators = counts ? std::vector<double>(size_t(3 * n * n))

@@ -194,7 +194,7 @@ void DeviceNewton::Impl::line_search(PotentialValue& value) {
   measure(gradient);
   synchronise();
   const double slope = numbers[0].slope;
-  const double noise = potential.host().noise(value, std::numeric_limits<double>::epsilon());
+  const double noise = potential.terms().noise(value, std::numeric_limits<double>::epsilon());
   taken = {slope, noise};
   if (!(slope < 0)) return;
   DeviceContact* contact = potential.contact();

@@ -15,11 +15,11 @@ std::string device_name() {
   throw Error("built without CUDA", ErrorKind::kDevice);
 }
 
-std::unique_ptr<DeviceStep> make_device_step(const IncrementalPotential&, const EncoderChoice&) {
+std::unique_ptr<DeviceStep> make_device_step(const PotentialTerms&, const EncoderChoice&) {
   throw Error("built without CUDA", ErrorKind::kDevice);
 }
 
-std::unique_ptr<DeviceStep> make_device_step(const IncrementalPotential&, const PaperLoops&) {
+std::unique_ptr<DeviceStep> make_device_step(const PotentialTerms&, const PaperLoops&) {
   throw Error("built without CUDA", ErrorKind::kDevice);
 }
 

@@ -50,7 +50,7 @@ struct Loops : DevicePaper::Impl {
         diagonal(potential.nodes()),
         amplitudes(3 * waves),
         sums(1) {
-    const std::vector<double> host = paper_modes(potential.host.scene(), waves);
+    const std::vector<double> host = paper_modes(potential.terms.scene(), waves);
     modes = DeviceArray<T>(std::vector<T>(host.begin(), host.end()));
   }
 
@@ -275,7 +275,7 @@ IterationResult Loops<T>::solve(const std::function<bool()>& interrupted) {
 }  // namespace
 
 DevicePaper::DevicePaper(DeviceQuasi& quasi, const PaperLoops& loops, bool float64) {
-  check_paper_scene(quasi.potential().host(), loops);
+  check_paper_scene(quasi.potential().terms(), loops);
   if (float64)
     impl_ = std::make_unique<Loops<double>>(quasi, loops);
   else

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "core/parallel.hpp"
 #include "network/device_pieces.cuh"
 #include "network/free_flight.hpp"
 
@@ -22,27 +23,37 @@ __device__ bool steady(const PieceFrame& before, const PieceFrame& now, const Pi
 }  // namespace
 
 DevicePieces::DevicePieces(const Scene& scene) {
-  std::vector<int32_t> nodes, chunk_begin, first;
+  const std::vector<std::vector<int32_t>> pieces = free_pieces(scene);
+  std::vector<int32_t> chunk_begin, first;
   std::vector<PieceChunk> chunks;
-  std::vector<double> rest_centre, per_mass;
-  for (const std::vector<int32_t>& list : free_pieces(scene)) {
-    const int32_t piece = int32_t(first.size()), begin = int32_t(nodes.size());
-    double mass = 0, sum[3] = {};
-    for (const int32_t n : list) {
-      mass += scene.mass(n);
-      for (int i = 0; i < 3; ++i) sum[i] += scene.mass(n) * scene.grid.rest(n, i);
-    }
-    for (const double s : sum) rest_centre.push_back(s / mass);
-    per_mass.push_back(1 / mass);
+  int32_t entries = 0;
+  for (const std::vector<int32_t>& list : pieces) {
+    const auto piece = int32_t(first.size()), end = entries + int32_t(list.size());
     first.push_back(list.front());
     chunk_begin.push_back(int32_t(chunks.size()));
-    nodes.insert(nodes.end(), list.begin(), list.end());
-    const int32_t end = int32_t(nodes.size());
-    for (int32_t k = begin; k < end; k += kChunk)
-      chunks.push_back({piece, k, std::min(k + kChunk, end)});
+    for (; entries < end; entries = chunks.back().end)
+      chunks.push_back({piece, entries, std::min(entries + kChunk, end)});
   }
   chunk_begin.push_back(int32_t(chunks.size()));
-  nodes_ = DeviceArray<int32_t>(nodes);
+  nodes_ = DeviceArray<int32_t>(entries);
+  std::vector<double> rest_centre, per_mass;
+  entries = 0;
+  for (const std::vector<int32_t>& list : pieces) {
+    nodes_.upload(list.data(), entries, int64_t(list.size()));
+    entries += int32_t(list.size());
+    const auto sum = [&](const auto& value) {
+      return ::elastogen::ordered_sum(int64_t(list.size()), [&](int64_t begin, int64_t end) {
+        double part = 0;
+        for (int64_t k = begin; k < end; ++k) part += value(list[size_t(k)]);
+        return part;
+      });
+    };
+    const double mass = sum([&](int32_t n) { return scene.mass(n); });
+    for (int i = 0; i < 3; ++i)
+      rest_centre.push_back(sum([&](int32_t n) { return scene.mass(n) * scene.grid.rest(n, i); }) /
+                            mass);
+    per_mass.push_back(1 / mass);
+  }
   chunks_ = DeviceArray<PieceChunk>(chunks);
   chunk_begin_ = DeviceArray<int32_t>(chunk_begin);
   first_ = DeviceArray<int32_t>(first);

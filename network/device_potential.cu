@@ -23,10 +23,10 @@ std::vector<float> by_columns(const std::vector<float>& weights) {
 void DevicePotential::Impl::take_materials() {
   std::vector<DeviceMaterial> list;
   bool asked = false;
-  for (size_t m = 0; m < host.scene().materials.size(); ++m) {
-    const Material& material = host.scene().materials[m];
+  for (size_t m = 0; m < terms.scene().materials.size(); ++m) {
+    const Material& material = terms.scene().materials[m];
     list.push_back({{material.law, material.mu(), material.lambda()}, {}, {}});
-    const LearnedLaw* net = host.learned(m);
+    const LearnedLaw* net = terms.learned(m);
     if (!net) continue;
     if (net->evaluation() == Evaluation::kTable) {
       learned.emplace_back(net->table().coefficients());
@@ -70,18 +70,27 @@ void DevicePotential::Impl::freeze_rotations() {
       NoFinish{});
 }
 
-DevicePotential::DevicePotential(const IncrementalPotential& host)
-    : impl_(std::make_unique<Impl>(host)) {}
+DevicePotential::DevicePotential(const PotentialTerms& terms)
+    : impl_(std::make_unique<Impl>(terms)) {}
 
 DevicePotential::~DevicePotential() = default;
 
-void DevicePotential::begin_step() {
+void DevicePotential::begin_step(const IncrementalPotential& host) {
   Impl& s = *impl_;
-  s.u_now.upload(s.host.now().data());
-  s.predictor.upload(s.host.predictor().data());
-  s.inertia.upload(s.host.inertia().data());
+  s.u_now.upload(host.now().data());
+  s.predictor.upload(host.predictor().data());
+  s.inertia.upload(host.inertia().data());
   s.freeze_rotations();
-  if (s.contact) s.contact->begin_step(s.u_now.data(), s.host.contact().start_time());
+  if (s.contact) s.contact->begin_step(s.u_now.data(), host.contact().start_time());
+}
+
+void DevicePotential::Impl::set_scheme(const StepScheme& scheme) {
+  const double *from = mass.data(), a0 = scheme.a0, dt2 = scheme.dt * scheme.dt;
+  double* const to = inertia.data();
+  cuda::for_each(nodes(), [=] __device__(int64_t n) { to[n] = a0 * from[n] / dt2; });
+}
+void DevicePotential::set_scheme(const StepScheme& scheme) {
+  impl_->set_scheme(scheme);
 }
 
 DeviceContact* DevicePotential::contact() {
@@ -234,6 +243,15 @@ template void DevicePotential::start_evaluation<double>(const double*, double*);
 template PotentialValue DevicePotential::evaluate<float>(const double*, float*);
 template PotentialValue DevicePotential::evaluate<double>(const double*, double*);
 
+BrickRows DevicePotential::download_rows() const {
+  return impl_->rows.download();
+}
+std::vector<double> DevicePotential::download_weights() const {
+  std::vector<double> weights(size_t(impl_->rows.weights().size()));
+  impl_->rows.weights().download(weights.data());
+  return weights;
+}
+
 int64_t DevicePotential::nodes() const {
   return impl_->nodes();
 }
@@ -243,8 +261,14 @@ const uint8_t* DevicePotential::pinned() const {
 const Quaternion<float>* DevicePotential::nodal_rotation() const {
   return impl_->nodal_rotation.data();
 }
-const IncrementalPotential& DevicePotential::host() const {
-  return impl_->host;
+const PotentialTerms& DevicePotential::terms() const {
+  return impl_->terms;
+}
+const double* DevicePotential::rest() const {
+  return impl_->rest.data();
+}
+const double* DevicePotential::mass() const {
+  return impl_->mass.data();
 }
 
 }  // namespace elastogen::cuda

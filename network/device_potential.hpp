@@ -26,19 +26,20 @@ struct InertiaTerms {
 
 class DevicePotential {
  public:
-  /// The host's potential must outlive it.
+  /// With the inertia of the terms' scheme, if they have one; the terms must outlive it.
   /// @throws Error (resources) where the device has no room.
-  explicit DevicePotential(const IncrementalPotential& host);
+  explicit DevicePotential(const PotentialTerms& terms);
   ~DevicePotential();
 
-  /// Takes predictor, inertia and the displacement at the start of the step from the host, and
-  /// frozen rotations and contact from the latter; after the host's begin_step.
-  void begin_step();
+  /// Takes predictor, inertia and the displacement at the start of the step from a potential of the
+  /// host after its begin_step, and frozen rotations and contact from the latter.
+  void begin_step(const IncrementalPotential& host);
 
   // what a step begins with, on the device, for those who fill it there
-  double* inertia();    ///< a0 m / dt^2 [N/m], (nodes)
-  double* predictor();  ///< xhat - X [m], (nodes, 3)
-  double* now();        ///< displacement at the start of the step [m], (nodes, 3)
+  void set_scheme(const StepScheme& scheme);  ///< inertia alone
+  double* inertia();                          ///< a0 m / dt^2 [N/m], (nodes)
+  double* predictor();                        ///< xhat - X [m], (nodes, 3)
+  double* now();  ///< displacement at the start of the step [m], (nodes, 3)
   /// Takes the frozen rotations from now().
   void freeze_rotations();
 
@@ -72,10 +73,16 @@ class DevicePotential {
   /// Null where the scene has no colliders.
   DeviceContact* contact();
 
+  /// Tables of its voxels and their weights, for tests.
+  BrickRows download_rows() const;
+  std::vector<double> download_weights() const;
+
   int64_t nodes() const;
   const uint8_t* pinned() const;                    ///< (nodes), on the device
   const Quaternion<float>* nodal_rotation() const;  ///< (nodes), on the device
-  const IncrementalPotential& host() const;
+  const double* rest() const;                       ///< [m], (nodes, 3), on the device
+  const double* mass() const;                       ///< [kg], (nodes), on the device
+  const PotentialTerms& terms() const;
 
   struct Impl;
   Impl& impl() { return *impl_; }  ///< for other operators on the same tables

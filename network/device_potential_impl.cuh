@@ -73,31 +73,33 @@ inline DeviceArray<float> in_float(const DeviceArray<double>& values) {
 enum class NetPass { kEnergy, kStretches, kTangent };
 
 struct DevicePotential::Impl {
-  explicit Impl(const IncrementalPotential& potential)
-      : host(potential),
-        rows(potential.rows()),
-        weights_double(potential.voxel_weights()),
-        border_double(potential.rows().border),
-        weights_float(in_float(weights_double)),
-        border_float(in_float(border_double)),
-        rotation_double(
-            potential.scene().hourglass == Hourglass::kFull ? rows.row_count() * 9 * kLanes : 0),
+  explicit Impl(const PotentialTerms& potential)
+      : terms(potential),
+        levels(make_stencil_levels(grid(), dense_nodes(terms.scene()))),
+        rows(terms.scene(), levels[0]),
+        weights_float(in_float(rows.weights())),
+        border_float(in_float(rows.border())),
+        rotation_double(terms.scene().hourglass == Hourglass::kFull ? rows.row_count() * 9 * kLanes
+                                                                    : 0),
         rotation_float(rotation_double.size()),
-        inertia(potential.inertia()),
+        rest(grid().rest.data(), grid().rest.size()),
+        mass(terms.scene().mass.data(), nodes()),
+        inertia(nodes()),
         predictor(3 * nodes()),
         u_now(3 * nodes()),
         nodal_rotation(nodes()),
-        pinned(nodes()),
+        pinned(terms.scene().pinned.data(), nodes()),
         parts((9 * rows.parts() + 1) / 2),
         brick_sums(rows.bricks()),
         inertia_sums(1),
         value(1) {
-    pinned.upload(potential.scene().pinned.data());
     take_materials();
-    if (potential.contact().exists()) contact.emplace(potential);
+    if (terms.contact().exists()) contact.emplace(terms);
+    if (terms.scheme().dt > 0 && !RoomCount::present()) set_scheme(terms.scheme());
   }
 
-  int64_t nodes() const { return host.scene().grid.node_count(); }
+  const VoxelGrid& grid() const { return terms.scene().grid; }
+  int64_t nodes() const { return grid().node_count(); }
 
   template <class T>
   VoxelTables<T> voxels() const {
@@ -106,15 +108,16 @@ struct DevicePotential::Impl {
       tables.weights = weights_float.data(), tables.border = border_float.data(),
       tables.rotation = rotation_float.data();
     else
-      tables.weights = weights_double.data(), tables.border = border_double.data(),
+      tables.weights = rows.weights().data(), tables.border = rows.border().data(),
       tables.rotation = rotation_double.data();
     tables.materials = materials.data();
-    tables.h = T(host.scene().grid.h);
-    tables.hourglass = host.scene().hourglass;
+    tables.h = T(grid().h);
+    tables.hourglass = terms.scene().hourglass;
     return tables;
   }
 
   void take_materials();
+  void set_scheme(const StepScheme& scheme);
   /// pass(nets), which gives voxels what their nets add at u.
   template <class T, NetPass kPass, class Pass>
   void with_nets(const double* u, const Pass& pass) {
@@ -140,12 +143,13 @@ struct DevicePotential::Impl {
   template <class T>
   void hessian_product(const T* p, T* product);
 
-  const IncrementalPotential& host;
+  const PotentialTerms& terms;
+  std::vector<StencilLevel> levels;
   DeviceRows rows;
-  DeviceArray<double> weights_double, border_double;
   DeviceArray<float> weights_float, border_float;
   DeviceArray<double> rotation_double;
   DeviceArray<float> rotation_float;
+  DeviceArray<double> rest, mass;  // [m], (nodes, 3); [kg], (nodes)
   DeviceArray<double> inertia, predictor, u_now;
   DeviceArray<Quaternion<float>> nodal_rotation;
   DeviceArray<uint8_t> pinned;

@@ -37,15 +37,18 @@ class DevicePreconditioner {
   /// The potential must outlive it, and have the scheme that will be used.
   DevicePreconditioner(DevicePotential& potential, const EncoderChoice& choice)
       : potential_(potential), multigrid_(potential), z_(3 * potential.nodes()) {
-    const std::optional<Encoder<float>> encoder = make_encoder(choice);
-    if (encoder) {
-      turned_ = DeviceArray<float>(z_.size());
-      encoded_ = DeviceArray<float>(z_.size());
-    }
     const DeviceContact* contact = potential.contact();
-    if (!contact) return;
-    multigrid_.expect_stiffness();
-    if (encoder) encoder_->expect_stiffness(*encoder, contact->surface_nodes());
+    if (contact) multigrid_.expect_stiffness();
+    if (!choice.wanted) return;
+    const std::vector<std::vector<int32_t>> pieces = encoder_pieces(potential.terms().scene().grid);
+    encoder_.emplace(potential, pieces);
+    if (encoder_->softness() < choice.least_softness) {
+      encoder_.reset();
+      return;
+    }
+    turned_ = DeviceArray<float>(z_.size());
+    encoded_ = DeviceArray<float>(z_.size());
+    if (contact) encoder_->expect_stiffness(pieces, contact->surface_nodes());
   }
 
   /// Freezes the contact stiffness of the potential at u and takes it.
@@ -110,22 +113,6 @@ class DevicePreconditioner {
   }
 
  private:
-  /// Fills encoder_ where the choice has one; while room is counted, with operators of the host.
-  std::optional<Encoder<float>> make_encoder(const EncoderChoice& choice) {
-    const auto on_device = [&](const Encoder<float>& modes) {
-      return encoder_.emplace(modes).rest_operators(potential_, modes);
-    };
-    const bool counts = RoomCount::present() != nullptr;
-    const std::optional<Encoder<float>> made =
-        choice.make<float>(potential_.host(), counts ? Encoder<float>::MakeOperators{} : on_device);
-    if (made && counts) encoder_.emplace(*made);
-    if (made)
-      encoder_->take_corrections(*made);
-    else
-      encoder_.reset();
-    return made;
-  }
-
   DevicePotential& potential_;
   DeviceMultigrid<float> multigrid_;
   std::optional<DeviceEncoder<float>> encoder_;

@@ -16,8 +16,8 @@ constexpr int kMostHalvings = 12;
 }  // namespace
 
 struct DeviceQuasi::Impl {
-  explicit Impl(const IncrementalPotential& host)
-      : potential(host), u(3 * potential.nodes()), trial_u(u.size()) {}
+  explicit Impl(const PotentialTerms& terms)
+      : potential(terms), u(3 * potential.nodes()), trial_u(u.size()) {}
 
   template <class T>
   Iteration<T>& iteration();
@@ -48,7 +48,7 @@ Iteration<T>& DeviceQuasi::Impl::iteration() {
 /// Halves the step until Phi falls; the first trial is there.
 template <class T>
 bool DeviceQuasi::Impl::line_search(Iteration<T>& it, PotentialValue& value, int& evaluations) {
-  const double noise = potential.host().noise(value, std::numeric_limits<T>::epsilon());
+  const double noise = potential.terms().noise(value, std::numeric_limits<T>::epsilon());
   DeviceContact* contact = potential.contact();
   if (contact) {
     contact->cut_step(u.data(), trial_u.data());
@@ -107,13 +107,12 @@ IterationResult DeviceQuasi::Impl::solve(double target, int max_outer,
   }
 }
 
-DeviceQuasi::DeviceQuasi(const IncrementalPotential& potential, const EncoderChoice& encoder)
-    : DeviceQuasi(potential) {
+DeviceQuasi::DeviceQuasi(const PotentialTerms& terms, const EncoderChoice& encoder)
+    : DeviceQuasi(terms) {
   impl_->first.emplace(impl_->potential, encoder);
 }
 
-DeviceQuasi::DeviceQuasi(const IncrementalPotential& potential)
-    : impl_(std::make_unique<Impl>(potential)) {}
+DeviceQuasi::DeviceQuasi(const PotentialTerms& terms) : impl_(std::make_unique<Impl>(terms)) {}
 
 DeviceQuasi::~DeviceQuasi() = default;
 
@@ -155,8 +154,8 @@ IterationResult DeviceQuasi::solve(double target, int max_outer, bool float64,
                  : impl_->solve<float>(target, max_outer, interrupted);
 }
 
-void DeviceQuasi::begin_step() {
-  impl_->potential.begin_step();
+void DeviceQuasi::begin_step(const IncrementalPotential& host) {
+  impl_->potential.begin_step(host);
 }
 
 void DeviceQuasi::download_u(double* u) {

@@ -13,11 +13,11 @@ class DevicePreconditioner;
 
 class DeviceQuasi {
  public:
-  /// The potential must outlive it, and have the scheme that will be used.
+  /// The terms must outlive it, and have the scheme that will be used.
   /// @throws Error (resources) where the device has no room.
-  DeviceQuasi(const IncrementalPotential& potential, const EncoderChoice& encoder);
+  DeviceQuasi(const PotentialTerms& terms, const EncoderChoice& encoder);
   /// Without a first matrix there are no iterations: for the displacement and the potential.
-  explicit DeviceQuasi(const IncrementalPotential& potential);
+  explicit DeviceQuasi(const PotentialTerms& terms);
   ~DeviceQuasi();
 
   /// What steps of that many nodes take beyond what the constructor does, at most.
@@ -39,7 +39,7 @@ class DeviceQuasi {
                         const std::function<bool()>& interrupted);
 
   // the same with arrays of the host, for tests and benchmarks
-  void begin_step();  ///< takes the step that the host's potential has begun
+  void begin_step(const IncrementalPotential& host);  ///< takes the step that it has begun
   void set_nodal_rotations(const double* u);
   void update_contact(bool touching);  ///< freezes its stiffness at u(); false: there is none
   void download_u(double* u);

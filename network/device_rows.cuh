@@ -8,6 +8,7 @@
 
 #include "core/device_reduce.cuh"
 #include "network/brick_rows.hpp"
+#include "network/device_bricks.cuh"
 
 namespace elastogen::cuda {
 
@@ -19,18 +20,12 @@ struct RowsView {
   int64_t bricks, shared;
 };
 
+/// BrickRows of a scene, and what its voxels weigh in them, made on the device.
 class DeviceRows {
  public:
-  explicit DeviceRows(const BrickRows& g)
-      : rows_(g.rows),
-        row_begin_(g.row_begin),
-        tile_begin_(g.tile_begin),
-        tile_node_(g.tile_node),
-        tile_part_(g.tile_part),
-        shared_node_(g.shared_node),
-        shared_begin_(g.shared_begin),
-        tile_place_(g.tile_place),
-        parts_(g.shared_begin.empty() ? 0 : g.shared_begin.back()) {}
+  /// @param level  the finest of make_stencil_levels.
+  /// @throws Error (resources) where the device has no room.
+  DeviceRows(const Scene& scene, const StencilLevel& level);
 
   RowsView view() const {
     return {rows_.data(),          row_begin_.data(),   tile_begin_.data(),   tile_node_.data(),
@@ -42,11 +37,25 @@ class DeviceRows {
   /// Partial sums that a loop in T needs, three numbers each.
   int64_t parts() const { return parts_; }
 
+  /// Fill and variance weights, [row][5][lane].
+  const DeviceArray<double>& weights() const { return weights_; }
+  /// BrickRows::border.
+  const DeviceArray<double>& border() const { return border_; }
+
+  /// All tables, for tests.
+  BrickRows download() const;
+
  private:
+  void count(const BrickRows& g);
+  struct Bricks;
+  void make_rows(const Scene& scene, const Bricks& bricks);
+  void make_tiles(const Bricks& bricks);
+
   DeviceArray<VoxelRow> rows_;
   DeviceArray<int32_t> row_begin_, tile_begin_, tile_node_, tile_part_, shared_node_, shared_begin_;
   DeviceArray<int16_t> tile_place_;
-  int64_t parts_;
+  DeviceArray<double> weights_, border_;
+  int64_t parts_ = 0;
 };
 
 /// What the voxels around a node have given it. Who asks late has other loads on their way.

@@ -5,55 +5,22 @@
 #pragma once
 
 #include "core/device_reduce.cuh"
-#include "network/stencil_bricks.hpp"
+#include "network/device_bricks.cuh"
 
 namespace elastogen::cuda {
 
 using stencil::kComponent;
 using stencil::kRow;
-using stencil::kSlots;
 
-/// What stands in the slots of a level, and where its bricks lie.
-struct SlotTables {
-  const BrickLinks* links;
-  const int32_t* begin;
-  const uint64_t *nodes, *voxels;  ///< masks of nodes, and of voxels whose corner 0 they are
-  double* moduli;                  ///< as LevelGrid's [Pa], (6, slots)
-  double* inertia;                 ///< a0 m / dt^2 [N/m], (slots)
-  uint8_t* pinned;                 ///< (slots)
-  const int32_t* border;           ///< lane + kLanes border of the finest level's voxels, -1: full
-  const double* moments;           ///< [border][7][lane]
-  int32_t bricks;
+/// What stands in the slots of a level.
+struct SlotTables : BrickTables {
+  double* moduli;         ///< as LevelGrid's [Pa], (6, slots)
+  double* inertia;        ///< a0 m / dt^2 [N/m], (slots)
+  uint8_t* pinned;        ///< (slots)
+  const int32_t* border;  ///< lane + kLanes border of the finest level's voxels, -1: full
+  const double* moments;  ///< [border][7][lane]
 
-  __device__ int64_t slots() const { return int64_t(kSlots) * bricks; }
-  __device__ static bool is_in(const uint64_t* mask, int64_t slot) {
-    return mask[slot >> 6] >> (slot & 63) & 1;
-  }
-  __device__ bool has_node(int64_t slot) const { return is_in(nodes, slot); }
-  __device__ bool has_voxel(int64_t slot) const { return is_in(voxels, slot); }
   __device__ bool is_free(int64_t slot) const { return has_node(slot) && !pinned[slot]; }
-
-  /// Number of the node in a slot that has one.
-  __device__ int32_t node(int64_t slot) const {
-    const int64_t word = slot >> 6, first = slot / kSlots * (kSlots / 64);
-    int32_t before = begin[slot / kSlots];
-    for (int64_t w = first; w < word; ++w) before += __popcll(nodes[w]);
-    return before + __popcll(nodes[word] & ((uint64_t{1} << (slot & 63)) - 1));
-  }
-
-  /// The slot at x, y, z of a brick or of those `around` it, -8 to 15; -1 where there is none.
-  __device__ int64_t slot_at(const int32_t around[27], int x, int y, int z) const {
-    const int32_t brick = around[(x >> 3) + 1 + 3 * ((y >> 3) + 1) + 9 * ((z >> 3) + 1)];
-    if (brick == bricks) return -1;
-    return int64_t(kSlots) * brick + (x & 7) + 8 * ((y & 7) + 8 * (z & 7));
-  }
-};
-
-/// Place of a slot in its brick.
-struct Place {
-  int x, y, z;
-  __device__ explicit Place(int64_t slot)
-      : x(int(slot % 8)), y(int(slot / 8 % 8)), z(int(slot / 64 % 8)) {}
 };
 
 /// What a node's row is made of.

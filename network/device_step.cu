@@ -6,20 +6,18 @@
 namespace elastogen::cuda {
 namespace {
 
-DeviceQuasi make_quasi(const IncrementalPotential& potential, const EncoderChoice* encoder) {
-  return encoder ? DeviceQuasi(potential, *encoder) : DeviceQuasi(potential);
+DeviceQuasi make_quasi(const PotentialTerms& terms, const EncoderChoice* encoder) {
+  return encoder ? DeviceQuasi(terms, *encoder) : DeviceQuasi(terms);
 }
 
 }  // namespace
 
-StepOnDevice::StepOnDevice(const IncrementalPotential& potential, const EncoderChoice* encoder,
+StepOnDevice::StepOnDevice(const PotentialTerms& terms, const EncoderChoice* encoder,
                            const PaperLoops* paper)
-    : scene_(potential.scene()),
-      quasi_(make_quasi(potential, encoder)),
+    : scene_(terms.scene()),
+      quasi_(make_quasi(terms, encoder)),
       pieces_(scene_),
-      rest_(scene_.grid.rest.data(), scene_.grid.rest.size()),
-      mass_(scene_.mass.data(), scene_.mass.size()),
-      x_(rest_.size()),
+      x_(scene_.grid.rest.size()),
       v_(size()),
       x_before_(size()),
       v_before_(size()),
@@ -38,12 +36,14 @@ void StepOnDevice::copy(const double* from, double* to) const {
 }
 
 void StepOnDevice::send(const Array<double>& from, DeviceArray<double>& to) {
-  chunks_.send(to.data(), from.data(), size_t(size()) * sizeof(double));
+  if (!chunks_) chunks_.emplace();
+  chunks_->send(to.data(), from.data(), size_t(size()) * sizeof(double));
 }
 
 void StepOnDevice::fetch(const DeviceArray<double>& from, Array<double>& to) {
   if (to.size() != size()) to = Array<double>(size() / 3, 3);
-  chunks_.fetch(to.data(), from.data(), size_t(size()) * sizeof(double));
+  if (!chunks_) chunks_.emplace();
+  chunks_->fetch(to.data(), from.data(), size_t(size()) * sizeof(double));
 }
 
 void StepOnDevice::upload(const State& state) {
@@ -80,8 +80,8 @@ Motion StepOnDevice::motion() {
            v_.data(),
            has_before_ ? x_before_.data() : x_.data(),
            has_before_ ? v_before_.data() : v_.data(),
-           rest_.data(),
-           mass_.data(),
+           potential().rest(),
+           potential().mass(),
            potential().pinned(),
            scheme_,
            {}};
@@ -129,7 +129,7 @@ bool StepOnDevice::balance() {
   if (touches()) return false;
   const double* aim = potential().predictor();
   if (potential().contact()) copy(quasi_.u(), quasi_.trial_u());
-  pieces_.match_means(mass_.data(), quasi_.u(), [=] __device__(int64_t k) { return aim[k]; });
+  pieces_.match_means(potential().mass(), quasi_.u(), [=] __device__(int64_t k) { return aim[k]; });
   if (!touches()) return true;
   copy(quasi_.trial_u(), quasi_.u());
   return false;
@@ -191,7 +191,7 @@ MotionEnergy StepOnDevice::finish(bool in_flight) {
   find_velocities();
   if (in_flight) {
     const Motion m = motion();
-    pieces_.match_means(mass_.data(), v_next_.data(), [=] __device__(int64_t k) {
+    pieces_.match_means(potential().mass(), v_next_.data(), [=] __device__(int64_t k) {
       return free_velocity(m.scheme, m.v[k], m.v_before[k], m.gravity[k % 3]);
     });
   }
@@ -209,25 +209,24 @@ namespace {
 
 /// What a step is made of.
 struct Recipe {
-  const IncrementalPotential& potential;
+  const PotentialTerms& terms;
   const EncoderChoice* encoder;
   const PaperLoops* paper;
 
   std::unique_ptr<StepOnDevice> make() const {
-    return std::make_unique<StepOnDevice>(potential, encoder, paper);
+    return std::make_unique<StepOnDevice>(terms, encoder, paper);
   }
 };
 
 }  // namespace
 
-std::unique_ptr<DeviceStep> make_device_step(const IncrementalPotential& potential,
+std::unique_ptr<DeviceStep> make_device_step(const PotentialTerms& terms,
                                              const EncoderChoice& encoder) {
-  return within_budget(Recipe{potential, &encoder, nullptr});
+  return within_budget(Recipe{terms, &encoder, nullptr});
 }
 
-std::unique_ptr<DeviceStep> make_device_step(const IncrementalPotential& potential,
-                                             const PaperLoops& loops) {
-  return within_budget(Recipe{potential, nullptr, &loops});
+std::unique_ptr<DeviceStep> make_device_step(const PotentialTerms& terms, const PaperLoops& loops) {
+  return within_budget(Recipe{terms, nullptr, &loops});
 }
 
 }  // namespace elastogen::cuda

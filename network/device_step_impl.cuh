@@ -39,8 +39,7 @@ struct StepNumbers {
 class StepOnDevice : public DeviceStep {
  public:
   /// With a first matrix (null: without one), for the published algorithm or without it.
-  StepOnDevice(const IncrementalPotential& potential, const EncoderChoice* encoder,
-               const PaperLoops* paper);
+  StepOnDevice(const PotentialTerms& terms, const EncoderChoice* encoder, const PaperLoops* paper);
 
   void upload(const State& state) override;
   void download(State& state, StateParts parts) override;
@@ -78,7 +77,7 @@ class StepOnDevice : public DeviceStep {
     frames_ = make_frames(scene_.grid, embedding, with_gradient, later_bytes());
     return frames_ != nullptr;
   }
-  void start_frame(int slot) override { frames_->start(slot, x_.data(), rest_.data()); }
+  void start_frame(int slot) override { frames_->start(slot, x_.data(), potential().rest()); }
   CarriedFrame take_frame(int slot) const override { return frames_->take(slot); }
 
   /// What steps take beyond what the constructor does, at most.
@@ -114,14 +113,13 @@ class StepOnDevice : public DeviceStep {
   std::optional<DeviceNewton> newton_;  // from its first step on
   std::optional<DevicePaper> paper_;
   DevicePieces pieces_;
-  DeviceArray<double> rest_, mass_;
   DeviceArray<double> x_, v_, x_before_, v_before_;  // the state
   DeviceArray<double> x_next_, v_next_;              // until it is taken
   DeviceArray<double> gradient_;                     // of the certificate
   DeviceArray<SumRoom<Largest>> largest_;
   DeviceArray<SumRoom<Sums<2>>> pair_sums_;
   PinnedArray<StepNumbers> numbers_;
-  PinnedChunks chunks_;  // that arrays of the state go through
+  std::optional<PinnedChunks> chunks_;  // that arrays of the state go through, from the first on
   std::unique_ptr<DeviceFrames> frames_;
   StepScheme scheme_;
   bool has_before_ = false;

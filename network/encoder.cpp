@@ -2,45 +2,18 @@
 #include "network/encoder.hpp"
 
 #include "network/encoder_operator.hpp"
-#include "network/smooth_modes.hpp"
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <numeric>
 
 namespace elastogen {
 namespace {
 
-constexpr int kSmallestPiece = 64;  // nodes; multigrid alone serves smaller ones
-constexpr size_t kMostPieces = 64;
-constexpr int kCosines = 18;
-
-/// A mode's value to the digits that are kept of it: in float those of half precision, in which a
-/// card holds it. All uses of a mode agree in them, so that it is as good a mode as before.
-float kept(double mode, float) {
-  // Veltkamp's splitting: the 11 leading bits
-  const float x = float(mode), c = x * 8193;
-  return c - (c - x);
-}
-double kept(double mode, double) {
-  return mode;
-}
-
-constexpr int kSize = 3 * Encoder<float>::kModes;
+constexpr int kSize = kReducedSize;
 using Reduced = Eigen::Matrix<double, kSize, kSize, Eigen::RowMajor>;
 using ReducedVector = Eigen::Matrix<double, kSize, 1>;
-
-/// The entries of a reduced operator that couple a component with itself; the others 0.
-Reduced within_components(const Reduced& A) {
-  Reduced D = A;
-  for (int a = 0; a < kSize; ++a)
-    for (int b = 0; b < kSize; ++b)
-      if (a % 3 != b % 3) D(a, b) = 0;
-  return D;
-}
 
 /// Box of some nodes at rest.
 Box rest_box(const Scene& scene, const std::vector<int32_t>& nodes) {
@@ -60,82 +33,56 @@ Box rest_box(const Scene& scene, const std::vector<int32_t>& nodes) {
 }  // namespace
 
 template <class T>
-Encoder<T>::Encoder(const IncrementalPotential& potential, const MakeOperators& make) {
+Encoder<T>::Encoder(const IncrementalPotential& potential) {
   build_modes(potential.scene());
-  make_operators(potential, make);
+  take_operators(rest_operators(potential, 1));
 }
 
 template <class T>
-std::optional<Encoder<T>> Encoder<T>::if_soft(const IncrementalPotential& potential, double least,
-                                              const MakeOperators& make) {
+std::optional<Encoder<T>> Encoder<T>::if_soft(const IncrementalPotential& potential, double least) {
   constexpr int64_t kSample = 1 << 16, kSparsest = 16;  // voxels; of that many blocks one
   const int64_t voxels = potential.scene().grid.voxel_count();
   const int64_t stride = std::clamp<int64_t>(voxels / kSample, 1, kSparsest);
   Encoder encoder;
   encoder.build_modes(potential.scene());
-  if (stride > 1 && !make) {
+  if (stride > 1) {
     encoder.take_operators(encoder.rest_operators(potential, stride));
     if (encoder.softness() < least) return {};
   }
-  encoder.make_operators(potential, make);
+  encoder.take_operators(encoder.rest_operators(potential, 1));
   if (encoder.softness() < least) return {};
   return encoder;
 }
 
 template <class T>
-void Encoder<T>::make_operators(const IncrementalPotential& potential, const MakeOperators& make) {
-  take_operators(make ? make(*this) : rest_operators(potential, 1));
-}
-
-template <class T>
 void Encoder<T>::build_modes(const Scene& scene) {
-  find_pieces(scene);
-  for (Piece& piece : pieces_) fill_modes(scene, piece);
-}
-
-/// The largest pieces, by node count; ties by number.
-template <class T>
-void Encoder<T>::find_pieces(const Scene& scene) {
-  const VoxelGrid& grid = scene.grid;
-  std::vector<int32_t> size(size_t(grid.pieces)), order(size.size()), rank(size.size(), -1);
-  for (int64_t n = 0; n < grid.node_count(); ++n) ++size[size_t(grid.piece(n))];
-  std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(),
-                   [&](int32_t a, int32_t b) { return size[size_t(a)] > size[size_t(b)]; });
-  size_t count = 0;
-  while (count < std::min(order.size(), kMostPieces) &&
-         size[size_t(order[count])] >= kSmallestPiece)
-    ++count;
-  for (size_t s = 0; s < count; ++s) rank[size_t(order[s])] = int32_t(s);
-  std::vector<std::vector<int32_t>> nodes =
-      grouped(grid.node_count(), count, [&](int64_t n) { return rank[size_t(grid.piece(n))]; });
-  place_.resize(size_t(grid.node_count()));
-  for_each(grid.node_count(), [&](int64_t n) {
-    place_[size_t(n)] = {rank[size_t(grid.piece(n))], -1};
-  });
-  for (std::vector<int32_t>& list : nodes) {
-    for_each(int64_t(list.size()),
-             [&](int64_t k) { place_[size_t(list[size_t(k)])].local = int32_t(k); });
-    pieces_.emplace_back().nodes = std::move(list);
+  place_.resize(size_t(scene.grid.node_count()));
+  for_each(scene.grid.node_count(), [&](int64_t n) { place_[size_t(n)] = {-1, -1}; });
+  const PinTrees pins(scene);
+  for (std::vector<int32_t>& nodes : encoder_pieces(scene.grid)) {
+    const auto piece = int32_t(pieces_.size());
+    for_each(int64_t(nodes.size()), [&](int64_t k) {
+      place_[size_t(nodes[size_t(k)])] = {piece, int32_t(k)};
+    });
+    pieces_.emplace_back().nodes = std::move(nodes);
+    fill_modes(scene, pins, pieces_.back());
   }
 }
 
 template <class T>
-void Encoder<T>::fill_modes(const Scene& scene, Piece& piece) {
+void Encoder<T>::fill_modes(const Scene& scene, const PinTrees& pins, Piece& piece) {
+  const VoxelGrid& grid = scene.grid;
   const Box box = rest_box(scene, piece.nodes);
-  const double size = std::max({box.extent(0), box.extent(1), box.extent(2)});
-  const PlaneCosines cosines(scene.grid, piece.nodes, lowest_waves(box, kCosines), box);
-  const Zeroed<double> distance = pin_distance(scene, piece.nodes);
+  const PlaneCosines cosines(grid.h, lattice_box(grid, piece.nodes),
+                             lowest_waves(box, kEncoderCosines), box);
+  const ModeShape shape = mode_shape(box, cosines);
+  const Zeroed<double> distance = pin_distance(scene, pins, piece.nodes);
   piece.modes.resize((piece.nodes.size() - 1) * kModes + kPacks * kLanes);
   for_each(int64_t(piece.nodes.size()), [&](int64_t k) {
-    const double* X = scene.grid.rest.row(piece.nodes[size_t(k)]);
-    const double d = distance[size_t(k)], factor = d / (d + size / 8);
+    const int32_t n = piece.nodes[size_t(k)];
     T* mode = piece.modes.data() + k * kModes;
-    for (int w = 0; w < kCosines; ++w)
-      mode[w] = kept(factor * cosines(w, scene.grid.node_coord.row(piece.nodes[size_t(k)])), T{});
-    for (int i = 0; i < 3; ++i)
-      mode[kCosines + i] =
-          kept(factor * (2 * X[i] - box.lower[size_t(i)] - box.upper[size_t(i)]) / size, T{});
+    for_modes<T>(shape, distance[size_t(k)], grid.node_coord.row(n), grid.rest.row(n),
+                 [=](int m, T value) { mode[m] = value; });
   });
 }
 
@@ -156,49 +103,16 @@ std::vector<std::vector<double>> Encoder<T>::rest_operators(const IncrementalPot
 
 template <class T>
 void Encoder<T>::take_operators(std::vector<std::vector<double>>&& operators) {
-  for (size_t s = 0; s < pieces_.size(); ++s) {
-    pieces_[s].rest = std::move(operators[s]);
-    invert(pieces_[s], pieces_[s].rest);
-  }
+  for (size_t s = 0; s < pieces_.size(); ++s)
+    static_cast<ReducedOperator&>(pieces_[s]) = ReducedOperator(std::move(operators[s]));
   reduced_.resize(pieces_.size() * 3 * kModes);
   solution_.resize(reduced_.size());
 }
 
-/// Of A scaled to unit diagonal; 1e-9 keeps directions that the modes hold twice harmless.
-template <class T>
-void Encoder<T>::invert(Piece& piece, const std::vector<double>& A) {
-  const Eigen::Map<const Reduced> full(A.data());
-  const ReducedVector scale = full.diagonal().array().max(1e-300).sqrt().inverse().matrix();
-  Reduced scaled = scale.asDiagonal() * (full + full.transpose()) * scale.asDiagonal() / 2;
-  scaled.diagonal().array() += 1e-9;
-  const auto take_inverse = [&](const Reduced& of) {
-    const Reduced inverse = of.llt().solve(Reduced::Identity());
-    return Reduced(scale.asDiagonal() * (inverse + inverse.transpose()) * scale.asDiagonal() / 2);
-  };
-  const Reduced inverse = take_inverse(scaled);
-  const Reduced correction = inverse - kKnown * take_inverse(within_components(scaled));
-  piece.inverse.assign(inverse.data(), inverse.data() + inverse.size());
-  piece.correction.assign(correction.data(), correction.data() + correction.size());
-}
-
-/// By the power method on A_r^-1 D_r, symmetric in the product with D_r.
 template <class T>
 double Encoder<T>::softness() const {
-  constexpr int kSteps = 50;
   double softest = 1;
-  for (const Piece& piece : pieces_) {
-    const Eigen::Map<const Reduced> A(piece.rest.data()), inverse(piece.inverse.data());
-    const Reduced D = within_components(A);
-    ReducedVector x = A.diagonal().array().max(1e-300).sqrt().inverse().matrix();
-    for (int k = 0; k < kSize; ++k) x(k) *= 1 + 0.1 * (k % 7);  // not orthogonal to any direction
-    double value = 1;
-    for (int step = 0; step < kSteps; ++step) {
-      const ReducedVector Dx = D * x, y = inverse * Dx;
-      value = y.dot(Dx) / x.dot(Dx);
-      x = y / y.norm();
-    }
-    softest = std::max(softest, value);
-  }
+  for (const Piece& piece : pieces_) softest = std::max(softest, piece.ReducedOperator::softness());
   return softest;
 }
 
@@ -221,7 +135,7 @@ void Encoder<T>::set_nodal_stiffness(const std::vector<int32_t>& nodes,
       }
   }
   for (size_t p = 0; p < pieces_.size(); ++p)
-    invert(pieces_[p], A[p].empty() ? pieces_[p].rest : A[p]);
+    pieces_[p].invert(A[p].empty() ? pieces_[p].rest : A[p]);
 }
 
 /// The modes of node k in packs; the last one goes on into the next node.
@@ -285,7 +199,7 @@ void Encoder<T>::decode(const double* y, T* z) const {
 }
 
 template <class T>
-void Encoder<T>::add(std::vector<double> Piece::*matrix, const T* r, T* z) {
+void Encoder<T>::add(std::vector<double> ReducedOperator::*matrix, const T* r, T* z) {
   encode(r, reduced_.data());
   for (size_t s = 0; s < pieces_.size(); ++s) {
     const Eigen::Map<const Reduced> of((pieces_[s].*matrix).data());

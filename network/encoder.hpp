@@ -20,8 +20,8 @@
 
 #include "core/pack.hpp"
 #include "network/incremental_potential.hpp"
+#include "network/reduced_operator.hpp"
 
-#include <functional>
 #include <optional>
 #include <vector>
 
@@ -35,40 +35,30 @@ struct EncoderPlace {
 template <class T>
 class Encoder {
  public:
-  static constexpr int kModes = 21;
+  static constexpr int kModes = kEncoderModes;
   static constexpr int kPacks = (kModes + kLanes - 1) / kLanes;  ///< that hold the modes of a node
 
-  /// A connected piece; row 3 m + i of A_r is mode m of component i.
-  struct Piece {
+  /// A connected piece.
+  struct Piece : ReducedOperator {
     std::vector<int32_t> nodes;
-    Zeroed<T> modes;              ///< (nodes, kModes), and zeros that fill the last pack; in float
-                                  ///< they are numbers of half precision
-    std::vector<double> rest;     ///< A_r at rest, (3 kModes, 3 kModes)
-    std::vector<double> inverse;  ///< of A_r, the same shape
-    std::vector<double> correction;  ///< A_r^-1 - s D_r^-1, the same shape
+    Zeroed<T> modes;  ///< (nodes, kModes), and zeros that fill the last pack; in float they are
+                      ///< numbers of half precision
   };
-  static constexpr double kKnown = 0.8;  ///< s
-
-  /// Gives A_r at rest of each piece of an encoder that has its modes.
-  using MakeOperators = std::function<std::vector<std::vector<double>>(const Encoder&)>;
 
   /// Builds modes and A_r; the potential must have the scheme that will be used.
-  /// @param make  null: reduced_rest_operator.
-  explicit Encoder(const IncrementalPotential& potential, const MakeOperators& make = {});
+  explicit Encoder(const IncrementalPotential& potential);
 
   /// The encoder, or none where softness() is below `least`; of large bodies that is estimated from
-  /// a sample of their voxels first, unless their operators are made by others.
-  static std::optional<Encoder> if_soft(const IncrementalPotential& potential, double least,
-                                        const MakeOperators& make = {});
+  /// a sample of their voxels first.
+  static std::optional<Encoder> if_soft(const IncrementalPotential& potential, double least);
 
   /// z += B A_r^-1 B^T r; (nodes, 3).
-  void add(const T* r, T* z) { add(&Piece::inverse, r, z); }
+  void add(const T* r, T* z) { add(&ReducedOperator::inverse, r, z); }
   /// z += B (A_r^-1 - s D_r^-1) B^T r, beside multigrid.
-  void add_correction(const T* r, T* z) { add(&Piece::correction, r, z); }
+  void add_correction(const T* r, T* z) { add(&ReducedOperator::correction, r, z); }
 
   /// How many times softer than multigrid takes it for the elastic operator at rest is to a mode,
-  /// at most: the largest eigenvalue of A_r^-1 D_r of a piece, to a few per cent from below; 1 or
-  /// more.
+  /// at most: ReducedOperator::softness of a piece.
   double softness() const;
 
   /// Adds the stiffness of some nodes, symmetric 3x3 blocks [N/m], (stiff nodes, 9), to the
@@ -85,15 +75,12 @@ class Encoder {
  private:
   Encoder() = default;
   void build_modes(const Scene& scene);
-  void find_pieces(const Scene& scene);
-  void fill_modes(const Scene& scene, Piece& piece);
-  void make_operators(const IncrementalPotential& potential, const MakeOperators& make);
+  void fill_modes(const Scene& scene, const PinTrees& pins, Piece& piece);
   std::vector<std::vector<double>> rest_operators(const IncrementalPotential& potential,
                                                   int64_t stride) const;
   void take_operators(std::vector<std::vector<double>>&& operators);
   static void load_modes(const Piece& piece, int64_t k, Pack<T> mode[kPacks]);
-  static void invert(Piece& piece, const std::vector<double>& A);
-  void add(std::vector<double> Piece::*matrix, const T* r, T* z);
+  void add(std::vector<double> ReducedOperator::*matrix, const T* r, T* z);
 
   std::vector<Piece> pieces_;
   Zeroed<EncoderPlace> place_;  // of each node

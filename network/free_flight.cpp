@@ -15,15 +15,13 @@ std::vector<uint8_t> held_pieces(const Scene& scene) {
 
 std::vector<std::vector<int32_t>> free_pieces(const Scene& scene) {
   const std::vector<uint8_t> held = held_pieces(scene);
-  std::vector<std::vector<int32_t>> nodes;
   std::vector<int32_t> place(held.size(), -1);
+  int32_t count = 0;
   for (size_t p = 0; p < held.size(); ++p)
-    if (!held[p]) place[p] = int32_t(nodes.size()), nodes.emplace_back();
-  if (nodes.empty()) return nodes;
-  for (int64_t n = 0; n < scene.grid.node_count(); ++n)
-    if (const int32_t p = place[size_t(scene.grid.piece(n))]; p >= 0)
-      nodes[size_t(p)].push_back(int32_t(n));
-  return nodes;
+    if (!held[p]) place[p] = count++;
+  if (count == 0) return {};
+  return grouped(scene.grid.node_count(), size_t(count),
+                 [&](int64_t n) { return place[size_t(scene.grid.piece(n))]; });
 }
 
 FreeFlight::FreeFlight(const Scene& scene) : scene_(scene) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "network/incremental_potential.hpp"
 
-#include "core/error.hpp"
 #include "core/polar.hpp"
 #include "core/reduce.hpp"
 
@@ -59,23 +58,13 @@ PotentialValue total(const std::vector<Sums>& sums) {
 
 }  // namespace
 
-IncrementalPotential::IncrementalPotential(const Scene& scene, LearnedLaws learned)
-    : scene_(scene),
-      learned_(std::move(learned)),
-      rows_(std::make_shared<const BrickRows>(make_brick_rows(scene.grid, scene.material))),
-      contact_(scene),
+IncrementalPotential::IncrementalPotential(PotentialTerms&& terms)
+    : PotentialTerms(std::move(terms)),
+      rows_(std::make_shared<const BrickRows>(make_brick_rows(scene_))),
       scratch_float_(*rows_),
       scratch_double_(*rows_) {
-  learned_.resize(scene.materials.size());
-  for (size_t m = 0; m < learned_.size(); ++m) {
-    const Material& material = scene.materials[m];
-    const LearnedLaw* net = learned_[m].get();
-    ELASTOGEN_CHECK(!net || (net->law() == material.law && net->poisson() == material.poisson),
-                    "the net of material '", material.name, "' was fitted to another law or ",
-                    "Poisson ratio");
-  }
   fill_weights();
-  const size_t nodes = size_t(scene.grid.node_count());
+  const size_t nodes = size_t(scene_.grid.node_count());
   rotation_.resize(size_t(rows_->row_count()) * 9 * kLanes);
   gradients_.resize(rotation_.size());
   nodal_rotation_.resize(9 * nodes);
@@ -85,23 +74,17 @@ IncrementalPotential::IncrementalPotential(const Scene& scene, LearnedLaws learn
   predictor_.resize(3 * nodes);
   now_.resize(3 * nodes);
   inertia_.resize(nodes);
+  if (scheme_.dt > 0) set_scheme(scheme_);
 }
 
-/// Fill and variance weights, and S of noise().
 void IncrementalPotential::fill_weights() {
   const VoxelGrid& grid = scene_.grid;
   weights_.resize(size_t(rows_->row_count()) * 5 * kLanes);
-  stiffness_ = ordered_sum(grid.voxel_count(), [&](int64_t begin, int64_t end) {
-    double sum = 0;
-    for (int64_t v = begin; v < end; ++v) {
-      const size_t slot = size_t(rows_->slot[size_t(v)]), lane = slot % kLanes;
-      double* w = weights_.data() + (slot - lane) * 5 + lane;
-      w[0] = grid.fill(v);
-      for (int k = 0; k < 4; ++k) w[(k + 1) * kLanes] = scene_.variance(v, k);
-      const Material& m = scene_.materials[size_t(scene_.material(v))];
-      sum += grid.fill(v) * grid.h * grid.h * grid.h * (2 * m.mu() + m.lambda());
-    }
-    return sum;
+  for_each(grid.voxel_count(), [&](int64_t v) {
+    const size_t slot = size_t(rows_->slot[size_t(v)]), lane = slot % kLanes;
+    double* w = weights_.data() + (slot - lane) * 5 + lane;
+    w[0] = grid.fill(v);
+    for (int k = 0; k < 4; ++k) w[(k + 1) * kLanes] = scene_.variance(v, k);
   });
 }
 

@@ -11,30 +11,21 @@
 #pragma once
 
 #include "core/state.hpp"
-#include "core/time_scheme.hpp"
 #include "network/brick_rows.hpp"
-#include "network/contact.hpp"
 #include "network/local_model.hpp"
+#include "network/potential_terms.hpp"
 
 #include <memory>
 
 namespace elastogen {
 
-/// Value of the potential in its parts [J].
-struct PotentialValue {
-  double inertia = 0, elastic = 0, hourglass = 0, contact = 0;
-  double min_j = 1e300;         ///< smallest det F of a voxel
-  double min_corner_j = 1e300;  ///< smallest det F at a corner; only from residual()
-  double deepest_overlap = 0;   ///< of a surface point with a collider [m]
-  int64_t outside = 0;          ///< voxels whose net was asked outside its box
-  double total() const { return inertia + elastic + hourglass + contact; }
-};
-
-class IncrementalPotential {
+class IncrementalPotential : public PotentialTerms {
  public:
-  /// @param learned  nets of the scene's materials, by their index; missing or null: analytic.
-  /// @throws Error unless each is one of its material's law and Poisson ratio.
-  explicit IncrementalPotential(const Scene& scene, LearnedLaws learned = {});
+  /// @throws Error as PotentialTerms.
+  explicit IncrementalPotential(const Scene& scene, LearnedLaws learned = {})
+      : IncrementalPotential(PotentialTerms(scene, std::move(learned))) {}
+  /// With the inertia of their scheme, if they have one.
+  explicit IncrementalPotential(PotentialTerms&& terms);
 
   /// Sets scheme and inertia alone, for what is built on the Hessian at rest.
   void set_scheme(const StepScheme& scheme);
@@ -52,19 +43,7 @@ class IncrementalPotential {
   template <class T>
   PotentialValue evaluate(const double* u, T* gradient);
 
-  /// Bound on the rounding error of a value of Phi [J], for line searches,
-  ///
-  ///     32 eps sum |part| + 4 eps sqrt(2 S |Phi_elastic|),   S = sum_v W_v (2 mu + lambda):
-  ///
-  /// stretches are rounded by eps, which is eps/strain of the elastic energy. That of a net may be
-  /// some digits of its table below 0 at rest.
-  double noise(const PotentialValue& value, double epsilon) const {
-    const double elastic = std::abs(value.elastic);
-    const double parts = value.total() - value.elastic + elastic;
-    return epsilon * (32 * parts + 4 * std::sqrt(2 * stiffness_ * elastic));
-  }
-
-  /// The same in float64 with the smallest Jacobians, for the certificate.
+  /// evaluate in float64 with the smallest Jacobians, for the certificate.
   PotentialValue residual(const double* u, double* gradient);
 
   /// Freezes the Hessian at u, that of the contact projected in both kinds; hessian_product then
@@ -77,13 +56,9 @@ class IncrementalPotential {
   /// The same with the Hessian at rest, in float64, without contact.
   void rest_hessian_product(const double* p, double* product);
 
-  const Scene& scene() const { return scene_; }
   const BrickRows& rows() const { return *rows_; }
   /// The same, for what outlives it or shares them.
   std::shared_ptr<const BrickRows> shared_rows() const { return rows_; }
-  const Contact& contact() const { return contact_; }
-  Contact& contact() { return contact_; }
-  const StepScheme& scheme() const { return scheme_; }
   /// Predictor uhat = xhat - X [m], (nodes, 3).
   const Zeroed<double>& predictor() const { return predictor_; }
   /// Displacement at the start of the step [m], (nodes, 3).
@@ -95,8 +70,6 @@ class IncrementalPotential {
   const Zeroed<double>& inertia() const { return inertia_; }
   /// Fill and variance weights of the voxels, [row][5][lane].
   const Zeroed<double>& voxel_weights() const { return weights_; }
-  /// Net of a material, null: analytic.
-  const LearnedLaw* learned(size_t material) const { return learned_[material].get(); }
   /// What the voxels of a row are besides their displacement; T float or double.
   template <class T>
   void read_voxel_data(int64_t row, VoxelData<Pack<T>>& data) const;
@@ -115,12 +88,7 @@ class IncrementalPotential {
   double inertial_energy(const double* u) const;
   void deformation_gradients(const double* u, Zeroed<double>& F);
 
-  const Scene& scene_;
-  LearnedLaws learned_;
   std::shared_ptr<const BrickRows> rows_;
-  Contact contact_;
-  StepScheme scheme_;
-  double stiffness_ = 0;      ///< S of noise() [J]
   Zeroed<double> weights_;    ///< phi, c_xy, c_yz, c_zx, c_xyz, [row][5][lane]
   Zeroed<double> rotation_;   ///< R_v, [row][9][lane]
   Zeroed<double> gradients_;  ///< F_v of set_nodal_rotations, [row][9][lane]

@@ -136,5 +136,6 @@ IterationResult NewtonSolver::solve(double* u, double target, int max_outer, int
                                                const std::function<bool()>&);
 ELASTOGEN_INSTANTIATE(float)
 ELASTOGEN_INSTANTIATE(double)
+#undef ELASTOGEN_INSTANTIATE
 
 }  // namespace elastogen

@@ -32,16 +32,16 @@ void row_stress(const VoxelData<Pack<double>>& data, const double* lagged, const
 
 }  // namespace
 
-void check_paper_scene(const IncrementalPotential& potential, const PaperLoops& loops) {
+void check_paper_scene(const PotentialTerms& terms, const PaperLoops& loops) {
   ELASTOGEN_CHECK(loops.outer >= 1 && loops.inner >= 1,
                   "the paper solver needs one loop at least, ", "got ", loops.outer, " outer and ",
                   loops.inner, " inner");
   ELASTOGEN_CHECK(loops.modes >= 0 && loops.modes <= kMostModes && loops.modes % 3 == 0,
                   "modes must be a multiple of 3 from 0 to ", kMostModes, ", got ", loops.modes);
-  ELASTOGEN_CHECK(potential.scene().hourglass != Hourglass::kFull,
+  ELASTOGEN_CHECK(terms.scene().hourglass != Hourglass::kFull,
                   "the paper solver relaxes x, y and z apart: it needs hourglass variance or off");
-  ELASTOGEN_CHECK(!potential.contact().exists(),
-                  "the paper solver has no contact: no floor and no ", "colliders with it");
+  ELASTOGEN_CHECK(!terms.contact().exists(), "the paper solver has no contact: no floor and no ",
+                  "colliders with it");
 }
 
 std::vector<double> paper_modes(const Scene& scene, int waves) {
@@ -53,8 +53,10 @@ std::vector<double> paper_modes(const Scene& scene, int waves) {
   const double size = std::max({box.extent(0), box.extent(1), box.extent(2)});
   std::vector<int32_t> all(static_cast<size_t>(nodes));
   std::iota(all.begin(), all.end(), 0);
-  const PlaneCosines cosines(scene.grid, all, lowest_waves(box, waves), box);
-  const Zeroed<double> distance = pin_distance(scene, all);
+  const PlaneCosines planes(scene.grid.h, lattice_box(scene.grid, all), lowest_waves(box, waves),
+                            box);
+  const CosineTables cosines = planes.tables();
+  const Zeroed<double> distance = pin_distance(scene, PinTrees(scene), all);
   std::vector<double> modes(size_t(waves) * size_t(nodes));
   for_each(nodes, [&](int64_t n) {
     const double d = distance[size_t(n)];

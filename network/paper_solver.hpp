@@ -22,7 +22,7 @@ namespace elastogen {
 
 /// @throws Error (usage) for loops below 1, modes that are no multiple of 3 or beyond 192, the
 ///         torsion correction (it couples the components) and colliders.
-void check_paper_scene(const IncrementalPotential& potential, const PaperLoops& loops);
+void check_paper_scene(const PotentialTerms& terms, const PaperLoops& loops);
 
 /// The encoder's cosines over the box of the whole grid, times d/(d + L/8), d the distance to the
 /// nearest pin and L the longest side; (waves, nodes).

@@ -23,11 +23,10 @@ struct EncoderChoice {
 
   /// The encoder, or none.
   template <class T>
-  std::optional<Encoder<T>> make(const IncrementalPotential& potential,
-                                 const typename Encoder<T>::MakeOperators& operators = {}) const {
+  std::optional<Encoder<T>> make(const IncrementalPotential& potential) const {
     if (!wanted) return {};
-    if (least_softness > 0) return Encoder<T>::if_soft(potential, least_softness, operators);
-    return Encoder<T>(potential, operators);
+    if (least_softness > 0) return Encoder<T>::if_soft(potential, least_softness);
+    return Encoder<T>(potential);
   }
 };
 

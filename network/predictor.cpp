@@ -56,7 +56,8 @@ Predictor::Predictor(const Scene& scene)
       is_left_alone_(size_t(scene.grid.node_count())) {
   if (!scene.colliders.empty()) return;
   for (const auto& nodes : free_pieces_)
-    for (const int32_t n : nodes) is_left_alone_[size_t(n)] = 1;
+    for_each(int64_t(nodes.size()),
+             [&](int64_t k) { is_left_alone_[size_t(nodes[size_t(k)])] = 1; });
 }
 
 void Predictor::extrapolate(const State& state, const StepScheme& scheme, int order,

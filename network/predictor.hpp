@@ -36,7 +36,7 @@ class Predictor {
  private:
   const Scene& scene_;
   std::vector<std::vector<int32_t>> free_pieces_;  // nodes of the pieces without a pin
-  std::vector<uint8_t> is_left_alone_;             // by extrapolate, by node
+  Zeroed<uint8_t> is_left_alone_;                  // by extrapolate, by node
 };
 
 }  // namespace elastogen

@@ -111,5 +111,6 @@ template class QuasiSolver<double>;
 ELASTOGEN_INSTANTIATE(float, float)
 ELASTOGEN_INSTANTIATE(double, float)
 ELASTOGEN_INSTANTIATE(double, double)
+#undef ELASTOGEN_INSTANTIATE
 
 }  // namespace elastogen

@@ -29,110 +29,9 @@ std::vector<Wave> lowest_waves(const Box& box, int count) {
 
 namespace {
 
-using Place = std::array<int32_t, 3>;  // lattice coordinates
-
-Place place_of(const VoxelGrid& grid, int64_t node) {
-  return {grid.node_coord(node, 0), grid.node_coord(node, 1), grid.node_coord(node, 2)};
+LatticePlace place_of(const VoxelGrid& grid, int64_t node) {
+  return {{grid.node_coord(node, 0), grid.node_coord(node, 1), grid.node_coord(node, 2)}};
 }
-
-int64_t square_between(const Place& a, const Place& b) {
-  int64_t sum = 0;
-  for (size_t d = 0; d < 3; ++d) sum += int64_t(a[d] - b[d]) * (a[d] - b[d]);
-  return sum;
-}
-
-struct PlaceBox {
-  Place lower, upper;
-
-  void add(const PlaceBox& o) {
-    for (size_t d = 0; d < 3; ++d) {
-      lower[d] = std::min(lower[d], o.lower[d]);
-      upper[d] = std::max(upper[d], o.upper[d]);
-    }
-  }
-  int64_t square_to(const Place& at) const {
-    int64_t sum = 0;
-    for (size_t d = 0; d < 3; ++d) {
-      const int64_t away = std::max({lower[d] - at[d], at[d] - upper[d], 0});
-      sum += away * away;
-    }
-    return sum;
-  }
-};
-
-/// Of the listed nodes; without any, planes 0 and -1.
-PlaceBox box_of(const VoxelGrid& grid, const std::vector<int32_t>& nodes) {
-  const auto count = int64_t(nodes.size());
-  if (count == 0) return {{}, {-1, -1, -1}};
-  const Place first = place_of(grid, nodes[0]);
-  std::vector<PlaceBox> boxes(size_t((count + kBlock - 1) / kBlock), {first, first});
-  for_each(count, [&](int64_t k) {
-    const Place at = place_of(grid, nodes[size_t(k)]);
-    boxes[size_t(k / kBlock)].add({at, at});
-  });
-  for (const PlaceBox& box : boxes) boxes[0].add(box);
-  return boxes[0];
-}
-
-/// Places, few and near each other in a box, and boxes in pairs in those of the next level.
-class PlaceTree {
- public:
-  explicit PlaceTree(std::vector<Place>&& places) : places_(std::move(places)) {
-    std::vector<PlaceBox> boxes;
-    for (size_t k = 0; k < places_.size(); ++k) add(k / kLeaf, {places_[k], places_[k]}, boxes);
-    while (boxes.size() > 1) {
-      std::vector<PlaceBox> pairs;
-      for (size_t k = 0; k < boxes.size(); ++k) add(k / 2, boxes[k], pairs);
-      levels_.push_back(std::move(boxes));
-      boxes = std::move(pairs);
-    }
-    levels_.push_back(std::move(boxes));
-  }
-
-  bool empty() const { return places_.empty(); }
-  const Place& first() const { return places_.front(); }
-
-  /// The nearest to `at`, or `known` where none is nearer.
-  Place nearest(const Place& at, const Place& known) const {
-    Search search{at, known, square_between(at, known)};
-    visit(levels_.size() - 1, 0, search);
-    return search.found;
-  }
-
- private:
-  static constexpr size_t kLeaf = 8;
-  struct Search {
-    Place at, found;
-    int64_t square;
-  };
-
-  static void add(size_t k, const PlaceBox& box, std::vector<PlaceBox>& to) {
-    if (k == to.size())
-      to.push_back(box);
-    else
-      to[k].add(box);
-  }
-
-  /// Box k of a level, if it can hold a nearer one.
-  void visit(size_t level, size_t k, Search& search) const {
-    if (levels_[level][k].square_to(search.at) >= search.square) return;
-    if (level > 0) {
-      const std::vector<PlaceBox>& below = levels_[level - 1];
-      const size_t a = 2 * k, b = std::min(2 * k + 1, below.size() - 1);
-      const bool turn = below[b].square_to(search.at) < below[a].square_to(search.at);
-      visit(level - 1, turn ? b : a, search);
-      if (a != b) visit(level - 1, turn ? a : b, search);
-      return;
-    }
-    for (size_t p = kLeaf * k; p < std::min(kLeaf * (k + 1), places_.size()); ++p) {
-      const int64_t square = square_between(search.at, places_[p]);
-      if (square < search.square) search.square = square, search.found = places_[p];
-    }
-  }
-
-  std::vector<Place> places_;
-  std::vector<std::vector<PlaceBox>> levels_;
-};
 
 /// A pinned node with pinned nodes all around: one of those is nearer to any other node.
 bool is_inner_pin(const Scene& scene, int64_t node) {
@@ -145,58 +44,86 @@ bool is_inner_pin(const Scene& scene, int64_t node) {
   return true;
 }
 
-/// The outer pins of each piece.
-std::vector<PlaceTree> pin_trees(const Scene& scene, const std::vector<int32_t>& nodes) {
-  const VoxelGrid& grid = scene.grid;
-  const std::vector<int32_t> pins = filtered(int64_t(nodes.size()), [&](int64_t k) {
-    const int32_t n = nodes[size_t(k)];
-    return scene.pinned(n) && !is_inner_pin(scene, n);
-  });
-  std::vector<std::vector<Place>> places(static_cast<size_t>(grid.pieces));
-  for (const int32_t k : pins) {
-    const int32_t n = nodes[size_t(k)];
-    places[size_t(grid.piece(n))].push_back(place_of(grid, n));
-  }
-  std::vector<PlaceTree> trees;
-  for (std::vector<Place>& of_piece : places) trees.emplace_back(std::move(of_piece));
-  return trees;
+/// Box k of some, which holds another one.
+void add(size_t k, const LatticeBox& box, std::vector<LatticeBox>& to) {
+  if (k == to.size())
+    to.push_back(box);
+  else
+    to[k].add(box);
 }
 
 }  // namespace
 
-PlaneCosines::PlaneCosines(const VoxelGrid& grid, const std::vector<int32_t>& nodes,
-                           std::vector<Wave> waves, const Box& box)
-    : waves_(std::move(waves)) {
-  const PlaceBox planes = box_of(grid, nodes);
-  for (int d = 0; d < 3; ++d) {
-    first_[d] = planes.lower[size_t(d)];
-    for (int32_t plane = first_[d]; plane <= planes.upper[size_t(d)]; ++plane)
-      for (const Wave& wave : waves_) {
+LatticeBox lattice_box(const VoxelGrid& grid, const std::vector<int32_t>& nodes) {
+  const auto count = int64_t(nodes.size());
+  if (count == 0) return {{}, {{-1, -1, -1}}};
+  const LatticePlace first = place_of(grid, nodes[0]);
+  std::vector<LatticeBox> boxes(size_t((count + kBlock - 1) / kBlock), {first, first});
+  for_each(count, [&](int64_t k) {
+    const LatticePlace at = place_of(grid, nodes[size_t(k)]);
+    boxes[size_t(k / kBlock)].add({at, at});
+  });
+  for (const LatticeBox& box : boxes) boxes[0].add(box);
+  return boxes[0];
+}
+
+PlaneCosines::PlaneCosines(double h, const LatticeBox& planes, const std::vector<Wave>& waves,
+                           const Box& box)
+    : first_(planes.lower), waves_(int(waves.size())) {
+  for (int d = 0; d < 3; ++d)
+    for (int32_t plane = first_.at[d]; plane <= planes.upper.at[d]; ++plane)
+      for (const Wave& wave : waves) {
         const double share =
-            wave[size_t(d)] > 0 ? double(plane - first_[d]) * grid.h / box.extent(d) : 0;
+            wave[size_t(d)] > 0 ? double(plane - first_.at[d]) * h / box.extent(d) : 0;
         table_[d].push_back(std::cos(std::numbers::pi * wave[size_t(d)] * share));
       }
+}
+
+PinTrees::PinTrees(const Scene& scene) : trees(size_t(scene.grid.pieces)) {
+  const VoxelGrid& grid = scene.grid;
+  const std::vector<int32_t> pins = filtered(
+      grid.node_count(), [&](int64_t n) { return scene.pinned(n) && !is_inner_pin(scene, n); });
+  std::vector<std::vector<LatticePlace>> of_piece(trees.size());
+  for (const int32_t n : pins) of_piece[size_t(grid.piece(n))].push_back(place_of(grid, n));
+  for (size_t piece = 0; piece < trees.size(); ++piece) {
+    const std::vector<LatticePlace>& own = of_piece[piece];
+    PinTree& tree = trees[piece];
+    tree.first = int32_t(places.size());
+    tree.count = int32_t(own.size());
+    places.insert(places.end(), own.begin(), own.end());
+    std::vector<LatticeBox> level;
+    for (size_t k = 0; k < own.size(); ++k) add(k / PinTree::kLeaf, {own[k], own[k]}, level);
+    while (!level.empty()) {
+      tree.begin[tree.levels] = int32_t(boxes.size());
+      tree.boxes[tree.levels++] = int32_t(level.size());
+      boxes.insert(boxes.end(), level.begin(), level.end());
+      if (level.size() == 1) break;
+      std::vector<LatticeBox> pairs;
+      for (size_t k = 0; k < level.size(); ++k) add(k / 2, level[k], pairs);
+      level = std::move(pairs);
+    }
   }
 }
 
-Zeroed<double> pin_distance(const Scene& scene, const std::vector<int32_t>& nodes) {
+Zeroed<double> pin_distance(const Scene& scene, const PinTrees& pins,
+                            const std::vector<int32_t>& nodes) {
   const VoxelGrid& grid = scene.grid;
-  const std::vector<PlaceTree> trees = pin_trees(scene, nodes);
+  const PinTreesView trees = pins.view();
   Zeroed<double> distance(nodes.size());
   for_blocks(int64_t(nodes.size()), [&](int64_t begin, int64_t end) {
-    const PlaceTree* tree = nullptr;
-    Place pin = {};
+    int32_t piece = -1;
+    LatticePlace pin = {};
     for (int64_t k = begin; k < end; ++k) {
       const int32_t n = nodes[size_t(k)];
-      const PlaceTree& of_piece = trees[size_t(grid.piece(n))];
-      if (of_piece.empty()) {
+      const PinTree& tree = pins.trees[size_t(grid.piece(n))];
+      if (tree.count == 0) {
         distance[size_t(k)] = 1e300;
         continue;
       }
-      const Place at = place_of(grid, n);
+      const LatticePlace at = place_of(grid, n);
       // the pin of the node before is a good first guess
-      if (tree != &of_piece) tree = &of_piece, pin = tree->first();
-      pin = scene.pinned(n) ? at : tree->nearest(at, pin);
+      if (piece != grid.piece(n)) piece = grid.piece(n), pin = pins.places[size_t(tree.first)];
+      pin = scene.pinned(n) ? at : trees.nearest(piece, at, pin);
       distance[size_t(k)] = grid.h * std::sqrt(double(square_between(at, pin)));
     }
   });

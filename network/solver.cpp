@@ -23,7 +23,9 @@ constexpr double kEncoderSoftness = 5;  // and below it too: beams and balls tak
 Solver::Impl::Impl(const Scene& s, const SolverOptions& o)
     : scene(s),
       options(o),
-      potential(s, o.learned),
+      // tables are built for the scheme of the run
+      terms(std::in_place, s, o.learned,
+            StepScheme{s.scheme, s.dt, s.scheme == TimeScheme::kBdf2 ? 2.25 : 1}),
       predictor(s),
       flight(s),
       force(reference_force(s)),
@@ -41,13 +43,12 @@ Solver::Impl::Impl(const Scene& s, const SolverOptions& o)
   mode = o.mode;
   if (mode == SolverMode::kAuto) mode = stiff() ? SolverMode::kNewton : SolverMode::kQuasi;
   if (mode == SolverMode::kPaper) {
-    check_paper_scene(potential, o.paper);
+    check_paper_scene(*terms, o.paper);
     take_device({}, true);
-    if (!on_device) paper.emplace(potential, o.paper);
+    if (on_device) return;
+    paper.emplace(take_potential(), o.paper);
     return;
   }
-  // the preconditioner is built for the scheme of the run
-  potential.set_scheme({scene.scheme, scene.dt, scene.scheme == TimeScheme::kBdf2 ? 2.25 : 1});
   // contact may ask for what rest does not
   const EncoderChoice encoder{!o.skip || courant > kEncoderCourant,
                               o.skip && scene.colliders.empty() ? kEncoderSoftness : 0};
@@ -56,9 +57,16 @@ Solver::Impl::Impl(const Scene& s, const SolverOptions& o)
   take_device(encoder, in_float);
   if (on_device) return;  // which has its own
   if (in_float)
-    single.emplace(potential, encoder);
+    single.emplace(take_potential(), encoder);
   else
-    precise.emplace(potential, encoder);
+    precise.emplace(take_potential(), encoder);
+}
+
+/// That of the host, from the terms.
+IncrementalPotential& Solver::Impl::take_potential() {
+  potential.emplace(std::move(*terms));
+  terms.reset();
+  return *potential;
 }
 
 bool Solver::Impl::stiff() const {
@@ -76,8 +84,8 @@ void Solver::Impl::take_device(const EncoderChoice& encoder, bool in_float) {
                 ErrorKind::kDevice);
   ELASTOGEN_CHECK(in_float, "the device cannot take the scene: float has too few digits for it");
   try {
-    on_device = mode == SolverMode::kPaper ? cuda::make_device_step(potential, options.paper)
-                                           : cuda::make_device_step(potential, encoder);
+    on_device = mode == SolverMode::kPaper ? cuda::make_device_step(*terms, options.paper)
+                                           : cuda::make_device_step(*terms, encoder);
   } catch (const Error& error) {  // no room there: auto goes on here
     if (asked || error.kind() != ErrorKind::kResources) throw;
   }
@@ -86,7 +94,7 @@ void Solver::Impl::take_device(const EncoderChoice& encoder, bool in_float) {
 IterationResult Solver::Impl::newton(double target) {
   const int outer = std::max(1, options.max_outer / 4);
   if (on_device) return on_device->newton(target, outer, options.max_inner, options.interrupted);
-  if (!newton_solver) newton_solver = std::make_unique<NewtonSolver>(potential);
+  if (!newton_solver) newton_solver = std::make_unique<NewtonSolver>(*potential);
   const auto solve = [&](auto& first) {
     return newton_solver->solve(u.data(), target, outer, options.max_inner, first,
                                 options.interrupted);

@@ -23,6 +23,7 @@ struct Solver::Impl {
 
   bool stiff() const;
   void take_device(const EncoderChoice& encoder, bool in_float);
+  IncrementalPotential& take_potential();
 
   // the modes, which improve u
   IterationResult iterate(double target, StepReport& report);
@@ -34,7 +35,7 @@ struct Solver::Impl {
                         std::optional<Preconditioner<P>>& first) {
     if (on_device)
       return on_device->solve(target, options.max_outer, sizeof(T) == 8, options.interrupted);
-    if (!solver) solver = std::make_unique<QuasiSolver<T>>(potential);
+    if (!solver) solver = std::make_unique<QuasiSolver<T>>(*potential);
     return solver->solve(u.data(), target, options.max_outer, *first, options.interrupted);
   }
   IterationResult newton(double target);
@@ -59,7 +60,8 @@ struct Solver::Impl {
 
   const Scene& scene;
   SolverOptions options;
-  IncrementalPotential potential;
+  std::optional<PotentialTerms> terms;            // with a device, which has the tables
+  std::optional<IncrementalPotential> potential;  // without
   Predictor predictor;
   FreeFlight flight;
   bool in_flight = false;  // free pieces are there, and nothing touches

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Names of the modes, and the scales of a scene by which a solver chooses.
 #include "core/error.hpp"
+#include "core/parallel.hpp"
 #include "network/solver.hpp"
 
 #include <algorithm>
@@ -26,9 +27,12 @@ SolverMode solver_from_name(std::string_view name) {
 }
 
 double reference_force(const Scene& scene) {
-  double sum = 0;
-  for (int64_t n = 0; n < scene.grid.node_count(); ++n)
-    if (!scene.pinned(n)) sum += scene.mass(n) * scene.mass(n);
+  const double sum = ordered_sum(scene.grid.node_count(), [&](int64_t begin, int64_t end) {
+    double part = 0;
+    for (int64_t n = begin; n < end; ++n)
+      if (!scene.pinned(n)) part += scene.mass(n) * scene.mass(n);
+    return part;
+  });
   return kReferenceGravity * std::sqrt(sum);
 }
 

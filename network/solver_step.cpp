@@ -25,13 +25,13 @@ class Stopwatch {
 
 /// Phi in float64.
 double Solver::Impl::phi(const Zeroed<double>& at) {
-  return potential.evaluate<double>(at.data(), gradient.data()).total();
+  return potential->evaluate<double>(at.data(), gradient.data()).total();
 }
 
 /// Phi in float where that has the digits, to find where iterations begin.
 double Solver::Impl::rough_phi(const Zeroed<double>& at) {
   if (precise) return phi(at);
-  return potential.evaluate(at.data(), static_cast<float*>(nullptr)).total();
+  return potential->evaluate(at.data(), static_cast<float*>(nullptr)).total();
 }
 
 /// Extrapolations save iterations where forces go on as they were; where waves run through a body
@@ -44,7 +44,7 @@ bool Solver::Impl::begins_by_extrapolation(int64_t step) {
 
 /// The start of the predictor, or where Phi is lower an extrapolation.
 void Solver::Impl::choose_start(const State& state) {
-  predictor.start(state, potential.predictor(), u.data());
+  predictor.start(state, potential->predictor(), u.data());
   if (!begins_by_extrapolation(state.steps + 1)) return;
   Zeroed<double> other = u;
   double lowest = rough_phi(u);
@@ -67,10 +67,10 @@ const Collider* Solver::Impl::begin_step(const State& state) {
     if (!inside) on_device->set_nodal_rotations();
     return inside;
   }
-  potential.begin_step(state, scheme);
+  potential->begin_step(state, scheme);
   if (paper) return nullptr;
   const Collider* inside = start(state);
-  if (!inside) potential.set_nodal_rotations(u.data());
+  if (!inside) potential->set_nodal_rotations(u.data());
   return inside;
 }
 
@@ -80,13 +80,13 @@ const Collider* Solver::Impl::begin_step(const State& state) {
 /// with it; gives the collider that a point lies in all the same, else null.
 const Collider* Solver::Impl::start(const State& state) {
   choose_start(state);
-  Zeroed<double> now = potential.now();
+  Zeroed<double> now = potential->now();
   double farthest = 0;
   for (size_t k = 0; k < u.size(); ++k) farthest = std::max(farthest, std::abs(u[k] - now[k]));
-  if (potential.contact().exists()) {
-    potential.contact().carry(now.data());
-    if (const Collider* inside = potential.contact().obstacle(now.data())) return inside;
-    const double share = potential.contact().longest_step(now.data(), u.data());
+  if (potential->contact().exists()) {
+    potential->contact().carry(now.data());
+    if (const Collider* inside = potential->contact().obstacle(now.data())) return inside;
+    const double share = potential->contact().longest_step(now.data(), u.data());
     if (share < 1)
       for (size_t k = 0; k < u.size(); ++k) u[k] = now[k] + share * (u[k] - now[k]);
   }
@@ -112,8 +112,8 @@ IterationResult Solver::Impl::retreat(double target) {
     if (!(on_device->phi_now() < on_device->phi())) return {};
     on_device->return_to_now();
   } else {
-    if (!(phi(potential.now()) < phi(u))) return {};
-    u = potential.now();
+    if (!(phi(potential->now()) < phi(u))) return {};
+    u = potential->now();
   }
   return newton(target);
 }
@@ -122,12 +122,12 @@ IterationResult Solver::Impl::retreat(double target) {
 /// tolerance only, as long as they do not touch anything there.
 void Solver::Impl::balance() {
   const auto touches = [&] {
-    return potential.contact().evaluate(u.data(), static_cast<double*>(nullptr)) != 0;
+    return potential->contact().evaluate(u.data(), static_cast<double*>(nullptr)) != 0;
   };
   in_flight = flight.exists() && !paper && !touches();
   if (!in_flight) return;
   u_before_shift = u;
-  const Zeroed<double>& aim = potential.predictor();
+  const Zeroed<double>& aim = potential->predictor();
   flight.match_means(u.data(), [&](size_t n, size_t d) { return aim[3 * n + d]; });
   if (!touches()) return;
   u.swap(u_before_shift);
@@ -151,7 +151,7 @@ Certificate Solver::Impl::measure(const State& state) {
       u[size_t(3 * n + d)] = x(n, d) - X(n, d);
     }
   });
-  Certificate result{potential.residual(u.data(), gradient.data()), 0, false};
+  Certificate result{potential->residual(u.data(), gradient.data()), 0, false};
   result.size = norm(gradient.data(), int64_t(gradient.size()));
   result.finite = std::isfinite(result.value.total()) && std::isfinite(result.size) &&
                   all_finite(u.data(), int64_t(u.size()));

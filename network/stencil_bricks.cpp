@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "network/stencil_bricks.hpp"
 
+#include "core/parallel.hpp"
+
 namespace elastogen {
 namespace {
+
+constexpr int64_t kBricks = 8;  // of one task
 
 /// Bricks at `base`, in bricks, plus offsets first, ..., first + count - 1 per axis, x fastest.
 void find_block(const BrickIndex& index, const Coord& base, int first, int count, int32_t* found) {
@@ -20,6 +24,14 @@ void find_block(const BrickIndex& index, const Coord& base, int first, int count
 }
 
 void link_bricks(const BrickIndex* finer, StencilLevel& level, const BrickIndex* coarser) {
+  level.home.resize(size_t(level.voxels.brick_count()));
+  for_each(
+      level.voxels.brick_count(),
+      [&](int64_t b) {
+        const uint64_t key = brick_key(level.voxels.first_place(b)) >> 9;
+        level.home[size_t(b)] = int32_t(level.nodes.find_brick(key));
+      },
+      kBricks);
   level.links.resize(size_t(level.brick_count()));
   for_each(
       level.brick_count(),
@@ -33,7 +45,7 @@ void link_bricks(const BrickIndex* finer, StencilLevel& level, const BrickIndex*
         if (coarser) find_block(*coarser, parent, 0, 2, links.coarse);
         if (finer) find_block(*finer, {2 * at[0], 2 * at[1], 2 * at[2]}, -1, 3, links.fine);
       },
-      8);
+      kBricks);
 }
 
 }  // namespace

@@ -35,6 +35,7 @@ struct BrickLinks {
 /// Voxels and nodes of a level, and links between the bricks of its nodes.
 struct StencilLevel {
   BrickIndex voxels, nodes;
+  std::vector<int32_t> home;      ///< brick of nodes that each brick of voxels is
   std::vector<BrickLinks> links;  ///< (bricks of nodes); `coarse` and `fine` where such a level is
 
   int64_t brick_count() const { return nodes.brick_count(); }

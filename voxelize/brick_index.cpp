@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <functional>
 
 namespace elastogen {
 namespace {
@@ -46,38 +47,57 @@ uint64_t brick_key(const Coord& point) {
 BrickIndex::BrickIndex(std::vector<uint64_t> keys)
     : keys_(std::move(keys)), bricks_(keys_.size()) {}
 
-BrickIndex::BrickIndex(In<int32_t> coords) {
+namespace {
+
+bool in_one_brick(const int32_t* a, const int32_t* b) {
+  return a[0] >> 3 == b[0] >> 3 && a[1] >> 3 == b[1] >> 3 && a[2] >> 3 == b[2] >> 3;
+}
+
+int place_of(const int32_t* at) {
+  return (at[0] & 7) | (at[1] & 7) << 3 | (at[2] & 7) << 6;
+}
+
+/// Sorted keys of all points.
+Zeroed<uint64_t> sorted_keys(In<int32_t> coords) {
   Zeroed<uint64_t> keys(coords.rows);
-  for_blocks(coords.rows, [&](int64_t begin, int64_t end) {
-    Coord brick = {};
-    uint64_t key = brick_key(brick) >> 9;
-    for (int64_t v = begin; v < end; ++v) {
-      // most points lie in the brick of the one before
-      const int32_t* at = coords.row(v);
-      if (at[0] >> 3 != brick[0] || at[1] >> 3 != brick[1] || at[2] >> 3 != brick[2]) {
-        brick = {at[0] >> 3, at[1] >> 3, at[2] >> 3};
-        key = brick_key({at[0], at[1], at[2]}) >> 9;
-      }
-      keys[v] = key << 9 | (at[0] & 7) | (at[1] & 7) << 3 | (at[2] & 7) << 6;
-    }
+  for_each(coords.rows, [&](int64_t v) {
+    const int32_t* at = coords.row(v);
+    keys[v] = brick_key({at[0], at[1], at[2]});
   });
-  const auto brick = [&](int64_t v) { return keys[v] >> 9; };
-  const double descents = ordered_sum(coords.rows, [&](int64_t begin, int64_t end) {
-    double count = 0;
-    for (int64_t v = std::max<int64_t>(begin, 1); v < end; ++v) count += brick(v) < brick(v - 1);
-    return count;
+  parallel_sort(keys.begin(), keys.end());
+  return keys;
+}
+
+}  // namespace
+
+BrickIndex::BrickIndex(In<int32_t> coords) {
+  // most lists are in the order of the bricks
+  std::vector<int32_t> first = filtered(coords.rows, [&](int64_t v) {
+    return v == 0 || !in_one_brick(coords.row(v), coords.row(v - 1));
   });
-  if (descents > 0) parallel_sort(keys.begin(), keys.end());
-  std::vector<int32_t> first =
-      filtered(coords.rows, [&](int64_t v) { return v == 0 || brick(v) != brick(v - 1); });
-  for (const int32_t v : first) keys_.push_back(brick(v));
+  keys_.resize(first.size());
+  for_each(
+      brick_count(),
+      [&](int64_t b) {
+        const int32_t* at = coords.row(first[b]);
+        keys_[b] = brick_key({at[0], at[1], at[2]}) >> 9;
+      },
+      kBricks);
+  Zeroed<uint64_t> sorted;
+  if (std::adjacent_find(keys_.begin(), keys_.end(), std::greater_equal<>()) != keys_.end()) {
+    sorted = sorted_keys(coords);
+    first = filtered(coords.rows,
+                     [&](int64_t v) { return v == 0 || sorted[v] >> 9 != sorted[v - 1] >> 9; });
+    keys_.clear();
+    for (const int32_t v : first) keys_.push_back(sorted[v] >> 9);
+  }
   bricks_.resize(keys_.size());
   first.push_back(static_cast<int32_t>(coords.rows));
   for_each(
       brick_count(),
       [&](int64_t b) {
         for (int32_t v = first[b]; v < first[b + 1]; ++v)
-          insert(b, static_cast<int>(keys[v] & 511));
+          insert(b, sorted.empty() ? place_of(coords.row(v)) : static_cast<int>(sorted[v] & 511));
       },
       kBricks);
   number();
@@ -141,38 +161,11 @@ Array<int32_t> BrickIndex::points() const {
 namespace {
 
 void sort_unique(std::vector<uint64_t>& keys) {
-  std::sort(keys.begin(), keys.end());
+  parallel_sort(keys.begin(), keys.end());
   keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
 }
 
 }  // namespace
-
-BrickIndex BrickIndex::halved() const {
-  std::vector<uint64_t> keys;
-  const auto half = [&](int64_t b) {
-    Coord at = first_place(b);
-    for (int32_t& x : at) x >>= 1;
-    return brick_key(at);
-  };
-  for (int64_t b = 0; b < brick_count(); ++b) keys.push_back(half(b) >> 9);
-  sort_unique(keys);
-  BrickIndex result(std::move(keys));
-  for (int64_t b = 0; b < brick_count(); ++b) {
-    const uint64_t key = half(b);
-    const int64_t to = result.find_brick(key >> 9);
-    for (int z = 0; z < 8; z += 2) {
-      constexpr uint64_t kEven = 0x0055005500550055;  // along x and y
-      uint64_t word = bricks_[b].mask[z] | bricks_[b].mask[z + 1];
-      word |= word >> 8;
-      for (uint64_t rest = (word | word >> 1) & kEven; rest; rest &= rest - 1) {
-        const int place = std::countr_zero(rest);
-        result.insert(to, static_cast<int>(key & 511) + (place & 7) / 2 + place / 16 * 8 + z * 32);
-      }
-    }
-  }
-  result.number();
-  return result;
-}
 
 /// The brick that holds a point, without points where it is not there.
 BrickIndex::Brick BrickIndex::brick_at(const Coord& point) const {
@@ -180,15 +173,54 @@ BrickIndex::Brick BrickIndex::brick_at(const Coord& point) const {
   return brick < 0 ? Brick{} : bricks_[brick];
 }
 
-BrickIndex BrickIndex::corners() const {
-  std::vector<uint64_t> keys;
-  for (int64_t b = 0; b < brick_count(); ++b)
+BrickIndex BrickIndex::halved() const {
+  std::vector<uint64_t> keys(keys_.size());
+  for_each(
+      brick_count(),
+      [&](int64_t b) {
+        Coord at = first_place(b);
+        for (int32_t& x : at) x >>= 1;
+        keys[b] = brick_key(at) >> 9;
+      },
+      kBricks);
+  sort_unique(keys);
+  BrickIndex result(std::move(keys));
+  const auto fill = [&](int64_t to) {
+    constexpr uint64_t kEven = 0x0055005500550055;  // along x and y
+    const Coord at = result.first_place(to);
     for (int c = 0; c < 8; ++c) {
-      Coord at = first_place(b);
-      for (int d = 0; d < 3; ++d) at[d] += 8 * (c >> d & 1);
-      if (*std::max_element(at.begin(), at.end()) < kLatticeLimit)
-        keys.push_back(brick_key(at) >> 9);
+      const Coord first = {2 * at[0] + 8 * (c & 1), 2 * at[1] + 8 * (c >> 1 & 1),
+                           2 * at[2] + 8 * (c >> 2)};
+      const Brick of = brick_at(first);
+      for (int z = 0; z < 8; z += 2) {
+        uint64_t word = of.mask[z] | of.mask[z + 1];
+        word |= word >> 8;
+        for (uint64_t rest = (word | word >> 1) & kEven; rest; rest &= rest - 1) {
+          const int place = std::countr_zero(rest);
+          result.insert(to, 4 * ((c & 1) + 8 * (c >> 1 & 1) + 64 * (c >> 2)) + (place & 7) / 2 +
+                                place / 16 * 8 + z * 32);
+        }
+      }
     }
+  };
+  for_each(result.brick_count(), fill, kBricks);
+  result.number();
+  return result;
+}
+
+BrickIndex BrickIndex::corners() const {
+  std::vector<uint64_t> keys(8 * keys_.size());
+  for_each(
+      brick_count(),
+      [&](int64_t b) {
+        for (int c = 0; c < 8; ++c) {
+          Coord at = first_place(b);
+          for (int d = 0; d < 3; ++d) at[d] += 8 * (c >> d & 1);
+          const bool inside = *std::max_element(at.begin(), at.end()) < kLatticeLimit;
+          keys[8 * b + c] = inside ? brick_key(at) >> 9 : keys_[b];
+        }
+      },
+      kBricks);
   sort_unique(keys);
   BrickIndex result(std::move(keys));
   const auto fill = [&](int64_t b) {

@@ -48,7 +48,7 @@ struct InTouch {
     potential.set_nodal_rotations(u.data());
     first.emplace(potential, EncoderChoice{with_encoder});
     device.emplace(potential, EncoderChoice{with_encoder});
-    device->begin_step();
+    device->begin_step(potential);
     const std::vector<double> away = random_field(scene, 0.02 * kEdge, 4);
     for (size_t k = 0; k < u.size(); ++k) u[k] += away[k];
     device->set_nodal_rotations(u.data());  // which leaves u there

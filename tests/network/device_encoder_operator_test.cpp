@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The encoder's operators at rest, made by the device, against those of the CPU. Nothing is here in
+// What the device makes of a scene at rest, tables of its voxels, modes of the encoder and their
+// operators, against those of the CPU. Nothing is here in
 // builds without CUDA; skipped where there is no device.
 
 #ifdef ELASTOGEN_CUDA
@@ -115,14 +116,18 @@ int expect_operators_of_host(const Scene& scene) {
   return int(operators.size());
 }
 
-template <class T>
-void check_scenes() {
+std::vector<NamedScene> all_scenes() {
   std::vector<NamedScene> scenes = multigrid_scenes();
   scenes.push_back({"three blocks", three_blocks(TimeScheme::kEuler)});
   scenes.push_back({"falling bar", falling_bar(TimeScheme::kEuler)});
   scenes.push_back({"rows of three materials", rows_of_three_materials()});
+  return scenes;
+}
+
+template <class T>
+void check_scenes() {
   int pieces = 0;
-  for (NamedScene& named : scenes)
+  for (NamedScene& named : all_scenes())
     for (const Hourglass hourglass : {Hourglass::kFull, Hourglass::kVariance, Hourglass::kOff}) {
       SCOPED_TRACE(named.name + ", hourglass " + std::to_string(int(hourglass)));
       named.scene.hourglass = hourglass;
@@ -138,6 +143,71 @@ TEST_F(RestOperatorOnCard, OperatorsAreThoseOfTheHostInDouble) {
 
 TEST_F(RestOperatorOnCard, OperatorsAreThoseOfTheHostInFloat) {
   check_scenes<float>();
+}
+
+/// Bit for bit. @return how many modes there were.
+template <class T>
+size_t expect_modes_of_host(const Scene& scene) {
+  const AtRest<T> rest(scene);
+  const ModeLists<T> expected(scene, rest.encoder);
+  std::vector<std::vector<int32_t>> pieces;
+  for (const auto& piece : rest.encoder.pieces()) pieces.push_back(piece.nodes);
+  cuda::DevicePotential device(rest.potential);
+  const auto found = cuda::modes_by_device<T>(device, pieces);
+  EXPECT_EQ(found.size(), expected.modes.size());
+  size_t others = 0, there = 0;
+  for (size_t k = 0; k < found.size(); ++k) {
+    others += double(found[k]) != double(expected.modes[k]);
+    there += double(found[k]) != 0;
+  }
+  EXPECT_EQ(others, 0u);
+  EXPECT_GT(there, found.size() / 2);
+  return found.size();
+}
+
+TEST_F(RestOperatorOnCard, ModesAreThoseOfTheHost) {
+  size_t modes = 0;
+  for (const NamedScene& named : all_scenes()) {
+    SCOPED_TRACE(named.name);
+    modes += expect_modes_of_host<float>(named.scene);
+    modes += expect_modes_of_host<double>(named.scene);
+  }
+  EXPECT_GT(modes, 1000000u);
+}
+
+template <class Vector>
+size_t differences(const Vector& a, const Vector& b) {
+  EXPECT_EQ(a.size(), b.size());
+  if (a.size() != b.size()) return 1;
+  size_t count = 0;
+  for (size_t k = 0; k < a.size(); ++k) count += !(a[k] == b[k]);
+  return count;
+}
+
+TEST_F(RestOperatorOnCard, TablesOfVoxelsAreThoseOfTheHost) {
+  int64_t border_rows = 0, shared = 0;
+  for (const NamedScene& named : all_scenes()) {
+    SCOPED_TRACE(named.name);
+    const IncrementalPotential host(named.scene);
+    cuda::DevicePotential device(host);
+    const BrickRows found = device.download_rows();
+    const BrickRows& expected = host.rows();
+    EXPECT_EQ(differences(found.rows, expected.rows), 0u);
+    EXPECT_EQ(found.row_begin, expected.row_begin);
+    EXPECT_EQ(found.tile_begin, expected.tile_begin);
+    EXPECT_EQ(differences(found.tile_node, expected.tile_node), 0u);
+    EXPECT_EQ(differences(found.tile_place, expected.tile_place), 0u);
+    EXPECT_EQ(differences(found.tile_part, expected.tile_part), 0u);
+    EXPECT_EQ(found.shared_node, expected.shared_node);
+    EXPECT_EQ(found.shared_begin, expected.shared_begin);
+    EXPECT_EQ(differences(found.border, expected.border), 0u);
+    const std::vector<double> weights(host.voxel_weights().begin(), host.voxel_weights().end());
+    EXPECT_EQ(differences(device.download_weights(), weights), 0u);
+    border_rows += int64_t(expected.border.size());
+    shared += int64_t(expected.shared_node.size());
+  }
+  EXPECT_GT(border_rows, 0);
+  EXPECT_GT(shared, 0);
 }
 
 TEST_F(RestOperatorOnCard, AModeOfOneNodeChangesIt) {

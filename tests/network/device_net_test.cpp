@@ -40,7 +40,7 @@ TEST_F(NetOnCard, EnergyAndGradientAreThoseOfTheHost) {
         IncrementalPotential host(scene, nets);
         host.begin_step(state_at(scene, now), kBegun);
         cuda::DevicePotential device(host);
-        device.begin_step();
+        device.begin_step(host);
         // f of nets of St. Venant-Kirchhoff's law is a sum of terms of up to 50, a hundred times f
         expect_like_host<double>(host, device, u, law == Law(Law::kStvk) ? 1e-11 : 1e-12);
         if (shake < 0.1) expect_like_host<float>(host, device, u, 2e-5);
@@ -76,7 +76,7 @@ TEST_F(NetOnCard, StretchesAtTheBordersOfTheBoxAreThoseOfTheHost) {
   IncrementalPotential host(scene, {shipped_net(Law::kNeoHookean, 0.4, Evaluation::kNet)});
   host.begin_step(initial_state(scene), kBegun);
   cuda::DevicePotential device(host);
-  device.begin_step();
+  device.begin_step(host);
   for (const Stretch& e : stretches) {
     SCOPED_TRACE(concat("log stretches ", e.along, " and ", e.across));
     std::vector<double> u(3 * size_t(scene.grid.node_count()));
@@ -96,7 +96,7 @@ TEST_F(NetOnCard, HessianIsThatOfTheHost) {
       IncrementalPotential host(scene, nets);
       host.begin_step(state_at(scene, now), kBegun);
       cuda::DevicePotential device(host);
-      device.begin_step();
+      device.begin_step(host);
       expect_hessian_of_host(host, device, u, bent(scene, 0.5 * kRaggedEdge, 7));
     }
   }
@@ -154,7 +154,7 @@ TEST_F(NetOnCard, PaperLoopsEndWhereThoseOfTheHostEnd) {
   std::vector<double> host(potential.predictor().size()), device = host;
   PaperSolver(potential, loops).solve(host.data(), never);
   cuda::DeviceQuasi quasi(potential);
-  quasi.begin_step();
+  quasi.begin_step(potential);
   cuda::DevicePaper(quasi, loops, true).solve(never);
   quasi.download_u(device.data());
   EXPECT_LT(relative_difference(device, host), 1e-12);

@@ -39,7 +39,7 @@ struct Ends {
     device.resize(host.size());
     PaperSolver(potential, loops).solve(host.data(), never);
     cuda::DeviceQuasi quasi(potential);
-    quasi.begin_step();
+    quasi.begin_step(potential);
     cuda::DevicePaper paper(quasi, loops, float64);
     const IterationResult result = paper.solve(never);
     EXPECT_EQ(result.outer, loops.outer);

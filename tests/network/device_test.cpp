@@ -25,7 +25,7 @@ TEST_F(OnCard, EnergyAndGradientOfEveryLawAndHourglassTerm) {
       IncrementalPotential host(scene);
       host.begin_step(state_at(scene, now), {TimeScheme::kEuler, scene.dt, 1});
       cuda::DevicePotential device(host);
-      device.begin_step();
+      device.begin_step(host);
       expect_like_host<double>(host, device, u, 1e-12);
       expect_like_host<float>(host, device, u, 2e-5);
     }
@@ -39,7 +39,7 @@ TEST_F(OnCard, EnergyAndGradientOfNetsByTheirTables) {
                               {shipped_net(Law::kNeoHookean, 0.4, Evaluation::kTable), nullptr});
     host.begin_step(state_at(scene, now), {TimeScheme::kBdf2, scene.dt, 2.25});
     cuda::DevicePotential device(host);
-    device.begin_step();
+    device.begin_step(host);
     expect_like_host<double>(host, device, u, 1e-12);
   }
 }
@@ -53,7 +53,7 @@ TEST_F(OnCard, HessianOfEveryLawAndHourglassTerm) {
       IncrementalPotential host(scene);
       host.begin_step(state_at(scene, now), {TimeScheme::kEuler, scene.dt, 1});
       cuda::DevicePotential device(host);
-      device.begin_step();
+      device.begin_step(host);
       expect_hessian_of_host(host, device, u, bent(scene, 0.5 * kH, 7));
     }
 }
@@ -65,7 +65,7 @@ TEST_F(OnCard, HessianIsTheDerivativeOfTheGradientNearRest) {
   IncrementalPotential host(scene);
   host.begin_step(initial_state(scene), {TimeScheme::kEuler, scene.dt, 1});
   cuda::DevicePotential device(host);
-  device.begin_step();
+  device.begin_step(host);
   const std::vector<double> p = bent(scene, 0.5 * kH, 8);
   const std::vector<double> rest(p.size());
   OnDevice<double> place(rest), direction(p), product(rest);
@@ -89,7 +89,7 @@ TEST_F(OnCard, HessianOfNetsByTheirTables) {
   const std::vector<double> now = bent(scene, 0.02 * kH, 5), u = bent(scene, 0.03 * kH, 6);
   host.begin_step(state_at(scene, now), {TimeScheme::kEuler, scene.dt, 1});
   cuda::DevicePotential device(host);
-  device.begin_step();
+  device.begin_step(host);
   expect_hessian_of_host(host, device, u, bent(scene, 0.5 * kH, 7));
 }
 
@@ -100,7 +100,7 @@ TEST_F(OnCard, NodalRotations) {
   host.begin_step(state_at(scene, u), {TimeScheme::kEuler, scene.dt, 1});
   host.set_nodal_rotations(u.data());
   cuda::DevicePotential device(host);
-  device.begin_step();
+  device.begin_step(host);
   OnDevice<double> place(u);
   device.set_nodal_rotations(place.data());
   std::vector<Quaternion<float>> turns(u.size() / 3);
@@ -123,7 +123,7 @@ struct Pair {
     potential.set_nodal_rotations(now.data());
     first.emplace(potential, EncoderChoice{with_encoder});
     device.emplace(potential, EncoderChoice{with_encoder});
-    device->begin_step();
+    device->begin_step(potential);
     device->set_nodal_rotations(now.data());
   }
   State state;

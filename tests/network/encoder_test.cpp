@@ -176,7 +176,7 @@ TEST(Encoder, PinDistanceIsThatToTheNearestPinOfThePiece) {
     scene.pinned(n) |= at[0] < 20 && (at[0] * 31 + at[1] * 17 + at[2] * 5) % 97 == 0;
     all.push_back(int32_t(n));
   }
-  const Zeroed<double> distance = pin_distance(scene, all);
+  const Zeroed<double> distance = pin_distance(scene, PinTrees(scene), all);
   for (int64_t n = 0; n < nodes; ++n) {
     double nearest = 1e300;
     for (int64_t m = 0; m < nodes; ++m) {
