@@ -94,6 +94,8 @@ void add_run_options(CLI::App& app, AnimateOptions& o, Typed& t) {
   app.add_flag_callback(
       "--analytic", [&t] { t.energy = "analytic"; }, "the same as --energy analytic");
   app.add_option("--device", t.device, "auto, cpu or cuda")->capture_default_str();
+  app.add_flag_callback(
+      "--deterministic", [] {}, "the same bits on every run; always so, sums have a fixed order");
   app.add_option("--threads", o.threads, "0: all")->capture_default_str();
   app.add_option("--max-memory", t.max_memory, "budget, e.g. '8 GB'");
   app.add_option("--max-voxels", o.max_voxels, "budget")->capture_default_str();

@@ -275,6 +275,11 @@ TEST(Options, AFloorIsAPlaneOrOff) {
   expect_says(refusal({"a.obj", "-o", "a.glb", "--floor", "y=1kg"}), "kg");
 }
 
+TEST(Options, RunsRepeatWhetherThatIsSaidOrNot) {
+  EXPECT_NO_THROW(animate_options({"a.obj", "-o", "a.glb", "--deterministic"}));
+  EXPECT_FALSE(parsed_words({"animate", "a.obj", "-o", "a.glb", "--no-deterministic"}).animate);
+}
+
 TEST(Options, NoOutputTakesThePlaceOfAnother) {
   const TempFolder folder;
   const std::string scene = folder.write("s.toml", "[time]\nframes = 3\n");
