@@ -18,6 +18,7 @@ class RoomCount {
   ~RoomCount() { present() = nullptr; }
 
   void add(size_t bytes) { bytes_ += bytes; }
+  void take_off(size_t bytes) { bytes_ -= bytes; }  ///< of what goes again at once
   size_t bytes() const { return bytes_; }
   static RoomCount*& present() {
     static thread_local RoomCount* count = nullptr;

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "network/device_dense.cuh"
 #include "network/device_hierarchy.cuh"
+#include "network/device_multigrid.cuh"
 #include "network/device_potential_impl.cuh"
 #include "network/device_stencil_rows.cuh"
 
@@ -35,6 +37,7 @@ class LevelMaker {
   Maxima maxima();
   void find_lambda();
   void number_rows(double h, double unit, uint64_t hash_bits);
+  DeviceArray<double> dense_operators();
 
   /// The level; nothing else is left.
   HierarchyLevel<T> take() {
@@ -233,35 +236,37 @@ void LevelMaker<T>::number_rows(double h, double unit, uint64_t hash_bits) {
   } while (left[0] > 0);
 }
 
-/// Dense operators of a level.
+/// Of two entries that are alike to rounding, the mean.
 template <class T>
-std::vector<double> dense_operators(const HierarchyLevel<T>& level, const StencilLevel& bricks) {
-  std::vector<int32_t> row(size_t(level.row.size())), slot(size_t(level.slot.size()));
-  std::vector<T> rows(size_t(level.rows.size()));
-  level.row.download(row.data());
-  level.slot.download(slot.data());
-  level.rows.download(rows.data());
-  const size_t n = slot.size();
-  std::vector<double> operators(3 * n * n);
-  for (size_t a = 0; a < n; ++a) {
-    const int64_t brick = slot[a] / kSlots, place = slot[a] % kSlots;
-    const T* const weights = rows.data() + size_t(row[size_t(slot[a])]) * kRow;
+DeviceArray<double> LevelMaker<T>::dense_operators() {
+  const int64_t n = made.slot.size(), pitch = dense_pitch(n);
+  DeviceArray<double> operators(3 * pitch * pitch);
+  if (RoomCount::present()) return operators;
+  const SlotTables level = tables();
+  const int32_t *const slot_of = made.slot.data(), *const row_of = made.row.data();
+  const T* const rows = made.rows.data();
+  double* const to = operators.data();
+  cuda::for_each(pitch, [=] __device__(int64_t a) {
+    const auto entry = [=](int i, int64_t b) { return to + (i * pitch + a) * pitch + b; };
+    const int32_t slot = a < n ? slot_of[a] : 0, row = a < n ? row_of[slot] : 0;
+    if (row == 0) {
+      for (int i = 0; i < 3; ++i) *entry(i, a) = 1;
+      return;
+    }
+    const Place at(slot);
+    const int32_t* around = level.links[slot / kSlots].neighbour;
     for (int j = 0; j < 27; ++j) {
-      const int x = int(place % 8) + j % 3 - 1, y = int(place / 8 % 8) + j / 3 % 3 - 1,
-                z = int(place / 64) + j / 9 - 1;
-      const int32_t side = (x >> 3) + 1 + 3 * ((y >> 3) + 1) + 9 * ((z >> 3) + 1);
-      const int32_t there = bricks.links[size_t(brick)].neighbour[side];
-      if (there == bricks.brick_count()) continue;
-      const int64_t b = bricks.nodes.find(there, (x & 7) | (y & 7) << 3 | (z & 7) << 6);
-      // half of each of two that are alike to rounding
-      for (size_t i = 0; b >= 0 && i < 3; ++i) {
-        const double half = double(weights[i * kComponent + size_t(j)]) / 2;
-        operators[(i * n + a) * n + size_t(b)] += half;
-        operators[(i * n + size_t(b)) * n + a] += half;
+      const int64_t there =
+          level.slot_at(around, at.x + j % 3 - 1, at.y + j / 3 % 3 - 1, at.z + j / 9 - 1);
+      if (there < 0 || row_of[there] == 0) continue;
+      for (int i = 0; i < 3; ++i) {
+        const T* weights = rows + int64_t(i) * kComponent;
+        *entry(i, level.node(there)) = (double(weights[int64_t(kRow) * row + j]) +
+                                        double(weights[int64_t(kRow) * row_of[there] + 26 - j])) /
+                                       2;
       }
     }
-    for (size_t i = 0; row[size_t(slot[a])] == 0 && i < 3; ++i) operators[(i * n + a) * n + a] = 1;
-  }
+  });
   return operators;
 }
 
@@ -276,14 +281,12 @@ int64_t row_estimate(const DevicePotential::Impl& potential) {
 
 template <class T>
 Hierarchy<T> make_hierarchy(DevicePotential& potential, int hash_bits) {
-  const Scene& scene = potential.terms().scene();
-  const int64_t dense = dense_nodes(scene);
   const std::vector<StencilLevel>& bricks = potential.impl().levels;
   const uint64_t bits = hash_bits < 64 ? (uint64_t{1} << hash_bits) - 1 : ~uint64_t{0};
   const bool counts = RoomCount::present() != nullptr;
   Hierarchy<T> result;
   std::unique_ptr<LevelMaker<T>> finer;
-  double h = scene.grid.h;
+  double h = potential.terms().scene().grid.h;
   for (const StencilLevel& level : bricks) {
     auto maker = std::make_unique<LevelMaker<T>>(level);
     if (!counts) {
@@ -301,16 +304,37 @@ Hierarchy<T> make_hierarchy(DevicePotential& potential, int hash_bits) {
     finer = std::move(maker);
     h *= 2;
   }
+  if (bricks.back().nodes.point_count() <= potential.impl().dense)
+    result.operators = finer->dense_operators();
   result.levels.push_back(finer->take());
   if (counts) result.levels[0].rows = DeviceArray<T>(kRow * row_estimate(potential.impl()));
-  if (bricks.back().nodes.point_count() > dense) return result;
-  const int64_t n = bricks.back().nodes.point_count();
-  result.operators = counts ? std::vector<double>(size_t(3 * n * n))
-                            : dense_operators(result.levels.back(), bricks.back());
+  return result;
+}
+
+template <class T>
+std::vector<LevelRows<T>> hierarchy_rows(DevicePotential& potential, int hash_bits) {
+  const auto on_host = [](const auto& array) {
+    std::vector<std::remove_cvref_t<decltype(*array.data())>> values(size_t(array.size()));
+    array.download(values.data());
+    return values;
+  };
+  std::vector<LevelRows<T>> result;
+  for (const HierarchyLevel<T>& level : make_hierarchy<T>(potential, hash_bits).levels) {
+    const std::vector<int32_t> slot = on_host(level.slot), row = on_host(level.row);
+    const std::vector<T> rows = on_host(level.rows);
+    LevelRows<T>& to = result.emplace_back();
+    to.distinct = int64_t(rows.size()) / stencil::kRow;
+    for (const int32_t s : slot) {
+      const auto from = rows.begin() + int64_t(row[size_t(s)]) * stencil::kRow;
+      to.by_node.insert(to.by_node.end(), from, from + stencil::kRow);
+    }
+  }
   return result;
 }
 
 template Hierarchy<float> make_hierarchy(DevicePotential&, int);
 template Hierarchy<double> make_hierarchy(DevicePotential&, int);
+template std::vector<LevelRows<float>> hierarchy_rows(DevicePotential&, int);
+template std::vector<LevelRows<double>> hierarchy_rows(DevicePotential&, int);
 
 }  // namespace elastogen::cuda

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The levels of network/multigrid.hpp as stencils (network/stencil_bricks.hpp), made on the device
 // from the tables of a potential: moduli, masses and pins by slot, averaged from level to level,
-// and of the rows of all nodes one of each kind. The host knows where bricks lie, and takes the
-// dense operators of the coarsest level.
+// and of the rows of all nodes one of each kind. The host knows where bricks lie.
 
 #pragma once
 
@@ -27,8 +26,8 @@ template <class T>
 struct Hierarchy {
   std::vector<HierarchyLevel<T>> levels;  ///< 0 the finest
   double unit = 1;                        ///< [N/m], what the operators are divided by
-  std::vector<double> operators;  ///< of the coarsest level, (3, nodes, nodes), 1 on the diagonal
-                                  ///< of pinned nodes; empty where that smooths
+  DeviceArray<double> operators;  ///< of the coarsest level, (3, pitch, pitch) of device_dense.cuh,
+                                  ///< 1 on the diagonal of pinned nodes; empty where that smooths
 };
 
 /// Levels of the scene and scheme of a potential, equal to those of Multigrid to rounding; the same

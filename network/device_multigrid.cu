@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "network/device_dense.cuh"
 #include "network/device_hierarchy.cuh"
 #include "network/device_multigrid.cuh"
 #include "network/device_stencil_pass.cuh"
@@ -19,9 +20,8 @@ constexpr int kClusterThreads = stencil::kSlots / kSingleRun;
 
 template <class T>
 struct Level {
-  Level(HierarchyLevel<T>&& made, const std::vector<T>& dense)
+  explicit Level(HierarchyLevel<T>&& made)
       : of(std::move(made)),
-        inverses(dense),
         r(of.links.size() * stencil::kBrick),
         z((of.links.size() + 1) * stencil::kBrick),
         other(z.size()),
@@ -29,21 +29,23 @@ struct Level {
         smoother(of.lambda_max) {}
 
   StencilView<T> view() {
-    return {of.links.data(),
-            of.begin.data(),
-            of.slot.data(),
-            of.row.data(),
-            of.rows.data(),
-            inverses.data(),
-            r.data(),
-            z.data(),
-            other.data(),
-            partial.data(),
-            int32_t(of.links.size()),
-            int32_t(of.slot.size()),
-            T(smoother.first),
-            T(smoother.keep),
-            T(smoother.add)};
+    StencilView<T> result{of.links.data(),
+                          of.begin.data(),
+                          of.slot.data(),
+                          of.row.data(),
+                          of.rows.data(),
+                          inverses.data(),
+                          r.data(),
+                          z.data(),
+                          other.data(),
+                          partial.data(),
+                          int32_t(of.links.size()),
+                          int32_t(of.slot.size()),
+                          T(smoother.first),
+                          T(smoother.keep),
+                          T(smoother.add)};
+    result.pitch = int32_t(dense_pitch(of.slot.size()));
+    return result;
   }
 
   HierarchyLevel<T> of;
@@ -143,21 +145,32 @@ struct ClusterLaunch {
 
 template <class T>
 struct DeviceMultigridLevels {
-  explicit DeviceMultigridLevels(Hierarchy<T>&& made)
-      : unit(made.unit), scale(T(1 / unit)), operators(made.operators) {
-    const std::vector<T> inverses =
-        dense_inverses<T>(made.operators, made.levels.back().slot.size());
-    for (HierarchyLevel<T>& level : made.levels) {
-      const bool solved = &level == &made.levels.back();
-      levels.push_back(
-          std::make_unique<Level<T>>(std::move(level), solved ? inverses : std::vector<T>{}));
-    }
+  /// @param alone  nothing changes the level that is solved: the whole card solves it.
+  DeviceMultigridLevels(Hierarchy<T>&& made, bool alone) : unit(made.unit), scale(T(1 / unit)) {
+    for (HierarchyLevel<T>& level : made.levels)
+      levels.push_back(std::make_unique<Level<T>>(std::move(level)));
+    take_operators(std::move(made.operators), alone);
     views.count = first_in_cluster = int(levels.size());
     for (int l = 0; l < views.count; ++l) views.level[l] = levels[size_t(l)]->view();
     for (int l = 0; l + 1 < views.count; ++l) views.level[l].coarse_z = views.level[l + 1].z;
-    while (first_in_cluster > 0 && fits_cluster(views.level[first_in_cluster - 1]))
+    while (!solved.exists() && first_in_cluster > 0 &&
+           fits_cluster(views.level[first_in_cluster - 1]))
       --first_in_cluster;
     prepare_kernels<false>();
+  }
+
+  void take_operators(DeviceArray<double>&& made, bool alone) {
+    if (made.size() == 0) return;
+    Level<T>& last = *levels.back();
+    if (alone) {
+      solved = DenseSolve<T>(std::move(made), last.of.slot.size());
+      return;
+    }
+    operators = DeviceArray<double>(made.size());
+    if (operators.data() != nullptr)
+      check(cudaMemcpyAsync(operators.data(), made.data(), size_t(made.size()) * sizeof(double),
+                            cudaMemcpyDeviceToDevice, cudaStreamPerThread));
+    last.inverses = dense_inverses<T>(std::move(made), last.of.slot.size());
   }
 
   static bool fits_cluster(const StencilView<T>& v) {
@@ -219,12 +232,31 @@ struct DeviceMultigridLevels {
     check(cudaLaunchKernelEx(&launch.config, kernel, present(), first_in_cluster, out));
   }
 
+  /// The level that the whole card solves.
+  void solve_last(const ResultOutput<T>& out, bool early) {
+    const int l = views.count - 1;
+    const StencilView<T> v = present().level[l], finer = present().level[l > 0 ? l - 1 : l];
+    T* const to = solved.r();
+    const int64_t pitch = dense_pitch(v.nodes);
+    cuda::for_each(
+        v.nodes,
+        [=] __device__(int64_t n) {
+          const int slot = v.slot[n];
+          T r[3] = {};
+          if (v.row[slot] != 0 && l > 0) restricted(finer, v, slot, r);
+          for (int i = 0; i < 3; ++i) to[i * pitch + n] = l > 0 ? r[i] : v.r[3 * int64_t(slot) + i];
+        },
+        line(early));
+    solved.run(v, l == 0 ? out : ResultOutput<T>{});
+  }
+
   /// The cycle from level l on; the finest has its residual.
   void cycle(int l, const ResultOutput<T>& out, const Companion<T>& beside) {
     const bool last = l + 1 == views.count;
     const bool alone = !beside.begin;
     if (!alone && (last || l == first_in_cluster)) beside.begin(), beside.end();
     if (l == first_in_cluster) return run_cluster(out, alone);
+    if (last && solved.exists()) return solve_last(out, alone);
     if (l > 0) {
       const StencilView<T> v = present().level[l], finer = present().level[l - 1];
       cuda::for_each(
@@ -249,11 +281,11 @@ struct DeviceMultigridLevels {
   double unit;  // [N/m]
   T scale;      // 1 / unit
 
-  std::vector<double> operators;  // of the coarsest level, where that is solved
+  DenseSolve<T> solved;           // the last level where the whole card solves it
+  DeviceArray<double> operators;  // of one that the cluster solves
 
   // of a further stiffness, where one is expected
   Views<T> stiff_views;
-  DeviceArray<double> operators_here;
   bool use_stiffness = false;
 };
 
@@ -270,8 +302,8 @@ void DeviceMultigridLevels<T>::expect_stiffness() {
     view.stiff = level.stiff.data();
     view.inverses = level.added_inverses.data();
   }
-  operators_here = DeviceArray<double>(operators);
-  ELASTOGEN_CHECK(operators.empty() || views.level[views.count - 1].nodes <= DenseTile::kRows,
+  ELASTOGEN_CHECK(!solved.exists(), "the level that is solved must not change");
+  ELASTOGEN_CHECK(operators.size() == 0 || views.level[views.count - 1].nodes <= DenseTile::kRows,
                   "at most ", DenseTile::kRows, " nodes of a level that is solved");
   prepare_kernels<true>();
 }
@@ -299,17 +331,18 @@ void DeviceMultigridLevels<T>::set_nodal_stiffness(const NodalStiffness& stiffne
     check(cudaGetLastError());
   }
   const StencilView<T>& last = stiff_views.level[views.count - 1];
-  if (operators.empty()) return;
+  if (operators.size() == 0) return;
   const auto kernel = last.nodes <= SmallDenseTile::kRows ? inverse_kernel<T, SmallDenseTile>
                                                           : inverse_kernel<T, DenseTile>;
   constexpr dim3 kThreads(DenseTile::kWidth, DenseTile::kWidth);
-  kernel<<<3, kThreads>>>(last, operators_here.data(), levels.back()->added_inverses.data());
+  kernel<<<3, kThreads>>>(last, operators.data(), levels.back()->added_inverses.data());
   check(cudaGetLastError());
 }
 
 template <class T>
 DeviceMultigrid<T>::DeviceMultigrid(DevicePotential& potential)
-    : levels_(std::make_unique<DeviceMultigridLevels<T>>(make_hierarchy<T>(potential))) {}
+    : levels_(std::make_unique<DeviceMultigridLevels<T>>(
+          make_hierarchy<T>(potential), potential.terms().scene().colliders.empty())) {}
 
 template <class T>
 DeviceMultigrid<T>::~DeviceMultigrid() = default;
@@ -346,29 +379,6 @@ void DeviceMultigrid<T>::apply(const T* r, T* z) {
   cycle(z);
 }
 
-template <class T>
-std::vector<LevelRows<T>> hierarchy_rows(DevicePotential& potential, int hash_bits) {
-  const auto on_host = [](const auto& array) {
-    std::vector<std::remove_cvref_t<decltype(*array.data())>> values(size_t(array.size()));
-    array.download(values.data());
-    return values;
-  };
-  std::vector<LevelRows<T>> result;
-  for (const HierarchyLevel<T>& level : make_hierarchy<T>(potential, hash_bits).levels) {
-    const std::vector<int32_t> slot = on_host(level.slot), row = on_host(level.row);
-    const std::vector<T> rows = on_host(level.rows);
-    LevelRows<T>& to = result.emplace_back();
-    to.distinct = int64_t(rows.size()) / stencil::kRow;
-    for (const int32_t s : slot) {
-      const auto from = rows.begin() + int64_t(row[size_t(s)]) * stencil::kRow;
-      to.by_node.insert(to.by_node.end(), from, from + stencil::kRow);
-    }
-  }
-  return result;
-}
-
-template std::vector<LevelRows<float>> hierarchy_rows(DevicePotential&, int);
-template std::vector<LevelRows<double>> hierarchy_rows(DevicePotential&, int);
 template class DeviceMultigrid<float>;
 template class DeviceMultigrid<double>;
 

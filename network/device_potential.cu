@@ -70,8 +70,8 @@ void DevicePotential::Impl::freeze_rotations() {
       NoFinish{});
 }
 
-DevicePotential::DevicePotential(const PotentialTerms& terms)
-    : impl_(std::make_unique<Impl>(terms)) {}
+DevicePotential::DevicePotential(const PotentialTerms& terms, int64_t dense)
+    : impl_(std::make_unique<Impl>(terms, dense)) {}
 
 DevicePotential::~DevicePotential() = default;
 

@@ -24,11 +24,17 @@ struct InertiaTerms {
   }
 };
 
+/// Where nothing changes it, a level of so many nodes is solved faster than the levels below it are
+/// walked through: its inverses, 12 B a pair of nodes, are read once.
+inline constexpr int64_t kDenseNodes = 3072;
+
 class DevicePotential {
  public:
   /// With the inertia of the terms' scheme, if they have one; the terms must outlive it.
+  /// @param dense  nodes at most of a level that is solved (network/multigrid.hpp); with colliders
+  ///               it is that of the host.
   /// @throws Error (resources) where the device has no room.
-  explicit DevicePotential(const PotentialTerms& terms);
+  explicit DevicePotential(const PotentialTerms& terms, int64_t dense = kDenseNodes);
   ~DevicePotential();
 
   /// Takes predictor, inertia and the displacement at the start of the step from a potential of the

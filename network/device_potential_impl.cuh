@@ -73,9 +73,10 @@ inline DeviceArray<float> in_float(const DeviceArray<double>& values) {
 enum class NetPass { kEnergy, kStretches, kTangent };
 
 struct DevicePotential::Impl {
-  explicit Impl(const PotentialTerms& potential)
+  Impl(const PotentialTerms& potential, int64_t most_dense)
       : terms(potential),
-        levels(make_stencil_levels(grid(), dense_nodes(terms.scene()))),
+        dense(contact_free() ? most_dense : dense_nodes(terms.scene())),
+        levels(make_stencil_levels(grid(), dense)),
         rows(terms.scene(), levels[0]),
         weights_float(in_float(rows.weights())),
         border_float(in_float(rows.border())),
@@ -100,6 +101,7 @@ struct DevicePotential::Impl {
 
   const VoxelGrid& grid() const { return terms.scene().grid; }
   int64_t nodes() const { return grid().node_count(); }
+  bool contact_free() const { return terms.scene().colliders.empty(); }
 
   template <class T>
   VoxelTables<T> voxels() const {
@@ -144,6 +146,7 @@ struct DevicePotential::Impl {
   void hessian_product(const T* p, T* product);
 
   const PotentialTerms& terms;
+  int64_t dense;  ///< nodes at most of a level that is solved
   std::vector<StencilLevel> levels;
   DeviceRows rows;
   DeviceArray<float> weights_float, border_float;

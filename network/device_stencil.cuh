@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A level of network/stencil_bricks.hpp on the device, and the work of single threads on it: the
-// residual of a coarser level and the dense solve of the coarsest.
+// residual of a coarser level and, in a warp, the dense solve of the coarsest.
 //
 // Vectors of a level are (bricks, kSlots, 3), z and other with one brick more, which stands for
 // those that are missing. Slots without a free node hold 0 in every vector, always.
@@ -16,13 +16,14 @@ template <class T>
 struct StencilView {
   const BrickLinks* links;
   const int32_t *begin, *slot, *row;
-  const T *rows, *inverses;    ///< inverses: nullptr where the cycle smooths
+  const T *rows, *inverses;    ///< inverses: (3, nodes, pitch), nullptr where the cycle smooths
   T *r, *z, *other, *partial;  ///< partial: (bricks + 1, kPartial, 3)
   int32_t bricks, nodes;
   T first, keep, add;           ///< of the Chebyshev polynomial
   const T* coarse_z = nullptr;  ///< z of the next coarser level; nullptr: there is none
   T* added = nullptr;  ///< further stiffness of the diagonal, (bricks + 1, kSlots, 3), or nullptr
   int32_t* stiff = nullptr;  ///< bricks in which it is not all 0, (bricks + 1)
+  int32_t pitch = 0;         ///< dense_pitch of the nodes, of a level that is solved
 
   /// The inverse of a diagonal that has `more` added.
   __device__ static T with_added(T inverse, T more) { return inverse / (1 + inverse * more); }
@@ -56,15 +57,13 @@ struct ResidualInput {
   }
 };
 
-/// r of a coarse slot from the finer level's partial sums: those of the brick that begins at its
-/// node or holds it, and of the bricks before that end there.
+/// Adds r of a coarse slot from the finer level's partial sums: those of the brick that begins at
+/// its node or holds it, and of the bricks before that end there.
 template <class T>
-__device__ inline void restrict_residual(const StencilView<T>& fine, const StencilView<T>& coarse,
-                                         int slot) {
-  if (coarse.row[slot] == 0) return;
+__device__ inline void restricted(const StencilView<T>& fine, const StencilView<T>& coarse,
+                                  int slot, T sum[3]) {
   const BrickLinks& links = coarse.links[slot / stencil::kSlots];
   const int at[3] = {slot % 8, slot / 8 % 8, slot / 64 % 8};
-  T sum[3] = {};
 #pragma unroll
   for (int c = 0; c < 8; ++c) {
     int brick = 0, q = 0, first = 1, width = 1;
@@ -80,6 +79,15 @@ __device__ inline void restrict_residual(const StencilView<T>& fine, const Stenc
     const T* part = fine.partial + (int64_t(links.fine[brick]) * stencil::kPartial + q) * 3;
     for (int i = 0; i < 3; ++i) sum[i] += part[i];
   }
+}
+
+/// The same to where the smoother starts from.
+template <class T>
+__device__ inline void restrict_residual(const StencilView<T>& fine, const StencilView<T>& coarse,
+                                         int slot) {
+  if (coarse.row[slot] == 0) return;
+  T sum[3] = {};
+  restricted(fine, coarse, slot, sum);
   set_residual(coarse, slot, sum);
 }
 
@@ -98,7 +106,7 @@ struct ResultOutput {
 template <class T>
 __device__ inline void solve(const StencilView<T>& v, int k, const ResultOutput<T>& out) {
   const int component = k / v.nodes, node = k % v.nodes, lane = int(threadIdx.x) % 32;
-  const T* inverse = v.inverses + int64_t(k) * v.nodes;
+  const T* inverse = v.inverses + int64_t(k) * v.pitch;
   T sum = 0;
   for (int m = lane; m < v.nodes; m += 32)
     sum += inverse[m] * v.r[3 * int64_t(v.slot[m]) + component];

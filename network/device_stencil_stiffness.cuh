@@ -39,20 +39,21 @@ __global__ void __launch_bounds__(stencil::kSlots)
 using DenseTile = InverseTile<7>;
 using SmallDenseTile = InverseTile<4>;
 
-/// Inverses of the three dense operators with the further stiffness, a block each.
+/// Inverses of the three dense operators (device_dense.cuh) with the further stiffness, a block
+/// each.
 template <class T, class Tile>
 __global__ void __launch_bounds__(Tile::kThreads)
     inverse_kernel(StencilView<T> v, const double* operators, T* inverses) {
   __shared__ typename Tile::Room room;
   const int n = v.nodes, component = int(blockIdx.x);
-  const int64_t first = int64_t(component) * n * n;
+  const int64_t first = int64_t(component) * v.pitch * v.pitch;
   Tile tile(n, [&](int i, int j) {
     const T more = i == j ? v.added[3 * int64_t(v.slot[i]) + component] : T(0);
-    return operators[first + i * n + j] + double(more);
+    return operators[first + i * v.pitch + j] + double(more);
   });
   tile.invert(room);
   tile.for_entries([&](int i, int j, double value) {
-    if (i < n && j < n) inverses[first + i * n + j] = T(value);
+    if (i < n && j < n) inverses[(int64_t(component) * n + i) * v.pitch + j] = T(value);
   });
 }
 

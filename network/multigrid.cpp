@@ -30,19 +30,6 @@ Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& A) {
 }  // namespace
 
 template <class T>
-std::vector<T> dense_inverses(const std::vector<double>& operators, int64_t n) {
-  std::vector<T> inverses(operators.size());
-  run_tasks(int64_t(operators.size()) / (n * n), [&](int64_t k) {
-    const Eigen::Map<const Eigen::MatrixXd> A(operators.data() + k * n * n, n, n);
-    Eigen::Map<Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>>(
-        inverses.data() + k * n * n, n, n) = inverse_of(A).template cast<T>();
-  });
-  return inverses;
-}
-template std::vector<float> dense_inverses(const std::vector<double>&, int64_t);
-template std::vector<double> dense_inverses(const std::vector<double>&, int64_t);
-
-template <class T>
 struct Multigrid<T>::Level {
   explicit Level(LevelGrid&& g)
       : grid(std::move(g)), scratch(*grid.rows), lambda_max(largest_eigenvalue(grid)) {
@@ -191,13 +178,10 @@ struct Multigrid<T>::Level {
 };
 
 template <class T>
-Multigrid<T>::Multigrid(const Scene& scene, double a0)
-    : Multigrid(scene, a0,
-                std::make_shared<const BrickRows>(make_brick_rows(scene.grid, scene.material))) {}
-
-template <class T>
-Multigrid<T>::Multigrid(const Scene& scene, double a0, std::shared_ptr<const BrickRows> rows) {
-  const int64_t dense = dense_nodes(scene);
+Multigrid<T>::Multigrid(const Scene& scene, double a0, std::shared_ptr<const BrickRows> rows,
+                        std::optional<int64_t> most_dense) {
+  const int64_t dense = most_dense.value_or(dense_nodes(scene));
+  if (!rows) rows = std::make_shared<const BrickRows>(make_brick_rows(scene.grid, scene.material));
   levels_.push_back(std::make_unique<Level>(finest_level(scene, a0, std::move(rows))));
   while (levels_.back()->grid.nodes > dense && int(levels_.size()) < kMostLevels) {
     LevelGrid coarse = coarser_level(levels_.back()->grid);

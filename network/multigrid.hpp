@@ -14,6 +14,7 @@
 #include "network/brick_rows.hpp"
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace elastogen {
@@ -32,19 +33,17 @@ struct MultigridLevel {
   int64_t nodes;
 };
 
-/// Inverses of dense symmetric positive definite matrices, (count, n, n): what a coarsest level is
-/// solved by.
-template <class T>
-std::vector<T> dense_inverses(const std::vector<double>& operators, int64_t n);
-
 /// @tparam T  float, or double where the condition number asks for it (Courant number above 1e3).
 template <class T>
 class Multigrid {
  public:
   /// @param a0    mass factor of the time scheme.
-  /// @param rows  those of the scene; made where they are not given.
-  Multigrid(const Scene& scene, double a0, std::shared_ptr<const BrickRows> rows);
-  Multigrid(const Scene& scene, double a0);
+  /// @param rows   those of the scene; made where they are not given.
+  /// @param dense  nodes at most of a level that is solved; dense_nodes of the scene where it is
+  /// not
+  ///               given.
+  Multigrid(const Scene& scene, double a0, std::shared_ptr<const BrickRows> rows = {},
+            std::optional<int64_t> dense = {});
   ~Multigrid();
 
   /// z = B r, one V-cycle from z = 0; r and z are (nodes, 3), r is 0 on pinned nodes.

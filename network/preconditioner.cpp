@@ -6,9 +6,10 @@
 namespace elastogen {
 
 template <class T>
-Preconditioner<T>::Preconditioner(IncrementalPotential& potential, const EncoderChoice& encoder)
+Preconditioner<T>::Preconditioner(IncrementalPotential& potential, const EncoderChoice& encoder,
+                                  std::optional<int64_t> dense)
     : potential_(potential),
-      multigrid_(potential.scene(), potential.scheme().a0, potential.shared_rows()),
+      multigrid_(potential.scene(), potential.scheme().a0, potential.shared_rows(), dense),
       encoder_(encoder.make<T>(potential)) {
   const size_t size = 3 * size_t(potential.scene().grid.node_count());
   r_.resize(size);

@@ -33,7 +33,9 @@ struct EncoderChoice {
 template <class T>
 class Preconditioner {
  public:
-  Preconditioner(IncrementalPotential& potential, const EncoderChoice& encoder);
+  /// @param dense  of Multigrid.
+  Preconditioner(IncrementalPotential& potential, const EncoderChoice& encoder,
+                 std::optional<int64_t> dense = {});
 
   /// z = B r, both (nodes, 3); In is the type of the iteration, the work is done in T.
   template <class In>

@@ -6,6 +6,8 @@
 
 #include "network/device_multigrid.cuh"
 
+#include "core/error.hpp"
+#include "network/multigrid_grid.hpp"
 #include "tests/network/device_numbers.hpp"
 #include "tests/network/device_support.hpp"
 #include "tests/network/multigrid_scenes.hpp"
@@ -20,7 +22,9 @@ class MultigridOnCard : public OnCard {};
 /// The cycle of the device, and the potential that it is made of.
 template <class T>
 struct Made {
-  explicit Made(const Scene& scene) : potential(with_scheme(scene)), tables(potential) {
+  explicit Made(const Scene& scene) : Made(scene, dense_nodes(scene)) {}
+  Made(const Scene& scene, int64_t dense)
+      : potential(with_scheme(scene)), tables(potential, dense) {
     cycle.emplace(tables);
   }
   static IncrementalPotential with_scheme(const Scene& scene) {
@@ -32,6 +36,14 @@ struct Made {
   cuda::DevicePotential tables;
   std::optional<cuda::DeviceMultigrid<T>> cycle;
 };
+
+/// A plate of one voxel, long and thin: its operators are worse conditioned than those of blocks.
+Scene thin_plate() {
+  Scene plate = box_at({-5, 3, 7}, 140, 19, 1);
+  pin_below(plate, 0, -0.35);
+  finish_scene(plate);
+  return plate;
+}
 
 /// A cycle of the device like one of the host, and more with the same bits.
 template <class T>
@@ -61,6 +73,27 @@ void check_cycles(double bound) {
 
 TEST_F(MultigridOnCard, CyclesAreThoseOfTheHostInDouble) {
   check_cycles<double>(1e-12);
+}
+
+/// Levels that are solved as a step on the card does, which smooths them on the CPU.
+template <class T>
+void check_large_solves(double bound) {
+  const Scene ragged = ragged_of_two_materials(50, 26, 37),
+              many = clamped_beam(45, 35, 31, 0.02, solid(1e5, 0.45)), plate = thin_plate(),
+              whole = clamped_beam(30, 11, 7, 0.02, solid(1e5, 0.3));
+  for (const Scene* scene : {&ragged, &many, &plate, &whole}) {
+    Multigrid<T> host(*scene, 1, {}, cuda::kDenseNodes);
+    const int64_t n = host.level(host.level_count() - 1).nodes;
+    SCOPED_TRACE(concat(n, " nodes"));
+    EXPECT_GT(n, dense_nodes(*scene));
+    Made<T> device(*scene, cuda::kDenseNodes);
+    expect_cycle_of_host(*scene, host, *device.cycle, bound);
+  }
+}
+
+TEST_F(MultigridOnCard, LargeSolvesAreThoseOfTheHost) {
+  check_large_solves<double>(1e-11);
+  check_large_solves<float>(2e-5);
 }
 
 TEST_F(MultigridOnCard, CyclesAreThoseOfTheHostInFloat) {

@@ -320,8 +320,9 @@ TEST_F(OnCard, NewtonEndsInTheStatesOfTheHost) {
     EXPECT_EQ(a.converged, kSteps);
     EXPECT_EQ(b.converged, kSteps);
     EXPECT_LT(distance_of_ways(scene, b.state, a.state), 1e-5);
-    EXPECT_NEAR(b.report.outer, a.report.outer, 1);
-    EXPECT_NEAR(b.report.inner, a.report.inner, 3 + a.report.inner / 5);
+    // the card solves larger levels of the V-cycle: its iterations are others, and not more
+    EXPECT_NEAR(b.report.outer, a.report.outer, 2);
+    EXPECT_LE(b.report.inner, 3 + a.report.inner + a.report.inner / 5);
   }
 }
 

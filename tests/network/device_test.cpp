@@ -121,7 +121,7 @@ struct Pair {
       : state(state_at(scene, now)), potential(scene) {
     potential.begin_step(state, {TimeScheme::kEuler, scene.dt, 1});
     potential.set_nodal_rotations(now.data());
-    first.emplace(potential, EncoderChoice{with_encoder});
+    first.emplace(potential, EncoderChoice{with_encoder}, cuda::kDenseNodes);
     device.emplace(potential, EncoderChoice{with_encoder});
     device->begin_step(potential);
     device->set_nodal_rotations(now.data());
