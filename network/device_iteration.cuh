@@ -12,7 +12,7 @@
 
 namespace elastogen::cuda {
 
-inline constexpr int kTrialSums = 7 + 2 * kOlder;
+inline constexpr int kTrialSums = 7 + 2 * kOlder, kGradientSums = 1 + kPairs;
 
 /// The gradients of an iteration in T; lbfgs.hpp on the device.
 template <class T>
@@ -25,6 +25,7 @@ struct Iteration {
         coefficients(kPairs),
         pair_sums(1),
         slope_sums(1),
+        gradient_sums(1),
         trial_sums(1),
         numbers(1) {}
 
@@ -37,6 +38,7 @@ struct Iteration {
   void halve_step(const double* u, double* trial_u);
   void take_cut_step(const double* u, const double* trial_u);
   void measure_gradient();
+  void take_gradient() { std::copy_n(numbers[0].of_pairs, kPairs, pairs.products.sg); }
   void measure_trial(const double* trial_u, const InertiaTerms& inertia);
   /// The trial that was measured last is the new state.
   void accept() {
@@ -50,6 +52,7 @@ struct Iteration {
   DeviceArray<double> coefficients;  // c of lbfgs_products.hpp
   DeviceArray<SumRoom<Sums<kPairs>>> pair_sums;
   DeviceArray<SumRoom<Sums<1>>> slope_sums;
+  DeviceArray<SumRoom<Sums<kGradientSums>>> gradient_sums;
   DeviceArray<SumRoom<Sums<kTrialSums>>> trial_sums;
   PinnedArray<Numbers> numbers;
 };
@@ -158,15 +161,26 @@ void Iteration<T>::take_cut_step(const double* u, const double* trial_u) {
   cuda::for_each(size, [=] __device__(int64_t i) { p[i] = float(trial_u[i] - u[i]); });
 }
 
-/// |g|^2.
+/// |g|^2, and products with the pairs that are there.
 template <class T>
 void Iteration<T>::measure_gradient() {
+  using Found = Sums<kGradientSums>;
+  const PairViews list = pairs.views();
   const T* g = gradient.data();
   Numbers* to = numbers.data();
   ordered_sum(
-      size, slope_sums.data(),
-      [=] __device__(int64_t i, Sums<1> & sum) { sum.value[0] += double(g[i]) * double(g[i]); },
-      [=] __device__(const Sums<1>& sum) { to->gradient = sum.value[0]; });
+      size, gradient_sums.data(),
+      [=] __device__(int64_t i, Found & sum) {
+        const double force = double(g[i]);
+        sum.value[0] += force * force;
+#pragma unroll
+        for (int k = 0; k < kPairs; ++k)
+          if (k < list.count) sum.value[1 + k] += double(float(list.s[k][i])) * force;
+      },
+      [=] __device__(const Found& sum) {
+        to->gradient = sum.value[0];
+        for (int k = 0; k < kPairs; ++k) to->of_pairs[k] = sum.value[1 + k];
+      });
 }
 
 /// The trial's gradient, slope, inertial energy and pair; the pair takes the place of the oldest.

@@ -15,9 +15,10 @@ inline constexpr int kPairs = LbfgsProducts::kPairs, kOlder = LbfgsProducts::kOl
 
 /// What an iteration tells the host.
 struct Numbers {
-  double slope;        ///< Phi' along the step, at its start
-  double trial_slope;  ///< and at the trial
-  double gradient;     ///< |g|^2 at the trial
+  double slope;             ///< Phi' along the step, at its start
+  double trial_slope;       ///< and at the trial
+  double gradient;          ///< |g|^2 at the trial
+  double of_pairs[kPairs];  ///< s_k.g where an iteration begins
   LbfgsProducts::Newest pair;
 };
 

@@ -22,7 +22,8 @@ struct DeviceQuasi::Impl {
   template <class T>
   Iteration<T>& iteration();
   template <class T>
-  IterationResult solve(double target, int max_outer, const std::function<bool()>& interrupted);
+  IterationResult solve(double target, int max_outer, const std::function<bool()>& interrupted,
+                        bool keeps_pairs = false);
   template <class T>
   bool line_search(Iteration<T>& it, PotentialValue& value, int& evaluations);
   DevicePotential potential;
@@ -75,15 +76,18 @@ bool DeviceQuasi::Impl::line_search(Iteration<T>& it, PotentialValue& value, int
   return false;
 }
 
+/// @param keeps_pairs  it goes on from another precision.
 template <class T>
 IterationResult DeviceQuasi::Impl::solve(double target, int max_outer,
-                                         const std::function<bool()>& interrupted) {
+                                         const std::function<bool()>& interrupted,
+                                         bool keeps_pairs) {
   Iteration<T>& it = iteration<T>();
-  it.clear();
+  if (!keeps_pairs) it.clear();
   IterationResult result;
   potential.start_evaluation<T>(u.data(), it.gradient.data());
   it.measure_gradient();
   synchronise();
+  it.take_gradient();
   PotentialValue value = potential.value();
   result.inner = 1;
   double residual = std::sqrt(it.numbers[0].gradient), half = 1e300;
@@ -121,7 +125,7 @@ size_t DeviceQuasi::later_bytes(int64_t nodes) {
   constexpr size_t kPairBytes = 2 * kPairs * sizeof(PairNumber) + sizeof(float);
   return 3 * size_t(nodes) * (kPairBytes + 2 * sizeof(float) + 2 * sizeof(double)) +
          2 * (sizeof(SumRoom<Sums<kPairs>>) + sizeof(SumRoom<Sums<1>>) +
-              sizeof(SumRoom<Sums<kTrialSums>>));
+              sizeof(SumRoom<Sums<kGradientSums>>) + sizeof(SumRoom<Sums<kTrialSums>>));
 }
 
 DevicePotential& DeviceQuasi::potential() {
@@ -148,10 +152,13 @@ void DeviceQuasi::set_nodal_rotations() {
   impl_->potential.set_nodal_rotations(impl_->u.data());
 }
 
-IterationResult DeviceQuasi::solve(double target, int max_outer, bool float64,
+IterationResult DeviceQuasi::solve(double target, int max_outer, double precise_below,
                                    const std::function<bool()>& interrupted) {
-  return float64 ? impl_->solve<double>(target, max_outer, interrupted)
-                 : impl_->solve<float>(target, max_outer, interrupted);
+  if (precise_below <= target) return impl_->solve<float>(target, max_outer, interrupted);
+  if (!std::isfinite(precise_below)) return impl_->solve<double>(target, max_outer, interrupted);
+  const IterationResult in_float = impl_->solve<float>(precise_below, max_outer, interrupted);
+  return sum(in_float, impl_->solve<double>(target, max_outer - in_float.outer, interrupted,
+                                            in_float.converged));
 }
 
 void DeviceQuasi::begin_step(const IncrementalPotential& host) {
@@ -171,10 +178,10 @@ void DeviceQuasi::set_nodal_rotations(const double* u) {
   set_nodal_rotations();
 }
 
-IterationResult DeviceQuasi::solve(double* u, double target, int max_outer, bool float64,
+IterationResult DeviceQuasi::solve(double* u, double target, int max_outer, double precise_below,
                                    const std::function<bool()>& interrupted) {
   impl_->u.upload(u);
-  const IterationResult result = solve(target, max_outer, float64, interrupted);
+  const IterationResult result = solve(target, max_outer, precise_below, interrupted);
   impl_->u.download(u);
   return result;
 }

@@ -33,9 +33,10 @@ class DeviceQuasi {
   void accept_trial();
   /// Nodal rotations of the preconditioner from u().
   void set_nodal_rotations();
-  /// As QuasiSolver<T>::solve on u() with a first matrix in float; T is double with float64, else
-  /// float.
-  IterationResult solve(double target, int max_outer, bool float64,
+  /// As QuasiSolver<T>::solve on u() with a first matrix in float; T is float while |grad Phi| is
+  /// above `precise_below`, then double: 0, or what the target is not below, is float to the end,
+  /// infinity double from the start.
+  IterationResult solve(double target, int max_outer, double precise_below,
                         const std::function<bool()>& interrupted);
 
   // the same with arrays of the host, for tests and benchmarks
@@ -43,7 +44,7 @@ class DeviceQuasi {
   void set_nodal_rotations(const double* u);
   void update_contact(bool touching);  ///< freezes its stiffness at u(); false: there is none
   void download_u(double* u);
-  IterationResult solve(double* u, double target, int max_outer, bool float64,
+  IterationResult solve(double* u, double target, int max_outer, double precise_below,
                         const std::function<bool()>& interrupted);
 
   /// z = B r, both (nodes, 3) on the device; for tests and benchmarks. T float or double.

@@ -54,9 +54,9 @@ class StepOnDevice : public DeviceStep {
   double phi_now() override { return phi_at(potential().now()); }
   bool is_below_clear_start() override { return rough_phi(quasi_.u()) < rough_phi(clear()); }
   void set_nodal_rotations() override { quasi_.set_nodal_rotations(); }
-  IterationResult solve(double target, int max_outer, bool float64,
+  IterationResult solve(double target, int max_outer, double precise_below,
                         const std::function<bool()>& interrupted) override {
-    return quasi_.solve(target, max_outer, float64, interrupted);
+    return quasi_.solve(target, max_outer, precise_below, interrupted);
   }
   void upload_u(const double* u) override;
   void download_u(double* u) override;

@@ -113,11 +113,14 @@ IterationResult Solver::Impl::iterate(double target, StepReport& report) {
   if (mode == SolverMode::kNewton) return newton(target);
   if (precise) return quasi(quasi_double, target, precise);
   IterationResult result;
-  if (options.skip && float_floor(scene) < options.tolerance / 3) {
+  const double float_serves = options.skip ? 3 * float_floor(scene) : kAlways;
+  if (float_serves < options.tolerance) {
     report.float64 = false;
     result = quasi(quasi_float, target, single);
     if (result.converged) return result;
     report.float64 = true;
+  } else if (on_device) {
+    return on_device->solve(target, options.max_outer, float_serves * force, options.interrupted);
   }
   return sum(result, quasi(quasi_double, target, single));
 }

@@ -14,11 +14,14 @@
 #include "network/solver.hpp"
 
 #include <atomic>
+#include <limits>
 #include <optional>
 
 namespace elastogen {
 
 struct Solver::Impl {
+  static constexpr double kAlways = std::numeric_limits<double>::infinity();  // in float64
+
   Impl(const Scene& s, const SolverOptions& o);
 
   bool stiff() const;
@@ -34,7 +37,8 @@ struct Solver::Impl {
   IterationResult quasi(std::unique_ptr<QuasiSolver<T>>& solver, double target,
                         std::optional<Preconditioner<P>>& first) {
     if (on_device)
-      return on_device->solve(target, options.max_outer, sizeof(T) == 8, options.interrupted);
+      return on_device->solve(target, options.max_outer, sizeof(T) == 8 ? kAlways : 0,
+                              options.interrupted);
     if (!solver) solver = std::make_unique<QuasiSolver<T>>(*potential);
     return solver->solve(u.data(), target, options.max_outer, *first, options.interrupted);
   }
