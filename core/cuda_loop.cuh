@@ -16,11 +16,22 @@ inline void check(cudaError_t error) {
   throw Error(concat("CUDA: ", cudaGetErrorString(error)), ErrorKind::kResources);
 }
 
-/// First in every kernel that launch() starts: lets the next one start as soon as there is room,
-/// and waits for those before. What comes ahead of it may only read what no kernel writes.
-__device__ inline void begin_kernel() {
+// In every kernel that launch() starts, first of all and then before anything is read that another
+// kernel writes or written that another one reads: what comes between them runs beside the kernels
+// before.
+
+/// Lets the next kernel start as soon as there is room.
+__device__ inline void let_next_start() {
   cudaTriggerProgrammaticLaunchCompletion();
+}
+/// Waits for the kernels before.
+__device__ inline void wait_for_before() {
   cudaGridDependencySynchronize();
+}
+/// Both at once.
+__device__ inline void begin_kernel() {
+  let_next_start();
+  wait_for_before();
 }
 
 /// Where a kernel is launched, and when its blocks start: early, while the kernel before is ending,

@@ -193,6 +193,7 @@ __global__ void __launch_bounds__(kThreads)
   __shared__ bool last[2];
   const int thread = int(threadIdx.x), component = int(blockIdx.y);
   const int column = thread % kRowThreads, row = thread / kRowThreads;
+  let_next_start();
   int I, J;
   find_tile(int(blockIdx.x), I, J);
   Columns<T> entry[kRows];
@@ -200,7 +201,7 @@ __global__ void __launch_bounds__(kThreads)
 #pragma unroll
   for (int k = 0; k < kRows; ++k)
     entry[k] = reinterpret_cast<const Columns<T>*>(tile)[thread + kThreads * k];
-  begin_kernel();
+  wait_for_before();
   const T* r = d.r + int64_t(component) * d.tile_count * kTile;
   if (thread < kTile) of_rows[thread] = r[kTile * I + thread];
   if (thread >= kThreads - kTile) {

@@ -70,8 +70,9 @@ __global__ void __launch_bounds__(stencil::kSlots / kRun,
                                   sizeof(T) == 4 && kRun > kSingleRun ? 2 * kRun : 1)
     pass_kernel(const __grid_constant__ StencilView<T> v, Pass pass, ResultOutput<T> out) {
   extern __shared__ __align__(16) unsigned char room[];
-  begin_kernel();
-  stencil::run_pass<T, kRun, kAdded>(v, pass, blockIdx.x, reinterpret_cast<T*>(room), out);
+  let_next_start();
+  stencil::run_pass<T, kRun, kAdded>(v, pass, blockIdx.x, reinterpret_cast<T*>(room), out,
+                                     [] { wait_for_before(); });
 }
 
 /// body(k) for each k of [0, n) by the threads of the grid.
@@ -85,7 +86,8 @@ template <class T, bool kAdded>
 __device__ void cluster_pass(const StencilView<T>& v, Pass pass, const ResultOutput<T>& out) {
   extern __shared__ __align__(16) unsigned char room[];
   for (int32_t brick = int32_t(blockIdx.x); brick < v.bricks; brick += int32_t(gridDim.x)) {
-    stencil::run_pass<T, kSingleRun, kAdded>(v, pass, brick, reinterpret_cast<T*>(room), out);
+    stencil::run_pass<T, kSingleRun, kAdded>(v, pass, brick, reinterpret_cast<T*>(room), out,
+                                             [] {});
     __syncthreads();
   }
   cooperative_groups::this_cluster().sync();

@@ -32,12 +32,12 @@ __global__ void __launch_bounds__(kThreads)
   extern __shared__ __align__(16) unsigned char room[];
   constexpr int kWidth = ::elastogen::bricks::kTileWidth;
   T *const in = reinterpret_cast<T*>(room), *const given = in + 3 * kTile;
+  let_next_start();
   const int64_t b = blockIdx.x;
   const int32_t begin = g.tile_begin[b], end = g.tile_begin[b + 1], row_end = g.row_begin[b + 1];
   const int lane = int(threadIdx.x) % kLanes;
-  begin_kernel();
   for (int k = int(threadIdx.x); k < kCount * kVoxels; k += kThreads) given[k] = 0;
-  read_tile(g, begin, end, read, in);
+  read_tile(g, begin, end, read, in, [] { wait_for_before(); });
   __syncthreads();
   for (int32_t r = g.row_begin[b] + int32_t(threadIdx.x) / kLanes; r < row_end;
        r += kThreads / kLanes) {

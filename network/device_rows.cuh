@@ -116,9 +116,10 @@ __device__ inline void clear_tile(T* given) {
     parts[k] = int4{};
 }
 
-template <class T, class Read>
+/// @param begin_reads  called before anything is read that kernels write.
+template <class T, class Read, class Begin>
 __device__ inline void read_tile(const RowsView& g, int32_t begin, int32_t end, const Read& read,
-                                 T* in) {
+                                 T* in, const Begin& begin_reads) {
   const int64_t reference = __ldg(g.tile_node + begin);
   int32_t node[kNodes], place[kNodes];
   T value[kNodes][3];
@@ -128,6 +129,7 @@ __device__ inline void read_tile(const RowsView& g, int32_t begin, int32_t end, 
     node[j] = k < end ? __ldg(g.tile_node + k) : -1;
     place[j] = k < end ? pitched(__ldg(g.tile_place + k)) : 0;
   }
+  begin_reads();
 #pragma unroll
   for (int j = 0; j < kNodes; ++j)
     if (node[j] >= 0) read(int64_t(node[j]), reference, value[j]);
@@ -170,14 +172,14 @@ __global__ void __launch_bounds__(kThreads, sizeof(T) == 4 ? 2 : 1)
     voxel_kernel(RowsView g, T* parts, Sums* sums, Read read, Voxel voxel, Finish finish) {
   extern __shared__ __align__(16) unsigned char room[];
   T *const in = reinterpret_cast<T*>(room), *const given = in + 3 * kTile;
+  let_next_start();
   const int64_t b = blockIdx.x;
   const int32_t begin = g.tile_begin[b], end = g.tile_begin[b + 1], row_end = g.row_begin[b + 1];
   const int lane = int(threadIdx.x) % kLanes;
   int32_t r = g.row_begin[b] + int32_t(threadIdx.x) / kLanes;
   VoxelRow next = row_at(g, r, row_end);
-  begin_kernel();
   if constexpr (kGives<Finish>) clear_tile(given);
-  read_tile(g, begin, end, read, in);
+  read_tile(g, begin, end, read, in, [] { wait_for_before(); });
   __syncthreads();
   Sums mine;
   for (int32_t first = g.row_begin[b]; first < row_end; first += kThreads / kLanes) {
@@ -215,10 +217,11 @@ __global__ void __launch_bounds__(kThreads, sizeof(T) == 4 ? 2 : 1)
 template <class T, class Sums, class Finish, class Then>
 __global__ void __launch_bounds__(kThreads)
     shared_kernel(RowsView g, const T* parts, const Sums* sums, Finish finish, Then then) {
-  begin_kernel();
+  let_next_start();
   int64_t block = blockIdx.x;
   if constexpr (!std::is_same_v<Sums, NoSums>) {
     if (block-- == 0) {
+      wait_for_before();
       alignas(Sums) __shared__ unsigned char all[kSumWarps * sizeof(Sums)];
       const Sums sum = detail::sum_of_partials(g.bricks, sums, reinterpret_cast<Sums*>(all));
       if (threadIdx.x == 0) then(sum);
@@ -227,8 +230,10 @@ __global__ void __launch_bounds__(kThreads)
   }
   const int64_t s = block * kThreads + threadIdx.x;
   if (s >= g.shared) return;
-  finish(int64_t(g.shared_node[s]),
-         NodeSum<T>{parts, g.shared_begin[s], g.shared_begin[s + 1], {}});
+  const int64_t node = g.shared_node[s];
+  const NodeSum<T> sum{parts, g.shared_begin[s], g.shared_begin[s + 1], {}};
+  wait_for_before();
+  finish(node, sum);
 }
 
 /// What is done with the sum of NoSums.

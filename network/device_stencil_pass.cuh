@@ -107,12 +107,15 @@ __device__ inline void store(const StencilView<T>& v, Pass pass, int64_t brick, 
 }
 
 /// A pass over one brick by a block of 512 / kRun threads.
-/// @param room  kSharedBytes<T> of shared memory, aligned to 16.
-/// @param out   z by node for the last pass of the finest level.
+/// @param room   kSharedBytes<T> of shared memory, aligned to 16.
+/// @param out    z by node for the last pass of the finest level.
+/// @param begin  called before anything is read that kernels write.
 /// @tparam kAdded  the view has a further stiffness.
-template <class T, int kRun, bool kAdded>
+template <class T, int kRun, bool kAdded, class Begin>
 __device__ inline void run_pass(const StencilView<T>& v, Pass pass, int64_t brick, T* room,
-                                const ResultOutput<T>& out) {
+                                const ResultOutput<T>& out, const Begin& begin) {
+  // all weights come before the values do
+  constexpr bool kEarlyWeights = kRun == 1 && sizeof(T) == 4 && !kAdded;
   constexpr int kThreads = kSlots / kRun;
   T *const own = room + kTile, *const old = own + kBrick;
   T* const coarse = pass == Pass::kSecond ? old + kBrick : old;
@@ -120,10 +123,20 @@ __device__ inline void run_pass(const StencilView<T>& v, Pass pass, int64_t bric
   const int x = int(threadIdx.x) % 8, y = int(threadIdx.x) / 8 % 8;
   const int z = kRun * (int(threadIdx.x) / 64), place = x + 8 * (y + 8 * z);
   const bool from_z = pass == Pass::kResidual || pass == Pass::kFirst;
-  load_tile<T, kThreads>(v.links[brick], from_z ? v.z : v.other, room);
+  __shared__ BrickLinks links;
+  copy_links(v.links + brick, &links);
+  int32_t row[kRun], any = 0;
+  for (int j = 0; j < kRun; ++j) any |= row[j] = v.row[brick * kSlots + place + 64 * j];
+  T weights[3][kEarlyWeights ? kComponent : 1];
+  if constexpr (kEarlyWeights)
+    for (int i = 0; i < 3; ++i)
+      if (any != 0) load_weights(v.rows + int64_t(any) * kRow + i * kComponent, weights[i]);
+  begin();
+  __syncthreads();
+  load_tile<T, kThreads>(links, from_z ? v.z : v.other, room);
   load_brick<T, kThreads>(v.r + brick * kBrick, own);
   if (pass == Pass::kSecond) load_brick<T, kThreads>(v.z + brick * kBrick, old);
-  if (prolongs) load_coarse<T, kThreads>(v.links[brick], v.coarse_z, coarse);
+  if (prolongs) load_coarse<T, kThreads>(links, v.coarse_z, coarse);
   __pipeline_commit();
   const auto wait = [&] {
     __pipeline_wait_prior(0);
@@ -137,19 +150,12 @@ __device__ inline void run_pass(const StencilView<T>& v, Pass pass, int64_t bric
   };
   // r and the result are 0 where there is no free node
   const T* const at = room + kPitch * (y + 10 * z) + 3 * x + 1;
-  if constexpr (kRun == 1 && sizeof(T) == 4 && !kAdded) {  // all weights come while the values do
-    const int32_t row = v.row[brick * kSlots + place];
-    T weights[3][kComponent];
+  wait();
+  if constexpr (kEarlyWeights) {
     for (int i = 0; i < 3; ++i)
-      if (row != 0) load_weights(v.rows + int64_t(row) * kRow + i * kComponent, weights[i]);
-    wait();
-    for (int i = 0; i < 3; ++i)
-      if (row != 0)
+      if (any != 0)
         update_node(v, pass, weights[i], at + i, own + 3 * place + i, old + 3 * place + i);
   } else {
-    int32_t row[kRun], any = 0;
-    for (int j = 0; j < kRun; ++j) any |= row[j] = v.row[brick * kSlots + place + 64 * j];
-    wait();
     const T* added = nullptr;
     if (kAdded && v.stiff[brick] != 0) added = v.added + brick * kBrick + 3 * place;
 #pragma unroll 1
