@@ -5,17 +5,17 @@
 namespace elastogen::cuda {
 namespace {
 
-constexpr int kTile = kDenseTile;
-constexpr int kSide = 16,
-              kOf = kTile / kSide;  // threads of a block, and of entries a thread, an axis
-constexpr int kChunk = 16;          // columns that are in shared memory at a time
-constexpr int kBlock = kTile * kTile;
+constexpr int kTile = kDenseTile, kBlock = kTile * kTile;
+constexpr int kSide = 16, kOf = kTile / kSide;  // per axis: threads of a block, entries of a thread
+constexpr int kChunk = kSide;                   // columns that are in shared memory at a time
 using Pivot = InverseTile<kOf>;
 static_assert(Pivot::kWidth == kSide && Pivot::kRows == kTile);
 
+constexpr int kMatrices = 3;
+
 /// Matrices that are swept, of which tiles on and below the diagonal count, and for the tile K of
-/// columns that is swept: A_KK^-1, (count, kTile, kTile), the columns A_K before that, and
-/// A_K A_KK^-1, (count, size, kTile) each.
+/// columns that is swept: A_KK^-1, (3, kTile, kTile), the columns A_K before that, and A_K A_KK^-1,
+/// (3, size, kTile) each.
 struct Sweep {
   double *matrix, *inverse, *before, *after;
   int64_t size;
@@ -62,7 +62,6 @@ __device__ void add_product(const double* X, const double* Y, double sum[kOf][kO
         for (int b = 0; b < kOf; ++b) sum[a][b] += of_x[c][y + kSide * a] * of_y[c][x + kSide * b];
   }
 }
-static_assert(kChunk == kSide);
 
 /// A_KK^-1, and its negative in the place of A_KK. A block a matrix.
 __global__ void __launch_bounds__(Pivot::kThreads) pivot_kernel(Sweep s) {
@@ -91,13 +90,8 @@ __global__ void __launch_bounds__(Pivot::kThreads) panel_kernel(Sweep s) {
     return tile > s.k ? s.entry(m, row, column) : s.entry(m, column, row);
   };
   for (int a = 0; a < kOf; ++a)
-    for (int b = 0; b < kOf; ++b) {
-      const int i = y + kSide * a, j = x + kSide * b;
-      before[i * kTile + j] = tile > s.k ? *place(i, j) : 0;
-    }
-  for (int a = 0; a < kOf && tile < s.k; ++a)  // threads of a warp along the rows of the matrix
-    for (int b = 0; b < kOf; ++b) {
-      const int i = x + kSide * b, j = y + kSide * a;
+    for (int b = 0; b < kOf; ++b) {  // threads of a warp along the rows of the matrix
+      const int p = y + kSide * a, q = x + kSide * b, i = tile > s.k ? p : q, j = p + q - i;
       before[i * kTile + j] = *place(i, j);
     }
   __syncthreads();
@@ -126,25 +120,31 @@ __global__ void __launch_bounds__(Pivot::kThreads) update_kernel(Sweep s) {
                int64_t(kTile) * column + int(threadIdx.x) + kSide * b) -= sum[a][b];
 }
 
-/// Leaves -A^-1 on and below the diagonals of A, (count, size, size).
-Sweep sweep_all(DeviceArray<double>& A, int64_t count, int64_t size) {
-  const int64_t tiles = size / kTile;
-  DeviceArray<double> inverse(count * kBlock), before(count * size * kTile), after(before.size());
+/// Leaves -A^-1 on and below the diagonals of A, (3, size, size).
+void sweep(DeviceArray<double>& A, int64_t size) {
+  const auto tiles = unsigned(size / kTile);
+  DeviceArray<double> inverse(kMatrices * kBlock), before(kMatrices * size * kTile),
+      after(before.size());
   Sweep s{A.data(), inverse.data(), before.data(), after.data(), size, 0};
-  constexpr dim3 kBlockThreads(kSide, kSide);
-  const auto matrices = unsigned(count);
-  for (s.k = 0; s.k < tiles; ++s.k) {
-    launch(pivot_kernel, matrices, kBlockThreads, 0, s);
-    launch(panel_kernel, dim3(unsigned(tiles), matrices), kBlockThreads, 0, s);
-    launch(update_kernel, dim3(unsigned(pairs_of(tiles)), matrices), kBlockThreads, 0, s);
+  constexpr dim3 kThreads(kSide, kSide);
+  for (; s.k < int(tiles); ++s.k) {
+    launch(pivot_kernel, kMatrices, kThreads, 0, s);
+    launch(panel_kernel, dim3(tiles, kMatrices), kThreads, 0, s);
+    launch(update_kernel, dim3(unsigned(pairs_of(tiles)), kMatrices), kThreads, 0, s);
   }
   synchronise();
-  return s;
+}
+
+/// Entry of the inverse m of swept matrices.
+__device__ double inverse_entry(const double* swept, int64_t size, int64_t m, int64_t i,
+                                int64_t j) {
+  return -swept[(m * size + max(i, j)) * size + min(i, j)];
 }
 
 // of a solve: a block a tile, a thread four columns of every sixteenth row
-constexpr int kThreads = 256, kColumns = 4, kRowThreads = kTile / kColumns,
-              kRowStep = kThreads / kRowThreads, kRows = kTile / kRowStep, kWarps = kThreads / 32;
+constexpr int kSolveThreads = 256, kColumns = 4, kRowThreads = kTile / kColumns,
+              kRowStep = kSolveThreads / kRowThreads, kRows = kTile / kRowStep,
+              kWarps = kSolveThreads / 32;
 
 template <class T>
 struct alignas(16) Columns {
@@ -166,17 +166,17 @@ struct DenseView {
 /// The sums of the rows of tile I, once all are there, to where z is.
 template <class T>
 __device__ void finish_rows(const DenseView<T>& d, const StencilView<T>& v, int component, int I,
-                            T room[kThreads], const ResultOutput<T>& out) {
+                            T room[kSolveThreads], const ResultOutput<T>& out) {
   const int row = int(threadIdx.x) % kTile, first = int(threadIdx.x) / kTile;
   T sum = 0;
 #pragma unroll 4
-  for (int J = first; J < d.tile_count; J += kThreads / kTile)
+  for (int J = first; J < d.tile_count; J += kSolveThreads / kTile)
     sum += __ldcg(d.sum(component, I, J) + row);
   room[threadIdx.x] = sum;
   __syncthreads();
   const int node = kTile * I + row;
   if (first == 0 && node < v.nodes) {
-    for (int k = 1; k < kThreads / kTile; ++k) sum += room[k * kTile + row];
+    for (int k = 1; k < kSolveThreads / kTile; ++k) sum += room[k * kTile + row];
     if (out.z != nullptr)
       out.set(3 * int64_t(node) + component, sum);
     else
@@ -187,9 +187,9 @@ __device__ void finish_rows(const DenseView<T>& d, const StencilView<T>& v, int 
 
 /// Blocks (pairs of tiles, 3). Tiles come while kernels before still run: they are never written.
 template <class T>
-__global__ void __launch_bounds__(kThreads)
+__global__ void __launch_bounds__(kSolveThreads)
     solve_kernel(DenseView<T> d, StencilView<T> v, ResultOutput<T> out) {
-  __shared__ T of_rows[kTile], of_columns[kTile], room[kThreads + kWarps * kTile];
+  __shared__ T of_rows[kTile], of_columns[kTile], room[kSolveThreads + kWarps * kTile];
   __shared__ bool last[2];
   const int thread = int(threadIdx.x), component = int(blockIdx.y);
   const int column = thread % kRowThreads, row = thread / kRowThreads;
@@ -200,12 +200,12 @@ __global__ void __launch_bounds__(kThreads)
   const T* tile = d.tiles + (int64_t(component) * gridDim.x + blockIdx.x) * kBlock;
 #pragma unroll
   for (int k = 0; k < kRows; ++k)
-    entry[k] = reinterpret_cast<const Columns<T>*>(tile)[thread + kThreads * k];
+    entry[k] = reinterpret_cast<const Columns<T>*>(tile)[thread + kSolveThreads * k];
   wait_for_before();
   const T* r = d.r + int64_t(component) * d.tile_count * kTile;
   if (thread < kTile) of_rows[thread] = r[kTile * I + thread];
-  if (thread >= kThreads - kTile) {
-    const int k = thread - (kThreads - kTile);
+  if (thread >= kSolveThreads - kTile) {
+    const int k = thread - (kSolveThreads - kTile);
     of_columns[k] = r[kTile * J + k];
   }
   __syncthreads();
@@ -223,7 +223,7 @@ __global__ void __launch_bounds__(kThreads)
       along[k] += __shfl_xor_sync(~0u, along[k], half);
     if (column == 0) d.sum(component, I, J)[row + kRowStep * k] = along[k];
   }
-  T* const of_warps = room + kThreads;
+  T* const of_warps = room + kSolveThreads;
 #pragma unroll
   for (int j = 0; j < kColumns; ++j) {
     down[j] += __shfl_xor_sync(~0u, down[j], kRowThreads);
@@ -252,20 +252,16 @@ static_assert(kRowThreads == 16);  // two rows a warp
 
 /// The tiles of the inverses, 0 beyond row and column n.
 template <class T>
-void write_tiles(const Sweep& s, int64_t n, DeviceArray<T>& tiles) {
-  const int64_t pairs = pairs_of(s.size / kTile);
+void write_tiles(const double* swept, int64_t n, DeviceArray<T>& tiles) {
+  const int64_t size = dense_pitch(n), pairs = pairs_of(size / kTile);
   T* const to = tiles.data();
   cuda::for_each(tiles.size(), [=] __device__(int64_t k) {
     const int j = int(k % kTile), i = int(k / kTile % kTile), m = int(k / (kBlock * pairs));
     int I, J;
     find_tile(int(k / kBlock % pairs), I, J);
     const int64_t row = int64_t(kTile) * I + i, column = int64_t(kTile) * J + j;
-    if (row < n && column < n) to[k] = T(-*s.entry(m, max(row, column), min(row, column)));
+    if (row < n && column < n) to[k] = T(inverse_entry(swept, size, m, row, column));
   });
-}
-
-int64_t matrices_of(const DeviceArray<double>& operators, int64_t n) {
-  return operators.size() / (dense_pitch(n) * dense_pitch(n));
 }
 
 /// Where room is counted: what is lost does not stay.
@@ -279,14 +275,15 @@ bool counts_only(const DeviceArray<double>& operators) {
 
 template <class T>
 DeviceArray<T> dense_inverses(DeviceArray<double> operators, int64_t n) {
-  const int64_t size = dense_pitch(n), count = matrices_of(operators, n);
-  DeviceArray<T> inverses(count * n * size);
-  if (counts_only(operators) || count == 0) return inverses;
-  const Sweep s = sweep_all(operators, count, size);
+  const int64_t size = dense_pitch(n);
+  DeviceArray<T> inverses(kMatrices * n * size);
+  if (counts_only(operators)) return inverses;
+  sweep(operators, size);
+  const double* const swept = operators.data();
   T* const to = inverses.data();
   cuda::for_each(inverses.size(), [=] __device__(int64_t k) {
     const int64_t j = k % size, i = k / size % n, m = k / size / n;
-    if (j < n) to[k] = T(-*s.entry(int(m), max(i, j), min(i, j)));
+    if (j < n) to[k] = T(inverse_entry(swept, size, m, i, j));
   });
   synchronise();
   return inverses;
@@ -295,21 +292,22 @@ DeviceArray<T> dense_inverses(DeviceArray<double> operators, int64_t n) {
 template <class T>
 DenseSolve<T>::DenseSolve(DeviceArray<double> operators, int64_t n) {
   const int64_t size = dense_pitch(n), tiles = size / kTile, pairs = pairs_of(tiles);
-  tiles_ = DeviceArray<T>(3 * pairs * kBlock);
-  r_ = DeviceArray<T>(3 * size);
-  sums_ = DeviceArray<T>(3 * tiles * size);
-  done_ = DeviceArray<unsigned>(3 * tiles);
+  tiles_ = DeviceArray<T>(kMatrices * pairs * kBlock);
+  r_ = DeviceArray<T>(kMatrices * size);
+  sums_ = DeviceArray<T>(kMatrices * tiles * size);
+  done_ = DeviceArray<unsigned>(kMatrices * tiles);
   if (counts_only(operators)) return;
-  const Sweep s = sweep_all(operators, 3, size);
-  write_tiles(s, n, tiles_);
+  sweep(operators, size);
+  write_tiles(operators.data(), n, tiles_);
   synchronise();  // the solve reads them without waiting for kernels before
 }
 
 template <class T>
 void DenseSolve<T>::run(const StencilView<T>& level, const ResultOutput<T>& out) {
-  const int tiles = int(done_.size() / 3);
+  const int tiles = int(done_.size() / kMatrices);
   const DenseView<T> view{tiles_.data(), r_.data(), sums_.data(), done_.data(), tiles};
-  launch(solve_kernel<T>, dim3(unsigned(pairs_of(tiles)), 3), dim3(kThreads), 0, view, level, out);
+  launch(solve_kernel<T>, dim3(unsigned(pairs_of(tiles)), kMatrices), kSolveThreads, 0, view, level,
+         out);
 }
 
 template DeviceArray<float> dense_inverses(DeviceArray<double>, int64_t);

@@ -16,10 +16,11 @@ inline int64_t dense_pitch(int64_t n) {
   return (n + kDenseTile - 1) / kDenseTile * kDenseTile;
 }
 
-/// Inverses of symmetric positive definite matrices in double, rounded to T and symmetric to the
-/// bit: the sweep operator (Goodnight 1979) tile by tile, without pivoting.
-/// @param operators  (count, pitch, pitch), the identity beyond row n; they are lost.
-/// @return (count, n, pitch), 0 beyond column n.
+/// Inverses of the three operators in double, rounded to T and symmetric to the bit: the sweep
+/// operator (Goodnight 1979) tile by tile, without pivoting.
+/// @param operators  symmetric and positive definite, (3, pitch, pitch), the identity beyond row n;
+///                   they are lost.
+/// @return (3, n, pitch), 0 beyond column n.
 /// @throws Error (resources) where the device has no room.
 template <class T>
 DeviceArray<T> dense_inverses(DeviceArray<double> operators, int64_t n);
@@ -31,7 +32,7 @@ template <class T>
 class DenseSolve {
  public:
   DenseSolve() = default;
-  /// @param operators  (3, pitch, pitch) as above.
+  /// @param operators  as above.
   DenseSolve(DeviceArray<double> operators, int64_t n);
 
   bool exists() const { return r_.size() > 0; }

@@ -147,11 +147,11 @@ struct ClusterLaunch {
 
 template <class T>
 struct DeviceMultigridLevels {
-  /// @param alone  nothing changes the level that is solved: the whole card solves it.
-  DeviceMultigridLevels(Hierarchy<T>&& made, bool alone) : unit(made.unit), scale(T(1 / unit)) {
+  /// @param fixed  nothing changes the level that is solved: the whole card solves it.
+  DeviceMultigridLevels(Hierarchy<T>&& made, bool fixed) : unit(made.unit), scale(T(1 / unit)) {
     for (HierarchyLevel<T>& level : made.levels)
       levels.push_back(std::make_unique<Level<T>>(std::move(level)));
-    take_operators(std::move(made.operators), alone);
+    take_operators(std::move(made.operators), fixed);
     views.count = first_in_cluster = int(levels.size());
     for (int l = 0; l < views.count; ++l) views.level[l] = levels[size_t(l)]->view();
     for (int l = 0; l + 1 < views.count; ++l) views.level[l].coarse_z = views.level[l + 1].z;
@@ -161,10 +161,10 @@ struct DeviceMultigridLevels {
     prepare_kernels<false>();
   }
 
-  void take_operators(DeviceArray<double>&& made, bool alone) {
+  void take_operators(DeviceArray<double>&& made, bool fixed) {
     if (made.size() == 0) return;
     Level<T>& last = *levels.back();
-    if (alone) {
+    if (fixed) {
       solved = DenseSolve<T>(std::move(made), last.of.slot.size());
       return;
     }
