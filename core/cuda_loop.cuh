@@ -6,6 +6,7 @@
 #include "core/error.hpp"
 
 #include <cstdint>
+#include <type_traits>
 
 namespace elastogen::cuda {
 
@@ -16,9 +17,9 @@ inline void check(cudaError_t error) {
   throw Error(concat("CUDA: ", cudaGetErrorString(error)), ErrorKind::kResources);
 }
 
-// In every kernel that launch() starts, first of all and then before anything is read that another
-// kernel writes or written that another one reads: what comes between them runs beside the kernels
-// before.
+// In every kernel that launch() starts: the one first of all, the other before anything is read or
+// written but what read_early() reads. What comes between them runs beside the kernels before. No
+// __ldg in such a kernel: what it loads is taken for constant, and loaded ahead of the wait.
 
 /// Lets the next kernel start as soon as there is room.
 __device__ inline void let_next_start() {
@@ -32,6 +33,22 @@ __device__ inline void wait_for_before() {
 __device__ inline void begin_kernel() {
   let_next_start();
   wait_for_before();
+}
+
+/// What is read before the wait, of tables that the host has seen done. It comes from the cache of
+/// the card: until the wait that of the multiprocessor may hold what the memory had been before.
+template <class T>
+__device__ inline T read_early(const T* from) {
+  using Word = std::conditional_t<alignof(T) % sizeof(int4) == 0, int4,
+                                  std::conditional_t<alignof(T) % sizeof(int) == 0, int, short>>;
+  static_assert(sizeof(T) % sizeof(Word) == 0 && alignof(T) % alignof(Word) == 0);
+  struct Words {
+    Word word[sizeof(T) / sizeof(Word)];
+  } words;
+#pragma unroll
+  for (size_t k = 0; k < sizeof(T) / sizeof(Word); ++k)
+    words.word[k] = __ldcg(reinterpret_cast<const Word*>(from) + k);
+  return __builtin_bit_cast(T, words);
 }
 
 /// Where a kernel is launched, and when its blocks start: early, while the kernel before is ending,

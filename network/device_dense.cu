@@ -200,7 +200,7 @@ __global__ void __launch_bounds__(kSolveThreads)
   const T* tile = d.tiles + (int64_t(component) * gridDim.x + blockIdx.x) * kBlock;
 #pragma unroll
   for (int k = 0; k < kRows; ++k)
-    entry[k] = reinterpret_cast<const Columns<T>*>(tile)[thread + kSolveThreads * k];
+    entry[k] = read_early(reinterpret_cast<const Columns<T>*>(tile) + thread + kSolveThreads * k);
   wait_for_before();
   const T* r = d.r + int64_t(component) * d.tile_count * kTile;
   if (thread < kTile) of_rows[thread] = r[kTile * I + thread];

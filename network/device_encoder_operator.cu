@@ -83,8 +83,8 @@ __device__ bool find_entries(const RowsView& g, const PieceOnDevice<T>& piece, i
 #pragma unroll
   for (int j = 0; j < kOfThread; ++j) {
     const int32_t k = first + int32_t(threadIdx.x) + j * kThreads;
-    place[j] = k < last ? __ldg(g.tile_place + k) - begin : -1;
-    entry[j] = k < last ? __ldg(piece.modes.entry + __ldg(g.tile_node + k)) : -1;
+    place[j] = k < last ? g.tile_place[k] - begin : -1;
+    entry[j] = k < last ? piece.modes.entry[g.tile_node[k]] : -1;
   }
   __syncthreads();
   bool found = false;
@@ -108,7 +108,7 @@ __device__ void read_modes(const Number* modes, Room& room) {
       entry[j] = room.entry[min(first + j * kStep, kEntries - 1)];
       const Number* from = modes + int64_t(max(entry[j], 0)) * kModes + mode;
       for (int g = 0; g < kGroups; ++g)
-        value[j][g] = __ldg(from + (mode + g * kSide < kModes ? g * kSide : 0));
+        value[j][g] = from[mode + g * kSide < kModes ? g * kSide : 0];
     }
 #pragma unroll
     for (int j = 0; j < kAtOnce; ++j)

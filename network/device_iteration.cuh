@@ -133,7 +133,7 @@ void Iteration<T>::take_step(const double* u, double* trial_u) {
         for (int k = 0; k < kPairs; ++k) {
           if (k >= list.count) continue;
           at.load(list.s[k], s_k);
-          for (int j = 0; j < 4; ++j) found[j] -= __ldg(c + k) * double(float(s_k[j]));
+          for (int j = 0; j < 4; ++j) found[j] -= c[k] * double(float(s_k[j]));
         }
         for (int j = 0; j < 4; ++j) {
           step[j] = float(found[j]);

@@ -42,7 +42,7 @@ __device__ inline void net_jets(const Layers& net, int lane, const double x[3], 
 #pragma unroll 4
   for (int m = 0; m < kWidth; ++m)
     for (int j = 0; j < kUnits; ++j) {
-      const auto w = double(__ldg(net.w2 + m * kWidth + lane + j * kWarp));
+      const auto w = double(net.w2[m * kWidth + lane + j * kWarp]);
       for (int c = 0; c < kChannels; ++c) z[j][c] = fma(w, hidden[m * kChannels + c], z[j][c]);
     }
   __syncwarp();

@@ -34,11 +34,12 @@ __global__ void __launch_bounds__(kThreads)
   T *const in = reinterpret_cast<T*>(room), *const given = in + 3 * kTile;
   let_next_start();
   const int64_t b = blockIdx.x;
-  const int32_t begin = g.tile_begin[b], end = g.tile_begin[b + 1], row_end = g.row_begin[b + 1];
+  const int32_t begin = read_early(g.tile_begin + b), end = read_early(g.tile_begin + b + 1);
   const int lane = int(threadIdx.x) % kLanes;
   for (int k = int(threadIdx.x); k < kCount * kVoxels; k += kThreads) given[k] = 0;
   read_tile(g, begin, end, read, in, [] { wait_for_before(); });
   __syncthreads();
+  const int32_t row_end = g.row_begin[b + 1];
   for (int32_t r = g.row_begin[b] + int32_t(threadIdx.x) / kLanes; r < row_end;
        r += kThreads / kLanes) {
     const VoxelRow row = g.rows[r];

@@ -117,8 +117,7 @@ void DevicePotential::set_nodal_rotations(const double* u) {
   sum_at_nodes<float, 9>(
       impl_->rows, reinterpret_cast<float*>(impl_->parts.data()),
       [=] __device__(int64_t n, int64_t reference, float v[3]) {
-        for (int i = 0; i < 3; ++i)
-          v[i] = float(__ldg(u + 3 * n + i) - __ldg(u + 3 * reference + i));
+        for (int i = 0; i < 3; ++i) v[i] = float(u[3 * n + i] - u[3 * reference + i]);
       },
       [=] __device__(const VoxelRow& row, int64_t r, int lane, float corner[3][8], float sum[9]) {
         const VoxelData<float> data = table.data(row, r, lane);
@@ -140,7 +139,7 @@ void DevicePotential::Impl::gradient_pass(const double* u, T* gradient, const Ne
   const uint8_t* held = pinned.data();
   DeviceValue* to = value.data();
   const auto read = [=] __device__(int64_t n, int64_t reference, T v[3]) {
-    for (int i = 0; i < 3; ++i) v[i] = T(__ldg(u + 3 * n + i) - __ldg(u + 3 * reference + i));
+    for (int i = 0; i < 3; ++i) v[i] = T(u[3 * n + i] - u[3 * reference + i]);
   };
   const auto voxel = [=] __device__(const VoxelRow& row, int64_t r, int lane, const T corner[3][8],
                                     T f[3][8], VoxelSums& sums) {
@@ -153,11 +152,11 @@ void DevicePotential::Impl::gradient_pass(const double* u, T* gradient, const Ne
     sums.add(mine);
   };
   const auto finish = [=] __device__(int64_t n, const NodeSum<T>& given) {
-    const bool moves = !__ldg(held + n);
-    const double weight = __ldg(mass + n);
+    const bool moves = !held[n];
+    const double weight = mass[n];
     double away[3];
     T force[3];
-    for (int i = 0; i < 3; ++i) away[i] = __ldg(u + 3 * n + i) - __ldg(aim + 3 * n + i);
+    for (int i = 0; i < 3; ++i) away[i] = u[3 * n + i] - aim[3 * n + i];
     given.get(force);
     for (int i = 0; i < 3; ++i)
       gradient[3 * n + i] = moves ? T(weight * away[i] + double(force[i])) : T(0);

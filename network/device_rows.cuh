@@ -120,14 +120,14 @@ __device__ inline void clear_tile(T* given) {
 template <class T, class Read, class Begin>
 __device__ inline void read_tile(const RowsView& g, int32_t begin, int32_t end, const Read& read,
                                  T* in, const Begin& begin_reads) {
-  const int64_t reference = __ldg(g.tile_node + begin);
+  const int64_t reference = read_early(g.tile_node + begin);
   int32_t node[kNodes], place[kNodes];
   T value[kNodes][3];
 #pragma unroll
   for (int j = 0; j < kNodes; ++j) {
     const int32_t k = begin + int32_t(threadIdx.x) + j * kThreads;
-    node[j] = k < end ? __ldg(g.tile_node + k) : -1;
-    place[j] = k < end ? pitched(__ldg(g.tile_place + k)) : 0;
+    node[j] = k < end ? read_early(g.tile_node + k) : -1;
+    place[j] = k < end ? pitched(read_early(g.tile_place + k)) : 0;
   }
   begin_reads();
 #pragma unroll
@@ -146,9 +146,9 @@ __device__ inline void finish_tile(const RowsView& g, int32_t begin, int32_t end
 #pragma unroll
   for (int j = 0; j < kNodes; ++j) {
     const int32_t k = begin + int32_t(threadIdx.x) + j * kThreads;
-    node[j] = k < end ? __ldg(g.tile_node + k) : -1;
-    part[j] = k < end ? __ldg(g.tile_part + k) : 0;
-    place[j] = k < end ? pitched(__ldg(g.tile_place + k)) : 0;
+    node[j] = k < end ? g.tile_node[k] : -1;
+    part[j] = k < end ? g.tile_part[k] : 0;
+    place[j] = k < end ? pitched(g.tile_place[k]) : 0;
   }
 #pragma unroll
   for (int j = 0; j < kNodes; ++j) {
@@ -162,9 +162,9 @@ __device__ inline void finish_tile(const RowsView& g, int32_t begin, int32_t end
   }
 }
 
-/// Row r, or one without voxels behind the last.
+/// Row r, or one without voxels behind the last; before the wait and after it.
 __device__ inline VoxelRow row_at(const RowsView& g, int32_t r, int32_t end) {
-  return r < end ? g.rows[r] : VoxelRow{};
+  return r < end ? read_early(g.rows + r) : VoxelRow{};
 }
 
 template <class T, class Sums, class Read, class Voxel, class Finish>
@@ -174,15 +174,16 @@ __global__ void __launch_bounds__(kThreads, sizeof(T) == 4 ? 2 : 1)
   T *const in = reinterpret_cast<T*>(room), *const given = in + 3 * kTile;
   let_next_start();
   const int64_t b = blockIdx.x;
-  const int32_t begin = g.tile_begin[b], end = g.tile_begin[b + 1], row_end = g.row_begin[b + 1];
+  const int32_t begin = read_early(g.tile_begin + b), end = read_early(g.tile_begin + b + 1),
+                row_begin = read_early(g.row_begin + b), row_end = read_early(g.row_begin + b + 1);
   const int lane = int(threadIdx.x) % kLanes;
-  int32_t r = g.row_begin[b] + int32_t(threadIdx.x) / kLanes;
+  int32_t r = row_begin + int32_t(threadIdx.x) / kLanes;
   VoxelRow next = row_at(g, r, row_end);
   if constexpr (kGives<Finish>) clear_tile(given);
   read_tile(g, begin, end, read, in, [] { wait_for_before(); });
   __syncthreads();
   Sums mine;
-  for (int32_t first = g.row_begin[b]; first < row_end; first += kThreads / kLanes) {
+  for (int32_t first = row_begin; first < row_end; first += kThreads / kLanes) {
     const VoxelRow row = next;
     const int64_t number = r;
     r += kThreads / kLanes;
@@ -230,8 +231,9 @@ __global__ void __launch_bounds__(kThreads)
   }
   const int64_t s = block * kThreads + threadIdx.x;
   if (s >= g.shared) return;
-  const int64_t node = g.shared_node[s];
-  const NodeSum<T> sum{parts, g.shared_begin[s], g.shared_begin[s + 1], {}};
+  const int64_t node = read_early(g.shared_node + s);
+  const NodeSum<T> sum{
+      parts, read_early(g.shared_begin + s), read_early(g.shared_begin + s + 1), {}};
   wait_for_before();
   finish(node, sum);
 }

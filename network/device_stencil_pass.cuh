@@ -126,12 +126,13 @@ __device__ inline void run_pass(const StencilView<T>& v, Pass pass, int64_t bric
   __shared__ BrickLinks links;
   copy_links(v.links + brick, &links);
   int32_t row[kRun], any = 0;
-  for (int j = 0; j < kRun; ++j) any |= row[j] = v.row[brick * kSlots + place + 64 * j];
+  for (int j = 0; j < kRun; ++j)
+    any |= row[j] = read_early(v.row + brick * kSlots + place + 64 * j);
+  begin();
   T weights[3][kEarlyWeights ? kComponent : 1];
   if constexpr (kEarlyWeights)
     for (int i = 0; i < 3; ++i)
       if (any != 0) load_weights(v.rows + int64_t(any) * kRow + i * kComponent, weights[i]);
-  begin();
   __syncthreads();
   load_tile<T, kThreads>(links, from_z ? v.z : v.other, room);
   load_brick<T, kThreads>(v.r + brick * kBrick, own);

@@ -40,12 +40,13 @@ __device__ inline void copy_part(T* to, const T* from) {
   __pipeline_memcpy_async(to, from, 16);
 }
 
-/// For the first threads of a block.
+/// Before the wait, by the first threads of a block.
 __device__ inline void copy_links(const BrickLinks* from, BrickLinks* to) {
   constexpr int kWords = sizeof(BrickLinks) / sizeof(int32_t);
   static_assert(kWords <= 64);
   const int k = int(threadIdx.x);
-  if (k < kWords) reinterpret_cast<int32_t*>(to)[k] = reinterpret_cast<const int32_t*>(from)[k];
+  if (k < kWords)
+    reinterpret_cast<int32_t*>(to)[k] = read_early(reinterpret_cast<const int32_t*>(from) + k);
 }
 
 /// The values of a brick's nodes and those around them. Ten lines of ten lines of ten nodes; a line
