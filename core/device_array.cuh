@@ -17,16 +17,20 @@ class RoomCount {
   RoomCount(const RoomCount&) = delete;
   ~RoomCount() { present() = nullptr; }
 
-  void add(size_t bytes) { bytes_ += bytes; }
-  void take_off(size_t bytes) { bytes_ -= bytes; }  ///< of what goes again at once
+  void add(size_t bytes) {
+    bytes_ += bytes;
+    most_ = most_ < bytes_ ? bytes_ : most_;
+  }
+  void take_off(size_t bytes) { bytes_ -= bytes; }  ///< of what goes again
   size_t bytes() const { return bytes_; }
+  size_t most() const { return most_; }  ///< that there were at a time
   static RoomCount*& present() {
     static thread_local RoomCount* count = nullptr;
     return count;
   }
 
  private:
-  size_t bytes_ = 0;
+  size_t bytes_ = 0, most_ = 0;
 };
 
 /// Owns numbers on the device, zeroed at birth. They are set and moved on the stream of the thread,

@@ -71,8 +71,8 @@ class DeviceStep {
   /// Nodal rotations of the preconditioner from u.
   virtual void set_nodal_rotations() = 0;
   /// As QuasiSolver<T>::solve on u with a first matrix in float; T is float while |grad Phi| is
-  /// above `precise_below`, then double: 0, or what the target is not below, is float to the end,
-  /// infinity double from the start.
+  /// above `precise_below`, then double. Up to the target that is float to the end, infinity is
+  /// double from the start.
   virtual IterationResult solve(double target, int max_outer, double precise_below,
                                 const std::function<bool()>& interrupted) = 0;
   /// u from and to the host; for tests.

@@ -5,6 +5,8 @@
 
 #include "core/device_array.cuh"
 
+#include <algorithm>
+
 namespace elastogen::cuda {
 
 inline size_t free_bytes() {
@@ -17,12 +19,13 @@ inline int64_t mebibytes(size_t bytes) {
   return int64_t((bytes >> 20) + 1);
 }
 
-/// What recipe.make() takes on the device, and what that will take later.
+/// What recipe.make() takes on the device, and what that will take later, or where it takes more on
+/// its way, that.
 template <class Recipe>
 size_t bytes_of(const Recipe& recipe) {
   const RoomCount count;
   const auto counted = recipe.make();
-  return count.bytes() + counted->later_bytes();
+  return std::max(count.most(), count.bytes() + counted->later_bytes());
 }
 
 /// What recipe.make() gives; it is made twice where there is no room, the second time to count.

@@ -264,7 +264,7 @@ void write_tiles(const double* swept, int64_t n, DeviceArray<T>& tiles) {
   });
 }
 
-/// Where room is counted: what is lost does not stay.
+/// Whether room is counted alone: then the operators go here.
 bool counts_only(const DeviceArray<double>& operators) {
   RoomCount* const room = RoomCount::present();
   if (room) room->take_off(size_t(operators.size()) * sizeof(double));

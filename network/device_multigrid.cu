@@ -245,7 +245,7 @@ struct DeviceMultigridLevels {
         [=] __device__(int64_t n) {
           const int slot = v.slot[n];
           T r[3] = {};
-          if (v.row[slot] != 0 && l > 0) restricted(finer, v, slot, r);
+          if (v.row[slot] != 0 && l > 0) add_residual(finer, v, slot, r);
           for (int i = 0; i < 3; ++i) to[i * pitch + n] = l > 0 ? r[i] : v.r[3 * int64_t(slot) + i];
         },
         line(early));

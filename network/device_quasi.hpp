@@ -34,8 +34,8 @@ class DeviceQuasi {
   /// Nodal rotations of the preconditioner from u().
   void set_nodal_rotations();
   /// As QuasiSolver<T>::solve on u() with a first matrix in float; T is float while |grad Phi| is
-  /// above `precise_below`, then double: 0, or what the target is not below, is float to the end,
-  /// infinity double from the start.
+  /// above `precise_below`, then double. Up to the target that is float to the end, infinity is
+  /// double from the start.
   IterationResult solve(double target, int max_outer, double precise_below,
                         const std::function<bool()>& interrupted);
 

@@ -16,7 +16,7 @@ template <class T>
 struct StencilView {
   const BrickLinks* links;
   const int32_t *begin, *slot, *row;
-  const T *rows, *inverses;    ///< inverses: (3, nodes, pitch), nullptr where the cycle smooths
+  const T *rows, *inverses;    ///< inverses: (3, nodes, pitch) of a level that a cluster solves
   T *r, *z, *other, *partial;  ///< partial: (bricks + 1, kPartial, 3)
   int32_t bricks, nodes;
   T first, keep, add;           ///< of the Chebyshev polynomial
@@ -60,8 +60,8 @@ struct ResidualInput {
 /// Adds r of a coarse slot from the finer level's partial sums: those of the brick that begins at
 /// its node or holds it, and of the bricks before that end there.
 template <class T>
-__device__ inline void restricted(const StencilView<T>& fine, const StencilView<T>& coarse,
-                                  int slot, T sum[3]) {
+__device__ inline void add_residual(const StencilView<T>& fine, const StencilView<T>& coarse,
+                                    int slot, T sum[3]) {
   const BrickLinks& links = coarse.links[slot / stencil::kSlots];
   const int at[3] = {slot % 8, slot / 8 % 8, slot / 64 % 8};
 #pragma unroll
@@ -87,7 +87,7 @@ __device__ inline void restrict_residual(const StencilView<T>& fine, const Stenc
                                          int slot) {
   if (coarse.row[slot] == 0) return;
   T sum[3] = {};
-  restricted(fine, coarse, slot, sum);
+  add_residual(fine, coarse, slot, sum);
   set_residual(coarse, slot, sum);
 }
 
