@@ -305,8 +305,8 @@ void DeviceMultigridLevels<T>::expect_stiffness() {
     view.inverses = level.added_inverses.data();
   }
   ELASTOGEN_CHECK(!solved.exists(), "the level that is solved must not change");
-  ELASTOGEN_CHECK(operators.size() == 0 || views.level[views.count - 1].nodes <= DenseTile::kRows,
-                  "at most ", DenseTile::kRows, " nodes of a level that is solved");
+  ELASTOGEN_CHECK(operators.size() == 0 || views.level[views.count - 1].nodes <= StiffTile::kRows,
+                  "at most ", StiffTile::kRows, " nodes of a level that is solved");
   prepare_kernels<true>();
 }
 
@@ -334,9 +334,9 @@ void DeviceMultigridLevels<T>::set_nodal_stiffness(const NodalStiffness& stiffne
   }
   const StencilView<T>& last = stiff_views.level[views.count - 1];
   if (operators.size() == 0) return;
-  const auto kernel = last.nodes <= SmallDenseTile::kRows ? inverse_kernel<T, SmallDenseTile>
-                                                          : inverse_kernel<T, DenseTile>;
-  constexpr dim3 kThreads(DenseTile::kWidth, DenseTile::kWidth);
+  const auto kernel = last.nodes <= SmallStiffTile::kRows ? inverse_kernel<T, SmallStiffTile>
+                                                          : inverse_kernel<T, StiffTile>;
+  constexpr dim3 kThreads(StiffTile::kWidth, StiffTile::kWidth);
   kernel<<<3, kThreads>>>(last, operators.data(), levels.back()->added_inverses.data());
   check(cudaGetLastError());
 }

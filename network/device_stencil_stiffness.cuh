@@ -36,8 +36,8 @@ __global__ void __launch_bounds__(stencil::kSlots)
 }
 
 /// Of the level that is solved, which has at most 100 nodes, and of one of few.
-using DenseTile = InverseTile<7>;
-using SmallDenseTile = InverseTile<4>;
+using StiffTile = InverseTile<7>;
+using SmallStiffTile = InverseTile<4>;
 
 /// Inverses of the three dense operators (device_dense.cuh) with the further stiffness, a block
 /// each.
