@@ -17,9 +17,10 @@ inline void check(cudaError_t error) {
   throw Error(concat("CUDA: ", cudaGetErrorString(error)), ErrorKind::kResources);
 }
 
-// In every kernel that launch() starts: the one first of all, the other before anything is read or
-// written but what read_early() reads. What comes between them runs beside the kernels before. No
-// __ldg in such a kernel: what it loads is taken for constant, and loaded ahead of the wait.
+// In every kernel that launch() starts: the one as early as that helps (a block that ends lets the
+// next kernel start too), the other before anything is read or written but what read_early() reads.
+// What comes between them runs beside the kernels before. No __ldg in such a kernel: what it loads
+// is taken for constant, and loaded ahead of the wait.
 
 /// Lets the next kernel start as soon as there is room.
 __device__ inline void let_next_start() {
@@ -51,11 +52,16 @@ __device__ inline T read_early(const T* from) {
   return __builtin_bit_cast(T, words);
 }
 
+/// Blocks that start early crowd on the multiprocessors that are free first. A kernel of so few or
+/// fewer, after which some have several and some none, starts when the one before ends.
+inline constexpr int kFewBlocks = 1024;
+
 /// Where a kernel is launched, and when its blocks start: early, while the kernel before is ending,
 /// or where it waits for an event, after all that it waits for.
 struct Line {
   cudaStream_t stream = cudaStreamPerThread;
   bool early = true;
+  bool late = false;  ///< the next kernel starts when this one ends; see kFewBlocks
 
   cudaLaunchAttribute attribute() const {
     cudaLaunchAttribute result{};
@@ -89,8 +95,9 @@ void launch(void (*kernel)(Parameters...), dim3 blocks, dim3 threads, size_t sha
 }
 
 template <class Body>
-__global__ void for_each_kernel(int64_t n, Body body) {
-  begin_kernel();
+__global__ void for_each_kernel(int64_t n, bool late, Body body) {
+  if (!late) let_next_start();
+  wait_for_before();
   const int64_t i = int64_t(blockIdx.x) * blockDim.x + threadIdx.x;
   if (i < n) body(i);
 }
@@ -101,7 +108,7 @@ void for_each(int64_t n, const Body& body, const Line& line = {}) {
   constexpr int kThreads = 256;
   if (n == 0) return;
   launch_on(line, for_each_kernel<Body>, unsigned((n + kThreads - 1) / kThreads), kThreads, 0, n,
-            body);
+            line.late, body);
 }
 
 }  // namespace elastogen::cuda

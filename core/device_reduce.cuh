@@ -49,6 +49,26 @@ __device__ inline Sum block_sum(const Sum& mine, Sum* all) {
   return sum;
 }
 
+namespace detail {
+
+/// Steps of the sum below, from kWidth numbers that a lane hands on and kStep lanes.
+template <int kWidth, int kStep, int kNumbers>
+__device__ inline void share_numbers(double (&value)[kNumbers], int lane, int& number) {
+  if constexpr (kWidth > 0) {
+    const bool upper = lane & kStep;
+    if (upper) number += kWidth;
+#pragma unroll
+    for (int k = 0; k < kWidth; ++k) {
+      const double given = upper ? value[k] : value[k + kWidth];
+      const double kept = upper ? value[k + kWidth] : value[k];
+      value[k] = kept + __shfl_xor_sync(~0u, given, kStep);
+    }
+    share_numbers<kWidth / 2, kStep / 2>(value, lane, number);
+  }
+}
+
+}  // namespace detail
+
 /// The same of many sums: at each step a lane hands half of its numbers to its partner and takes
 /// over the partner's other half, until it has one number of a few lanes.
 template <int K>
@@ -59,21 +79,12 @@ __device__ inline Sums<K> block_sum(const Sums<K>& mine, Sums<K>* all) {
   double value[kNumbers];
 #pragma unroll
   for (int k = 0; k < kNumbers; ++k) value[k] = k < K ? mine.value[k] : 0;
-  int number = 0, step = 16;
+  int number = 0;
+  detail::share_numbers<kNumbers / 2, 16>(value, lane, number);
+  constexpr int kApart = 32 / kNumbers;  // lanes that have different numbers
 #pragma unroll
-  for (int width = kNumbers / 2; width > 0; width /= 2, step /= 2) {
-    const bool upper = lane & step;
-    if (upper) number += width;
-#pragma unroll
-    for (int k = 0; k < width; ++k) {
-      const double given = upper ? value[k] : value[k + width];
-      const double kept = upper ? value[k + width] : value[k];
-      value[k] = kept + __shfl_xor_sync(~0u, given, step);
-    }
-  }
-  const int apart = 2 * step;  // lanes that have different numbers
-  for (; step > 0; step /= 2) value[0] += __shfl_xor_sync(~0u, value[0], step);
-  if (lane % apart == 0 && number < K) all[warp].value[number] = value[0];
+  for (int step = kApart / 2; step > 0; step /= 2) value[0] += __shfl_xor_sync(~0u, value[0], step);
+  if (lane % kApart == 0 && number < K) all[warp].value[number] = value[0];
   __syncthreads();
   Sums<K> sum;
   if (warp > 0) return sum;
@@ -87,27 +98,61 @@ __device__ inline Sums<K> block_sum(const Sums<K>& mine, Sums<K>* all) {
   return sum;
 }
 
+/// Blocks of a multiprocessor, by the registers that a sum takes, and of a sum in all.
+template <class Sum>
+inline constexpr int kSumResident = sizeof(Sum) > 8 * sizeof(double) ? 2 : 4;
+template <class Sum>
+inline constexpr int kMostSumBlocks = kSumResident<Sum> == 2 ? kSumBlocks / 2 : kSumBlocks;
+
 /// What a sum over the device needs there; zero at first, as a DeviceArray is at birth.
 template <class Sum>
-struct SumRoom {
-  Sum partial[kSumBlocks];
-  unsigned done;  ///< blocks; 0 between the launches
+class SumRoom {
+ public:
+  /// What block k has found, number by number, so that threads read neighbours.
+  __device__ void put(int64_t k, const Sum& sum) {
+    const Words words = __builtin_bit_cast(Words, sum);
+#pragma unroll
+    for (int w = 0; w < kWords; ++w) words_[w][k] = words.word[w];
+  }
+  __device__ Sum get(int64_t k) const {
+    Words words;
+#pragma unroll
+    for (int w = 0; w < kWords; ++w) words.word[w] = __ldcg(&words_[w][k]);
+    return __builtin_bit_cast(Sum, words);
+  }
+  /// Whether this block, whose sum is put, is the last of all.
+  __device__ bool is_last() {
+    __threadfence();
+    const bool last = atomicInc(&done_, gridDim.x - 1) == gridDim.x - 1;  // and back to 0
+    __threadfence();
+    return last;
+  }
+
+ private:
+  static constexpr int kWords = sizeof(Sum) / sizeof(uint64_t);
+  static_assert(sizeof(Sum) % sizeof(uint64_t) == 0);
+  struct Words {
+    uint64_t word[kWords];
+  };
+
+  uint64_t words_[kWords][kSumBlocks];
+  unsigned done_;  // blocks; 0 between the launches
 };
 
 namespace detail {
 
-/// The sum of partial[0, n) by a block, each thread taking every kSumThreads-th.
-template <class Sum>
-__device__ inline Sum sum_of_partials(int64_t n, const Sum* partial, Sum* all) {
+/// The sum of n numbers of get(k) by a block, each thread taking every kSumThreads-th.
+template <class Sum, class Get>
+__device__ inline Sum sum_of_partials(int64_t n, const Get& get, Sum* all) {
   Sum mine;
-  for (int64_t k = threadIdx.x; k < n; k += kSumThreads) mine.add(partial[k]);
+  for (int64_t k = threadIdx.x; k < n; k += kSumThreads) mine.add(get(k));
   return block_sum(mine, all);
 }
 
 /// The block that ends last adds what all have left, in the order of the blocks: which one that is
 /// does not matter.
 template <class Sum, class Body, class Then>
-__global__ void __launch_bounds__(kSumThreads, 4)
+__global__ void __launch_bounds__(kSumThreads, kSumResident<Sum>)
     ordered_sum_kernel(int64_t n, SumRoom<Sum>* room, Body body, Then then) {
   alignas(Sum) __shared__ unsigned char all[kSumWarps * sizeof(Sum)];
   __shared__ bool last;
@@ -118,14 +163,13 @@ __global__ void __launch_bounds__(kSumThreads, 4)
     body(i, mine);
   const Sum of_block = block_sum(mine, reinterpret_cast<Sum*>(all));
   if (threadIdx.x == 0) {
-    room->partial[blockIdx.x] = of_block;
-    __threadfence();
-    last = atomicInc(&room->done, gridDim.x - 1) == gridDim.x - 1;  // the last sets it back to 0
-    __threadfence();
+    room->put(blockIdx.x, of_block);
+    last = room->is_last();
   }
   __syncthreads();
   if (!last) return;
-  const Sum sum = sum_of_partials(gridDim.x, room->partial, reinterpret_cast<Sum*>(all));
+  const Sum sum = sum_of_partials(
+      gridDim.x, [&](int64_t k) { return room->get(k); }, reinterpret_cast<Sum*>(all));
   if (threadIdx.x == 0) then(sum);
 }
 
@@ -136,7 +180,8 @@ __global__ void __launch_bounds__(kSumThreads, 4)
 template <class Sum, class Body, class Then>
 void ordered_sum(int64_t n, SumRoom<Sum>* room, const Body& body, const Then& then) {
   const int64_t blocks = (n + kSumThreads - 1) / kSumThreads;
-  const auto launched = unsigned(blocks < 1 ? 1 : blocks > kSumBlocks ? kSumBlocks : blocks);
+  constexpr int kMost = kMostSumBlocks<Sum>;
+  const auto launched = unsigned(blocks < 1 ? 1 : blocks > kMost ? kMost : blocks);
   launch(detail::ordered_sum_kernel<Sum, Body, Then>, launched, kSumThreads, 0, n, room, body,
          then);
 }

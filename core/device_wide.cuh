@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include <cstdint>
+#include "core/device_reduce.cuh"
 
 namespace elastogen::cuda {
 
@@ -13,43 +13,32 @@ struct alignas(kWidth * sizeof(T)) WidePart {
   T value[kWidth];
 };
 
-/// As many numbers as kWidth, or what is left of them.
+/// The numbers [first, first + kWidth) of arrays.
 template <int kWidth>
 struct Wide {
+  static constexpr int kCount = kWidth;
   int64_t first;
-  int count;
 
-  /// The part-th of n numbers.
-  __device__ Wide(int64_t part, int64_t n)
-      : first(kWidth * part), count(n - first < kWidth ? int(n - first) : kWidth) {}
-
-  /// 0 where there are no numbers left.
   template <class T>
   __device__ void load(const T* from, T to[kWidth]) const {
-    if (count == kWidth) {
-      for (int k = 0; k < kWidth; k += kAtOnce<T>) {
-        const auto part = *reinterpret_cast<const Part<T>*>(from + first + k);
-        for (int j = 0; j < kAtOnce<T>; ++j) to[k + j] = part.value[j];
-      }
-      return;
+#pragma unroll
+    for (int k = 0; k < kWidth; k += kAtOnce<T>) {
+      const auto part = *reinterpret_cast<const Part<T>*>(from + first + k);
+#pragma unroll
+      for (int j = 0; j < kAtOnce<T>; ++j) to[k + j] = part.value[j];
     }
-    for (int k = 0; k < kWidth; ++k) to[k] = k < count ? from[first + k] : T(0);
   }
 
   template <class T>
   __device__ void store(const T from[kWidth], T* to) const {
-    if (count == kWidth) {
-      for (int k = 0; k < kWidth; k += kAtOnce<T>) {
-        Part<T> part;
-        for (int j = 0; j < kAtOnce<T>; ++j) part.value[j] = from[k + j];
-        *reinterpret_cast<Part<T>*>(to + first + k) = part;
-      }
-      return;
+#pragma unroll
+    for (int k = 0; k < kWidth; k += kAtOnce<T>) {
+      Part<T> part;
+#pragma unroll
+      for (int j = 0; j < kAtOnce<T>; ++j) part.value[j] = from[k + j];
+      *reinterpret_cast<Part<T>*>(to + first + k) = part;
     }
-    for (int k = 0; k < count; ++k) to[first + k] = from[k];
   }
-
-  static constexpr int64_t parts(int64_t n) { return (n + kWidth - 1) / kWidth; }
 
  private:
   template <class T>
@@ -57,5 +46,41 @@ struct Wide {
   template <class T>
   using Part = WidePart<kAtOnce<T>, T>;
 };
+
+namespace detail {
+
+/// Of n numbers, kWidth at once and those that are left one by one.
+template <int kWidth>
+constexpr int64_t wide_items(int64_t n) {
+  return n / kWidth + n % kWidth;
+}
+template <int kWidth, class Body>
+__device__ inline void at_wide_item(int64_t item, int64_t n, const Body& body) {
+  const int64_t whole = n / kWidth;
+  if (item < whole)
+    body(Wide<kWidth>{kWidth * item});
+  else
+    body(Wide<1>{(kWidth - 1) * whole + item});
+}
+
+}  // namespace detail
+
+/// body(at) for all numbers of [0, n): `at` is a Wide<kWidth>, or a Wide<1> at the end.
+template <int kWidth, class Body>
+void for_each_wide(int64_t n, const Body& body) {
+  cuda::for_each(detail::wide_items<kWidth>(n),
+                 [=] __device__(int64_t item) { detail::at_wide_item<kWidth>(item, n, body); });
+}
+
+/// ordered_sum() of body(at, sum).
+template <int kWidth, class Sum, class Body, class Then>
+void ordered_wide_sum(int64_t n, SumRoom<Sum>* room, const Body& body, const Then& then) {
+  ordered_sum(
+      detail::wide_items<kWidth>(n), room,
+      [=] __device__(int64_t item, Sum & sum) {
+        detail::at_wide_item<kWidth>(item, n, [&](const auto& at) { body(at, sum); });
+      },
+      then);
+}
 
 }  // namespace elastogen::cuda

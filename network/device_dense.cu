@@ -1,150 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/device_inverse.cuh"
 #include "network/device_dense.cuh"
+
+#include <cuda_pipeline.h>
 
 namespace elastogen::cuda {
 namespace {
 
 constexpr int kTile = kDenseTile, kBlock = kTile * kTile;
-constexpr int kSide = 16, kOf = kTile / kSide;  // per axis: threads of a block, entries of a thread
-constexpr int kChunk = kSide;                   // columns that are in shared memory at a time
-using Pivot = InverseTile<kOf>;
-static_assert(Pivot::kWidth == kSide && Pivot::kRows == kTile);
 
-constexpr int kMatrices = 3;
-
-/// Matrices that are swept, of which tiles on and below the diagonal count, and for the tile K of
-/// columns that is swept: A_KK^-1, (3, kTile, kTile), the columns A_K before that, and A_K A_KK^-1,
-/// (3, size, kTile) each.
-struct Sweep {
-  double *matrix, *inverse, *before, *after;
-  int64_t size;
-  int k;
-
-  __device__ double* entry(int matrix_of, int64_t i, int64_t j) const {
-    return matrix + (matrix_of * size + i) * size + j;
-  }
-  __device__ double* rows(double* of, int matrix_of, int tile) const {
-    return of + (matrix_of * size + int64_t(kTile) * tile) * kTile;
-  }
-};
-
-/// Tiles on and below the diagonal, row by row, and which the one of a number is.
-ELASTOGEN_HD inline int64_t pairs_of(int64_t tiles) {
-  return tiles * (tiles + 1) / 2;
-}
-__device__ void find_tile(int pair, int& I, int& J) {
-  I = int((sqrtf(8 * float(pair) + 1) - 1) / 2);
-  while (pairs_of(I + 1) <= pair) ++I;
-  while (pairs_of(I) > pair) --I;
-  J = pair - int(pairs_of(I));
-}
-
-/// sum += X Y^T for two tiles with rows of kTile numbers; of thread (x, y) rows y + kSide a of X
-/// and x + kSide b of Y.
-__device__ void add_product(const double* X, const double* Y, double sum[kOf][kOf]) {
-  __shared__ double of_x[kChunk][kTile + 1], of_y[kChunk][kTile + 1];
-  const int x = int(threadIdx.x), y = int(threadIdx.y);
-  for (int first = 0; first < kTile; first += kChunk) {
-    __syncthreads();
-#pragma unroll
-    for (int a = 0; a < kOf; ++a) {
-      const int row = y + kSide * a;
-      of_x[x][row] = X[row * kTile + first + x];
-      of_y[x][row] = Y[row * kTile + first + x];
-    }
-    __syncthreads();
-#pragma unroll
-    for (int c = 0; c < kChunk; ++c)
-#pragma unroll
-      for (int a = 0; a < kOf; ++a)
-#pragma unroll
-        for (int b = 0; b < kOf; ++b) sum[a][b] += of_x[c][y + kSide * a] * of_y[c][x + kSide * b];
-  }
-}
-
-/// A_KK^-1, and its negative in the place of A_KK. A block a matrix.
-__global__ void __launch_bounds__(Pivot::kThreads) pivot_kernel(Sweep s) {
-  __shared__ Pivot::Room room;
-  begin_kernel();
-  const int m = int(blockIdx.x), first = kTile * s.k;
-  double* const inverse = s.inverse + m * kBlock;
-  Pivot tile(kTile,
-             [&](int i, int j) { return *s.entry(m, first + max(i, j), first + min(i, j)); });
-  tile.invert(room);
-  tile.for_entries([&](int i, int j, double value) {
-    inverse[i * kTile + j] = value;
-    *s.entry(m, first + i, first + j) = -value;
-  });
-}
-
-/// A_IK becomes A_IK A_KK^-1. Blocks (tiles I, matrices).
-__global__ void __launch_bounds__(Pivot::kThreads) panel_kernel(Sweep s) {
-  begin_kernel();
-  const int tile = int(blockIdx.x), m = int(blockIdx.y);
-  if (tile == s.k) return;
-  const int x = int(threadIdx.x), y = int(threadIdx.y);
-  double *const before = s.rows(s.before, m, tile), *const after = s.rows(s.after, m, tile);
-  const auto place = [&](int i, int j) {
-    const int64_t row = int64_t(kTile) * tile + i, column = int64_t(kTile) * s.k + j;
-    return tile > s.k ? s.entry(m, row, column) : s.entry(m, column, row);
-  };
-  for (int a = 0; a < kOf; ++a)
-    for (int b = 0; b < kOf; ++b) {  // threads of a warp along the rows of the matrix
-      const int p = y + kSide * a, q = x + kSide * b, i = tile > s.k ? p : q, j = p + q - i;
-      before[i * kTile + j] = *place(i, j);
-    }
-  __syncthreads();
-  double sum[kOf][kOf] = {};
-  add_product(before, s.inverse + m * kBlock, sum);
-  for (int a = 0; a < kOf; ++a)
-    for (int b = 0; b < kOf; ++b) {
-      const int i = y + kSide * a, j = x + kSide * b;
-      after[i * kTile + j] = sum[a][b];
-      *place(i, j) = sum[a][b];
-    }
-}
-
-/// A_IJ -= A_IK A_KK^-1 A_KJ for I >= J, neither of them K. Blocks (pairs of tiles, matrices).
-__global__ void __launch_bounds__(Pivot::kThreads) update_kernel(Sweep s) {
-  begin_kernel();
-  int row, column;
-  find_tile(int(blockIdx.x), row, column);
-  const int m = int(blockIdx.y);
-  if (row == s.k || column == s.k) return;
-  double sum[kOf][kOf] = {};
-  add_product(s.rows(s.after, m, row), s.rows(s.before, m, column), sum);
-  for (int a = 0; a < kOf; ++a)
-    for (int b = 0; b < kOf; ++b)
-      *s.entry(m, int64_t(kTile) * row + int(threadIdx.y) + kSide * a,
-               int64_t(kTile) * column + int(threadIdx.x) + kSide * b) -= sum[a][b];
-}
-
-/// Leaves -A^-1 on and below the diagonals of A, (3, size, size).
-void sweep(DeviceArray<double>& A, int64_t size) {
-  const auto tiles = unsigned(size / kTile);
-  DeviceArray<double> inverse(kMatrices * kBlock), before(kMatrices * size * kTile),
-      after(before.size());
-  Sweep s{A.data(), inverse.data(), before.data(), after.data(), size, 0};
-  constexpr dim3 kThreads(kSide, kSide);
-  for (; s.k < int(tiles); ++s.k) {
-    launch(pivot_kernel, kMatrices, kThreads, 0, s);
-    launch(panel_kernel, dim3(tiles, kMatrices), kThreads, 0, s);
-    launch(update_kernel, dim3(unsigned(pairs_of(tiles)), kMatrices), kThreads, 0, s);
-  }
-  synchronise();
-}
-
-/// Entry of the inverse m of swept matrices.
-__device__ double inverse_entry(const double* swept, int64_t size, int64_t m, int64_t i,
-                                int64_t j) {
-  return -swept[(m * size + max(i, j)) * size + min(i, j)];
-}
-
-// of a solve: a block a tile, a thread four columns of every sixteenth row
+// of a solve: a thread has four columns of every sixteenth row of a tile
 constexpr int kSolveThreads = 256, kColumns = 4, kRowThreads = kTile / kColumns,
               kRowStep = kSolveThreads / kRowThreads, kRows = kTile / kRowStep,
               kWarps = kSolveThreads / 32;
+static_assert(kRowThreads == 16);  // two rows a warp
+
+/// Tiles of a block that are in shared memory before r is there; one more is in registers.
+constexpr int kKept = 3, kEarly = kKept + 1;
 
 template <class T>
 struct alignas(16) Columns {
@@ -153,165 +24,261 @@ struct alignas(16) Columns {
 
 template <class T>
 struct DenseView {
-  const T *tiles, *r;
+  const T* tiles;
+  const T* partial;  ///< of the finer level, or nullptr
   T* sums;
-  unsigned* done;
-  int tile_count;
+  int tile_count;  ///< of a row
 
+  __device__ int tiles_in_all() const { return kDenseMatrices * int(tile_pairs(tile_count)); }
+  __device__ const Columns<T>* tile(int k) const {
+    return reinterpret_cast<const Columns<T>*>(tiles + int64_t(k) * kBlock);
+  }
   __device__ T* sum(int component, int I, int J) const {
     return sums + ((int64_t(component) * tile_count + I) * tile_count + J) * kTile;
   }
 };
 
-/// The sums of the rows of tile I, once all are there, to where z is.
-template <class T>
-__device__ void finish_rows(const DenseView<T>& d, const StencilView<T>& v, int component, int I,
-                            T room[kSolveThreads], const ResultOutput<T>& out) {
-  const int row = int(threadIdx.x) % kTile, first = int(threadIdx.x) / kTile;
-  T sum = 0;
-#pragma unroll 4
-  for (int J = first; J < d.tile_count; J += kSolveThreads / kTile)
-    sum += __ldcg(d.sum(component, I, J) + row);
-  room[threadIdx.x] = sum;
-  __syncthreads();
-  const int node = kTile * I + row;
-  if (first == 0 && node < v.nodes) {
-    for (int k = 1; k < kSolveThreads / kTile; ++k) sum += room[k * kTile + row];
-    if (out.z != nullptr)
-      out.set(3 * int64_t(node) + component, sum);
-    else
-      v.z[3 * int64_t(v.slot[node]) + component] = sum;
+/// Which one a tile is.
+struct TilePlace {
+  int component, I, J;
+  TilePlace() = default;
+  __device__ TilePlace(int k, int tile_count) {
+    const int pairs = int(tile_pairs(tile_count));
+    component = k / pairs;
+    find_tile(k % pairs, I, J);
   }
-  __syncthreads();
-}
+};
 
-/// Blocks (pairs of tiles, 3). Tiles come while kernels before still run: they are never written.
-template <class T>
-__global__ void __launch_bounds__(kSolveThreads)
-    solve_kernel(DenseView<T> d, StencilView<T> v, ResultOutput<T> out) {
-  __shared__ T of_rows[kTile], of_columns[kTile], room[kSolveThreads + kWarps * kTile];
-  __shared__ bool last[2];
-  const int thread = int(threadIdx.x), component = int(blockIdx.y);
-  const int column = thread % kRowThreads, row = thread / kRowThreads;
-  let_next_start();
-  int I, J;
-  find_tile(int(blockIdx.x), I, J);
-  Columns<T> entry[kRows];
-  const T* tile = d.tiles + (int64_t(component) * gridDim.x + blockIdx.x) * kBlock;
-#pragma unroll
-  for (int k = 0; k < kRows; ++k)
-    entry[k] = read_early(reinterpret_cast<const Columns<T>*>(tile) + thread + kSolveThreads * k);
-  wait_for_before();
-  const T* r = d.r + int64_t(component) * d.tile_count * kTile;
-  if (thread < kTile) of_rows[thread] = r[kTile * I + thread];
-  if (thread >= kSolveThreads - kTile) {
-    const int k = thread - (kSolveThreads - kTile);
-    of_columns[k] = r[kTile * J + k];
+/// Loads of tiles, which all together would drive out of the cache of the card what the kernels
+/// behind need: they go first.
+struct Streaming {
+  uint64_t policy;
+  __device__ Streaming() {
+    asm("createpolicy.fractional.L2::evict_first.b64 %0, 1.0;" : "=l"(policy));
   }
-  __syncthreads();
+  __device__ int4 load(const int4* from) const {
+    int4 v;
+    asm volatile("ld.global.L1::no_allocate.L2::cache_hint.v4.b32 {%0, %1, %2, %3}, [%4], %5;"
+                 : "=r"(v.x), "=r"(v.y), "=r"(v.z), "=r"(v.w)
+                 : "l"(from), "l"(policy));
+    return v;
+  }
+  __device__ void copy(int4* shared, const int4* from) const {
+    asm volatile("cp.async.cg.shared.global.L2::cache_hint [%0], [%1], 16, %2;" ::"r"(
+                     unsigned(__cvta_generic_to_shared(shared))),
+                 "l"(from), "l"(policy)
+                 : "memory");
+  }
+};
+
+/// r of a node, before it is there, for the rows (side 0) or columns (side 1) of a tile.
+template <class T>
+struct NodeResidual {
+  const T* from;
+  int component = 0;
+  Restriction places;
+
+  __device__ NodeResidual(const DenseView<T>& d, const StencilView<T>& v, int tile, int side,
+                          int of)
+      : from(d.partial != nullptr ? d.partial : v.r) {
+    for (int32_t& p : places.place) p = -1;
+    if (tile >= d.tiles_in_all()) return;
+    const TilePlace at(tile, d.tile_count);
+    component = at.component;
+    const int node = kTile * (side == 0 ? at.I : at.J) + of;
+    if (node >= v.nodes) return;
+    const int slot = read_early(v.slot + node);
+    if (d.partial != nullptr)
+      places = Restriction(v.links, v.row, slot);
+    else
+      places.place[0] = slot;
+  }
+  __device__ T get() const { return places.sum(from, component); }
+};
+
+/// Shared memory of a block.
+template <class T>
+struct ProductRoom {
+  Columns<T> kept[kKept][kRows * kSolveThreads];
+  TilePlace place[kEarly];
+  T of_warps[2][kWarps][kTile];
+  T r[kEarly][2][kTile];  // of rows and of columns
+};
+
+/// A tile times r of its columns, for its rows, and off the diagonal its transpose times r of its
+/// rows, for its columns.
+/// @param of_warps  room that no thread reads any more: that of the tile before the last one.
+template <class T>
+__device__ void multiply(const DenseView<T>& d, const Columns<T> entry[kRows], const T r[2][kTile],
+                         const TilePlace at, T of_warps[kWarps][kTile]) {
+  const int thread = int(threadIdx.x);
+  const int column = thread % kRowThreads, row = thread / kRowThreads;
   T along[kRows] = {}, down[kColumns] = {};
 #pragma unroll
   for (int k = 0; k < kRows; ++k)
 #pragma unroll
     for (int j = 0; j < kColumns; ++j) {
-      along[k] += entry[k].value[j] * of_columns[kColumns * column + j];
-      down[j] += entry[k].value[j] * of_rows[row + kRowStep * k];
+      along[k] += entry[k].value[j] * r[1][kColumns * column + j];
+      down[j] += entry[k].value[j] * r[0][row + kRowStep * k];
     }
+  // each of four threads ends with one of the four rows
+  static_assert(kRows == 4);
+  const bool upper = column & 8, odd = column & 4;
 #pragma unroll
-  for (int k = 0; k < kRows; ++k) {
-    for (int half = kRowThreads / 2; half > 0; half /= 2)
-      along[k] += __shfl_xor_sync(~0u, along[k], half);
-    if (column == 0) d.sum(component, I, J)[row + kRowStep * k] = along[k];
-  }
-  T* const of_warps = room + kSolveThreads;
+  for (int k = 0; k < 2; ++k)
+    along[k] = (upper ? along[k + 2] : along[k]) +
+               __shfl_xor_sync(~0u, upper ? along[k] : along[k + 2], 8);
+  along[0] = (odd ? along[1] : along[0]) + __shfl_xor_sync(~0u, odd ? along[0] : along[1], 4);
+  for (int half = 2; half > 0; half /= 2) along[0] += __shfl_xor_sync(~0u, along[0], half);
+  if (column % 4 == 0)
+    d.sum(at.component, at.I, at.J)[row + kRowStep * (2 * upper + odd)] = along[0];
 #pragma unroll
   for (int j = 0; j < kColumns; ++j) {
     down[j] += __shfl_xor_sync(~0u, down[j], kRowThreads);
-    if (thread % 32 < kRowThreads) of_warps[thread / 32 * kTile + kColumns * column + j] = down[j];
+    if (thread % 32 < kRowThreads) of_warps[thread / 32][kColumns * column + j] = down[j];
   }
   __syncthreads();
-  if (I != J && thread < kTile) {
-    T sum = 0;
-    for (int w = 0; w < kWarps; ++w) sum += of_warps[w * kTile + thread];
-    d.sum(component, J, I)[thread] = sum;
-  }
-  __threadfence();
-  __syncthreads();
-  if (thread < 2) {
-    const bool counts = thread == 0 || I != J;
-    unsigned* const done = d.done + component * d.tile_count + (thread == 0 ? I : J);
-    const auto all = unsigned(d.tile_count - 1);
-    last[thread] = counts && atomicInc(done, all) == all;  // which sets it back to 0
-    __threadfence();
-  }
-  __syncthreads();
-  if (last[0]) finish_rows(d, v, component, I, room, out);
-  if (last[1]) finish_rows(d, v, component, J, room, out);
+  if (at.I == at.J || thread >= kTile) return;
+  T sum = 0;
+  for (int w = 0; w < kWarps; ++w) sum += of_warps[w][thread];
+  d.sum(at.component, at.J, at.I)[thread] = sum;
 }
-static_assert(kRowThreads == 16);  // two rows a warp
 
-/// The tiles of the inverses, 0 beyond row and column n.
+/// The products of all tiles, those of a block as many apart as there are blocks. The first ones
+/// come while kernels before still run: they are never written.
 template <class T>
-void write_tiles(const double* swept, int64_t n, DeviceArray<T>& tiles) {
-  const int64_t size = dense_pitch(n), pairs = pairs_of(size / kTile);
-  T* const to = tiles.data();
-  cuda::for_each(tiles.size(), [=] __device__(int64_t k) {
-    const int j = int(k % kTile), i = int(k / kTile % kTile), m = int(k / (kBlock * pairs));
-    int I, J;
-    find_tile(int(k / kBlock % pairs), I, J);
-    const int64_t row = int64_t(kTile) * I + i, column = int64_t(kTile) * J + j;
-    if (row < n && column < n) to[k] = T(inverse_entry(swept, size, m, row, column));
-  });
+__global__ void __launch_bounds__(kSolveThreads, sizeof(T) == 4 ? 4 : 1)
+    product_kernel(DenseView<T> d, StencilView<T> v) {
+  extern __shared__ __align__(16) unsigned char shared[];
+  auto& room = *reinterpret_cast<ProductRoom<T>*>(shared);
+  constexpr int kLine = 128 / int(sizeof(Columns<T>));
+  const int thread = int(threadIdx.x), count = d.tiles_in_all(), step = int(gridDim.x);
+  // all blocks have kKept tiles and those that start first the rest: the last ones find room only
+  // when the kernel before ends
+  const int rest = max(count - kKept * step, 0), columns = max((rest + step - 1) / step, 2);
+  const int width = (rest + columns - 1) / columns;
+  const auto tile = [&](int k) {
+    const int block = int(blockIdx.x);
+    if (k < kKept) return block + k * step;
+    return block < width ? kKept * step + (k - kKept) * width + block : count;
+  };
+  let_next_start();
+  constexpr int kParts = int(sizeof(Columns<T>) / sizeof(int4));
+  const Streaming streaming;
+  for (int k = 0; k < kKept && tile(k) < count; ++k)
+    for (int m = thread; m < kRows * kSolveThreads * kParts; m += kSolveThreads)
+      streaming.copy(reinterpret_cast<int4*>(room.kept[k]) + m,
+                     reinterpret_cast<const int4*>(d.tile(tile(k))) + m);
+  __pipeline_commit();
+  Columns<T> entry[kRows];
+  const auto load = [&](int k) {
+    if (tile(k) >= count) return;
+#pragma unroll
+    for (int m = 0; m < kRows; ++m)
+#pragma unroll
+      for (int part = 0; part < kParts; ++part)
+        reinterpret_cast<int4*>(&entry[m])[part] = streaming.load(
+            reinterpret_cast<const int4*>(d.tile(tile(k)) + thread + kSolveThreads * m) + part);
+  };
+  load(kKept);
+  for (int k = kEarly; tile(k) < count; ++k)  // into the cache of the card
+    for (int m = kLine * thread; m < kRows * kSolveThreads; m += kLine * kSolveThreads)
+      asm volatile("prefetch.global.L2 [%0];" ::"l"(d.tile(tile(k)) + m));
+  const int side = thread / kTile % 2, of = thread % kTile, half = thread / (2 * kTile);
+  static_assert(kSolveThreads == 4 * kTile && kEarly == 4);  // two tiles at once
+  const NodeResidual<T> first(d, v, tile(half), side, of), second(d, v, tile(half + 2), side, of);
+  if (thread < kEarly) room.place[thread] = TilePlace(tile(thread), d.tile_count);
+  wait_for_before();
+  room.r[half][side][of] = first.get();
+  room.r[half + 2][side][of] = second.get();
+  __pipeline_wait_prior(0);
+  __syncthreads();
+  int turn = 0;
+  const auto run = [&](const Columns<T>* of_thread, int k) {
+    if (tile(k) >= count) return;
+    const int place = k < kEarly ? k : kKept;
+    multiply(d, of_thread, room.r[place], room.place[place], room.of_warps[turn++ % 2]);
+  };
+  run(entry, kKept);
+  for (int k = kEarly;; ++k) {
+    // the next one is on its way while those in shared memory are taken
+    load(k);
+    if (half == 0) {
+      const NodeResidual<T> later(d, v, tile(k), side, of);
+      room.r[kKept][side][of] = later.get();
+      if (thread == 0) room.place[kKept] = TilePlace(tile(k), d.tile_count);
+    }
+    if (k == kEarly)
+      for (int m = 0; m < kKept; ++m) {
+        Columns<T> kept[kRows];
+        for (int j = 0; j < kRows; ++j) kept[j] = room.kept[m][thread + kSolveThreads * j];
+        run(kept, m);
+      }
+    if (tile(k) >= count) return;
+    __syncthreads();
+    run(entry, k);
+  }
 }
 
-/// Whether room is counted alone: then the operators go here.
-bool counts_only(const DeviceArray<double>& operators) {
-  RoomCount* const room = RoomCount::present();
-  if (room) room->take_off(size_t(operators.size()) * sizeof(double));
-  return room != nullptr;
+/// The sums of the rows of a tile, to where z is. Blocks (tiles of a row, 3).
+template <class T>
+__global__ void __launch_bounds__(kSolveThreads)
+    row_sum_kernel(DenseView<T> d, StencilView<T> v, ResultOutput<T> out) {
+  constexpr int kShares = kSolveThreads / kTile;
+  __shared__ T room[kShares][kTile];
+  const int row = int(threadIdx.x) % kTile, share = int(threadIdx.x) / kTile;
+  const int I = int(blockIdx.x), component = int(blockIdx.y), node = kTile * I + row;
+  let_next_start();
+  const int slot = node < v.nodes ? read_early(v.slot + node) : 0;
+  wait_for_before();
+  T sum = 0;
+#pragma unroll 8
+  for (int J = share; J < d.tile_count; J += kShares) sum += d.sum(component, I, J)[row];
+  room[share][row] = sum;
+  __syncthreads();
+  if (share > 0 || node >= v.nodes) return;
+  for (int k = 1; k < kShares; ++k) sum += room[k][row];
+  if (out.z != nullptr)
+    out.set(3 * int64_t(node) + component, sum);
+  else
+    v.z[3 * int64_t(slot) + component] = sum;
+}
+
+/// Blocks of the product that the card holds at a time.
+template <class T>
+int resident_blocks() {
+  constexpr int kBytes = sizeof(ProductRoom<T>);
+  const auto kernel = product_kernel<T>;
+  int device = 0, processors = 0, blocks = 0;
+  check(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, kBytes));
+  check(cudaGetDevice(&device));
+  check(cudaDeviceGetAttribute(&processors, cudaDevAttrMultiProcessorCount, device));
+  check(cudaOccupancyMaxActiveBlocksPerMultiprocessor(&blocks, kernel, kSolveThreads, kBytes));
+  return processors * blocks;
 }
 
 }  // namespace
 
 template <class T>
-DeviceArray<T> dense_inverses(DeviceArray<double> operators, int64_t n) {
-  const int64_t size = dense_pitch(n);
-  DeviceArray<T> inverses(kMatrices * n * size);
-  if (counts_only(operators)) return inverses;
-  sweep(operators, size);
-  const double* const swept = operators.data();
-  T* const to = inverses.data();
-  cuda::for_each(inverses.size(), [=] __device__(int64_t k) {
-    const int64_t j = k % size, i = k / size % n, m = k / size / n;
-    if (j < n) to[k] = T(inverse_entry(swept, size, m, i, j));
-  });
-  synchronise();
-  return inverses;
-}
-
-template <class T>
 DenseSolve<T>::DenseSolve(DeviceArray<double> operators, int64_t n) {
-  const int64_t size = dense_pitch(n), tiles = size / kTile, pairs = pairs_of(tiles);
-  tiles_ = DeviceArray<T>(kMatrices * pairs * kBlock);
-  r_ = DeviceArray<T>(kMatrices * size);
-  sums_ = DeviceArray<T>(kMatrices * tiles * size);
-  done_ = DeviceArray<unsigned>(kMatrices * tiles);
-  if (counts_only(operators)) return;
-  sweep(operators, size);
-  write_tiles(operators.data(), n, tiles_);
-  synchronise();  // the solve reads them without waiting for kernels before
+  const int64_t size = dense_pitch(n), tiles = size / kTile;
+  tile_count_ = int(tiles);
+  sums_ = DeviceArray<T>(kDenseMatrices * tiles * size);
+  tiles_ = dense_inverse_tiles<T>(std::move(operators), n);
+  if (RoomCount::present()) return;
+  blocks_ = std::min(resident_blocks<T>(), int(kDenseMatrices * tile_pairs(tiles)));
 }
 
 template <class T>
-void DenseSolve<T>::run(const StencilView<T>& level, const ResultOutput<T>& out) {
-  const int tiles = int(done_.size() / kMatrices);
-  const DenseView<T> view{tiles_.data(), r_.data(), sums_.data(), done_.data(), tiles};
-  launch(solve_kernel<T>, dim3(unsigned(pairs_of(tiles)), kMatrices), kSolveThreads, 0, view, level,
-         out);
+void DenseSolve<T>::run(const StencilView<T>& level, const T* partial, const ResultOutput<T>& out,
+                        const Line& line) {
+  const DenseView<T> view{tiles_.data(), partial, sums_.data(), tile_count_};
+  launch_on(line, product_kernel<T>, unsigned(blocks_), kSolveThreads, sizeof(ProductRoom<T>), view,
+            level);
+  launch(row_sum_kernel<T>, dim3(unsigned(tile_count_), kDenseMatrices), kSolveThreads, 0, view,
+         level, out);
 }
 
-template DeviceArray<float> dense_inverses(DeviceArray<double>, int64_t);
-template DeviceArray<double> dense_inverses(DeviceArray<double>, int64_t);
 template class DenseSolve<float>;
 template class DenseSolve<double>;
 

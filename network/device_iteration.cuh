@@ -4,7 +4,7 @@
 
 #pragma once
 
-#include "core/device_reduce.cuh"
+#include "core/device_signal.cuh"
 #include "core/device_wide.cuh"
 #include "network/device_lbfgs.cuh"
 #include "network/device_potential.hpp"
@@ -23,8 +23,7 @@ struct Iteration {
         gradient(n),
         trial_gradient(n),
         coefficients(kPairs),
-        pair_sums(1),
-        slope_sums(1),
+        step_sums(1),
         gradient_sums(1),
         trial_sums(1),
         numbers(1) {}
@@ -50,11 +49,11 @@ struct Iteration {
   Pairs& pairs;
   DeviceArray<T> gradient, trial_gradient;
   DeviceArray<double> coefficients;  // c of lbfgs_products.hpp
-  DeviceArray<SumRoom<Sums<kPairs>>> pair_sums;
-  DeviceArray<SumRoom<Sums<1>>> slope_sums;
+  DeviceArray<SumRoom<Sums<kPairs + 1>>> step_sums;
   DeviceArray<SumRoom<Sums<kGradientSums>>> gradient_sums;
   DeviceArray<SumRoom<Sums<kTrialSums>>> trial_sums;
   PinnedArray<Numbers> numbers;
+  Signal signal;  // of numbers
 };
 
 /// p = -H g, its slope, and trial_u = u + p.
@@ -84,65 +83,72 @@ void Iteration<T>::first_loop(DevicePreconditioner& first, const FirstLoop& loop
   });
 }
 
-/// -B q in the place of p, and the coefficients of the s_k.
+/// -B q in the place of p, the coefficients c_k of the s_k, and the slope g.p of p = -B q - sum c_k
+/// s_k.
 template <class T>
 void Iteration<T>::second_loop(const UnturnedResult& result, const FirstLoop& loop) {
+  using Found = Sums<kPairs + 1>;
   const PairViews list = pairs.views();
   const LbfgsProducts products = pairs.products;
+  const T* g = gradient.data();
   float* p = pairs.step.data();
   double* c = coefficients.data();
+  Numbers* to = numbers.data();
   ordered_sum(
-      size / 3, pair_sums.data(),
-      [=] __device__(int64_t n, Sums<kPairs> & sum) {
-        float v[3];
-        result.at(n, v);
-        for (int i = 0; i < 3; ++i) p[3 * n + i] = -v[i];
+      size / 3, step_sums.data(),
+      [=] __device__(int64_t n, Found & sum) {
+        float y[kPairs][3], v[3];
+        T force[3];
 #pragma unroll
         for (int k = 0; k < kPairs; ++k)
-          if (k < list.count)
-            for (int i = 0; i < 3; ++i)
-              sum.value[k] += double(float(list.y[k][3 * n + i])) * double(v[i]);
+          for (int i = 0; i < 3; ++i) y[k][i] = k < list.count ? float(list.y[k][3 * n + i]) : 0;
+        for (int i = 0; i < 3; ++i) force[i] = g[3 * n + i];
+        result.at(n, v);
+        for (int i = 0; i < 3; ++i) {
+          p[3 * n + i] = -v[i];
+          sum.value[kPairs] += double(force[i]) * double(v[i]);
+        }
+#pragma unroll
+        for (int k = 0; k < kPairs; ++k)
+          for (int i = 0; i < 3; ++i) sum.value[k] += double(y[k][i]) * double(v[i]);
       },
-      [=] __device__(const Sums<kPairs>& sum) {
-        double found[kPairs];
+      [=] __device__(const Found& sum) {
+        double found[kPairs], slope = -sum.value[kPairs];
         products.second_loop(loop.alpha, sum.value, found);
-        for (int k = 0; k < kPairs; ++k) c[k] = found[k];
+        for (int k = 0; k < kPairs; ++k) {
+          c[k] = found[k];
+          if (k < products.count) slope -= found[k] * products.sg[k];
+        }
+        to->slope = slope;
       });
 }
 
-/// p -= sum c_k s_k, its slope, and the trial of the whole step.
+/// p -= sum c_k s_k, and the trial of the whole step.
 template <class T>
 void Iteration<T>::take_step(const double* u, double* trial_u) {
   const PairViews list = pairs.views();
-  const T* g = gradient.data();
   float* p = pairs.step.data();
   const double* c = coefficients.data();
-  Numbers* to = numbers.data();
-  const int64_t n = size;
-  ordered_sum(
-      Wide<4>::parts(n), slope_sums.data(),
-      [=] __device__(int64_t part, Sums<1> & sum) {
-        const Wide<4> at(part, n);
-        float step[4];
-        PairNumber s_k[4];
-        double found[4], place[4];
-        T force[4];
-        at.load(p, step), at.load(u, place), at.load(g, force);
-        for (int j = 0; j < 4; ++j) found[j] = double(step[j]);
+  for_each_wide<4>(size, [=] __device__(const auto& at) {
+    constexpr int kCount = std::decay_t<decltype(at)>::kCount;
+    float step[kCount];
+    PairNumber s[kPairs][kCount];
+    double found[kCount], place[kCount];
+    at.load(p, step), at.load(u, place);
 #pragma unroll
-        for (int k = 0; k < kPairs; ++k) {
-          if (k >= list.count) continue;
-          at.load(list.s[k], s_k);
-          for (int j = 0; j < 4; ++j) found[j] -= c[k] * double(float(s_k[j]));
-        }
-        for (int j = 0; j < 4; ++j) {
-          step[j] = float(found[j]);
-          place[j] += double(step[j]);
-          sum.value[0] += double(force[j]) * double(step[j]);
-        }
-        at.store(step, p), at.store(place, trial_u);
-      },
-      [=] __device__(const Sums<1>& sum) { to->slope = sum.value[0]; });
+    for (int k = 0; k < kPairs; ++k)
+      if (k < list.count) at.load(list.s[k], s[k]);
+    for (int j = 0; j < kCount; ++j) found[j] = double(step[j]);
+#pragma unroll
+    for (int k = 0; k < kPairs; ++k)
+      if (k < list.count)
+        for (int j = 0; j < kCount; ++j) found[j] -= c[k] * double(float(s[k][j]));
+    for (int j = 0; j < kCount; ++j) {
+      step[j] = float(found[j]);
+      place[j] += double(step[j]);
+    }
+    at.store(step, p), at.store(place, trial_u);
+  });
 }
 
 template <class T>
@@ -168,6 +174,7 @@ void Iteration<T>::measure_gradient() {
   const PairViews list = pairs.views();
   const T* g = gradient.data();
   Numbers* to = numbers.data();
+  const Signal::Raise raise = signal.next();
   ordered_sum(
       size, gradient_sums.data(),
       [=] __device__(int64_t i, Found & sum) {
@@ -180,6 +187,7 @@ void Iteration<T>::measure_gradient() {
       [=] __device__(const Found& sum) {
         to->gradient = sum.value[0];
         for (int k = 0; k < kPairs; ++k) to->of_pairs[k] = sum.value[1 + k];
+        raise();
       });
 }
 
@@ -187,38 +195,40 @@ void Iteration<T>::measure_gradient() {
 template <class T>
 void Iteration<T>::measure_trial(const double* trial_u, const InertiaTerms& inertia) {
   using Trial = Sums<kTrialSums>;
-  constexpr int kAtOnce = 4;
   const PairViews list = pairs.views();
   const int older = pairs.products.older();
   const T *g = gradient.data(), *trial_g = trial_gradient.data();
   const float* p = pairs.step.data();
-  PairNumber *s = pairs.next_s(), *y = pairs.next_y();
+  PairNumber *to_s = pairs.next_s(), *to_y = pairs.next_y();
   Numbers* to = numbers.data();
-  const int64_t n = size;
-  ordered_sum(
-      Wide<kAtOnce>::parts(n), trial_sums.data(),
-      [=] __device__(int64_t part, Trial & sum) {
-        const Wide<kAtOnce> at(part, n);
-        T force[kAtOnce], before[kAtOnce];
-        float step[kAtOnce];
-        PairNumber taken[kAtOnce], change[kAtOnce], s_k[kAtOnce];
-        double place[kAtOnce];
-        at.load(trial_g, force), at.load(g, before), at.load(p, step), at.load(trial_u, place);
-        for (int j = 0; j < kAtOnce; ++j) {
+  const Signal::Raise raise = signal.next();
+  ordered_wide_sum<4>(
+      size, trial_sums.data(),
+      [=] __device__(const auto& at, Trial& sum) {
+        constexpr int kCount = std::decay_t<decltype(at)>::kCount;
+        T force[kCount], before[kCount];
+        float step[kCount];
+        PairNumber taken[kCount], change[kCount], s[kOlder][kCount];
+        double place[kCount], aim[kCount];
+        at.load(g, before), at.load(p, step), at.load(trial_u, place);
+        at.load(inertia.predictor, aim), at.load(trial_g, force);
+#pragma unroll
+        for (int k = 0; k < kOlder; ++k)
+          if (k < older) at.load(list.s[k], s[k]);
+        for (int j = 0; j < kCount; ++j) {
           taken[j] = step[j], change[j] = float(force[j] - before[j]);
           const double f = double(force[j]), a = double(float(taken[j]));
           const double b = double(float(change[j])), slope = f * double(step[j]);
           const double found[6] = {f * f, slope, a * f, a * b, a * a, b * b};
           for (int k = 0; k < 6; ++k) sum.value[k] += found[k];
-          if (j < at.count) sum.value[6] += inertia.energy(at.first + j, place[j]);
         }
-        at.store(taken, s), at.store(change, y);
+        sum.value[6] += inertia.energy<kCount>(at.first, place, aim);
+        at.store(taken, to_s), at.store(change, to_y);
 #pragma unroll
         for (int k = 0; k < kOlder; ++k) {
           if (k >= older) continue;
-          at.load(list.s[k], s_k);
-          for (int j = 0; j < kAtOnce; ++j) {
-            const double of = double(float(s_k[j]));
+          for (int j = 0; j < kCount; ++j) {
+            const double of = double(float(s[k][j]));
             sum.value[7 + k] += of * double(force[j]);
             sum.value[7 + kOlder + k] += of * double(float(change[j]));
           }
@@ -231,6 +241,7 @@ void Iteration<T>::measure_trial(const double* trial_u, const InertiaTerms& iner
         pair.sg = v[2], pair.sy = v[3], pair.ss = v[4], pair.yy = v[5];
         for (int k = 0; k < kOlder; ++k)
           pair.older_g[k] = v[7 + k], pair.older_y[k] = v[7 + kOlder + k];
+        raise();
       });
 }
 

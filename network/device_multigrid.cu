@@ -17,6 +17,7 @@ constexpr int kShortBricks = 512;   // of levels with short runs
 constexpr int kSingleBricks = 128;  // of levels with one node a thread
 constexpr int kClusterBricks = 16;  // of levels that a cluster of blocks works on, a brick each
 constexpr int kClusterThreads = stencil::kSlots / kSingleRun;
+constexpr int kRestrictThreads = 256;
 
 template <class T>
 struct Level {
@@ -68,11 +69,22 @@ struct Views {
 template <class T, int kRun, bool kAdded>
 __global__ void __launch_bounds__(stencil::kSlots / kRun,
                                   sizeof(T) == 4 && kRun > kSingleRun ? 2 * kRun : 1)
-    pass_kernel(const __grid_constant__ StencilView<T> v, Pass pass, ResultOutput<T> out) {
+    pass_kernel(const __grid_constant__ StencilView<T> v, Pass pass, ResultOutput<T> out,
+                bool late) {
   extern __shared__ __align__(16) unsigned char room[];
-  let_next_start();
+  if (!late) let_next_start();
   stencil::run_pass<T, kRun, kAdded>(v, pass, blockIdx.x, reinterpret_cast<T*>(room), out,
                                      [] { wait_for_before(); });
+}
+
+template <class T>
+__global__ void __launch_bounds__(kRestrictThreads)
+    restrict_kernel(const T* partial, const __grid_constant__ StencilView<T> coarse) {
+  let_next_start();
+  const int slot = int(blockIdx.x) * kRestrictThreads + int(threadIdx.x);
+  const Restriction from(coarse.links, coarse.row, slot);
+  wait_for_before();
+  from.set(partial, coarse, slot);
 }
 
 /// body(k) for each k of [0, n) by the threads of the grid.
@@ -104,8 +116,9 @@ __global__ void __launch_bounds__(kClusterThreads)
   for (int l = first; l <= last; ++l) {
     const StencilView<T>& v = views.level[l];
     if (l > 0) {
-      share(v.bricks * stencil::kSlots,
-            [&](int slot) { restrict_residual(views.level[l - 1], v, slot); });
+      share(v.bricks * stencil::kSlots, [&](int slot) {
+        Restriction(v.links, v.row, slot).set(views.level[l - 1].partial, v, slot);
+      });
       cluster.sync();
     }
     if (v.inverses != nullptr) {
@@ -222,14 +235,14 @@ struct DeviceMultigridLevels {
     if (pass != Pass::kSecond) bytes -= stencil::kBrick * int(sizeof(T));
     if (last || pass == Pass::kStart || pass == Pass::kResidual)
       bytes -= stencil::kCoarse * int(sizeof(T));
-    launch_on(line(early), kernel, unsigned(v.bricks), unsigned(threads), size_t(bytes), v, pass,
-              out);
+    const bool to_finer = l > 0 && pass == Pass::kSecond;
+    const bool late = to_finer && present().level[l - 1].bricks <= kFewBlocks;
+    launch_on({.early = early}, kernel, unsigned(v.bricks), unsigned(threads), size_t(bytes), v,
+              pass, out, late);
   }
 
-  static Line line(bool early) { return {cudaStreamPerThread, early}; }
-
   void run_cluster(const ResultOutput<T>& out, bool early) {
-    const ClusterLaunch launch(cluster_blocks, stencil::kSharedBytes<T>, line(early));
+    const ClusterLaunch launch(cluster_blocks, stencil::kSharedBytes<T>, {.early = early});
     const auto kernel = use_stiffness ? cluster_kernel<T, true> : cluster_kernel<T, false>;
     check(cudaLaunchKernelEx(&launch.config, kernel, present(), first_in_cluster, out));
   }
@@ -237,22 +250,17 @@ struct DeviceMultigridLevels {
   /// The level that the whole card solves.
   void solve_last(const ResultOutput<T>& out, bool early) {
     const int l = views.count - 1;
-    const StencilView<T> v = present().level[l], finer = present().level[l > 0 ? l - 1 : l];
-    T* const to = solved.r();
-    const int64_t pitch = dense_pitch(v.nodes);
-    cuda::for_each(
-        v.nodes,
-        [=] __device__(int64_t n) {
-          const int slot = v.slot[n];
-          T r[3] = {};
-          if (v.row[slot] != 0 && l > 0) add_residual(finer, v, slot, r);
-          for (int i = 0; i < 3; ++i) to[i * pitch + n] = l > 0 ? r[i] : v.r[3 * int64_t(slot) + i];
-        },
-        line(early));
-    solved.run(v, l == 0 ? out : ResultOutput<T>{});
+    const T* const partial = l > 0 ? present().level[l - 1].partial : nullptr;
+    solved.run(present().level[l], partial, l == 0 ? out : ResultOutput<T>{}, {.early = early});
   }
 
-  /// The cycle from level l on; the finest has its residual.
+  /// The first pass over the finest level, which has its residual.
+  void start() {
+    const bool passes = first_in_cluster > 0 && !(views.count == 1 && solved.exists());
+    if (passes) run(0, Pass::kStart);
+  }
+
+  /// The cycle from level l on, of the finest what comes behind that pass.
   void cycle(int l, const ResultOutput<T>& out, const Companion<T>& beside) {
     const bool last = l + 1 == views.count;
     const bool alone = !beside.begin;
@@ -260,19 +268,18 @@ struct DeviceMultigridLevels {
     if (l == first_in_cluster) return run_cluster(out, alone);
     if (last && solved.exists()) return solve_last(out, alone);
     if (l > 0) {
-      const StencilView<T> v = present().level[l], finer = present().level[l - 1];
-      cuda::for_each(
-          int64_t(v.bricks) * stencil::kSlots,
-          [=] __device__(int64_t s) { restrict_residual(finer, v, int(s)); }, line(alone || !last));
+      const StencilView<T>& v = present().level[l];
+      launch(restrict_kernel<T>, unsigned(v.bricks * stencil::kSlots / kRestrictThreads),
+             kRestrictThreads, 0, present().level[l - 1].partial, v);
+      run(l, Pass::kStart);
     }
-    run(l, Pass::kStart, {}, alone || !last);
     if (!last) {
       run(l, Pass::kResidual);
       if (!alone) beside.begin();
       cycle(l + 1, {}, {});
       if (!alone) beside.end();
     }
-    run(l, Pass::kFirst, {}, alone || last);
+    run(l, Pass::kFirst, {}, alone);
     run(l, Pass::kSecond, out);
   }
 
@@ -370,6 +377,11 @@ void DeviceMultigrid<T>::use_stiffness(bool use) {
 }
 
 template <class T>
+void DeviceMultigrid<T>::start() {
+  levels_->start();
+}
+
+template <class T>
 void DeviceMultigrid<T>::cycle(T* z, const Companion<T>& companion) {
   levels_->cycle(0, {z, companion.result}, companion);
 }
@@ -378,6 +390,7 @@ template <class T>
 void DeviceMultigrid<T>::apply(const T* r, T* z) {
   const ResidualInput<T> to = input();
   cuda::for_each(int64_t(to.finest.nodes), [=] __device__(int64_t n) { to.set(n, r + 3 * n); });
+  start();
   cycle(z);
 }
 

@@ -48,8 +48,10 @@ class DeviceMultigrid {
 
   /// z = B r, one V-cycle from z = 0; r and z are (nodes, 3) on the device, r is 0 on pinned nodes.
   void apply(const T* r, T* z);
-  /// The same in two parts, for kernels that put r there node by node.
+  /// The same in parts, for kernels that put r there node by node: the first pass over it, then all
+  /// that comes behind.
   ResidualInput<T> input() const;
+  void start();
   void cycle(T* z, const Companion<T>& companion = {});
 
  private:

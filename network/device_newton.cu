@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/device_reduce.cuh"
+#include "core/device_signal.cuh"
 #include "core/line_search.hpp"
 #include "network/device_newton.hpp"
 #include "network/device_preconditioner.cuh"
@@ -62,6 +63,7 @@ struct DeviceNewton::Impl {
   DeviceArray<SumRoom<Sums<1>>> sums;
   DeviceArray<SumRoom<Sums<2>>> pair_sums;
   PinnedArray<HostNumbers> numbers;
+  Signal signal;  // of numbers
   NewtonRegion region;
   StepTaken taken;  // by the line search
 };
@@ -71,13 +73,17 @@ void DeviceNewton::Impl::measure(const DeviceArray<double>& g) {
   const double* values = g.data();
   const float* step = x.data();
   HostNumbers* to = numbers.data();
+  const Signal::Raise raise = signal.next();
   ordered_sum(
       size, pair_sums.data(),
       [=] __device__(int64_t k, Sums<2> & sum) {
         sum.value[0] += values[k] * values[k];
         sum.value[1] += values[k] * double(step[k]);
       },
-      [=] __device__(const Sums<2>& sum) { to->square = sum.value[0], to->slope = sum.value[1]; });
+      [=] __device__(const Sums<2>& sum) {
+        to->square = sum.value[0], to->slope = sum.value[1];
+        raise();
+      });
 }
 
 /// r = -g/unit, x = 0, and |r|^2; the scalars go to the device.
@@ -86,6 +92,7 @@ void DeviceNewton::Impl::start_pcg(double unit, const PcgScalars& scalars) {
   float *to_r = r.data(), *to_x = x.data();
   HostNumbers* to = numbers.data();
   PcgScalars* of = pcg.data();
+  const Signal::Raise raise = signal.next();
   ordered_sum(
       size, sums.data(),
       [=] __device__(int64_t k, Sums<1> & sum) {
@@ -94,7 +101,10 @@ void DeviceNewton::Impl::start_pcg(double unit, const PcgScalars& scalars) {
         to_x[k] = 0;
         sum.value[0] += double(right) * double(right);
       },
-      [=] __device__(const Sums<1>& sum) { to->square = sum.value[0], *of = scalars; });
+      [=] __device__(const Sums<1>& sum) {
+        to->square = sum.value[0], *of = scalars;
+        raise();
+      });
 }
 
 /// z = B r and p = z + beta p.
@@ -143,6 +153,7 @@ void DeviceNewton::Impl::advance() {
   float *to_x = x.data(), *to_r = r.data();
   PcgScalars* of = pcg.data();
   HostNumbers* to = numbers.data();
+  const Signal::Raise raise = signal.next();
   ordered_sum(
       size, sums.data(),
       [=] __device__(int64_t k, Sums<1> & sum) {
@@ -152,14 +163,17 @@ void DeviceNewton::Impl::advance() {
         to_r[k] = left;
         sum.value[0] += double(left) * double(left);
       },
-      [=] __device__(const Sums<1>& sum) { to->square = sum.value[0], to->pcg = *of; });
+      [=] __device__(const Sums<1>& sum) {
+        to->square = sum.value[0], to->pcg = *of;
+        raise();
+      });
 }
 
 /// The PCG of core/pcg.hpp for the step in units of `unit`; gives its iterations.
 int DeviceNewton::Impl::solve_linear(double unit, double eta, int most,
                                      const std::function<bool()>& interrupted) {
   start_pcg(unit, region.scalars(unit));
-  synchronise();
+  signal.wait();
   const double start = std::sqrt(numbers[0].square);
   double residual = start > 0 ? 1 : 0;
   int iterations = 0;
@@ -168,7 +182,7 @@ int DeviceNewton::Impl::solve_linear(double unit, double eta, int most,
     find_direction();
     find_curvature();
     advance();
-    synchronise();
+    signal.wait();
     if (numbers[0].pcg.alpha == 0) break;
     residual = std::sqrt(numbers[0].square) / start;
     ++iterations;
@@ -192,7 +206,7 @@ void DeviceNewton::Impl::move(double a) {
 /// Moves u along the step where Phi falls; taken says how far, gradient and value follow.
 void DeviceNewton::Impl::line_search(PotentialValue& value) {
   measure(gradient);
-  synchronise();
+  signal.wait();
   const double slope = numbers[0].slope;
   const double noise = potential.terms().noise(value, std::numeric_limits<double>::epsilon());
   taken = {slope, noise};
@@ -204,7 +218,7 @@ void DeviceNewton::Impl::line_search(PotentialValue& value) {
     if (contact && halvings == 0) contact->cut_step(quasi.u(), trial_u.data());
     potential.start_evaluation<double>(trial_u.data(), trial_gradient.data());
     measure(trial_gradient);
-    synchronise();
+    signal.wait();
     if (contact && halvings == 0) a = contact->share();
     const PotentialValue trial = potential.value();
     const double difference = trial.total() - value.total();
@@ -232,7 +246,7 @@ IterationResult DeviceNewton::solve(double target, int max_outer, int max_inner,
   IterationResult result;
   s.potential.start_evaluation<double>(s.quasi.u(), s.gradient.data());
   s.measure(s.gradient);
-  synchronise();
+  s.signal.wait();
   PotentialValue value = s.potential.value();
   double residual = std::sqrt(s.numbers[0].square), before = 0, eta = 0.1;
   NewtonRegion& region = s.region;

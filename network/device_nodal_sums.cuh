@@ -32,8 +32,10 @@ __global__ void __launch_bounds__(kThreads)
   extern __shared__ __align__(16) unsigned char room[];
   constexpr int kWidth = ::elastogen::bricks::kTileWidth;
   T *const in = reinterpret_cast<T*>(room), *const given = in + 3 * kTile;
-  let_next_start();
   const int64_t b = blockIdx.x;
+  const bool few = gridDim.x <= kFewBlocks;  // then the next kernel has few blocks too
+  if (!few) let_next_start();
+
   const int32_t begin = read_early(g.tile_begin + b), end = read_early(g.tile_begin + b + 1);
   const int lane = int(threadIdx.x) % kLanes;
   for (int k = int(threadIdx.x); k < kCount * kVoxels; k += kThreads) given[k] = 0;
@@ -52,6 +54,7 @@ __global__ void __launch_bounds__(kThreads)
     T* const to = given + lane + kLanes * (line % kWidth + kLanes * (line / kWidth));
     for (int k = 0; k < kCount; ++k) to[k * kVoxels] = value[k];
   }
+  if (few) let_next_start();
   __syncthreads();
   for (int32_t k = begin + int32_t(threadIdx.x); k < end; k += kThreads) {
     T sum[kCount];

@@ -56,8 +56,9 @@ __global__ void __launch_bounds__(kSumThreads)
     piece_kernel(PiecesView g, const Sum* partial, Then then) {
   alignas(Sum) __shared__ unsigned char all[kSumWarps * sizeof(Sum)];
   const int64_t p = blockIdx.x;
-  const Sum sum = detail::sum_of_partials(int64_t(g.chunk_begin[p + 1] - g.chunk_begin[p]),
-                                          partial + g.chunk_begin[p], reinterpret_cast<Sum*>(all));
+  const int64_t first = g.chunk_begin[p], count = g.chunk_begin[p + 1] - first;
+  const Sum sum = detail::sum_of_partials(
+      count, [&](int64_t k) { return partial[first + k]; }, reinterpret_cast<Sum*>(all));
   if (threadIdx.x == 0) then(p, sum);
 }
 

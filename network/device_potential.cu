@@ -133,11 +133,12 @@ void DevicePotential::set_nodal_rotations(const double* u) {
 }
 
 template <class T, bool kQuality, class Nets>
-void DevicePotential::Impl::gradient_pass(const double* u, T* gradient, const Nets& nets) {
+void DevicePotential::Impl::gradient_pass(const double* u, T* gradient, const Nets& nets,
+                                          int place) {
   const VoxelTables<T> table = voxels<T>();
   const double *mass = inertia.data(), *aim = predictor.data();
   const uint8_t* held = pinned.data();
-  DeviceValue* to = value.data();
+  DeviceValue* to = value.data() + place;
   const auto read = [=] __device__(int64_t n, int64_t reference, T v[3]) {
     for (int i = 0; i < 3; ++i) v[i] = T(u[3 * n + i] - u[3 * reference + i]);
   };
@@ -170,26 +171,26 @@ void DevicePotential::Impl::gradient_pass(const double* u, T* gradient, const Ne
 }
 
 template <class T, bool kQuality>
-void DevicePotential::Impl::start_gradient(const double* u, T* gradient) {
+void DevicePotential::Impl::start_gradient(const double* u, T* gradient, int place) {
   with_nets<T, NetPass::kEnergy>(
-      u, [&](const auto& nets) { gradient_pass<T, kQuality>(u, gradient, nets); });
+      u, [&](const auto& nets) { gradient_pass<T, kQuality>(u, gradient, nets, place); });
   if (contact) contact->start_evaluation(u, gradient);
 }
 
-void DevicePotential::Impl::sum_inertia(const double* u) {
-  const InertiaTerms terms = inertia_terms();
-  const int64_t n = 3 * nodes();
-  ordered_sum(
-      Wide<4>::parts(n), inertia_sums.data(),
-      [=] __device__(int64_t part, Sums<1> & sum) {
-        const Wide<4> at(part, n);
-        double place[4];
-        at.load(u, place);
-#pragma unroll
-        for (int j = 0; j < 4; ++j)
-          if (j < at.count) sum.value[0] += terms.energy(at.first + j, place[j]);
+void DevicePotential::Impl::sum_inertia(const double* u, int place, Signal::Raise raise) {
+  const InertiaTerms terms = inertia_terms(place);
+  ordered_wide_sum<4>(
+      3 * nodes(), inertia_sums.data(),
+      [=] __device__(const auto& at, Sums<1>& sum) {
+        constexpr int kCount = std::decay_t<decltype(at)>::kCount;
+        double place[kCount], aim[kCount];
+        at.load(u, place), at.load(terms.predictor, aim);
+        sum.value[0] += terms.energy<kCount>(at.first, place, aim);
       },
-      [=] __device__(const Sums<1>& sum) { *terms.total = sum.value[0]; });
+      [=] __device__(const Sums<1>& sum) {
+        *terms.total = sum.value[0];
+        raise();
+      });
 }
 
 template <class T>
@@ -212,8 +213,17 @@ void DevicePotential::start_residual(const double* u, double* gradient) {
   impl_->sum_inertia(u);
 }
 
-PotentialValue DevicePotential::value() const {
-  const DeviceValue& found = impl_->value[0];
+void DevicePotential::start_energy(const double* u, int place) {
+  impl_->start_gradient<float, false>(u, nullptr, place);
+  impl_->sum_inertia(u, place, impl_->signal.next());
+}
+
+void DevicePotential::wait_for_energy() {
+  impl_->signal.wait();
+}
+
+PotentialValue DevicePotential::value(int place) const {
+  const DeviceValue& found = impl_->value[place];
   PotentialValue result;
   result.inertia = found.inertia;
   result.elastic = found.voxels.elastic;
@@ -230,8 +240,9 @@ PotentialValue DevicePotential::value() const {
 
 template <class T>
 PotentialValue DevicePotential::evaluate(const double* u, T* gradient) {
-  start_evaluation(u, gradient);
-  synchronise();
+  start_gradient(u, gradient);
+  impl_->sum_inertia(u, 0, impl_->signal.next());
+  impl_->signal.wait();
   return value();
 }
 

@@ -17,10 +17,17 @@ struct InertiaTerms {
   const uint8_t* pinned;
   double* total;  ///< where value() looks for the sum
 
-  /// At the number k = 3 node + component of u.
-  ELASTOGEN_HD double energy(int64_t k, double u) const {
-    const double away = u - predictor[k];
-    return pinned[k / 3] ? 0 : inertia[k / 3] / 2 * away * away;
+  /// At numbers k = 3 node + component of u, from `first` on.
+  template <int kCount>
+  ELASTOGEN_HD double energy(int64_t first, const double u[kCount],
+                             const double aim[kCount]) const {
+    double weight[kCount], sum = 0;
+    for (int j = 0; j < kCount; ++j) {
+      const int64_t node = (first + j) / 3;
+      weight[j] = pinned[node] ? 0 : inertia[node] / 2;
+    }
+    for (int j = 0; j < kCount; ++j) sum += weight[j] * (u[j] - aim[j]) * (u[j] - aim[j]);
+    return sum;
   }
 };
 
@@ -56,16 +63,21 @@ class DevicePotential {
   /// the device.
   template <class T>
   PotentialValue evaluate(const double* u, T* gradient);
-  /// The same without waiting for it: value() is there after synchronise().
+  /// The same without waiting for it: value() is there once kernels behind it have ended.
   template <class T>
   void start_evaluation(const double* u, T* gradient);
+  /// The value in float alone, to one of kEnergies places; those of contact have a single one.
+  void start_energy(const double* u, int place);
+  /// Waits for the one that was started last.
+  void wait_for_energy();
+  static constexpr int kEnergies = 3;
   /// The same but for the inertial energy, which the caller sums.
   template <class T>
   void start_gradient(const double* u, T* gradient);
   InertiaTerms inertia_terms();
   /// That in float64 with the smallest Jacobians, for the certificate.
   void start_residual(const double* u, double* gradient);
-  PotentialValue value() const;
+  PotentialValue value(int place = 0) const;
 
   /// Freezes the Hessian at u, in float; hessian_product then gives A p, 0 on pinned nodes. All
   /// arrays are (nodes, 3), on the device.

@@ -4,6 +4,7 @@
 
 #pragma once
 
+#include "core/device_signal.cuh"
 #include "network/device_net.cuh"
 #include "network/device_potential.hpp"
 
@@ -93,7 +94,7 @@ struct DevicePotential::Impl {
         parts((9 * rows.parts() + 1) / 2),
         brick_sums(rows.bricks()),
         inertia_sums(1),
-        value(1) {
+        value(kEnergies) {
     take_materials();
     if (terms.contact().exists()) contact.emplace(terms);
     if (terms.scheme().dt > 0 && !RoomCount::present()) set_scheme(terms.scheme());
@@ -131,13 +132,13 @@ struct DevicePotential::Impl {
   template <class T, NetPass kPass>
   void ask_nets(const double* u);
   template <class T, bool kQuality, class Nets>
-  void gradient_pass(const double* u, T* gradient, const Nets& nets);
+  void gradient_pass(const double* u, T* gradient, const Nets& nets, int place);
   template <class T, bool kQuality>
-  void start_gradient(const double* u, T* gradient);
-  InertiaTerms inertia_terms() {
-    return {inertia.data(), predictor.data(), pinned.data(), &value.data()->inertia};
+  void start_gradient(const double* u, T* gradient, int place = 0);
+  InertiaTerms inertia_terms(int place = 0) {
+    return {inertia.data(), predictor.data(), pinned.data(), &value.data()[place].inertia};
   }
-  void sum_inertia(const double* u);
+  void sum_inertia(const double* u, int place = 0, Signal::Raise raise = {});
   void freeze_rotations();
   template <class Nets>
   void tangent_pass(const double* u, TangentKind kind, const Nets& nets);
@@ -160,6 +161,7 @@ struct DevicePotential::Impl {
   DeviceArray<VoxelSums> brick_sums;
   DeviceArray<SumRoom<Sums<1>>> inertia_sums;
   PinnedArray<DeviceValue> value;
+  Signal signal;
   std::vector<DeviceArray<float>> learned;  // tables, or weights of nets
   DeviceArray<double> logs, results;        // of device_net.cuh, where a net is evaluated itself
   DeviceArray<DeviceMaterial> materials;

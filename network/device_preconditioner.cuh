@@ -79,20 +79,24 @@ class DevicePreconditioner {
     const Quaternion<float>* rotation = potential_.nodal_rotation();
     const ResidualInput<float> input = multigrid_.input();
     float* turned = turned_.data();
-    cuda::for_each(potential_.nodes(), [=] __device__(int64_t n) {
-      const Mat3<float> R = rotation_matrix(rotation[n]);
-      float v[3];
-      read(n, v);
-      float r[3];
-      for (int i = 0; i < 3; ++i) r[i] = R(0, i) * v[0] + R(1, i) * v[1] + R(2, i) * v[2];
-      if (turned != nullptr)
-        for (int i = 0; i < 3; ++i) turned[3 * n + i] = r[i];
-      input.set(n, r);
-    });
+    cuda::for_each(potential_.nodes(),
+                   [=] __device__(int64_t n) {
+                     const Mat3<float> R = rotation_matrix(rotation[n]);
+                     float v[3];
+                     read(n, v);
+                     float r[3];
+                     for (int i = 0; i < 3; ++i)
+                       r[i] = R(0, i) * v[0] + R(1, i) * v[1] + R(2, i) * v[2];
+                     if (turned != nullptr)
+                       for (int i = 0; i < 3; ++i) turned[3 * n + i] = r[i];
+                     input.set(n, r);
+                   },
+                   {.late = input.finest.bricks <= kFewBlocks});
   }
 
   /// V-cycle and encoder on what turn() has left.
   void cycle() {
+    multigrid_.start();  // while the host launches the rest
     (in_contact_ ? contact_graph_ : graph_).run([&] {
       Companion<float> encoder;
       if (encoder_) {

@@ -60,7 +60,7 @@ bool DeviceQuasi::Impl::line_search(Iteration<T>& it, PotentialValue& value, int
     if (halvings > 0) it.halve_step(u.data(), trial_u.data());
     potential.start_gradient<T>(trial_u.data(), it.trial_gradient.data());
     it.measure_trial(trial_u.data(), potential.inertia_terms());
-    synchronise();
+    it.signal.wait();
     if (contact && halvings == 0) a = contact->share();
     ++evaluations;
     const Numbers& found = it.numbers[0];
@@ -86,7 +86,7 @@ IterationResult DeviceQuasi::Impl::solve(double target, int max_outer,
   IterationResult result;
   potential.start_evaluation<T>(u.data(), it.gradient.data());
   it.measure_gradient();
-  synchronise();
+  it.signal.wait();
   it.take_gradient();
   PotentialValue value = potential.value();
   result.inner = 1;
@@ -124,8 +124,8 @@ size_t DeviceQuasi::later_bytes(int64_t nodes) {
   // of pairs and iterations; they are made when they come first
   constexpr size_t kPairBytes = 2 * kPairs * sizeof(PairNumber) + sizeof(float);
   return 3 * size_t(nodes) * (kPairBytes + 2 * sizeof(float) + 2 * sizeof(double)) +
-         2 * (sizeof(SumRoom<Sums<kPairs>>) + sizeof(SumRoom<Sums<1>>) +
-              sizeof(SumRoom<Sums<kGradientSums>>) + sizeof(SumRoom<Sums<kTrialSums>>));
+         2 * (sizeof(SumRoom<Sums<kPairs + 1>>) + sizeof(SumRoom<Sums<kGradientSums>>) +
+              sizeof(SumRoom<Sums<kTrialSums>>));
 }
 
 DevicePotential& DeviceQuasi::potential() {

@@ -172,8 +172,9 @@ __global__ void __launch_bounds__(kThreads, sizeof(T) == 4 ? 2 : 1)
     voxel_kernel(RowsView g, T* parts, Sums* sums, Read read, Voxel voxel, Finish finish) {
   extern __shared__ __align__(16) unsigned char room[];
   T *const in = reinterpret_cast<T*>(room), *const given = in + 3 * kTile;
-  let_next_start();
   const int64_t b = blockIdx.x;
+  const bool few = gridDim.x <= kFewBlocks;  // then the next kernel has few blocks too
+  if (!few) let_next_start();
   const int32_t begin = read_early(g.tile_begin + b), end = read_early(g.tile_begin + b + 1),
                 row_begin = read_early(g.row_begin + b), row_end = read_early(g.row_begin + b + 1);
   const int lane = int(threadIdx.x) % kLanes;
@@ -202,6 +203,7 @@ __global__ void __launch_bounds__(kThreads, sizeof(T) == 4 ? 2 : 1)
         for (int i = 0; i < 3; ++i) given[i * kTile + place + corner_offset(c)] += f[i][c];
     }
   }
+  if (few) let_next_start();
   if constexpr (kGives<Finish>) {
     __syncthreads();
     finish_tile(g, begin, end, finish, given, parts);
@@ -224,7 +226,8 @@ __global__ void __launch_bounds__(kThreads)
     if (block-- == 0) {
       wait_for_before();
       alignas(Sums) __shared__ unsigned char all[kSumWarps * sizeof(Sums)];
-      const Sums sum = detail::sum_of_partials(g.bricks, sums, reinterpret_cast<Sums*>(all));
+      const Sums sum = detail::sum_of_partials(
+          g.bricks, [&](int64_t k) { return sums[k]; }, reinterpret_cast<Sums*>(all));
       if (threadIdx.x == 0) then(sum);
       return;
     }

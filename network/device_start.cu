@@ -22,6 +22,7 @@ void StepOnDevice::begin_step(const StepScheme& scheme, double time) {
     now[k] = away;
     predictor[k] = u[k] = away + way;
   });
+  has_rotations_ = false;
   potential().freeze_rotations();
   pieces_.start(m.rest, m.mass, m.x, m.x_before, predictor, u);
   if (DeviceContact* contact = potential().contact()) contact->begin_step(now, time);
@@ -32,14 +33,20 @@ const Collider* StepOnDevice::clear_start() {
   return contact ? contact->clear_start(potential().now(), clear(), quasi_.u()) : nullptr;
 }
 
+/// While the host waits nodal rotations are made, which hold unless u has to change.
 double StepOnDevice::farthest() {
   const double *u = quasi_.u(), *now = potential().now();
   StepNumbers* to = numbers_.data();
+  const Signal::Raise raise = signal_.next();
   ordered_sum(
       size(), largest_.data(),
       [=] __device__(int64_t k, Largest & sum) { sum.add({fabs(u[k] - now[k])}); },
-      [=] __device__(const Largest& sum) { to->farthest = sum.value; });
-  synchronise();
+      [=] __device__(const Largest& sum) {
+        to->farthest = sum.value;
+        raise();
+      });
+  if (!potential().contact()) set_nodal_rotations();
+  signal_.wait();
   return numbers_[0].farthest;
 }
 
@@ -58,16 +65,29 @@ void StepOnDevice::extrapolate(int order, double* to) {
   });
 }
 
-/// Solver::Impl::choose_start.
+/// Solver::Impl::choose_start. All of them are evaluated before the host waits, where there is no
+/// contact.
 void StepOnDevice::choose_start() {
-  double lowest = rough_phi(quasi_.u());
-  for (int order = 1; order <= Predictor::orders(has_before_); ++order) {
-    extrapolate(order, quasi_.trial_u());
-    const double phi = rough_phi(quasi_.trial_u());
-    if (!(phi < lowest || std::isnan(lowest))) continue;
-    lowest = phi;
-    quasi_.accept_trial();
+  double* const starts[DevicePotential::kEnergies] = {quasi_.u(), x_next_.data(), quasi_.trial_u()};
+  double phi[DevicePotential::kEnergies];
+  const int count = 1 + Predictor::orders(has_before_);
+  const auto take = [&](int k) { phi[k] = potential().value(k).total(); };
+  for (int k = 0; k < count; ++k) {
+    if (k > 0) extrapolate(k, starts[k]);
+    potential().start_energy(starts[k], k);
+    if (!potential().contact()) continue;
+    potential().wait_for_energy();
+    take(k);
   }
+  if (!potential().contact()) {
+    potential().wait_for_energy();
+    for (int k = 0; k < count; ++k) take(k);
+  }
+  int best = 0;
+  for (int k = 1; k < count; ++k)
+    if (phi[k] < phi[best] || std::isnan(phi[best])) best = k;
+  if (best == 1) copy(starts[1], quasi_.u());
+  if (best == 2) quasi_.accept_trial();
 }
 
 }  // namespace elastogen::cuda

@@ -57,39 +57,50 @@ struct ResidualInput {
   }
 };
 
-/// Adds r of a coarse slot from the finer level's partial sums: those of the brick that begins at
-/// its node or holds it, and of the bricks before that end there.
-template <class T>
-__device__ inline void add_residual(const StencilView<T>& fine, const StencilView<T>& coarse,
-                                    int slot, T sum[3]) {
-  const BrickLinks& links = coarse.links[slot / stencil::kSlots];
-  const int at[3] = {slot % 8, slot / 8 % 8, slot / 64 % 8};
-#pragma unroll
-  for (int c = 0; c < 8; ++c) {
-    int brick = 0, q = 0, first = 1, width = 1;
-    bool reached = true;
-#pragma unroll
-    for (int d = 0; d < 3; ++d, first *= 3, width *= 5) {
-      const int before = c >> d & 1, rest = at[d] & 3;
-      reached &= !before || rest == 0;
-      brick += first * ((at[d] >> 2) + 1 - before);
-      q += width * (before ? 4 : rest);
-    }
-    if (!reached) continue;
-    const T* part = fine.partial + (int64_t(links.fine[brick]) * stencil::kPartial + q) * 3;
-    for (int i = 0; i < 3; ++i) sum[i] += part[i];
-  }
-}
+/// How r of a coarse slot comes of the finer level's partial sums: of those of the brick that
+/// begins at its node or holds it, and of the bricks before that end there. It reads what is never
+/// written.
+struct Restriction {
+  int32_t place[8];  ///< in thirds of their numbers, -1: none
 
-/// The same to where the smoother starts from.
-template <class T>
-__device__ inline void restrict_residual(const StencilView<T>& fine, const StencilView<T>& coarse,
-                                         int slot) {
-  if (coarse.row[slot] == 0) return;
-  T sum[3] = {};
-  add_residual(fine, coarse, slot, sum);
-  set_residual(coarse, slot, sum);
-}
+  Restriction() = default;
+
+  /// All of a slot, none where it has no free node.
+  __device__ Restriction(const BrickLinks* links, const int32_t* row, int slot) {
+    const int32_t* const fine = links[slot / stencil::kSlots].fine;
+    const int at[3] = {slot % 8, slot / 8 % 8, slot / 64 % 8};
+    const bool free = read_early(row + slot) != 0;
+#pragma unroll
+    for (int c = 0; c < 8; ++c) {
+      int brick = 0, q = 0, first = 1, width = 1;
+      bool reached = free;
+#pragma unroll
+      for (int d = 0; d < 3; ++d, first *= 3, width *= 5) {
+        const int before = c >> d & 1, rest = at[d] & 3;
+        reached &= !before || rest == 0;
+        brick += first * ((at[d] >> 2) + 1 - before);
+        q += width * (before ? 4 : rest);
+      }
+      place[c] = reached ? read_early(fine + brick) * stencil::kPartial + q : -1;
+    }
+  }
+
+  template <class T>
+  __device__ T sum(const T* partial, int component) const {
+    T sum = 0;
+#pragma unroll
+    for (int c = 0; c < 8; ++c)
+      if (place[c] >= 0) sum += partial[3 * int64_t(place[c]) + component];
+    return sum;
+  }
+
+  /// To where the smoother starts from.
+  template <class T>
+  __device__ void set(const T* partial, const StencilView<T>& coarse, int slot) const {
+    const T r[3] = {sum(partial, 0), sum(partial, 1), sum(partial, 2)};
+    set_residual(coarse, slot, r);
+  }
+};
 
 /// Where the result of a cycle goes.
 template <class T>

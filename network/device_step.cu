@@ -69,6 +69,7 @@ void StepOnDevice::download(State& state, StateParts parts) {
 
 void StepOnDevice::upload_u(const double* u) {
   check(cudaMemcpy(quasi_.u(), u, size_t(size()) * sizeof(double), cudaMemcpyHostToDevice));
+  has_rotations_ = false;
 }
 
 void StepOnDevice::download_u(double* u) {
@@ -92,11 +93,20 @@ Motion StepOnDevice::motion() {
 double StepOnDevice::reach() {
   const double* x = x_.data();
   StepNumbers* to = numbers_.data();
+  const Signal::Raise raise = signal_.next();
   ordered_sum(
       size(), largest_.data(), [=] __device__(int64_t k, Largest & sum) { sum.add({fabs(x[k])}); },
-      [=] __device__(const Largest& sum) { to->reach = sum.value; });
-  synchronise();
+      [=] __device__(const Largest& sum) {
+        to->reach = sum.value;
+        raise();
+      });
+  signal_.wait();
   return numbers_[0].reach;
+}
+
+void StepOnDevice::set_nodal_rotations() {
+  if (!has_rotations_) quasi_.set_nodal_rotations();
+  has_rotations_ = true;
 }
 
 /// Its gradient is of no use; positions of the next state are not there yet.
@@ -151,20 +161,27 @@ Certificate StepOnDevice::certify(bool may_fly) {
       [=] __device__(const Sums<2>& sum) {
         to->square = sum.value[0], to->not_finite = sum.value[1];
       });
-  synchronise();
+  find_velocities(in_flight);
+  find_energies();
+  signal_.wait();
   Certificate result{potential().value(), std::sqrt(numbers_[0].square), false, in_flight};
   result.finite = std::isfinite(result.value.total()) && std::isfinite(result.size) &&
                   numbers_[0].not_finite == 0;
   return result;
 }
 
-/// v_next; pinned nodes rest.
-void StepOnDevice::find_velocities() {
+/// v_next; pinned nodes rest. In flight velocities lose what the rounding of positions brings into
+/// their mean.
+void StepOnDevice::find_velocities(bool in_flight) {
   const Motion m = motion();
   const double* x_next = x_next_.data();
   double* v_next = v_next_.data();
   cuda::for_each(size(), [=] __device__(int64_t k) {
     v_next[k] = m.pinned[k / 3] ? 0 : velocity_after(m.scheme, x_next[k], m.x[k], m.x_before[k]);
+  });
+  if (!in_flight) return;
+  pieces_.match_means(potential().mass(), v_next, [=] __device__(int64_t k) {
+    return free_velocity(m.scheme, m.v[k], m.v_before[k], m.gravity[k % 3]);
   });
 }
 
@@ -172,6 +189,7 @@ void StepOnDevice::find_energies() {
   const Motion m = motion();
   const double *x_next = x_next_.data(), *v_next = v_next_.data();
   StepNumbers* to = numbers_.data();
+  const Signal::Raise raise = signal_.next();
   ordered_sum(
       size() / 3, pair_sums_.data(),
       [=] __device__(int64_t n, Sums<2> & sum) {
@@ -183,20 +201,11 @@ void StepOnDevice::find_energies() {
       },
       [=] __device__(const Sums<2>& sum) {
         to->energy.kinetic = sum.value[0], to->energy.gravity = sum.value[1];
+        raise();
       });
 }
 
-/// In flight velocities lose what the rounding of positions brings into their mean.
-MotionEnergy StepOnDevice::finish(bool in_flight) {
-  find_velocities();
-  if (in_flight) {
-    const Motion m = motion();
-    pieces_.match_means(potential().mass(), v_next_.data(), [=] __device__(int64_t k) {
-      return free_velocity(m.scheme, m.v[k], m.v_before[k], m.gravity[k % 3]);
-    });
-  }
-  find_energies();
-  synchronise();
+MotionEnergy StepOnDevice::finish() {
   std::swap(x_before_, x_);
   std::swap(x_, x_next_);
   std::swap(v_before_, v_);

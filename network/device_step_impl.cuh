@@ -4,6 +4,7 @@
 
 #pragma once
 
+#include "core/device_signal.cuh"
 #include "network/device.hpp"
 #include "network/device_frames.cuh"
 #include "network/device_newton.hpp"
@@ -49,11 +50,14 @@ class StepOnDevice : public DeviceStep {
   const Collider* clear_start() override;
   double farthest() override;
   void return_to_now() override { copy(potential().now(), quasi_.u()); }
-  void return_to_clear_start() override { copy(clear(), quasi_.u()); }
+  void return_to_clear_start() override {
+    copy(clear(), quasi_.u());
+    has_rotations_ = false;
+  }
   double phi() override { return phi_at(quasi_.u()); }
   double phi_now() override { return phi_at(potential().now()); }
   bool is_below_clear_start() override { return rough_phi(quasi_.u()) < rough_phi(clear()); }
-  void set_nodal_rotations() override { quasi_.set_nodal_rotations(); }
+  void set_nodal_rotations() override;
   IterationResult solve(double target, int max_outer, double precise_below,
                         const std::function<bool()>& interrupted) override {
     return quasi_.solve(target, max_outer, precise_below, interrupted);
@@ -69,7 +73,7 @@ class StepOnDevice : public DeviceStep {
     return paper_.value().solve(interrupted);
   }
   Certificate certify(bool may_fly) override;
-  MotionEnergy finish(bool in_flight) override;
+  MotionEnergy finish() override;
   void download_gradient(double* gradient) const override { gradient_.download(gradient); }
   double reach() override;
   bool carry(const Embedding& embedding, bool with_gradient) override {
@@ -92,7 +96,7 @@ class StepOnDevice : public DeviceStep {
   void round_positions();
   bool balance();
   void extrapolate(int order, double* u);
-  void find_velocities();
+  void find_velocities(bool in_flight);
   void find_energies();
 
  private:
@@ -103,7 +107,9 @@ class StepOnDevice : public DeviceStep {
   void copy(const double* from, double* to) const;
   double phi_at(const double* u);
   double rough_phi(const double* u) {
-    return potential().evaluate(u, static_cast<float*>(nullptr)).total();
+    potential().start_energy(u, 0);
+    potential().wait_for_energy();
+    return potential().value().total();
   }
   void send(const Array<double>& from, DeviceArray<double>& to);
   void fetch(const DeviceArray<double>& from, Array<double>& to);
@@ -119,10 +125,12 @@ class StepOnDevice : public DeviceStep {
   DeviceArray<SumRoom<Largest>> largest_;
   DeviceArray<SumRoom<Sums<2>>> pair_sums_;
   PinnedArray<StepNumbers> numbers_;
+  Signal signal_;                       // of numbers_
   std::optional<PinnedChunks> chunks_;  // that arrays of the state go through, from the first on
   std::unique_ptr<DeviceFrames> frames_;
   StepScheme scheme_;
   bool has_before_ = false;
+  bool has_rotations_ = false;  // the preconditioner has the nodal rotations of u
 };
 
 }  // namespace elastogen::cuda

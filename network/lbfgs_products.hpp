@@ -58,12 +58,11 @@ struct LbfgsProducts {
   /// c of the second loop, 0 beyond count, from y_k.B q.
   ELASTOGEN_HD void second_loop(const double alpha[kPairs], const double yd[kPairs],
                                 double c[kPairs]) const {
+    // all k and j, so that a device keeps c in registers
     for (int k = kPairs - 1; k >= 0; --k) {
-      c[k] = 0;
-      if (k >= count) continue;
       double sum = yd[k];
-      for (int j = count - 1; j > k; --j) sum += c[j] * sy[j][k];
-      c[k] = alpha[k] - sum / sy[k][k];
+      for (int j = kPairs - 1; j > k; --j) sum += j < count ? c[j] * sy[j][k] : 0;
+      c[k] = k < count ? alpha[k] - sum / sy[k][k] : 0;
     }
   }
 

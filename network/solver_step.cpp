@@ -207,7 +207,7 @@ MotionEnergy Solver::Impl::take_positions(State& state) {
 }
 
 void Solver::Impl::finish(State& state, StepReport& report) {
-  const MotionEnergy energy = on_device ? on_device->finish(in_flight) : take_positions(state);
+  const MotionEnergy energy = on_device ? on_device->finish() : take_positions(state);
   report.energy.kinetic = energy.kinetic;
   report.energy.gravity = energy.gravity;
   ++state.steps;

@@ -176,7 +176,7 @@ TEST_F(OnCard, StepEndsAsThatOfTheHost) {
     for (size_t k = 0; k < u.size(); ++k) u[k] += shake[k];
     b.device->upload_u(u.data());
     const Certificate found = b.device->certify(b.flight.exists());
-    const MotionEnergy energy = b.device->finish(b.flight.exists());
+    const MotionEnergy energy = b.device->finish();
     const End end = end_on_host(b, u);
     std::vector<double> expected(u.size()), gradient(u.size());
     const PotentialValue value =

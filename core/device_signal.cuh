@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// How the host hears that numbers are there which kernels write into its memory: by a word beside
+// them, some microseconds before it hears of the end of the kernel.
+
+#pragma once
+
+#include "core/device_pinned.cuh"
+
+#include <atomic>
+
+namespace elastogen::cuda {
+
+class Signal {
+ public:
+  /// Called by the last thread that has something to tell, after all it tells.
+  struct Raise {
+    unsigned* word;  ///< nullptr: nobody waits
+    unsigned turn;
+    __device__ void operator()() const {
+      if (word == nullptr) return;
+      __threadfence_system();
+      *static_cast<volatile unsigned*>(word) = turn;
+    }
+  };
+
+  /// For the next kernel that wait() waits for.
+  Raise next() { return {word_.data(), ++turn_}; }
+
+  /// Waits until the last of them has been raised: all that the thread has launched up to there has
+  /// written its numbers.
+  /// @throws Error (resources) where a kernel failed.
+  void wait() {
+    constexpr int kSpins = 4096;  // some 10 us
+    const std::atomic_ref<unsigned> word(word_[0]);
+    for (int k = 1; word.load(std::memory_order_acquire) != turn_; ++k) {
+      if (k % kSpins != 0) continue;
+      const cudaError_t state = cudaStreamQuery(cudaStreamPerThread);
+      if (state != cudaErrorNotReady) return check(state);
+    }
+  }
+
+ private:
+  PinnedArray<unsigned> word_{1};
+  unsigned turn_ = 0;
+};
+
+}  // namespace elastogen::cuda
