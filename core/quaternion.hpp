@@ -39,4 +39,13 @@ ELASTOGEN_HD inline Mat3<T> rotation_matrix(const Quaternion<T>& q) {
        2 * (q.x * q.z - q.w * q.y), 2 * (q.y * q.z + q.w * q.x), 1 - 2 * (q.x * q.x + q.y * q.y)}};
 }
 
+/// The same, but 0 of the quaternion 0.
+template <class T>
+ELASTOGEN_HD inline Mat3<T> rotation_or_zero(const Quaternion<T>& q) {
+  Mat3<T> R = rotation_matrix(q);
+  const T square = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z;
+  for (int i = 0; i < 3; ++i) R(i, i) += square - 1;
+  return R;
+}
+
 }  // namespace elastogen

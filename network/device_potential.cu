@@ -45,12 +45,11 @@ void DevicePotential::Impl::take_materials() {
   results = DeviceArray<double>(rows.row_count() * kNetFields * kLanes);
 }
 
-/// R_v of every voxel at u_now, where the hourglass term needs it.
-void DevicePotential::Impl::freeze_rotations() {
+/// R_v of every voxel, where the hourglass term needs it.
+void DevicePotential::Impl::freeze_rotations(const double* u) {
   if (rotation_double.size() == 0) return;
-  const double* u = u_now.data();
-  double* R = rotation_double.data();
-  float* R_float = rotation_float.data();
+  Quaternion<double>* to = rotation_double.data();
+  Quaternion<float>* to_float = rotation_float.data();
   const VoxelTables<double> table = voxels<double>();
   for_each_voxel<double>(
       rows, parts.data(), static_cast<NoSums*>(nullptr),
@@ -61,11 +60,12 @@ void DevicePotential::Impl::freeze_rotations() {
                      NoSums&) {
         const VoxelData<double> data = table.data(row, r, lane);
         for (int i = 0; i < 3; ++i) hex8::to_patterns(corner[i]);
-        const Mat3<double> rotation = unique_rotation(deformation_gradient<true>(data, corner));
-        for (int k = 0; k < 9; ++k) {
-          R[(r * 9 + k) * kLanes + lane] = rotation.m[k];
-          R_float[(r * 9 + k) * kLanes + lane] = float(rotation.m[k]);
-        }
+        const Mat3<double> R = unique_rotation(deformation_gradient<true>(data, corner));
+        double size = 0;
+        for (int k = 0; k < 9; ++k) size += fabs(R.m[k]);
+        const Quaternion<double> q = size > 0 ? quaternion_of(R) : Quaternion<double>{};
+        to[r * kLanes + lane] = q;
+        to_float[r * kLanes + lane] = {float(q.w), float(q.x), float(q.y), float(q.z)};
       },
       NoFinish{});
 }
@@ -77,11 +77,11 @@ DevicePotential::~DevicePotential() = default;
 
 void DevicePotential::begin_step(const IncrementalPotential& host) {
   Impl& s = *impl_;
-  s.u_now.upload(host.now().data());
+  const DeviceArray<double> now(host.now());
   s.predictor.upload(host.predictor().data());
   s.inertia.upload(host.inertia().data());
-  s.freeze_rotations();
-  if (s.contact) s.contact->begin_step(s.u_now.data(), host.contact().start_time());
+  s.freeze_rotations(now.data());
+  if (s.contact) s.contact->begin_step(now.data(), host.contact().start_time());
 }
 
 void DevicePotential::Impl::set_scheme(const StepScheme& scheme) {
@@ -103,11 +103,8 @@ double* DevicePotential::inertia() {
 double* DevicePotential::predictor() {
   return impl_->predictor.data();
 }
-double* DevicePotential::now() {
-  return impl_->u_now.data();
-}
-void DevicePotential::freeze_rotations() {
-  impl_->freeze_rotations();
+void DevicePotential::freeze_rotations(const double* u) {
+  impl_->freeze_rotations(u);
 }
 
 /// Of the fill-weighted sums of F_v over the voxels of each node.

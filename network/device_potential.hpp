@@ -44,17 +44,16 @@ class DevicePotential {
   explicit DevicePotential(const PotentialTerms& terms, int64_t dense = kDenseNodes);
   ~DevicePotential();
 
-  /// Takes predictor, inertia and the displacement at the start of the step from a potential of the
-  /// host after its begin_step, and frozen rotations and contact from the latter.
+  /// Takes predictor and inertia from a potential of the host after its begin_step, and frozen
+  /// rotations and contact from the displacement at the start of the step.
   void begin_step(const IncrementalPotential& host);
 
   // what a step begins with, on the device, for those who fill it there
   void set_scheme(const StepScheme& scheme);  ///< inertia alone
   double* inertia();                          ///< a0 m / dt^2 [N/m], (nodes)
   double* predictor();                        ///< xhat - X [m], (nodes, 3)
-  double* now();  ///< displacement at the start of the step [m], (nodes, 3)
-  /// Takes the frozen rotations from now().
-  void freeze_rotations();
+  /// Takes the frozen rotations from a displacement, that at the start of the step.
+  void freeze_rotations(const double* u);
 
   /// Nodal rotations of the preconditioner from a displacement on the device, in float.
   void set_nodal_rotations(const double* u);

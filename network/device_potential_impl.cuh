@@ -12,10 +12,11 @@
 
 namespace elastogen::cuda {
 
-/// What voxels have, each [row][field][lane].
+/// What voxels have, each [row][field][lane], and rotations, [row][lane].
 template <class T>
 struct VoxelTables {
-  const T *weights, *border, *rotation;
+  const T *weights, *border;
+  const Quaternion<T>* rotation;  ///< 0: there is no unique one
   const DeviceMaterial* materials;
   T h;
   Hourglass hourglass;
@@ -30,8 +31,10 @@ struct VoxelTables {
     for (int k = 0; k < 4; ++k) v.c[k] = weights[(r * 5 + k + 1) * kLanes + lane];
     for (int p = 0; p < 7; ++p)
       v.M[p] = row.border < 0 ? T(0) : border[(int64_t(row.border) * 7 + p) * kLanes + lane];
-    if (hourglass == Hourglass::kFull)
-      for (int k = 0; k < 9; ++k) v.R[k] = rotation[(r * 9 + k) * kLanes + lane];
+    if (hourglass == Hourglass::kFull) {
+      const Mat3<T> R = rotation_or_zero(rotation[r * kLanes + lane]);
+      for (int k = 0; k < 9; ++k) v.R[k] = R.m[k];
+    }
     return v;
   }
 };
@@ -81,14 +84,13 @@ struct DevicePotential::Impl {
         rows(terms.scene(), levels[0]),
         weights_float(in_float(rows.weights())),
         border_float(in_float(rows.border())),
-        rotation_double(terms.scene().hourglass == Hourglass::kFull ? rows.row_count() * 9 * kLanes
+        rotation_double(terms.scene().hourglass == Hourglass::kFull ? rows.row_count() * kLanes
                                                                     : 0),
         rotation_float(rotation_double.size()),
         rest(grid().rest.data(), grid().rest.size()),
         mass(terms.scene().mass.data(), nodes()),
         inertia(nodes()),
         predictor(3 * nodes()),
-        u_now(3 * nodes()),
         nodal_rotation(nodes()),
         pinned(terms.scene().pinned.data(), nodes()),
         parts((9 * rows.parts() + 1) / 2),
@@ -139,7 +141,7 @@ struct DevicePotential::Impl {
     return {inertia.data(), predictor.data(), pinned.data(), &value.data()[place].inertia};
   }
   void sum_inertia(const double* u, int place = 0, Signal::Raise raise = {});
-  void freeze_rotations();
+  void freeze_rotations(const double* u);
   template <class Nets>
   void tangent_pass(const double* u, TangentKind kind, const Nets& nets);
   void linearise(const double* u, TangentKind kind);
@@ -151,10 +153,10 @@ struct DevicePotential::Impl {
   std::vector<StencilLevel> levels;
   DeviceRows rows;
   DeviceArray<float> weights_float, border_float;
-  DeviceArray<double> rotation_double;
-  DeviceArray<float> rotation_float;
+  DeviceArray<Quaternion<double>> rotation_double;
+  DeviceArray<Quaternion<float>> rotation_float;
   DeviceArray<double> rest, mass;  // [m], (nodes, 3); [kg], (nodes)
-  DeviceArray<double> inertia, predictor, u_now;
+  DeviceArray<double> inertia, predictor;
   DeviceArray<Quaternion<float>> nodal_rotation;
   DeviceArray<uint8_t> pinned;
   DeviceArray<double> parts;  // three in double or nine in float of each

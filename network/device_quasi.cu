@@ -144,6 +144,10 @@ double* DeviceQuasi::trial_u() {
   return impl_->trial_u.data();
 }
 
+DeviceArray<double>& DeviceQuasi::trial() {
+  return impl_->trial_u;
+}
+
 void DeviceQuasi::accept_trial() {
   std::swap(impl_->u, impl_->trial_u);
 }

@@ -9,6 +9,9 @@
 
 namespace elastogen::cuda {
 
+template <class T>
+class DeviceArray;
+
 class DevicePreconditioner;
 
 class DeviceQuasi {
@@ -30,6 +33,8 @@ class DeviceQuasi {
   double* u();
   /// Room of its size for the next one; accept_trial() makes that u().
   double* trial_u();
+  /// The array of trial_u(), for who takes it and leaves another one.
+  DeviceArray<double>& trial();
   void accept_trial();
   /// Nodal rotations of the preconditioner from u().
   void set_nodal_rotations();

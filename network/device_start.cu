@@ -10,7 +10,7 @@ void StepOnDevice::begin_step(const StepScheme& scheme, double time) {
   scheme_ = scheme;
   const Motion m = motion();
   double *inertia = potential().inertia(), *predictor = potential().predictor(),
-         *now = potential().now(), *u = quasi_.u();
+         *now = gradient_.data(), *u = quasi_.u();
   cuda::for_each(size(), [=] __device__(int64_t k) {
     const int64_t n = k / 3;
     const int d = int(k % 3);
@@ -23,24 +23,44 @@ void StepOnDevice::begin_step(const StepScheme& scheme, double time) {
     predictor[k] = u[k] = away + way;
   });
   has_rotations_ = false;
-  potential().freeze_rotations();
+  potential().freeze_rotations(now);
   pieces_.start(m.rest, m.mass, m.x, m.x_before, predictor, u);
   if (DeviceContact* contact = potential().contact()) contact->begin_step(now, time);
 }
 
+/// u_now.
+void StepOnDevice::find_now(double* to) {
+  const double *x = x_.data(), *rest = potential().rest();
+  cuda::for_each(size(), [=] __device__(int64_t k) { to[k] = x[k] - rest[k]; });
+}
+
+/// Until iterations begin that is in the room of a trial; without contact it is u_now.
 const Collider* StepOnDevice::clear_start() {
   DeviceContact* contact = potential().contact();
-  return contact ? contact->clear_start(potential().now(), clear(), quasi_.u()) : nullptr;
+  return contact ? contact->clear_start(now(), quasi_.trial_u(), quasi_.u()) : nullptr;
+}
+
+void StepOnDevice::return_to_clear_start() {
+  if (potential().contact())
+    copy(quasi_.trial_u(), quasi_.u());
+  else
+    return_to_now();
+  has_rotations_ = false;
+}
+
+bool StepOnDevice::is_below_clear_start() {
+  const double* clear = potential().contact() ? quasi_.trial_u() : now();
+  return rough_phi(quasi_.u()) < rough_phi(clear);
 }
 
 /// While the host waits nodal rotations are made, which hold unless u has to change.
 double StepOnDevice::farthest() {
-  const double *u = quasi_.u(), *now = potential().now();
+  const double *u = quasi_.u(), *x = x_.data(), *rest = potential().rest();
   StepNumbers* to = numbers_.data();
   const Signal::Raise raise = signal_.next();
   ordered_sum(
       size(), largest_.data(),
-      [=] __device__(int64_t k, Largest & sum) { sum.add({fabs(u[k] - now[k])}); },
+      [=] __device__(int64_t k, Largest & sum) { sum.add({fabs(u[k] - (x[k] - rest[k]))}); },
       [=] __device__(const Largest& sum) {
         to->farthest = sum.value;
         raise();
@@ -68,7 +88,8 @@ void StepOnDevice::extrapolate(int order, double* to) {
 /// Solver::Impl::choose_start. All of them are evaluated before the host waits, where there is no
 /// contact.
 void StepOnDevice::choose_start() {
-  double* const starts[DevicePotential::kEnergies] = {quasi_.u(), x_next_.data(), quasi_.trial_u()};
+  double* const starts[DevicePotential::kEnergies] = {quasi_.u(), gradient_.data(),
+                                                      quasi_.trial_u()};
   double phi[DevicePotential::kEnergies];
   const int count = 1 + Predictor::orders(has_before_);
   const auto take = [&](int k) { phi[k] = potential().value(k).total(); };

@@ -21,8 +21,7 @@ StepOnDevice::StepOnDevice(const PotentialTerms& terms, const EncoderChoice* enc
       v_(size()),
       x_before_(size()),
       v_before_(size()),
-      x_next_(size()),
-      v_next_(size()),
+      v_next_(pieces_.count() > 0 ? size() : 0),
       gradient_(size()),
       largest_(1),
       pair_sums_(1),
@@ -109,15 +108,14 @@ void StepOnDevice::set_nodal_rotations() {
   has_rotations_ = true;
 }
 
-/// Its gradient is of no use; positions of the next state are not there yet.
 double StepOnDevice::phi_at(const double* u) {
-  return potential().evaluate<double>(u, x_next_.data()).total();
+  return potential().evaluate<double>(u, static_cast<double*>(nullptr)).total();
 }
 
 /// x_next = X + u on the free nodes, the present x on the others; u = x_next - X.
 void StepOnDevice::round_positions() {
   const Motion m = motion();
-  double *u = quasi_.u(), *x_next = x_next_.data();
+  double *u = quasi_.u(), *x_next = quasi_.trial_u();
   cuda::for_each(size(), [=] __device__(int64_t k) {
     const double place = m.pinned[k / 3] ? m.x[k] : m.rest[k] + u[k];
     x_next[k] = place;
@@ -146,7 +144,7 @@ bool StepOnDevice::balance() {
 }
 
 Certificate StepOnDevice::certify(bool may_fly) {
-  const bool in_flight = may_fly && balance();
+  in_flight_ = may_fly && balance();
   const double* u = quasi_.u();
   round_positions();
   potential().start_residual(u, gradient_.data());
@@ -161,25 +159,35 @@ Certificate StepOnDevice::certify(bool may_fly) {
       [=] __device__(const Sums<2>& sum) {
         to->square = sum.value[0], to->not_finite = sum.value[1];
       });
-  find_velocities(in_flight);
+  if (in_flight_) find_flight_velocities();
   find_energies();
   signal_.wait();
-  Certificate result{potential().value(), std::sqrt(numbers_[0].square), false, in_flight};
+  Certificate result{potential().value(), std::sqrt(numbers_[0].square), false, in_flight_};
   result.finite = std::isfinite(result.value.total()) && std::isfinite(result.size) &&
                   numbers_[0].not_finite == 0;
   return result;
 }
 
-/// v_next; pinned nodes rest. In flight velocities lose what the rounding of positions brings into
-/// their mean.
-void StepOnDevice::find_velocities(bool in_flight) {
+namespace {
+
+/// Velocities after a step; pinned nodes rest.
+struct NextVelocity {
+  Motion m;
+  const double* x_next;
+
+  __device__ double operator()(int64_t k) const {
+    return m.pinned[k / 3] ? 0 : velocity_after(m.scheme, x_next[k], m.x[k], m.x_before[k]);
+  }
+};
+
+}  // namespace
+
+/// In flight velocities lose what the rounding of positions brings into their mean.
+void StepOnDevice::find_flight_velocities() {
   const Motion m = motion();
-  const double* x_next = x_next_.data();
+  const NextVelocity velocity{m, quasi_.trial_u()};
   double* v_next = v_next_.data();
-  cuda::for_each(size(), [=] __device__(int64_t k) {
-    v_next[k] = m.pinned[k / 3] ? 0 : velocity_after(m.scheme, x_next[k], m.x[k], m.x_before[k]);
-  });
-  if (!in_flight) return;
+  cuda::for_each(size(), [=] __device__(int64_t k) { v_next[k] = velocity(k); });
   pieces_.match_means(potential().mass(), v_next, [=] __device__(int64_t k) {
     return free_velocity(m.scheme, m.v[k], m.v_before[k], m.gravity[k % 3]);
   });
@@ -187,16 +195,17 @@ void StepOnDevice::find_velocities(bool in_flight) {
 
 void StepOnDevice::find_energies() {
   const Motion m = motion();
-  const double *x_next = x_next_.data(), *v_next = v_next_.data();
+  const NextVelocity velocity{m, quasi_.trial_u()};
+  const double* v_next = in_flight_ ? v_next_.data() : nullptr;
   StepNumbers* to = numbers_.data();
   const Signal::Raise raise = signal_.next();
   ordered_sum(
       size() / 3, pair_sums_.data(),
       [=] __device__(int64_t n, Sums<2> & sum) {
-        for (int d = 0; d < 3; ++d) {
-          const double v = v_next[3 * n + d];
+        for (int64_t k = 3 * n; k < 3 * n + 3; ++k) {
+          const double v = v_next != nullptr ? v_next[k] : velocity(k);
           sum.value[0] += m.mass[n] / 2 * v * v;
-          sum.value[1] -= m.mass[n] * m.gravity[d] * x_next[3 * n + d];
+          sum.value[1] -= m.mass[n] * m.gravity[k - 3 * n] * velocity.x_next[k];
         }
       },
       [=] __device__(const Sums<2>& sum) {
@@ -205,11 +214,18 @@ void StepOnDevice::find_energies() {
       });
 }
 
+/// The arrays go round: those of the state before take what comes next.
 MotionEnergy StepOnDevice::finish() {
-  std::swap(x_before_, x_);
-  std::swap(x_, x_next_);
+  if (in_flight_) {
+    std::swap(v_before_, v_next_);
+  } else {
+    const NextVelocity velocity{motion(), quasi_.trial_u()};
+    double* to = v_before_.data();
+    cuda::for_each(size(), [=] __device__(int64_t k) { to[k] = velocity(k); });
+  }
   std::swap(v_before_, v_);
-  std::swap(v_, v_next_);
+  std::swap(x_before_, x_);
+  std::swap(x_, quasi_.trial());
   has_before_ = true;
   return numbers_[0].energy;
 }

@@ -49,14 +49,11 @@ class StepOnDevice : public DeviceStep {
   void choose_start() override;
   const Collider* clear_start() override;
   double farthest() override;
-  void return_to_now() override { copy(potential().now(), quasi_.u()); }
-  void return_to_clear_start() override {
-    copy(clear(), quasi_.u());
-    has_rotations_ = false;
-  }
+  void return_to_now() override { find_now(quasi_.u()); }
+  void return_to_clear_start() override;
   double phi() override { return phi_at(quasi_.u()); }
-  double phi_now() override { return phi_at(potential().now()); }
-  bool is_below_clear_start() override { return rough_phi(quasi_.u()) < rough_phi(clear()); }
+  double phi_now() override { return phi_at(now()); }
+  bool is_below_clear_start() override;
   void set_nodal_rotations() override;
   IterationResult solve(double target, int max_outer, double precise_below,
                         const std::function<bool()>& interrupted) override {
@@ -96,14 +93,18 @@ class StepOnDevice : public DeviceStep {
   void round_positions();
   bool balance();
   void extrapolate(int order, double* u);
-  void find_velocities(bool in_flight);
+  void find_now(double* u);
+  void find_flight_velocities();
   void find_energies();
 
  private:
   int64_t size() const { return x_.size(); }
-  /// u_now, or in a scene with colliders what clear_start() has made of it, until iterations begin.
-  double* clear() { return potential().contact() ? quasi_.trial_u() : potential().now(); }
   bool touches();
+  /// u_now, in the room of a gradient.
+  const double* now() {
+    find_now(gradient_.data());
+    return gradient_.data();
+  }
   void copy(const double* from, double* to) const;
   double phi_at(const double* u);
   double rough_phi(const double* u) {
@@ -120,7 +121,7 @@ class StepOnDevice : public DeviceStep {
   std::optional<DevicePaper> paper_;
   DevicePieces pieces_;
   DeviceArray<double> x_, v_, x_before_, v_before_;  // the state
-  DeviceArray<double> x_next_, v_next_;              // until it is taken
+  DeviceArray<double> v_next_;                       // of a scene with free pieces, in flight
   DeviceArray<double> gradient_;                     // of the certificate
   DeviceArray<SumRoom<Largest>> largest_;
   DeviceArray<SumRoom<Sums<2>>> pair_sums_;
@@ -130,6 +131,7 @@ class StepOnDevice : public DeviceStep {
   std::unique_ptr<DeviceFrames> frames_;
   StepScheme scheme_;
   bool has_before_ = false;
+  bool in_flight_ = false;      // that of the certificate
   bool has_rotations_ = false;  // the preconditioner has the nodal rotations of u
 };
 

@@ -35,11 +35,16 @@ TEST(Quaternion, GivesTheRotationBack) {
   for (int k = 0; k < 1000; ++k) {
     const Mat3<double> R = rotation(random);
     EXPECT_LT(distance(rotation_matrix(quaternion_of(R)), R), 4e-15);
+    EXPECT_LT(distance(rotation_or_zero(quaternion_of(R)), R), 4e-15);
     Mat3<float> single;
     for (int m = 0; m < 9; ++m) single.m[m] = float(R.m[m]);
     const Mat3<float> back = rotation_matrix(quaternion_of(single));
     for (int m = 0; m < 9; ++m) EXPECT_NEAR(back.m[m], R.m[m], 8e-7);
   }
+}
+
+TEST(Quaternion, ZeroStandsForNoRotation) {
+  for (const double value : rotation_or_zero(Quaternion<double>{}).m) EXPECT_EQ(value, 0);
 }
 
 }  // namespace
