@@ -49,7 +49,7 @@ void DevicePotential::Impl::take_materials() {
 void DevicePotential::Impl::freeze_rotations(const double* u) {
   if (rotation_double.size() == 0) return;
   Quaternion<double>* to = rotation_double.data();
-  Quaternion<float>* to_float = rotation_float.data();
+  float* to_float = rotation_float.data();
   const VoxelTables<double> table = voxels<double>();
   for_each_voxel<double>(
       rows, parts.data(), static_cast<NoSums*>(nullptr),
@@ -63,9 +63,8 @@ void DevicePotential::Impl::freeze_rotations(const double* u) {
         const Mat3<double> R = unique_rotation(deformation_gradient<true>(data, corner));
         double size = 0;
         for (int k = 0; k < 9; ++k) size += fabs(R.m[k]);
-        const Quaternion<double> q = size > 0 ? quaternion_of(R) : Quaternion<double>{};
-        to[r * kLanes + lane] = q;
-        to_float[r * kLanes + lane] = {float(q.w), float(q.x), float(q.y), float(q.z)};
+        to[r * kLanes + lane] = size > 0 ? quaternion_of(R) : Quaternion<double>{};
+        for (int k = 0; k < 9; ++k) to_float[(r * 9 + k) * kLanes + lane] = float(R.m[k]);
       },
       NoFinish{});
 }

@@ -12,11 +12,32 @@
 
 namespace elastogen::cuda {
 
-/// What voxels have, each [row][field][lane], and rotations, [row][lane].
+/// Frozen rotations of voxels, 0 where there is no unique one. In double as quaternions, 32 B of
+/// 72; in float, which most evaluations take, making the matrix costs more time than loading it.
+template <class T>
+struct FrozenRotations;
+template <>
+struct FrozenRotations<double> {
+  const Quaternion<double>* of;  ///< [row][lane]
+  __device__ Mat3<double> at(int64_t r, int lane) const {
+    return rotation_or_zero(of[r * kLanes + lane]);
+  }
+};
+template <>
+struct FrozenRotations<float> {
+  const float* of;  ///< [row][field][lane]
+  __device__ Mat3<float> at(int64_t r, int lane) const {
+    Mat3<float> R;
+    for (int k = 0; k < 9; ++k) R.m[k] = of[(r * 9 + k) * kLanes + lane];
+    return R;
+  }
+};
+
+/// What voxels have, each [row][field][lane].
 template <class T>
 struct VoxelTables {
   const T *weights, *border;
-  const Quaternion<T>* rotation;  ///< 0: there is no unique one
+  FrozenRotations<T> rotation;
   const DeviceMaterial* materials;
   T h;
   Hourglass hourglass;
@@ -32,7 +53,7 @@ struct VoxelTables {
     for (int p = 0; p < 7; ++p)
       v.M[p] = row.border < 0 ? T(0) : border[(int64_t(row.border) * 7 + p) * kLanes + lane];
     if (hourglass == Hourglass::kFull) {
-      const Mat3<T> R = rotation_or_zero(rotation[r * kLanes + lane]);
+      const Mat3<T> R = rotation.at(r, lane);
       for (int k = 0; k < 9; ++k) v.R[k] = R.m[k];
     }
     return v;
@@ -86,7 +107,7 @@ struct DevicePotential::Impl {
         border_float(in_float(rows.border())),
         rotation_double(terms.scene().hourglass == Hourglass::kFull ? rows.row_count() * kLanes
                                                                     : 0),
-        rotation_float(rotation_double.size()),
+        rotation_float(9 * rotation_double.size()),
         rest(grid().rest.data(), grid().rest.size()),
         mass(terms.scene().mass.data(), nodes()),
         inertia(nodes()),
@@ -111,10 +132,10 @@ struct DevicePotential::Impl {
     VoxelTables<T> tables;
     if constexpr (sizeof(T) == 4)
       tables.weights = weights_float.data(), tables.border = border_float.data(),
-      tables.rotation = rotation_float.data();
+      tables.rotation = {rotation_float.data()};
     else
       tables.weights = rows.weights().data(), tables.border = rows.border().data(),
-      tables.rotation = rotation_double.data();
+      tables.rotation = {rotation_double.data()};
     tables.materials = materials.data();
     tables.h = T(grid().h);
     tables.hourglass = terms.scene().hourglass;
@@ -154,7 +175,7 @@ struct DevicePotential::Impl {
   DeviceRows rows;
   DeviceArray<float> weights_float, border_float;
   DeviceArray<Quaternion<double>> rotation_double;
-  DeviceArray<Quaternion<float>> rotation_float;
+  DeviceArray<float> rotation_float;
   DeviceArray<double> rest, mass;  // [m], (nodes, 3); [kg], (nodes)
   DeviceArray<double> inertia, predictor;
   DeviceArray<Quaternion<float>> nodal_rotation;
