@@ -52,8 +52,9 @@ __device__ inline T read_early(const T* from) {
   return __builtin_bit_cast(T, words);
 }
 
-/// Blocks that start early crowd on the multiprocessors that are free first. A kernel of so few or
-/// fewer, after which some have several and some none, starts when the one before ends.
+/// Blocks that start early crowd on the multiprocessors that are free first: of a few some then
+/// have several and others none. The kernel before one of so few or fewer lets it start at its end
+/// alone.
 inline constexpr int kFewBlocks = 1024;
 
 /// Where a kernel is launched, and when its blocks start: early, while the kernel before is ending,
@@ -61,7 +62,6 @@ inline constexpr int kFewBlocks = 1024;
 struct Line {
   cudaStream_t stream = cudaStreamPerThread;
   bool early = true;
-  bool late = false;  ///< the next kernel starts when this one ends; see kFewBlocks
 
   cudaLaunchAttribute attribute() const {
     cudaLaunchAttribute result{};
@@ -103,12 +103,13 @@ __global__ void for_each_kernel(int64_t n, bool late, Body body) {
 }
 
 /// body(i) for each i of [0, n).
+/// @param late  the next kernel starts when this one ends (kFewBlocks).
 template <class Body>
-void for_each(int64_t n, const Body& body, const Line& line = {}) {
+void for_each(int64_t n, const Body& body, const Line& line = {}, bool late = false) {
   constexpr int kThreads = 256;
   if (n == 0) return;
   launch_on(line, for_each_kernel<Body>, unsigned((n + kThreads - 1) / kThreads), kThreads, 0, n,
-            line.late, body);
+            late, body);
 }
 
 }  // namespace elastogen::cuda

@@ -84,11 +84,12 @@ class DeviceStep {
   /// As PaperSolver::solve on u, in float; of a step that was made for it.
   virtual IterationResult paper(const std::function<bool()>& interrupted) = 0;
 
-  /// Rounds the new positions from u, u to them, and takes the residual and velocities there.
+  /// Rounds the new positions from u, u to them, and takes the residual there, and the
+  /// energies of the motion to them.
   /// @param may_fly  free pieces get the mean motion of their predictor (free_flight.hpp), unless
   ///                 something touches a collider.
   virtual Certificate certify(bool may_fly) = 0;
-  /// The positions and velocities of the certificate become the state.
+  /// The positions of the certificate and the velocities to them become the state.
   virtual MotionEnergy finish() = 0;
   /// Largest |x| of a component of the state [m].
   virtual double reach() = 0;

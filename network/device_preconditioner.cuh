@@ -79,19 +79,19 @@ class DevicePreconditioner {
     const Quaternion<float>* rotation = potential_.nodal_rotation();
     const ResidualInput<float> input = multigrid_.input();
     float* turned = turned_.data();
-    cuda::for_each(potential_.nodes(),
-                   [=] __device__(int64_t n) {
-                     const Mat3<float> R = rotation_matrix(rotation[n]);
-                     float v[3];
-                     read(n, v);
-                     float r[3];
-                     for (int i = 0; i < 3; ++i)
-                       r[i] = R(0, i) * v[0] + R(1, i) * v[1] + R(2, i) * v[2];
-                     if (turned != nullptr)
-                       for (int i = 0; i < 3; ++i) turned[3 * n + i] = r[i];
-                     input.set(n, r);
-                   },
-                   {.late = input.finest.bricks <= kFewBlocks});
+    cuda::for_each(
+        potential_.nodes(),
+        [=] __device__(int64_t n) {
+          const Mat3<float> R = rotation_matrix(rotation[n]);
+          float v[3];
+          read(n, v);
+          float r[3];
+          for (int i = 0; i < 3; ++i) r[i] = R(0, i) * v[0] + R(1, i) * v[1] + R(2, i) * v[2];
+          if (turned != nullptr)
+            for (int i = 0; i < 3; ++i) turned[3 * n + i] = r[i];
+          input.set(n, r);
+        },
+        {}, input.finest.bricks <= kFewBlocks);
   }
 
   /// V-cycle and encoder on what turn() has left.

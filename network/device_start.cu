@@ -10,7 +10,7 @@ void StepOnDevice::begin_step(const StepScheme& scheme, double time) {
   scheme_ = scheme;
   const Motion m = motion();
   double *inertia = potential().inertia(), *predictor = potential().predictor(),
-         *now = gradient_.data(), *u = quasi_.u();
+         *now = gradient_.data(), *u = quasi_.u();  // as in now()
   cuda::for_each(size(), [=] __device__(int64_t k) {
     const int64_t n = k / 3;
     const int d = int(k % 3);

@@ -28,8 +28,9 @@ State in_motion(const Scene& scene) {
 
 /// The same step on the host and on the device.
 struct Begun {
-  explicit Begun(const Scene& s)
-      : scene(s), state(in_motion(s)), scheme(step_scheme(s, state)), potential(s), flight(s) {
+  explicit Begun(const Scene& s) : Begun(s, in_motion(s)) {}
+  Begun(const Scene& s, const State& from)
+      : scene(s), state(from), scheme(step_scheme(s, state)), potential(s), flight(s) {
     potential.begin_step(state, scheme);
     device = cuda::make_device_step(potential, EncoderChoice{});
     device->upload(state);
@@ -45,17 +46,17 @@ struct Begun {
     device->download_u(u.data());
     return u;
   }
-  /// What Solver chooses of the starts of the host.
+  /// What Solver chooses of the starts of the host, and its order.
   std::vector<double> chosen_start() {
-    const auto rough = [&](const std::vector<double>& u) {
-      return potential.evaluate(u.data(), static_cast<float*>(nullptr)).total();
-    };
     std::vector<double> lowest = start(), other = lowest;
     for (int order = 1; order <= Predictor::orders(!state.x_before.empty()); ++order) {
       Predictor(scene).extrapolate(state, scheme, order, other.data());
-      if (rough(other) < rough(lowest)) lowest = other;
+      if (rough_phi(other) < rough_phi(lowest)) lowest = other, chosen_order = order;
     }
     return lowest;
+  }
+  double rough_phi(const std::vector<double>& u) {
+    return potential.evaluate(u.data(), static_cast<float*>(nullptr)).total();
   }
   double phi(const std::vector<double>& u) {
     std::vector<double> gradient(u.size());
@@ -68,6 +69,7 @@ struct Begun {
   IncrementalPotential potential;
   FreeFlight flight;
   std::unique_ptr<cuda::DeviceStep> device;
+  int chosen_order = 0;
 };
 
 double farthest(const std::vector<double>& a, const std::vector<double>& b) {
@@ -99,6 +101,33 @@ TEST_F(OnCard, StepStartsWhereThatOfTheHostStarts) {
     EXPECT_LT(relative_difference(b.device_u(), b.chosen_start()), 1e-12);
     b.device->return_to_now();
     EXPECT_LT(relative_difference(b.device_u(), now), 1e-12);
+    b.device->upload_u(expected.data());
+    EXPECT_EQ(b.device->clear_start(), nullptr);
+    EXPECT_EQ(b.device->is_below_clear_start(), b.rough_phi(expected) < b.rough_phi(now));
+    b.device->return_to_clear_start();
+    EXPECT_LT(relative_difference(b.device_u(), now), 1e-12);
+  }
+}
+
+TEST_F(OnCard, StartsOfEachOrderAreTaken) {
+  struct Case {
+    TimeScheme scheme;
+    double faster, before;  ///< factors of the velocities, and of those before to them
+    int order;              ///< of the lowest start
+  };
+  for (const Case& c : {Case{TimeScheme::kBdf2, 20, 0.5, 0}, Case{TimeScheme::kEuler, 1, 0, 1},
+                        Case{TimeScheme::kEuler, 20, -3, 2}}) {
+    SCOPED_TRACE(concat("order ", c.order));
+    const Scene scene = beam_of_regions(c.scheme);
+    State state = in_motion(scene);
+    for (int64_t k = 0; k < state.v.size(); ++k) {
+      state.v.data()[k] *= c.faster;
+      state.v_before.data()[k] = c.before * state.v.data()[k];
+    }
+    Begun b(scene, state);
+    b.device->choose_start();
+    EXPECT_LT(relative_difference(b.device_u(), b.chosen_start()), 1e-12);
+    EXPECT_EQ(b.chosen_order, c.order);
   }
 }
 
