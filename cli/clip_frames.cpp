@@ -15,6 +15,8 @@ std::unique_ptr<AnimationWriter> open_animation(const std::string& path, const A
   AnimationOptions options;
   options.fps = o.fps;
   options.keyframe = o.keyframe;
+  options.max_targets = o.glb_targets;
+  options.colliders = o.glb_colliders;
   options.generator = version_text();
   options.command = o.command;
   options.commit = build_commit();
@@ -68,8 +70,15 @@ void ClipFrames::wait() {
   if (writing_.valid()) writing_.get();
 }
 
-void ClipFrames::finish() {
-  for (const auto& animation : animations_) animation->finish();
+void ClipFrames::finish(RunReport& report) {
+  const auto append = [](std::vector<std::string>& to, const std::vector<std::string>& texts) {
+    to.insert(to.end(), texts.begin(), texts.end());
+  };
+  for (const auto& animation : animations_) {
+    animation->finish();
+    append(report.notes, animation->notes());
+    append(report.warnings, animation->warnings());
+  }
 }
 
 /// Makes a frame in the place of the last but one, which is written.

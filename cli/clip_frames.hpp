@@ -35,8 +35,8 @@ class ClipFrames {
   /// Waits for the last frame. @throws what writing it has thrown.
   void wait();
 
-  /// Makes the files whole, after wait().
-  void finish();
+  /// Makes the files whole, after wait(); adds what the writers have to say.
+  void finish(RunReport& report);
 
   /// Largest component of a displacement in the frames written so far [m], after wait().
   double largest_motion() const { return largest_motion_; }

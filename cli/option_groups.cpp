@@ -114,6 +114,13 @@ void add_output_options(CLI::App& app, AnimateOptions& o, Typed& t) {
   app.add_option("--glb-profile", t.profile, "modal or keyframe")
       ->group("Output")
       ->capture_default_str();
+  app.add_option("--glb-targets", o.glb_targets,
+                 "most morph targets of a mesh; longer clips are shown in pieces")
+      ->group("Output")
+      ->capture_default_str();
+  app.add_flag("--glb-colliders,!--no-glb-colliders", o.glb_colliders,
+               "floor and colliders in the GLB too")
+      ->group("Output");
   app.add_option("--state", o.state, "state file (HDF5)")->group("Output");
   app.add_option("--log-json", o.log, "one JSON object a time step")->group("Output");
   app.add_option("--report", o.report, "summary of the run (JSON)")->group("Output");

@@ -63,6 +63,8 @@ struct AnimateOptions {
   EnergySource energy = EnergySource::kAuto;
   Hourglass hourglass = Hourglass::kFull;
   bool keyframe = false;           ///< GLB profile; else modal
+  int glb_targets = 64;            ///< most morph targets of a mesh of a GLB
+  bool glb_colliders = false;      ///< floor and colliders stand in the GLB
   std::string state, log, report;  ///< files, empty for none
   int threads = 0;                 ///< 0: all
   int64_t max_memory = 0;          ///< [bytes], 0: no limit

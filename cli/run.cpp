@@ -86,7 +86,10 @@ class Clip {
 
   void finish() {
     const Stopwatch watch;
-    frames_.finish();
+    const size_t noted = report_.notes.size();
+    frames_.finish(report_);
+    for (size_t n = noted; n < report_.notes.size() && !o_.quiet; ++n)
+      fmt::print("{}\n", report_.notes[n]);
     if (outputs_.state) outputs_.state->finish();
     report_.stage_seconds.write += watch.seconds();
     report_.converged_share = report_.steps > 0 ? double(converged_) / double(report_.steps) : 1;

@@ -216,6 +216,8 @@ SceneValue output_table(const AnimateOptions& o) {
   SceneValue t;
   t.set("files", scene_texts(o.outputs));
   t.set("glb_profile", scene_text(o.keyframe ? "keyframe" : "modal"));
+  t.set("glb_targets", scene_number(o.glb_targets));
+  t.set("glb_colliders", scene_flag(o.glb_colliders));
   t.set("state", scene_text(o.state));
   t.set("log", scene_text(o.log));
   t.set("report", scene_text(o.report));

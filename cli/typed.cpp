@@ -114,6 +114,8 @@ void convert(const Typed& t, AnimateOptions& o) {
   ELASTOGEN_CHECK(o.energy != EnergySource::kNeural || !o.fem,
                   "simulate has the laws themselves: leave out --energy neural");
   o.keyframe = choice("--glb-profile", t.profile, {"modal", "keyframe"}) == 1;
+  ELASTOGEN_CHECK(o.glb_targets >= 4 && o.glb_targets <= 65536,
+                  "--glb-targets must lie in 4 ... 65536, got ", o.glb_targets);
   o.solver.device = Device(choice("--device", t.device, {"auto", "cpu", "cuda"}));
   ELASTOGEN_CHECK(o.solver.device != Device::kCuda || !o.fem,
                   "simulate runs on the CPU: leave out --device cuda");

@@ -19,9 +19,9 @@ std::unique_ptr<AnimationWriter> AnimationWriter::create(const std::string& path
   const bool known = ending == "glb" || ending == "ply" || ending == "pc2" || ending == "pvd";
   ELASTOGEN_CHECK(known, path, ": the output must end in .glb, .ply, .pc2 or .pvd, got \".", ending,
                   '"');
-  ELASTOGEN_CHECK(options.fps > 0 && options.modal_error > 0,
-                  "fps and modal_error must be positive, got ", options.fps, " and ",
-                  options.modal_error);
+  ELASTOGEN_CHECK(options.fps > 0 && options.modal_error > 0 && options.max_targets >= 4,
+                  "fps and modal_error must be positive and max_targets 4 at least, got ",
+                  options.fps, ", ", options.modal_error, " and ", options.max_targets);
   if (ending == "pc2") return make_point_cache_writer(path, asset, surface);
   if (ending == "ply") return make_ply_writer(path, asset, surface);
   if (ending == "pvd") return make_vtu_writer(path, options);

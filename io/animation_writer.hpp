@@ -9,6 +9,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace elastogen {
 
@@ -35,6 +36,8 @@ struct AnimationOptions {
   double fps = 30;             ///< [1/s]
   bool keyframe = false;       ///< one morph target a frame; else displacement modes
   double modal_error = 1e-3;   ///< largest vertex error of the modes / longest edge [-]
+  int max_targets = 64;        ///< of a mesh of a GLB, 4 at least; longer clips are in pieces
+  bool colliders = false;      ///< scene->colliders stand in a GLB too
   std::string generator = "";  ///< program and version
   std::string command = "";    ///< the command line
   std::string commit = "";     ///< of the program
@@ -73,6 +76,10 @@ class AnimationWriter {
   /// Writes the file under a temporary name and renames it.
   /// @throws Error (usage) without a frame; (resources) where disk or format is too small.
   virtual void finish() = 0;
+
+  /// What the user should know of the file, after finish(): choices, and what it could not hold.
+  virtual std::vector<std::string> notes() const { return {}; }
+  virtual std::vector<std::string> warnings() const { return {}; }
 };
 
 }  // namespace elastogen

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Displacement modes of an animation (principal components by the method of snapshots), with the
-// largest error that they leave.
+// Displacements of a stretch of a clip as morph targets with weights in 0 ... 1: principal
+// components by the method of snapshots, or one target a frame, with the largest error that they
+// leave.
 
 #pragma once
 
@@ -16,39 +17,68 @@ namespace elastogen {
 /// Row-major 3x3.
 using Matrix3 = std::array<double, 9>;
 
-/// A moving point set: frame t moves vertex v by d_tv [m].
-struct Motion {
-  int64_t frames = 0, vertices = 0;
-  /// writes d of the vertices first, ..., first + count - 1 of a frame, (count, 3)
-  std::function<void(int64_t frame, int64_t first, int64_t count, float* d)> read;
-  /// between the numbers of the mesh and metres: d = to_metres d_mesh, d_mesh = to_mesh d
+/// Vertices that one mesh shows, between its own numbers and metres: d = to_metres d_mesh,
+/// d_mesh = to_mesh d.
+struct MotionPart {
+  int64_t first = 0, vertices = 0;  ///< within a frame
   Matrix3 to_metres = {1, 0, 0, 0, 1, 0, 0, 0, 1};
   Matrix3 to_mesh = {1, 0, 0, 0, 1, 0, 0, 0, 1};
 };
 
-/// d_t is about sum_k weights_tk modes_k with modes_k = sum_s shares_sk d_(snapshots_s).
-struct ModalBasis {
-  Array<float> weights;            ///< (frames, modes), at most 1 in size; a still frame: 0
-  std::vector<int64_t> snapshots;  ///< frames of which the modes are made, none of them still
-  Array<double> shares;            ///< (snapshots, modes); empty: one mode a snapshot
-  double max_error = 0;            ///< over all frames and vertices, as stored in float32 [m]
-
-  int modes() const { return weights.cols(); }
+/// Points that move together: frame t moves vertex v by d_tv [m].
+struct Motion {
+  std::vector<MotionPart> parts;
+  /// writes d of the vertices first, ..., first + count - 1 of a frame, (count, 3)
+  std::function<void(int64_t frame, int64_t first, int64_t count, float* d)> read;
 };
 
-inline constexpr int kMaxModes = 64;
+/// Frames first, ..., last of a clip.
+struct FrameRange {
+  int64_t first = 0, last = 0;
+  int64_t count() const { return last - first + 1; }
+};
+
+/// d_t is about sum_k weights_tk target_k with target_k = sum_s shares_sk d_(snapshots_s).
+struct ModalBasis {
+  Array<float> weights;            ///< (frames, targets), 0 ... 1; all 0 in a still frame
+  std::vector<int64_t> snapshots;  ///< frames of which the targets are made, none of them still
+  Array<double> shares;            ///< (snapshots, targets); empty: one target a snapshot
+  double max_error = 0;            ///< over all frames and vertices, as stored in float32 [m]
+
+  int targets() const { return weights.cols(); }
+};
+
 inline constexpr int kMaxSnapshots = 256;
 
-/// The smallest basis of at most 64 modes whose largest error does not exceed `tolerance` [m], or
-/// the best of 64. The error is measured on modes and weights rounded to float32. Of more than 256
-/// moving frames 256 evenly spaced ones are the snapshots; the weights fit every frame.
-/// Memory does not grow with frames times vertices. The same bits on every run.
-ModalBasis modal_basis(const Motion& motion, double tolerance);
+/// The fewest targets, `max_targets` at most, whose largest error does not exceed `tolerance` [m],
+/// or the best of these.
+///
+/// Many programs keep weights within 0 ... 1 (Blender's shape keys). The principal modes m_k of the
+/// moving frames d_t = c_t m_0 + sum_k w_tk m_k are therefore stretched, and a carrier that is
+/// positive in each of these frames lifts their weights above zero, lo_k = min_t w_tk / c_t:
+///
+///     target_0 = m_0 + sum_k lo_k m_k,              weight c_t,
+///     target_k = m_k max_t (w_tk - lo_k c_t),       weight (w_tk - lo_k c_t) / max_t (...).
+///
+/// The carrier is the mean with c_t = 1, or, where few modes are needed and that saves a target,
+/// the first mode about the rest pose with its own weight, if that never changes sign.
+///
+/// The error is measured on targets and weights rounded to float32. Of more than 256 moving frames
+/// 256 evenly spaced ones are the snapshots; the weights fit every frame. Memory does not grow
+/// with frames times vertices. The same bits on every run.
+ModalBasis modal_basis(const Motion& motion, const FrameRange& frames, double tolerance,
+                       int max_targets);
 
-/// One mode for each frame that moves, with weight 1 there.
-ModalBasis keyframe_basis(const Motion& motion);
+/// One target for each frame that moves, with weight 1 there.
+ModalBasis keyframe_basis(const Motion& motion, const FrameRange& frames);
 
-/// Modes in the numbers of the mesh, rounded to float32, (modes, 3 vertices).
-Array<float> mode_shapes(const Motion& motion, const ModalBasis& basis);
+/// Largest part of a displacement that no target can show, for a node is scaled to zero [m].
+double unshown_error(const Motion& motion, const FrameRange& frames);
+
+/// Frames of the range in which a vertex moves.
+std::vector<int64_t> moving_frames(const Motion& motion, const FrameRange& frames);
+
+/// Targets of a part in the numbers of its mesh, rounded to float32, (targets, 3 vertices).
+Array<float> target_shapes(const Motion& motion, const MotionPart& part, const ModalBasis& basis);
 
 }  // namespace elastogen

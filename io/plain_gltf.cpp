@@ -9,6 +9,9 @@
 #include "io/gltf_quantized.hpp"
 #include "io/gltf_skin.hpp"
 
+#include <algorithm>
+#include <cstdint>
+
 namespace elastogen {
 
 namespace {
@@ -27,6 +30,55 @@ void drop_extensions(GltfEdit::Json& document) {
   }
 }
 
+/// Parent of each node, the number of nodes where it has none.
+std::vector<size_t> parents(const GltfEdit::Json& nodes) {
+  std::vector<size_t> parent(nodes.size(), nodes.size());
+  for (size_t n = 0; n < nodes.size(); ++n)
+    for (const auto& child : nodes[n].value("children", GltfEdit::Json::array()))
+      if (child.is_number_unsigned() && child.get<size_t>() < nodes.size())
+        parent[child.get<size_t>()] = n;
+  return parent;
+}
+
+/// A scene names roots. Where it names a node below another of them, that is enough; where it names
+/// a node of a tree that it does not show, the node is cut from its parent and stands alone.
+void free_roots(GltfEdit::Json& document, std::vector<Finding>& findings) {
+  using Json = GltfEdit::Json;
+  const size_t scene = document.value("scene", size_t{0});
+  if (!document.contains("nodes") || !document.contains("scenes") ||
+      scene >= document["scenes"].size() || !document["scenes"][scene].contains("nodes"))
+    return;
+  Json& nodes = document["nodes"];
+  const std::vector<size_t> parent = parents(nodes);
+  const Json named = document["scenes"][scene]["nodes"];
+  Json roots = Json::array();
+  int64_t freed = 0;
+  for (const Json& root : named) {
+    const size_t n = root.is_number_unsigned() ? root.get<size_t>() : nodes.size();
+    if (n >= nodes.size() || parent[n] == nodes.size()) {
+      roots.push_back(root);
+      continue;
+    }
+    bool below = false;
+    size_t above = parent[n];
+    for (size_t steps = 0; steps < nodes.size() && above < nodes.size() && !below; ++steps) {
+      below = std::find(named.begin(), named.end(), Json(above)) != named.end();
+      above = parent[above];
+    }
+    ++freed;
+    if (below) continue;
+    Json& children = nodes[parent[n]]["children"];
+    children.erase(std::find(children.begin(), children.end(), root));
+    if (children.empty()) nodes[parent[n]].erase("children");
+    roots.push_back(root);
+  }
+  if (freed == 0) return;
+  document["scenes"][scene]["nodes"] = std::move(roots);
+  findings.push_back({"scene-roots", freed,
+                      "nodes that the scene names as its roots have a parent; they stand without "
+                      "it, or below the root that is named too"});
+}
+
 }  // namespace
 
 GltfSource plain_gltf(GltfSource source, std::vector<Finding>& findings) {
@@ -37,6 +89,7 @@ GltfSource plain_gltf(GltfSource source, std::vector<Finding>& findings) {
     decode_meshopt(edit);
     decode_draco(edit);
     widen_quantized(edit);
+    free_roots(edit.json, findings);
     pose_skins(edit, findings);
     drop_extensions(edit.json);
     return edit.finished();

@@ -14,7 +14,9 @@ namespace elastogen {
 /// The document without KHR_draco_mesh_compression, EXT_meshopt_compression, KHR_mesh_quantization
 /// and skins; what it adds lies in one further buffer. Vertices and triangles keep the order of
 /// the decoded data. Skinned meshes stand in the pose of their joints (with a finding "skins"), on
-/// nodes of their own at the root, behind the document's nodes. A document with none of these
+/// nodes of their own at the root, behind the document's nodes. A scene's roots have no
+/// parent (finding "scene-roots"): one that a named root has below it is no root, any other is cut
+/// from its parent. A document with none of these
 /// stays as it is.
 /// @throws Error (asset) as check_gltf_types, gltf_nodes, accessor_values; naming mesh and
 ///         primitive or buffer view where compressed data are broken, do not fit what the document

@@ -117,6 +117,8 @@ strict = true
 [output]
 files = ["a.glb", "b.glb"]
 glb_profile = "keyframe"
+glb_targets = 100
+glb_colliders = true
 state = "s.h5"
 log = "l.json"
 report = "r.json"
@@ -164,7 +166,8 @@ TEST(Options, ASceneSetsEveryOption) {
   EXPECT_EQ(o.max_voxels, 1'000'000);
   EXPECT_EQ(o.max_memory, 1 << 30);
   EXPECT_EQ(o.max_time, 120);
-  EXPECT_TRUE(o.strict && o.quiet && o.keyframe);
+  EXPECT_TRUE(o.strict && o.quiet && o.keyframe && o.glb_colliders);
+  EXPECT_EQ(o.glb_targets, 100);
   EXPECT_EQ(o.outputs, (std::vector<std::string>{"a.glb", "b.glb"}));
   EXPECT_EQ(o.state + o.log + o.report, "s.h5l.jsonr.json");
 }

@@ -47,6 +47,25 @@ Builder skinned(const std::vector<float>& weights) {
   return builder;
 }
 
+TEST_F(PlainGltf, AScenesRootsHaveNoParent) {
+  // as some exporters write it: the scene names the child of a helper; and a root's own child
+  Builder builder = triangle();
+  builder.document["nodes"] = {{{"name", "helper"}, {"children", {1}}, {"scale", {2, 2, 2}}},
+                               {{"name", "body"}, {"children", {2}}, {"translation", {3, 0, 0}}},
+                               {{"name", "leaf"}, {"mesh", 0}}};
+  builder.document["scenes"] = {{{"nodes", {1, 2}}}};
+  const Asset asset = read(builder);
+  ASSERT_EQ(asset.findings.size(), 1u);
+  EXPECT_EQ(asset.findings[0].what, "scene-roots");
+  EXPECT_EQ(asset.findings[0].count, 2);
+  const Json plain = document(builder);
+  EXPECT_EQ(plain["scenes"][0]["nodes"], (std::vector<int>{1}));
+  EXPECT_FALSE(plain["nodes"][0].contains("children"));
+  const Surface surface = pose_surface(asset);
+  EXPECT_EQ(surface.instances.size(), 1u);
+  EXPECT_EQ(surface.box.upper[0], 4);
+}
+
 TEST_F(PlainGltf, LeavesAPlainDocumentAlone) {
   Builder builder = triangle();
   builder.document["extensionsUsed"] = {"KHR_texture_basisu"};

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from glb_file import (CERTIFICATE, TRIANGLES, Document, frame_count, require, world_matrices)
+from glb_file import (CERTIFICATE, TRIANGLES, Document, channels, frame_count, record, require,
+                      world_matrices)
 
 
 def check_views(document: Document) -> None:
@@ -85,51 +86,81 @@ def check_images(document: Document) -> None:
                 f"textures[{index}] has no image")
 
 
-def check_channel(document: Document, animation: dict[str, Any], channel: dict[str, Any],
+def check_weights(document: Document, node: int, sampler: dict[str, Any],
                   times: list[float]) -> None:
-    """One channel plays the weights of a node without matrix, linearly, at the frames' times."""
-    target, sampler = channel["target"], animation["samplers"][channel["sampler"]]
-    place = f"the channel of nodes[{target['node']}]"
-    require(target["path"] == "weights" and sampler.get("interpolation", "LINEAR") == "LINEAR",
-            place, " does not play weights linearly")
-    keys = document.raw(sampler["input"])
-    require(keys.shape == (len(times), 1) and np.allclose(keys[:, 0], times, rtol=1e-6, atol=0),
-            f"{place} does not have the times of the frames")
+    """Weights of a node without matrix, linear, at times of frames that follow each other."""
+    place = f"the weights of nodes[{node}]"
+    require(sampler.get("interpolation", "LINEAR") == "LINEAR", place, " are not linear")
+    keys = document.raw(sampler["input"])[:, 0]
+    first = int(np.abs(np.array(times) - keys[0]).argmin())
+    known = times[first : first + len(keys)]
+    require(len(known) == len(keys) and np.allclose(keys, known, rtol=1e-6, atol=0), place,
+            " do not have the times of frames")
     accessor = document.items("accessors")[sampler["input"]]
     require("min" in accessor and "max" in accessor, place, ": the times have no bounds")
-    node = document.items("nodes")[target["node"]]
-    require("matrix" not in node, place, ": the node has a matrix")
-    mesh = document.items("meshes")[node["mesh"]]
-    require(len(node.get("weights", mesh["weights"])) == len(mesh["weights"]), place,
-            ": the node has another number of weights than its mesh")
+    shown = document.items("nodes")[node]
+    require("matrix" not in shown, place, ": the node has a matrix")
+    mesh = document.items("meshes")[shown["mesh"]]
+    require(shown.get("weights", mesh["weights"]) == mesh["weights"], place,
+            " are at rest not those of the mesh")
     played = document.raw(sampler["output"])
-    require(played.shape == (len(times) * len(mesh["weights"]), 1) and played.dtype == "<f4",
-            f"{place} has {len(played)} values, {len(times)} keys of {len(mesh['weights'])} wanted")
-    require(not played[: len(mesh["weights"])].any(), place, ": the rest frame is moved")
+    require(played.shape == (len(keys) * len(mesh["weights"]), 1) and played.dtype == "<f4",
+            f"{place}: {len(played)} values, {len(keys)} keys of {len(mesh['weights'])} wanted")
+    require(played.min() >= 0 and played.max() <= 1, place, " leave 0 ... 1")
+    require(first > 0 or not played[: len(mesh["weights"])].any(), place,
+            ": the rest frame is moved")
+
+
+def meshes_below(document: Document, node: int) -> bool:
+    """Whether a node below this one has a mesh."""
+    nodes = document.items("nodes")
+    return any("mesh" in nodes[child] or meshes_below(document, child)
+               for child in nodes[node].get("children", []))
+
+
+def check_clients(document: Document, most: int) -> None:
+    """What programs need that the format does not ask for (docs/formats.md)."""
+    nodes, taken = document.items("nodes"), set()
+    for node, path, sampler in channels(document):
+        if path == "scale":
+            scale = document.raw(sampler["output"])
+            require(sampler.get("interpolation") == "STEP" and np.isin(scale, (0, 1)).all(),
+                    f"the scale of nodes[{node}] is no switch")
+            continue
+        require(path == "weights", f"{path} of nodes[{node}] is animated")
+        mesh = document.items("meshes")[nodes[node]["mesh"]]
+        require(nodes[node]["mesh"] not in taken, f"nodes[{node}] shares an animated mesh")
+        taken.add(nodes[node]["mesh"])
+        require(not meshes_below(document, node), f"nodes[{node}] has meshes below it")
+        targets = len(mesh["weights"])
+        require(targets <= most, f"nodes[{node}] has {targets} targets, not {most} at most")
+        extras = mesh.get("extras", {})
+        require(not isinstance(extras, dict) or len(extras.get("targetNames", [])) == targets,
+                f"nodes[{node}] has {targets} targets and other names")
 
 
 def check_record(document: Document) -> list[float]:
     """`asset.extras.elastogen`: every key, a certificate for each frame; returns their times."""
-    record = document.json["asset"].get("extras", {}).get("elastogen")
-    require(isinstance(record, dict), "asset.extras.elastogen is missing")
-    for key in ("generator", "commit", "command", "fps", "profile", "modes", "max_error_m",
-                "frames"):
-        require(key in record, "asset.extras.elastogen has no ", key)
-    require(record["profile"] in ("modal", "keyframe") and record["fps"] > 0,
+    said = record(document)
+    require(bool(said), "asset.extras.elastogen is missing")
+    for key in ("generator", "commit", "command", "fps", "profile", "targets", "pieces",
+                "max_error_m", "normal_error_deg", "frames"):
+        require(key in said, "asset.extras.elastogen has no ", key)
+    require(said["profile"] in ("modal", "keyframe") and said["fps"] > 0,
             "asset.extras.elastogen has no profile or fps")
-    if record["profile"] == "modal":
-        require(0 <= record["max_error_m"] and record["modes"] <= 64,
-                "asset.extras.elastogen: more than 64 modes or no error")
-    for t, frame in enumerate(record["frames"]):
+    if said["profile"] == "modal":
+        require(0 <= said["max_error_m"] and said["tolerance_m"] > 0,
+                "asset.extras.elastogen states no error")
+    for t, frame in enumerate(said["frames"]):
         require(set(frame) == set(CERTIFICATE) and isinstance(frame["converged"], bool),
                 f"the certificate of frame {t} has {sorted(frame)}")
         finite = all(isinstance(frame[k], (int, float)) for k in ("residual", "min_j"))
         require(finite and frame["residual"] >= 0, f"the certificate of frame {t} is no number")
-    require(record["frames"][0]["converged"], "the rest frame is not converged")
-    return [t / record["fps"] for t in range(len(record["frames"]))]
+    require(said["frames"][0]["converged"], "the rest frame is not converged")
+    return [t / said["fps"] for t in range(len(said["frames"]))]
 
 
-def check_animation(document: Document) -> None:
+def check_animation(document: Document, most: int = 64) -> None:
     """All of the above. @throws GlbError naming the first place that is wrong."""
     require(document.json["asset"]["version"] == "2.0", "the version of the document is not 2.0")
     check_views(document)
@@ -137,15 +168,17 @@ def check_animation(document: Document) -> None:
     check_meshes(document)
     check_images(document)
     times, shown = check_record(document), world_matrices(document)
-    targets = [channel["target"]["node"] for animation in document.items("animations")
-               for channel in animation["channels"]]
+    found = channels(document)
+    targets = [(node, path) for node, path, _ in found]
     require(len(targets) == len(set(targets)), "a node is animated twice")
     require(len(document.items("animations")) <= 1, "there is more than one animation")
-    for animation in document.items("animations"):
-        for channel in animation["channels"]:
-            require(channel["target"]["node"] in shown, "an animated node is not shown")
-            check_channel(document, animation, channel, times)
-    if frame_count(document) > 1 and document.json["asset"]["extras"]["elastogen"]["modes"] > 0:
+    for node, path, sampler in found:
+        require(node in shown, "an animated node is not shown")
+        if path == "weights":
+            check_weights(document, node, sampler, times)
+    check_clients(document, most)
+    require(not found or record(document)["targets"] > 0, "the record states no target")
+    if frame_count(document) > 1 and record(document)["targets"] > 0:
         require(bool(targets), "nothing is animated")
 
 

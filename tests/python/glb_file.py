@@ -4,6 +4,8 @@ animation of morph target weights gives in each frame.
 
     x_frame = x_base + sum_k weight_k(frame) target_k
 
+with weights kept within 0 ... 1, as some programs keep them.
+
 A document is what a GLB or a glTF file with its buffers holds. `check_animation` accepts only what
 `elastogen animate` promises in docs/formats.md; the first place that differs is named.
 """
@@ -27,6 +29,7 @@ TRIANGLES = (4, 5, 6)  # modes: list, strip, fan
 CERTIFICATE = ("converged", "residual", "min_j")
 
 Values = NDArray[Any]
+Played = dict[int, dict[str, Values]]  # by node and path
 
 
 class GlbError(Exception):
@@ -171,7 +174,7 @@ def local_matrix(node: dict[str, Any]) -> Values:
     return matrix
 
 
-def world_matrices(document: Document) -> dict[int, Values]:
+def world_matrices(document: Document, played: Played | None = None) -> dict[int, Values]:
     """(4, 4) matrix to the root of each node below the default scene; a tree is required."""
     scenes, nodes = document.items("scenes"), document.items("nodes")
     require(bool(scenes), "the document has no scene")
@@ -181,45 +184,78 @@ def world_matrices(document: Document) -> dict[int, Values]:
         n, parent = stack.pop()
         require(0 <= n < len(nodes), "there is no node ", n)
         require(n not in world, f"nodes[{n}] has two parents")
-        world[n] = parent @ local_matrix(nodes[n])
+        world[n] = parent @ local_matrix({**nodes[n], **(played or {}).get(n, {})})
         stack += [(child, world[n]) for child in nodes[n].get("children", [])]
     return world
 
 
+def record(document: Document) -> dict[str, Any]:
+    """What `elastogen animate` says of the clip; empty in other files."""
+    return document.json["asset"].get("extras", {}).get("elastogen", {})
+
+
 def frame_count(document: Document) -> int:
     """Frames that the certificates of the document name, the rest frame included."""
-    return len(document.json["asset"]["extras"]["elastogen"]["frames"])
+    return len(record(document)["frames"])
 
 
-def weights(document: Document) -> dict[int, Values]:
-    """(frames, targets) weights of each animated node, as the samplers have them at their keys."""
-    result = {}
-    for animation in document.items("animations"):
-        for channel in animation["channels"]:
-            sampler = animation["samplers"][channel["sampler"]]
-            keys = document.items("accessors")[sampler["input"]]["count"]
-            result[channel["target"]["node"]] = document.values(sampler["output"]).reshape(keys, -1)
-    return result
+def channels(document: Document) -> list[tuple[int, str, dict[str, Any]]]:
+    """Node, path and sampler of each channel of the animations."""
+    return [(channel["target"]["node"], channel["target"]["path"],
+             animation["samplers"][channel["sampler"]])
+            for animation in document.items("animations") for channel in animation["channels"]]
+
+
+def sample(document: Document, sampler: dict[str, Any], time: float) -> Values:
+    """The value at a time: by steps or linear between keys, held before the first and behind the
+    last."""
+    keys = document.values(sampler["input"])[:, 0]
+    rows = document.values(sampler["output"]).reshape(len(keys), -1)
+    after = int(np.searchsorted(keys, np.float32(time), side="right"))
+    if after in (0, len(keys)) or sampler.get("interpolation", "LINEAR") == "STEP":
+        return rows[max(after - 1, 0)]
+    share = (time - keys[after - 1]) / (keys[after] - keys[after - 1])
+    return (1 - share) * rows[after - 1] + share * rows[after]
+
+
+def frame_time(document: Document, frame: int) -> float:
+    """Of a frame, in float32 as keys are [s]."""
+    fps = record(document).get("fps")
+    if fps:
+        return float(np.float32(frame / fps))
+    keys = [document.values(sampler["input"])[:, 0] for _, _, sampler in channels(document)]
+    return float(np.unique(np.concatenate(keys))[frame]) if keys else 0.0
+
+
+def play(document: Document, frame: int) -> Played:
+    """What the channels give each animated node in one frame, weights kept within 0 ... 1 as
+    Blender keeps them."""
+    played: Played = {}
+    for node, path, sampler in channels(document):
+        value = sample(document, sampler, frame_time(document, frame))
+        played.setdefault(node, {})[path] = np.clip(value, 0, 1) if path == "weights" else value
+    return played
 
 
 def local_positions(document: Document, frame: int) -> dict[tuple[int, int], Values]:
-    """(vertices, 3) positions in the mesh's numbers by (node, primitive) in one frame."""
-    played, result = weights(document), {}
+    """(vertices, 3) positions in the mesh's numbers by (node, primitive) in one frame, of nodes
+    that no animated scale of 0 hides."""
+    played, result = play(document, frame), {}
     for n in world_matrices(document):
-        node = document.items("nodes")[n]
-        if "mesh" not in node:
+        node, now = document.items("nodes")[n], played.get(n, {})
+        if "mesh" not in node or not np.any(now.get("scale", 1)):
             continue
         for p, primitive in enumerate(document.items("meshes")[node["mesh"]]["primitives"]):
             x = document.values(primitive["attributes"]["POSITION"])
-            for k, target in enumerate(primitive.get("targets", []) if n in played else []):
-                if played[n][frame, k] != 0:
-                    x = x + played[n][frame, k] * document.values(target["POSITION"])
+            for weight, target in zip(now.get("weights", []), primitive.get("targets", [])):
+                if weight != 0:
+                    x = x + weight * document.values(target["POSITION"])
             result[n, p] = x
     return result
 
 
 def world_positions(document: Document, frame: int) -> dict[tuple[int, int], Values]:
     """The same after the nodes' matrices: what a viewer shows."""
-    world = world_matrices(document)
+    world = world_matrices(document, play(document, frame))
     return {(n, p): x @ world[n][:3, :3].T + world[n][:3, 3]
             for (n, p), x in local_positions(document, frame).items()}

@@ -84,7 +84,10 @@ def check_materials(source: SourceMesh, document: Document) -> None:
 def check_kept_lists(source: Document, document: Document) -> None:
     """Of any glTF source: materials, images, names and transforms stand where they stood."""
     for name in MATERIAL_LISTS:
-        require(source.items(name) == document.items(name), name, " differ from the source's")
+        before, after = source.items(name), document.items(name)
+        # a default material may be added, which is what a primitive without one has anyway
+        added = [{}] if name == "materials" and len(after) > len(before) else []
+        require([*before, *added] == after, name, " differ from the source's")
     for k, image in enumerate(source.items("images")):
         if "bufferView" in image:
             view = document.items("images")[k]["bufferView"]
@@ -98,7 +101,9 @@ def check_kept_lists(source: Document, document: Document) -> None:
         require(mesh.get("name") == kept.get("name"), f"meshes[{k}].name differs")
         for p, primitive in enumerate(mesh["primitives"]):
             other = kept["primitives"][p]
-            require(primitive.get("material") == other.get("material"),
+            default = (len(source.items("materials")),)
+            require(other.get("material") == primitive.get("material")
+                    or "material" not in primitive and other["material"] in default,
                     f"meshes[{k}].primitives[{p}].material differs")
             names = {a for a in primitive["attributes"] if not a.startswith(SKIN)}
             require(names == set(other["attributes"]),

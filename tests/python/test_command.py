@@ -367,7 +367,7 @@ class Poses(Command):
         record = modal.json["asset"]["extras"]["elastogen"]
         self.assertEqual(record["tolerance_m"], 0.0005)
         self.assertLessEqual(record["max_error_m"], record["tolerance_m"])
-        self.assertLess(record["modes"], 12)
+        self.assertLess(record["targets"], 12)
         worst = max(np.linalg.norm(self.sizes(modal, t)[1] - self.sizes(keyframe, t)[1], axis=1
                                    ).max() for t in range(13))
         self.assertLessEqual(worst, record["max_error_m"] + 1e-6)

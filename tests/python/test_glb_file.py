@@ -19,7 +19,7 @@ from source_mesh import SourceMesh
 
 POSITION, FACES = turned_box((0.3, 0.2, 0.1), (1, 2, 3), 25)
 TARGETS = np.random.default_rng(1).normal(size=(2, 8, 3)).astype("<f4")
-WEIGHTS = np.array([[0, 0], [1, 0.5], [-2, 0.25]], "<f4")
+WEIGHTS = np.array([[0, 0], [1, 0.5], [0.75, 0.25]], "<f4")
 TIMES = np.array([0, 0.5, 1], "<f4")
 
 
@@ -58,15 +58,22 @@ def animated() -> tuple[dict[str, Any], bytes]:
     mesh["primitives"][0]["targets"] = [{"POSITION": first},
                                         {"POSITION": len(document["accessors"]) - 1}]
     mesh["weights"] = [0, 0]
+    mesh["extras"] = {"targetNames": ["a", "b"]}
     document["nodes"].append({"children": [0], "translation": [1, 2, 3], "scale": [2, 2, 2]})
     document["scenes"][0]["nodes"] = [1]
     document["animations"] = [{"channels": [{"sampler": 0, "target": {
         "node": 0, "path": "weights"}}], "samplers": [{"input": times, "output": weights}]}]
     frame = {"converged": True, "residual": 1e-4, "min_j": 0.9}
     document["asset"]["extras"] = {"elastogen": {
-        "generator": "g", "commit": "c", "command": "e", "fps": 2, "profile": "modal", "modes": 2,
-        "max_error_m": 0.0, "frames": [dict(frame) for _ in range(3)]}}
+        "generator": "g", "commit": "c", "command": "e", "fps": 2, "profile": "modal", "targets": 2,
+        "pieces": 1, "max_error_m": 0.0, "normal_error_deg": 0.0, "tolerance_m": 1e-3, "frames": [dict(frame) for _ in range(3)]}}
     return document, data
+
+
+def weights_start(document: dict[str, Any]) -> int:
+    """Where the weights begin in the buffer."""
+    accessor = document["accessors"][document["animations"][0]["samplers"][0]["output"]]
+    return document["bufferViews"][accessor["bufferView"]]["byteOffset"]
 
 
 class Reader(unittest.TestCase):
@@ -82,6 +89,34 @@ class Reader(unittest.TestCase):
             np.testing.assert_allclose(local_positions(document, t)[0, 0], wanted, rtol=1e-12)
             np.testing.assert_allclose(world_positions(document, t)[0, 0], 2 * wanted + [1, 2, 3],
                                        rtol=1e-12)
+
+
+    def test_weights_are_kept_in_range_and_a_scale_of_zero_hides(self) -> None:
+        document, data = animated()
+        document["nodes"][0]["scale"] = [0, 0, 0]
+        self.assertEqual(set(local_positions(parse_glb(glb_bytes(document, data)), 1)), {(0, 0)})
+        times, scale = np.array([0, 0.5], "<f4"), np.array([1, 1, 1, 0, 0, 0], "<f4")
+        for values, kind, count in ((times, "SCALAR", 2), (scale, "VEC3", 2)):
+            document["bufferViews"].append({"buffer": 0, "byteOffset": len(data),
+                                            "byteLength": values.nbytes})
+            data += values.tobytes()
+            document["accessors"].append({"bufferView": len(document["bufferViews"]) - 1,
+                                          "componentType": 5126, "count": count, "type": kind})
+        document["buffers"][0]["byteLength"] = len(data)
+        animation, last = document["animations"][0], len(document["accessors"]) - 1
+        animation["samplers"].append({"input": last - 1, "output": last, "interpolation": "STEP"})
+        animation["channels"].append({"sampler": 1, "target": {"node": 0, "path": "scale"}})
+        hidden = parse_glb(glb_bytes(document, data))
+        self.assertEqual([len(local_positions(hidden, t)) for t in range(3)], [1, 0, 0])
+        over = WEIGHTS.copy()
+        over[1] = (-2, 3)  # kept as 0 and 1
+        start = weights_start(document)
+        data = data[:start] + over.tobytes() + data[start + over.nbytes :]
+        document["animations"][0]["channels"].pop()
+        second = TARGETS[1].astype(float)
+        second[[0, 2, 3, 4, 5, 7]] = 0
+        np.testing.assert_allclose(local_positions(parse_glb(glb_bytes(document, data)), 1)[0, 0],
+                                   POSITION.astype("<f4") + second, rtol=1e-12)
 
 
 class Checker(unittest.TestCase):
@@ -119,6 +154,24 @@ class Checker(unittest.TestCase):
                 lambda d: d["asset"]["extras"]["elastogen"]["frames"][1].pop("residual"))):
             with self.subTest(number):
                 self.fails(change)
+
+    def test_what_clients_cannot_play_is_found(self) -> None:
+        document, data = animated()
+        with self.assertRaisesRegex(GlbError, "2 targets, not 1"):
+            check_animation(parse_glb(glb_bytes(document, data)), most=1)
+        start = weights_start(document)
+        document["accessors"][document["animations"][0]["samplers"][0]["output"]]["max"] = [1.5]
+        moved = data[: start + 8] + struct.pack("<f", 1.5) + data[start + 12 :]
+        with self.assertRaisesRegex(GlbError, "leave 0"):
+            check_animation(parse_glb(glb_bytes(document, moved)))
+        for change in (
+                lambda d: d["meshes"][0]["extras"]["targetNames"].append("c"),
+                lambda d: d["meshes"][0].pop("extras"),
+                lambda d: (d["nodes"].append({"mesh": 0}), d["nodes"][0].update(children=[2])),
+                lambda d: (d["nodes"].append({"mesh": 0}), d["nodes"][1]["children"].append(2),
+                           d["animations"][0]["channels"].append(
+                               {"sampler": 0, "target": {"node": 2, "path": "weights"}}))):
+            self.fails(change)
 
     def test_values_and_chunks_are_checked(self) -> None:
         whole = glb_bytes(*animated())

@@ -1,0 +1,308 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/animated_document.hpp"
+
+#include "core/error.hpp"
+
+#include <algorithm>
+
+namespace elastogen {
+
+namespace {
+
+using Json = AnimatedDocument::Json;
+
+constexpr int kFloat = 5126, kVertices = 34962;
+
+/// Nodes that are nobody's child.
+Json roots_of(const Json& nodes) {
+  std::set<size_t> children;
+  for (const Json& node : nodes) {
+    for (const Json& child : node.value("children", Json::array()))
+      children.insert(child.get<size_t>());
+  }
+  Json result = Json::array();
+  for (size_t n = 0; n < nodes.size(); ++n) {
+    if (!children.contains(n)) result.push_back(n);
+  }
+  return result;
+}
+
+bool is_shown_as_triangles(const Json& primitive) {
+  const int mode = primitive.value("mode", 4);
+  return mode >= 4 && mode <= 6 && primitive["attributes"].contains("POSITION");
+}
+
+}  // namespace
+
+AnimatedDocument::AnimatedDocument(GlbDocument base, std::vector<float> clip_times)
+    : bin_(std::move(base.bin)),
+      json_(Json::parse(base.json)),
+      clip_times_(std::move(clip_times)) {}
+
+std::vector<size_t> AnimatedDocument::stage(size_t node, const std::vector<FrameRange>& pieces) {
+  const auto mesh = json_["nodes"][node]["mesh"].get<size_t>();
+  std::vector<size_t> nodes = {node};
+  if (pieces.size() > 1 || json_["nodes"][node].contains("matrix") || shows_below(node)) {
+    nodes.clear();
+    json_["nodes"][node].erase("mesh");
+    for (size_t p = 0; p < pieces.size(); ++p)
+      nodes.push_back(add_child(node, pieces.size() > 1 ? concat("_part_", p + 1) : "_mesh"));
+  }
+  for (const size_t n : nodes) own_mesh(n, mesh);
+  if (pieces.size() > 1) show_in_turn(nodes, pieces);
+  return nodes;
+}
+
+size_t AnimatedDocument::add_weights(const Array<float>& weights) {
+  return add_scalars({weights.data(), weights.data() + weights.size()});
+}
+
+void AnimatedDocument::play(size_t node, const MorphTargets& targets, const FrameRange& frames,
+                            size_t weights) {
+  if (targets.count() == 0) return;
+  Json& mesh = json_["meshes"][json_["nodes"][node]["mesh"].get<size_t>()];
+  set_targets(mesh, targets);
+  const std::vector<int> at_rest(size_t(targets.count()), 0);
+  mesh["weights"] = at_rest;
+  json_["nodes"][node]["weights"] = at_rest;
+  add_channel(node, "weights", "LINEAR", times_of(frames), weights);
+}
+
+void AnimatedDocument::add_root(const Matrix4& matrix) {
+  if (!json_.contains("scenes"))
+    json_["scenes"] = Json::array({{{"nodes", roots_of(json_["nodes"])}}});
+  if (!json_.contains("scene")) json_["scene"] = 0;
+  Json& scene = json_["scenes"][json_["scene"].get<size_t>()];
+  Json& nodes = json_["nodes"];
+  nodes.push_back({{"name", "elastogen_root"}, {"matrix", matrix}, {"children", scene["nodes"]}});
+  scene["nodes"] = Json::array({nodes.size() - 1});
+}
+
+void AnimatedDocument::write(const std::string& path) {
+  if (!channels_.empty()) {
+    json_["animations"] =
+        Json::array({{{"name", "elastogen"}, {"channels", channels_}, {"samplers", samplers_}}});
+  }
+  json_["buffers"] = Json::array({{{"byteLength", bin_.size()}}});
+  write_glb(path, json_.dump(-1, ' ', false, Json::error_handler_t::replace), bin_);
+}
+
+/// Whether a node below this one has a mesh.
+bool AnimatedDocument::shows_below(size_t node) const {
+  const Json& nodes = json_["nodes"];
+  const Json children = nodes[node].value("children", Json::array());
+  return std::any_of(children.begin(), children.end(), [&](const Json& child) {
+    const auto c = child.get<size_t>();
+    return nodes[c].contains("mesh") || shows_below(c);
+  });
+}
+
+/// A child without transform. Its name is that of its parent with an ending, as no other node has
+/// it: some clients find nodes by their names.
+size_t AnimatedDocument::add_child(size_t node, const std::string& ending) {
+  Json& nodes = json_["nodes"];
+  const auto is_taken = [&](const std::string& name) {
+    return std::any_of(nodes.begin(), nodes.end(),
+                       [&](const Json& other) { return other.value("name", "") == name; });
+  };
+  const std::string wanted = nodes[node].value("name", "node") + ending;
+  std::string name = wanted;
+  for (int number = 2; is_taken(name); ++number) name = concat(wanted, '_', number);
+  const size_t child = nodes.size();
+  nodes.push_back({{"name", name}});
+  nodes[node]["children"].push_back(child);
+  return child;
+}
+
+/// The material that glTF takes where a primitive names none, named. Without one Filament drops the
+/// normals of morph targets.
+size_t AnimatedDocument::default_material() {
+  if (!material_) {
+    json_["materials"].push_back(Json::object());
+    material_ = json_["materials"].size() - 1;
+  }
+  return *material_;
+}
+
+/// Shows a mesh, or a copy of it where a staged node has it.
+void AnimatedDocument::own_mesh(size_t node, size_t mesh) {
+  if (!taken_.insert(mesh).second) {
+    Json copy = json_["meshes"][mesh];
+    for (Json& primitive : copy["primitives"]) primitive.erase("targets");
+    copy.erase("weights");
+    mesh = json_["meshes"].size();
+    json_["meshes"].push_back(std::move(copy));
+    taken_.insert(mesh);
+  }
+  json_["nodes"][node]["mesh"] = mesh;
+}
+
+/// A scale of 1 for each node in its piece, else 0, by steps; where two pieces meet the later one.
+void AnimatedDocument::show_in_turn(const std::vector<size_t>& nodes,
+                                    const std::vector<FrameRange>& pieces) {
+  std::vector<float> times;
+  for (const FrameRange& piece : pieces) times.push_back(clip_times_[size_t(piece.first)]);
+  const size_t input = add_scalars(times);
+  for (size_t p = 0; p < nodes.size(); ++p) {
+    std::vector<float> scale(3 * pieces.size(), 0);
+    std::fill_n(scale.begin() + std::ptrdiff_t(3 * p), 3, 1.f);
+    const uint64_t offset = append_bytes(bin_, scale.data(), scale.size() * sizeof(float));
+    const size_t view = add_view(offset, scale.size() * sizeof(float));
+    const auto count = int64_t(pieces.size());
+    add_channel(nodes[p], "scale", "STEP", input, add_vectors(view, 0, scale.data(), count));
+    if (p > 0) json_["nodes"][nodes[p]]["scale"] = {0, 0, 0};
+  }
+}
+
+void AnimatedDocument::add_channel(size_t node, const char* path, const char* interpolation,
+                                   size_t input, size_t output) {
+  channels_.push_back(
+      {{"sampler", samplers_.size()}, {"target", {{"node", node}, {"path", path}}}});
+  samplers_.push_back({{"input", input}, {"interpolation", interpolation}, {"output", output}});
+}
+
+size_t AnimatedDocument::add_scalars(const std::vector<float>& values) {
+  const uint64_t offset = append_bytes(bin_, values.data(), values.size() * sizeof(float));
+  const size_t view = add_view(offset, values.size() * sizeof(float));
+  const auto [least, largest] = std::minmax_element(values.begin(), values.end());
+  return add_accessor({{"bufferView", view},
+                       {"componentType", kFloat},
+                       {"count", values.size()},
+                       {"type", "SCALAR"},
+                       {"min", Json::array({*least})},
+                       {"max", Json::array({*largest})}});
+}
+
+/// The times of a range of frames, stored once.
+size_t AnimatedDocument::times_of(const FrameRange& frames) {
+  const auto [at, is_new] = times_.try_emplace({frames.first, frames.last});
+  if (is_new) {
+    const auto first = clip_times_.begin() + frames.first;
+    at->second = add_scalars({first, first + frames.count()});
+  }
+  return at->second;
+}
+
+size_t AnimatedDocument::add_view(uint64_t offset, size_t size) {
+  json_["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", offset}, {"byteLength", size}});
+  return json_["bufferViews"].size() - 1;
+}
+
+size_t AnimatedDocument::add_accessor(Json accessor) {
+  json_["accessors"].push_back(std::move(accessor));
+  return json_["accessors"].size() - 1;
+}
+
+/// An accessor of three floats an element with its bounds, at an offset of a view.
+size_t AnimatedDocument::add_vectors(size_t view, uint64_t offset, const float* values,
+                                     int64_t count) {
+  std::array<float, 3> lower, upper;
+  for (size_t d = 0; d < 3; ++d) {
+    lower[d] = upper[d] = values[d];
+    for (int64_t v = 1; v < count; ++v) {
+      lower[d] = std::min(lower[d], values[size_t(3 * v) + d]);
+      upper[d] = std::max(upper[d], values[size_t(3 * v) + d]);
+    }
+  }
+  return add_accessor({{"bufferView", view},
+                       {"byteOffset", offset},
+                       {"componentType", kFloat},
+                       {"count", count},
+                       {"type", "VEC3"},
+                       {"min", lower},
+                       {"max", upper}});
+}
+
+/// Vectors of zeros, stored once for each count.
+size_t AnimatedDocument::zeros(int64_t count) {
+  const auto [at, is_new] = zeros_.try_emplace(count);
+  if (is_new) {
+    const std::vector<float> values(size_t(3 * count), 0);
+    const size_t size = values.size() * sizeof(float);
+    const size_t view = add_view(append_bytes(bin_, values.data(), size), size);
+    json_["bufferViews"][view]["target"] = kVertices;
+    at->second = add_vectors(view, 0, values.data(), count);
+  }
+  return at->second;
+}
+
+/// One view with rows of vectors, and an accessor for each row.
+std::vector<size_t> AnimatedDocument::add_rows(const Array<float>& rows, const Range& range) {
+  std::vector<size_t> accessors;
+  if (rows.rows() == 0) return accessors;
+  const size_t size = size_t(range.count) * 12, view = json_["bufferViews"].size();
+  for (int64_t k = 0; k < rows.rows(); ++k) {
+    const float* values = rows.row(k) + 3 * range.first;
+    const uint64_t at = append_bytes(bin_, values, size);
+    if (k == 0) add_view(at, size * size_t(rows.rows()));
+    accessors.push_back(add_vectors(view, uint64_t(k) * size, values, range.count));
+  }
+  json_["bufferViews"][view]["byteStride"] = 12;
+  json_["bufferViews"][view]["target"] = kVertices;
+  return accessors;
+}
+
+void AnimatedDocument::fill_range(const MorphTargets& targets, Range& range) {
+  range.targets = {Json::array(), Json::array()};
+  const std::vector<size_t> position = add_rows(targets.position, range),
+                            normal = add_rows(targets.normal, range);
+  const auto accessor = [&](const std::vector<size_t>& rows, int row) {
+    return row < 0 ? zeros(range.count) : rows[size_t(row)];
+  };
+  for (size_t k = 0; k < targets.position_row.size(); ++k) {
+    Json target = {{"POSITION", accessor(position, targets.position_row[k])}};
+    range.targets[0].push_back(target);
+    if (targets.normal_row.empty()) continue;
+    target["NORMAL"] = accessor(normal, targets.normal_row[k]);
+    range.targets[1].push_back(std::move(target));
+  }
+}
+
+/// The distinct POSITION accessors of a mesh's triangles in order of first use, as the reader
+/// (io/gltf_reader.hpp) puts them one after the other.
+std::map<size_t, AnimatedDocument::Range> AnimatedDocument::ranges_of(const Json& mesh,
+                                                                      const MorphTargets& targets) {
+  std::map<size_t, Range> ranges;
+  int64_t first = 0;
+  for (const Json& primitive : mesh["primitives"]) {
+    if (!is_shown_as_triangles(primitive)) continue;
+    const auto accessor = primitive["attributes"]["POSITION"].get<size_t>();
+    const auto [range, is_new] = ranges.try_emplace(accessor);
+    if (!is_new) continue;
+    range->second.first = first;
+    range->second.count = json_["accessors"][accessor]["count"].get<int64_t>();
+    first += range->second.count;
+  }
+  const int64_t expected = targets.position.rows() > 0 ? targets.position.cols() / 3 : first;
+  ELASTOGEN_CHECK_ASSET(first == expected, "the asset file changed while it was animated");
+  for (auto& [accessor, range] : ranges) fill_range(targets, range);
+  return ranges;
+}
+
+void AnimatedDocument::set_targets(Json& mesh, const MorphTargets& targets) {
+  const std::map<size_t, Range> ranges = ranges_of(mesh, targets);
+  for (Json& primitive : mesh["primitives"]) {
+    const Json& attributes = primitive["attributes"];
+    if (!attributes.contains("POSITION")) continue;
+    const auto found = ranges.find(attributes["POSITION"].get<size_t>());
+    Json list = Json::array();
+    if (found != ranges.end()) {
+      const bool normals = attributes.contains("NORMAL") && !targets.normal_row.empty();
+      list = found->second.targets[normals ? 1 : 0];
+      if (normals && !primitive.contains("material")) primitive["material"] = default_material();
+    } else {
+      // lines and points beside the triangles stay where they are
+      const auto count = json_["accessors"][attributes["POSITION"].get<size_t>()]["count"];
+      const Json still = {{"POSITION", zeros(count.get<int64_t>())}};
+      list = Json(size_t(targets.count()), still);
+    }
+    primitive["targets"] = std::move(list);
+  }
+  if (mesh.contains("extras") && !mesh["extras"].is_object()) return;
+  Json names = Json::array();
+  for (int k = 0; k < targets.count(); ++k)
+    names.push_back(concat(targets.position_row[size_t(k)] < 0 ? "normals_" : "elastogen_", k));
+  mesh["extras"]["targetNames"] = std::move(names);
+}
+
+}  // namespace elastogen

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+// A glTF document that is being given an animation of morph target weights, written such that
+// clients with habits of their own play it: docs/formats.md, "What clients need".
+
+#pragma once
+
+#include "io/glb_document.hpp"
+#include "io/morph_targets.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <map>
+#include <optional>
+#include <set>
+
+namespace elastogen {
+
+class AnimatedDocument {
+ public:
+  using Json = nlohmann::ordered_json;
+
+  /// @param clip_times  of the frames of the whole clip [s].
+  AnimatedDocument(GlbDocument base, std::vector<float> clip_times);
+
+  Json& json() { return json_; }
+
+  /// The nodes that show the mesh of a node, one for each of several pieces of the clip.
+  ///
+  /// It is the node itself, unless that has a matrix (which glTF forbids in nodes that an animation
+  /// targets) or shows meshes below it (some clients hand weights down), or there are several
+  /// pieces: then each piece has a child without transform, and a scale of 0 or 1 hides all but
+  /// one. Each has a mesh of its own; copies share their vertices.
+  std::vector<size_t> stage(size_t node, const std::vector<FrameRange>& pieces);
+
+  /// An accessor of the weights of a piece, (frames, targets).
+  size_t add_weights(const Array<float>& weights);
+
+  /// Gives the mesh of a staged node targets, and plays their weights.
+  void play(size_t node, const MorphTargets& targets, const FrameRange& frames, size_t weights);
+
+  /// Puts a node with a matrix above the roots of the default scene.
+  void add_root(const Matrix4& matrix);
+
+  /// Writes the GLB. @throws Error (resources) as write_glb.
+  void write(const std::string& path);
+
+ private:
+  /// Vertices that primitives share by one POSITION accessor, and their targets.
+  struct Range {
+    int64_t first = 0, count = 0;
+    std::vector<Json> targets;  // without and with NORMAL
+  };
+
+  Json roots() const;
+  bool shows_below(size_t node) const;
+  size_t add_child(size_t node, const std::string& ending);
+  void own_mesh(size_t node, size_t mesh);
+  size_t default_material();
+  void show_in_turn(const std::vector<size_t>& nodes, const std::vector<FrameRange>& pieces);
+  void add_channel(size_t node, const char* path, const char* interpolation, size_t input,
+                   size_t output);
+
+  size_t add_scalars(const std::vector<float>& values);
+  size_t times_of(const FrameRange& frames);
+  size_t add_view(uint64_t offset, size_t size);
+  size_t add_accessor(Json accessor);
+  size_t add_vectors(size_t view, uint64_t offset, const float* values, int64_t count);
+  size_t zeros(int64_t count);
+  std::vector<size_t> add_rows(const Array<float>& rows, const Range& range);
+  void fill_range(const MorphTargets& targets, Range& range);
+  std::map<size_t, Range> ranges_of(const Json& mesh, const MorphTargets& targets);
+  void set_targets(Json& mesh, const MorphTargets& targets);
+
+  Bytes bin_;
+  Json json_, channels_ = Json::array(), samplers_ = Json::array();
+  std::vector<float> clip_times_;
+  std::map<std::pair<int64_t, int64_t>, size_t> times_;  // accessors of the times of ranges
+  std::map<int64_t, size_t> zeros_;                      // accessors of zero vectors by count
+  std::optional<size_t> material_;                       // default_material()
+  std::set<size_t> taken_;                               // meshes that a staged node shows
+};
+
+}  // namespace elastogen

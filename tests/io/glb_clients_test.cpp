@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+// What programs need of an animated GLB beside what the format asks for.
+#include "io/animation_writer.hpp"
+#include "io/morph_targets.hpp"
+#include "tests/io/glb_clip.hpp"
+
+#include <set>
+
+namespace elastogen {
+namespace {
+
+using test::Builder, test::expect_says, test::GlbFile, test::instances, test::Json, test::kFrames;
+using test::Rows, test::triangle, test::wave;
+using GlbClients = test::GlbClip;
+
+/// Below a node that shows a mesh another one does, as the wheels of a truck.
+Builder truck() {
+  Builder builder = triangle();
+  builder.document["meshes"][0]["extras"] = {{"targetNames", {"smile"}}, {"mine", 1}};
+  builder.document["nodes"] = {{{"name", "body"}, {"mesh", 0}, {"children", {1, 2}}},
+                               {{"name", "axle"}, {"children", {3}}, {"translation", {0, 7, 0}}},
+                               {{"name", "lamp"}, {"mesh", 0}, {"translation", {0, 0, 8}}},
+                               {{"name", "body_mesh"}, {"mesh", 0}, {"translation", {9, 0, 0}}}};
+  return builder;
+}
+
+TEST_F(GlbClients, ANodeThatPlaysHasNoMeshBelowIt) {
+  const Asset asset = read(truck());
+  const Surface surface = pose_surface(asset);
+  const GlbFile file = animate(asset, surface, {});
+  const Json& nodes = file.document["nodes"];
+  std::set<size_t> played, meshes;
+  for (const Json& channel : file.document["animations"][0]["channels"])
+    played.insert(channel["target"]["node"].get<size_t>());
+  EXPECT_EQ(played, (std::set<size_t>{2, 3, 4}));
+  EXPECT_FALSE(nodes[0].contains("mesh"));
+  EXPECT_EQ(nodes[0]["children"], (std::vector<size_t>{1, 2, 4}));
+  std::set<std::string> names;
+  for (const Json& node : nodes) names.insert(node["name"].get<std::string>());
+  EXPECT_EQ(names.size(), nodes.size());
+  for (const size_t n : played) {
+    const Json& mesh = file.mesh_of(n);
+    EXPECT_TRUE(meshes.insert(nodes[n]["mesh"].get<size_t>()).second);
+    const size_t targets = mesh["primitives"][0]["targets"].size();
+    EXPECT_GT(targets, 0u);
+    EXPECT_EQ(mesh["extras"]["targetNames"].size(), targets);
+    EXPECT_EQ(mesh["extras"]["mine"], 1);
+    EXPECT_EQ(file.document["materials"][mesh["primitives"][0]["material"].get<size_t>()],
+              Json::object());
+  }
+  EXPECT_LT(shown_error(file, asset, surface), 2e-3);
+}
+
+TEST_F(GlbClients, EachTargetIsANormalOfLengthOne) {
+  const Asset asset = read(truck());
+  const GlbFile file = animate(asset, pose_surface(asset), {});
+  const Json& primitive = file.mesh_of(2)["primitives"][0];
+  for (size_t k = 0; k < primitive["targets"].size(); ++k) {
+    std::vector<double> one(primitive["targets"].size(), 0);
+    one[k] = 1;
+    for (const std::vector<double>& d : file.moved(primitive, "NORMAL", one))
+      EXPECT_NEAR(std::hypot(d[0], d[1], 1 + d[2]), 1, 1e-6);
+  }
+}
+
+TEST_F(GlbClients, ALongClipIsShownInPiecesThatTakeTurns) {
+  const Asset asset = read(instances());
+  const Surface surface = pose_surface(asset);
+  const auto writer =
+      AnimationWriter::create(out, asset, surface, {.keyframe = true, .max_targets = 4});
+  for (int t = 0; t < kFrames; ++t) writer->frame({.displacement = wave(surface, t)});
+  writer->finish();
+  ASSERT_EQ(writer->notes().size(), 1u);
+  expect_says(writer->notes()[0], "3 pieces");
+  const GlbFile file(out);
+  // node 1 has handed its mesh to three children, of which the first is there from the start
+  const Json& node = file.document["nodes"][1];
+  ASSERT_EQ(node["children"].size(), 3u);
+  EXPECT_FALSE(node.contains("mesh"));
+  for (size_t p = 0; p < 3; ++p) {
+    const size_t child = node["children"][p];
+    const Json& shown = file.document["nodes"][child];
+    EXPECT_EQ(shown["name"], "plain_part_" + std::to_string(p + 1));
+    EXPECT_EQ(shown.contains("scale"), p > 0);
+    EXPECT_LE(file.mesh_of(child)["primitives"][0]["targets"].size(), 4u);
+    for (const Json& channel : file.document["animations"][0]["channels"]) {
+      if (channel["target"]["node"] != child || channel["target"]["path"] != "scale") continue;
+      const Json& sampler =
+          file.document["animations"][0]["samplers"][channel["sampler"].get<size_t>()];
+      EXPECT_EQ(sampler["interpolation"], "STEP");
+      const Rows scale = file.floats(sampler["output"]);
+      for (size_t key = 0; key < 3; ++key)
+        EXPECT_EQ(scale[key], std::vector<double>(3, key == p ? 1 : 0));
+    }
+  }
+}
+
+TEST_F(GlbClients, MeshesThatTouchStayTogether) {
+  // two triangles of two nodes that share an edge, moved by more than a target can hold
+  Builder builder = triangle();
+  builder.document["nodes"] = {{{"mesh", 0}},
+                               {{"mesh", 0}, {"scale", {1, -1, 1}}},
+                               {{"mesh", 0}, {"translation", {0, 0, 50}}}};
+  const Asset asset = read(builder);
+  const Surface surface = pose_surface(asset);
+  const std::vector<std::vector<size_t>> groups = touching_instances(surface);
+  EXPECT_EQ(groups, (std::vector<std::vector<size_t>>{{0, 1}, {2}}));
+  const GlbFile file = animate(asset, surface, {.modal_error = 0.01});
+  EXPECT_EQ(file.weights(0), file.weights(1));
+}
+
+TEST_F(GlbClients, ANodeScaledToZeroIsSaid) {
+  Builder builder = triangle();
+  builder.document["nodes"] = {{{"mesh", 0}}, {{"mesh", 0}, {"scale", {1, 0, 1}}}};
+  const Asset asset = read(builder);
+  const Surface surface = pose_surface(asset);
+  const auto writer = AnimationWriter::create(out, asset, surface, {});
+  for (int t = 0; t < kFrames; ++t) writer->frame({.displacement = wave(surface, t)});
+  writer->finish();
+  ASSERT_EQ(writer->warnings().size(), 1u);
+  expect_says(writer->warnings()[0], "scaled to zero");
+}
+
+}  // namespace
+}  // namespace elastogen
