@@ -5,6 +5,7 @@
 
 #include "cli/batch_task.hpp"
 #include "cli/bench_options.hpp"
+#include "cli/picture/picture_options.hpp"
 #include "cli/train_options.hpp"
 #include "core/scene.hpp"
 #include "core/state.hpp"
@@ -63,6 +64,7 @@ struct AnimateOptions {
   EnergySource energy = EnergySource::kAuto;
   Hourglass hourglass = Hourglass::kFull;
   bool keyframe = false;           ///< GLB profile; else modal
+  PictureOptions picture;          ///< of .png
   std::string state, log, report;  ///< files, empty for none
   int threads = 0;                 ///< 0: all
   int64_t max_memory = 0;          ///< [bytes], 0: no limit
