@@ -10,7 +10,7 @@ namespace elastogen {
 namespace {
 
 constexpr float kSolid = 0.95f;  // alpha from which a blended surface hides what is behind it
-constexpr float kGrey = 0.8f;    // of triangles without material and colours
+constexpr float kGrey = 0.6f;    // of triangles without material and colours
 
 /// What all triangles of a material share.
 struct Paint {
@@ -41,14 +41,47 @@ std::vector<Source> sources_of(const Asset& asset, const Surface& surface) {
   return sources;
 }
 
-std::vector<std::array<float, 3>> corner_normals(const std::vector<Source>& sources) {
+/// Normals of the file. Those of OBJ that are one for a whole triangle say nothing: many programs
+/// write them for scans.
+std::vector<std::array<float, 3>> corner_normals(const Asset& asset,
+                                                 const std::vector<Source>& sources) {
   std::vector<std::array<float, 3>> normals;
-  for (const Source& source : sources)
-    for (const int32_t drawn : source.drawn)
-      normals.push_back(source.mesh->normal.empty() ? std::array<float, 3>{}
-                                                    : source.mesh->normal[size_t(drawn)]);
+  for (const Source& source : sources) {
+    std::array<std::array<float, 3>, 3> of = {};
+    for (size_t c = 0; c < 3 && !source.mesh->normal.empty(); ++c)
+      of[c] = source.mesh->normal[size_t(source.drawn[c])];
+    if (asset.format == "obj" && of[0] == of[1] && of[1] == of[2]) of = {};
+    normals.insert(normals.end(), of.begin(), of.end());
+  }
   return normals;
 }
+
+/// A triangle on the canvas: what its samples are mixed from.
+struct Patch {
+  /// Factor, colours of vertices and texture.
+  Texel colour(const std::array<float, 3>& w) const {
+    Texel colour = paint.factor;
+    const auto& of_vertex = source.mesh->colour;
+    for (size_t k = 0; k < 4 && !of_vertex.empty(); ++k) {
+      float mean = 0;
+      for (size_t c = 0; c < 3; ++c) mean += w[c] * of_vertex[size_t(source.drawn[c])][k];
+      colour[k] *= mean;
+    }
+    if (!texture) return colour;
+    const Texel texel =
+        texture->at(level, w[0] * uv[0][0] + w[1] * uv[1][0] + w[2] * uv[2][0],
+                    w[0] * uv[0][1] + w[1] * uv[1][1] + w[2] * uv[2][1], paint.colour.wrap);
+    for (size_t k = 0; k < 4; ++k) colour[k] *= texel[k];
+    return colour;
+  }
+
+  const Paint& paint;
+  const Source& source;
+  float light[3];
+  std::array<std::array<float, 2>, 3> uv;
+  const Texture* texture;
+  int level;
+};
 
 class MeshSubject : public Subject {
  public:
@@ -56,7 +89,7 @@ class MeshSubject : public Subject {
               std::vector<std::string>& notes)
       : surface_(surface),
         sources_(sources_of(asset, surface)),
-        corners_(smooth_corners(surface, corner_normals(sources_))),
+        corners_(smooth_corners(surface, corner_normals(asset, sources_))),
         projected_(surface.vertices.rows(), 3),
         lit_{std::vector<float>(size_t(corners_.normals)),
              std::vector<float>(size_t(corners_.normals))},
@@ -78,6 +111,8 @@ class MeshSubject : public Subject {
     const double* x = projected_.row(surface_.triangles(t, c));
     return {x[0], x[1], x[2]};
   }
+  /// @param twice_area  on the canvas, signed [samples^2].
+  Patch patch_of(int64_t t, double twice_area) const;
   template <bool solid>
   void draw_triangle(int64_t t, Canvas& canvas) const;
 
@@ -160,52 +195,41 @@ void MeshSubject::light(const Camera& camera) {
   });
 }
 
+Patch MeshSubject::patch_of(int64_t t, double twice_area) const {
+  const Paint& paint = paint_of(t);
+  Patch patch{paint, sources_[size_t(t)], {}, {}, paint.texture, 0};
+  // rows go down: seen from outside the corners run clockwise on the canvas
+  const std::vector<float>& lit = lit_[twice_area < 0 ? 0 : 1];
+  for (int c = 0; c < 3; ++c) patch.light[c] = lit[size_t(corners_.normal_of(t, c))];
+  const Mesh& mesh = *patch.source.mesh;
+  if (mesh.uv.empty()) patch.texture = nullptr;
+  if (!patch.texture) return patch;
+  const auto& m = paint.colour.transform;
+  for (size_t c = 0; c < 3; ++c) {
+    const auto& [u, v] = mesh.uv[size_t(patch.source.drawn[c])];
+    patch.uv[c] = {m[0] * u + m[1] * v + m[2], m[3] * u + m[4] * v + m[5]};
+  }
+  const auto& uv = patch.uv;
+  const double covered =
+      (uv[1][0] - uv[0][0]) * (uv[2][1] - uv[0][1]) - (uv[1][1] - uv[0][1]) * (uv[2][0] - uv[0][0]);
+  patch.level = patch.texture->level(std::abs(covered / twice_area) * patch.texture->texels());
+  return patch;
+}
+
 /// @tparam solid  draws what hides what is behind it; else what is blended with that.
 template <bool solid>
 void MeshSubject::draw_triangle(int64_t t, Canvas& canvas) const {
-  const Paint& paint = paint_of(t);
-  const auto& [mesh, drawn] = sources_[size_t(t)];
   const Vec3 p = corner(t, 0), q = corner(t, 1), r = corner(t, 2);
-  // rows go down: seen from outside the corners run clockwise on the canvas
-  const double twice = (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
-  const std::vector<float>& lit = lit_[twice < 0 ? 0 : 1];
-  float light[3];
-  for (int c = 0; c < 3; ++c) light[c] = lit[size_t(corners_.normal_of(t, c))];
-
-  const bool textured = paint.texture && !mesh->uv.empty();
-  std::array<float, 2> uv[3] = {};
-  int level = 0;
-  if (textured) {
-    const auto& m = paint.colour.transform;
-    for (int c = 0; c < 3; ++c) {
-      const auto& [u, v] = mesh->uv[size_t(drawn[size_t(c)])];
-      uv[c] = {m[0] * u + m[1] * v + m[2], m[3] * u + m[4] * v + m[5]};
-    }
-    const double covered = (uv[1][0] - uv[0][0]) * (uv[2][1] - uv[0][1]) -
-                           (uv[1][1] - uv[0][1]) * (uv[2][0] - uv[0][0]);
-    level = paint.texture->level(std::abs(covered / twice) * paint.texture->texels());
-  }
+  const Patch patch = patch_of(t, (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]));
+  const BaseColour& kind = patch.paint.colour;
   fill_triangle(canvas, p, q, r, [&](size_t sample, const Vec3& weights, double z) {
     if (float(z) <= canvas.depth[sample]) return;
-    const float w[3] = {float(weights[0]), float(weights[1]), float(weights[2])};
-    Texel colour = paint.factor;
-    if (!mesh->colour.empty())
-      for (size_t k = 0; k < 4; ++k) {
-        float mean = 0;
-        for (size_t c = 0; c < 3; ++c) mean += w[c] * mesh->colour[size_t(drawn[c])][k];
-        colour[k] *= mean;
-      }
-    if (textured) {
-      const float u = w[0] * uv[0][0] + w[1] * uv[1][0] + w[2] * uv[2][0];
-      const float v = w[0] * uv[0][1] + w[1] * uv[1][1] + w[2] * uv[2][1];
-      const Texel texel = paint.texture->at(level, u, v, paint.colour.wrap);
-      for (size_t k = 0; k < 4; ++k) colour[k] *= texel[k];
-    }
-    const AlphaMode mode = paint.colour.alpha;
-    if (mode == AlphaMode::kMask && colour[3] < paint.colour.cutoff) return;
-    const float alpha = mode == AlphaMode::kBlend ? std::clamp(colour[3], 0.0f, 1.0f) : 1;
+    const std::array<float, 3> w = {float(weights[0]), float(weights[1]), float(weights[2])};
+    const Texel colour = patch.colour(w);
+    if (kind.alpha == AlphaMode::kMask && colour[3] < kind.cutoff) return;
+    const float alpha = kind.alpha == AlphaMode::kBlend ? std::clamp(colour[3], 0.0f, 1.0f) : 1;
     if (solid != (alpha >= kSolid)) return;
-    const float shade = w[0] * light[0] + w[1] * light[1] + w[2] * light[2];
+    const float shade = w[0] * patch.light[0] + w[1] * patch.light[1] + w[2] * patch.light[2];
     Light& to = canvas.light[sample];
     for (size_t k = 0; k < 3; ++k)
       to[k] = solid ? shade * colour[k] : alpha * shade * colour[k] + (1 - alpha) * to[k];

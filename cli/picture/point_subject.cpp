@@ -6,7 +6,7 @@
 namespace elastogen {
 namespace {
 
-constexpr double kRadius = 0.6;  // of a disc over the distance to the eighth neighbour
+constexpr double kRadius = 0.8;  // of a disc over the distance to the eighth neighbour
 constexpr double kLeast = 0.9;   // radius of a disc [samples]
 
 class PointSubject : public Subject {

@@ -94,7 +94,7 @@ std::optional<Sun> ScenePicture::shine() {
   stage_.see(above);
   for_strips(Sun::kEdge, Sun::kEdge, [&](Canvas& canvas) {
     stage_.cast(canvas);
-    scene_.subject.draw(canvas);
+    scene_.subject.cast(canvas);
     sun.take(canvas);
   });
   return sun;

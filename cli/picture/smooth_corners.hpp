@@ -14,8 +14,9 @@ struct SmoothCorners {
 };
 
 /// Joins the corners at a vertex, welded across seams, of triangles that share an edge there, run
-/// opposite ways along it and meet smoothly: at less than 40 degrees, or at less than 80 where the
-/// file's normals agree on both sides.
+/// opposite ways along it and meet smoothly. With normals of the file: where they agree on both
+/// sides. Without: at less than 40 degrees, or 70 where no edge of 40 degrees goes on at an end, as
+/// on rough scans.
 /// @param file_normals  unit or zero of each corner, (3 triangles, 3), or empty.
 SmoothCorners smooth_corners(const Surface& surface,
                              const std::vector<std::array<float, 3>>& file_normals);

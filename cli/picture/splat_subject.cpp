@@ -5,31 +5,26 @@
 #include "io/splat_motion.hpp"
 #include "io/splat_ply.hpp"
 
-#include <numeric>
-
 namespace elastogen {
 namespace {
 
 constexpr double kBlur = 0.3 * kSamples * kSamples;  // variance of a pixel [samples^2]
 constexpr float kFaint = 1.0f / 255;                 // alpha that is not seen
 constexpr float kHidden = 1.0f / 512;                // light from behind that is not seen
+constexpr float kOpaque = 0.3f;                      // alpha from which a splat throws a shadow
 
 /// A splat on the canvas: alpha exp(-(a dx^2 + 2 b dx dy + c dy^2) / 2).
 struct Spot {
   double x = 0, y = 0;
   float z = 0, a = 0, b = 0, c = 0, alpha = 0;
-  float across = 0, down = 0;  ///< half of what it covers [samples]
-  Light colour = {};           ///< sRGB: splats are fitted so that these are blended
+  int32_t index = 0;
+  Light colour = {};  ///< sRGB: splats are fitted so that these are blended
 };
 
 class SplatSubject : public Subject {
  public:
   SplatSubject(const SplatCloud& splats, double scale)
-      : splats_(splats),
-        motion_(splats),
-        scale_(scale),
-        spots_(splats.position.size()),
-        order_(splats.position.size()) {}
+      : splats_(splats), motion_(splats), scale_(scale), spots_(splats.position.size()) {}
 
   bool needs_gradient() const override { return true; }
 
@@ -42,10 +37,8 @@ class SplatSubject : public Subject {
     double harmonics[16];
     spherical_harmonics(splats_.degree, scaled(camera.back, -1), harmonics);
     for_each(positions_.rows, [&](int64_t i) { spots_[size_t(i)] = spot(i, camera, harmonics); });
-    std::iota(order_.begin(), order_.end(), 0);
-    parallel_sort(order_.begin(), order_.end(), [&](int32_t a, int32_t b) {
-      const float x = spots_[size_t(a)].z, y = spots_[size_t(b)].z;
-      return x != y ? x > y : a < b;
+    parallel_sort(spots_.begin(), spots_.end(), [](const Spot& a, const Spot& b) {
+      return a.z != b.z ? a.z > b.z : a.index < b.index;
     });
   }
 
@@ -54,7 +47,7 @@ class SplatSubject : public Subject {
     std::vector<Light> sum(canvas.light.size(), Light{});
     std::vector<float> through(canvas.light.size(), 1);
     const std::vector<float> behind = canvas.depth;
-    for (const int32_t i : order_) add(spots_[size_t(i)], canvas, behind, sum, through);
+    for (const Spot& spot : spots_) add(spot, canvas, behind, sum, through);
     for (size_t s = 0; s < sum.size(); ++s) {
       if (through[s] == 1) continue;
       Light& light = canvas.light[s];
@@ -62,6 +55,12 @@ class SplatSubject : public Subject {
         light[c] =
             linear_from_srgb(sum[s][c] + through[s] * srgb_from_linear(std::max(0.0f, light[c])));
     }
+  }
+
+  void cast(Canvas& canvas) const override {
+    for (const Spot& spot : spots_)
+      for_samples(spot, kOpaque, canvas,
+                  [&](size_t s, float) { canvas.depth[s] = std::max(canvas.depth[s], spot.z); });
   }
 
  private:
@@ -79,11 +78,8 @@ class SplatSubject : public Subject {
     }
     const double det = xx * yy - xy * xy;
     Spot spot{p[0], p[1], float(p[2]), float(yy / det), float(-xy / det), float(xx / det)};
+    spot.index = int32_t(i);
     spot.alpha = std::min(splats_.opacity[size_t(i)], 0.999f);
-    if (!(spot.alpha > kFaint)) return {};
-    const double reach = std::sqrt(2 * std::log(double(spot.alpha) / kFaint));
-    spot.across = float(reach * std::sqrt(xx));
-    spot.down = float(reach * std::sqrt(yy));
     const int count = harmonic_count(splats_.degree);
     const float* coefficient = motion_.harmonics.data() + int64_t(i) * count * 3;
     for (size_t c = 0; c < 3; ++c) {
@@ -94,35 +90,40 @@ class SplatSubject : public Subject {
     return spot;
   }
 
-  static void add(const Spot& spot, Canvas& canvas, const std::vector<float>& behind,
-                  std::vector<Light>& sum, std::vector<float>& through) {
-    if (spot.alpha == 0) return;
-    const SampleRange rows(spot.y - spot.down, spot.y + spot.down, canvas.first,
-                           canvas.first + canvas.rows);
-    const SampleRange columns(spot.x - spot.across, spot.x + spot.across, 0, canvas.width);
+  /// Calls visit(sample, a dx^2 + 2 b dx dy + c dy^2) where a splat has that much alpha.
+  template <class Visit>
+  static void for_samples(const Spot& spot, float least, const Canvas& canvas, const Visit& visit) {
+    if (!(spot.alpha > least)) return;
+    const double square = 2 * std::log(double(spot.alpha) / least), a = spot.a, b = spot.b,
+                 c = spot.c, down = std::sqrt(square * a / (a * c - b * b));
+    const SampleRange rows(spot.y - down, spot.y + down, canvas.first, canvas.first + canvas.rows);
     for (int y = rows.begin; y < rows.end; ++y) {
-      const auto dy = float(y + 0.5 - spot.y);
+      const double dy = y + 0.5 - spot.y, root = b * b * dy * dy - a * (c * dy * dy - square);
+      if (root < 0) continue;
+      const double middle = spot.x - b * dy / a, half = std::sqrt(root) / a;
+      const SampleRange columns(middle - half, middle + half, 0, canvas.width);
       for (int x = columns.begin; x < columns.end; ++x) {
-        const size_t s = canvas.sample(x, y);
-        if (through[s] < kHidden || spot.z <= behind[s]) continue;
-        const auto dx = float(x + 0.5 - spot.x);
-        const float square = spot.a * dx * dx + 2 * spot.b * dx * dy + spot.c * dy * dy;
-        const float alpha = spot.alpha * std::exp(-square / 2);
-        if (!(alpha > kFaint)) continue;
-        for (size_t c = 0; c < 3; ++c) sum[s][c] += through[s] * alpha * spot.colour[c];
-        const float before = through[s];
-        through[s] *= 1 - alpha;
-        if (before >= 0.5f && through[s] < 0.5f) canvas.depth[s] = spot.z;
+        const double dx = x + 0.5 - spot.x;
+        visit(canvas.sample(x, y), float(a * dx * dx + 2 * b * dx * dy + c * dy * dy));
       }
     }
+  }
+
+  static void add(const Spot& spot, Canvas& canvas, const std::vector<float>& behind,
+                  std::vector<Light>& sum, std::vector<float>& through) {
+    for_samples(spot, kFaint, canvas, [&](size_t s, float square) {
+      if (through[s] < kHidden || spot.z <= behind[s]) return;
+      const float alpha = spot.alpha * std::exp(-square / 2);
+      for (size_t c = 0; c < 3; ++c) sum[s][c] += through[s] * alpha * spot.colour[c];
+      through[s] *= 1 - alpha;
+    });
   }
 
   const SplatCloud& splats_;
   SplatMotion motion_;
   double scale_;  ///< metres per file unit
   In<double> positions_ = {};
-  std::vector<Spot> spots_;
-  std::vector<int32_t> order_;  ///< from front to back
+  std::vector<Spot> spots_;  ///< from front to back
 };
 
 }  // namespace

@@ -90,28 +90,45 @@ void Stage::draw(Canvas& canvas, const Sun* sun) const {
 }
 
 void Stage::draw_ground(const Ground& ground, Canvas& canvas, const Sun* sun) const {
-  const Light near = light_of_srgb(kGround), far = light_of_srgb(kSky);
   const Vec3& n = ground.collider->normal;
   const Camera& c = camera_;
   const Vec3 seen = {dot(c.right, n), dot(c.up, n), dot(c.back, n)};
   if (seen[2] < 0.02) return;
   const double offset = dot(minus(ground.point, c.pivot), n);
-  const Vec3 foot = minus(middle(seen_), scaled(n, dot(minus(middle(seen_), ground.point), n)));
-  for (int y = canvas.first; y < canvas.first + canvas.rows; ++y)
-    for (int x = 0; x < canvas.width; ++x) {
-      const double across = c.centre[0] + (x + 0.5 - c.middle[0]) / c.scale;
-      const double above = c.centre[1] - (y + 0.5 - c.middle[1]) / c.scale;
-      const double z = (offset - seen[0] * across - seen[1] * above) / seen[2];
-      const size_t sample = canvas.sample(x, y);
-      if (float(z) <= canvas.depth[sample]) continue;
-      canvas.depth[sample] = float(z);
-      const Vec3 p = plus(
-          c.pivot, plus(scaled(c.right, across), plus(scaled(c.up, above), scaled(c.back, z))));
-      const float away = smooth_step(0.7 * size_, 2.5 * size_, norm(minus(p, foot)));
-      const float lit = 1 - (sun ? kShadow * sun->shadow(p) : 0);
-      for (size_t k = 0; k < 3; ++k)
-        canvas.light[sample][k] = lit * ((1 - away) * near[k] + away * far[k]);
+  const auto height = [&](double across, double above) {
+    return (offset - seen[0] * across - seen[1] * above) / seen[2];
+  };
+  const auto across = [&](double x) { return c.centre[0] + (x - c.middle[0]) / c.scale; };
+  const auto above = [&](double y) { return c.centre[1] - (y - c.middle[1]) / c.scale; };
+  // its light is soft: one value a pixel
+  for (int y = canvas.first; y < canvas.first + canvas.rows; y += kSamples)
+    for (int x = 0; x < canvas.width; x += kSamples) {
+      const double half = kSamples / 2.0, right = across(x + half), up = above(y + half);
+      const Light light = ground_light(
+          ground,
+          plus(c.pivot, plus(scaled(c.right, right),
+                             plus(scaled(c.up, up), scaled(c.back, height(right, up))))),
+          sun);
+      for (int s = 0; s < kSamples * kSamples; ++s) {
+        const int column = x + s % kSamples, row = y + s / kSamples;
+        const auto z = float(height(across(column + 0.5), above(row + 0.5)));
+        const size_t sample = canvas.sample(column, row);
+        if (z <= canvas.depth[sample]) continue;
+        canvas.depth[sample] = z;
+        canvas.light[sample] = light;
+      }
     }
+}
+
+Light Stage::ground_light(const Ground& ground, const Vec3& place, const Sun* sun) const {
+  static const Light near = light_of_srgb(kGround), far = light_of_srgb(kSky);
+  const Vec3& n = ground.collider->normal;
+  const Vec3 foot = minus(middle(seen_), scaled(n, dot(minus(middle(seen_), ground.point), n)));
+  const float away = smooth_step(0.7 * size_, 2.5 * size_, norm(minus(place, foot)));
+  const float lit = 1 - (sun ? kShadow * sun->shadow(place) : 0);
+  Light light;
+  for (size_t k = 0; k < 3; ++k) light[k] = lit * ((1 - away) * near[k] + away * far[k]);
+  return light;
 }
 
 void Stage::draw_solid(const Solid& solid, Canvas& canvas, const Sun* sun) const {

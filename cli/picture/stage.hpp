@@ -56,6 +56,8 @@ class Stage {
   };
 
   void draw_ground(const Ground& ground, Canvas& canvas, const Sun* sun) const;
+  /// What light comes from a place of it.
+  Light ground_light(const Ground& ground, const Vec3& place, const Sun* sun) const;
   void draw_solid(const Solid& solid, Canvas& canvas, const Sun* sun) const;
   Vec3 place(const Solid& solid, int64_t vertex) const;
 

@@ -32,6 +32,9 @@ class Subject {
 
   /// Draws what lies nearer than the depths of the canvas.
   virtual void draw(Canvas& canvas) const = 0;
+
+  /// Draws the depths of what throws a shadow.
+  virtual void cast(Canvas& canvas) const { draw(canvas); }
 };
 
 /// How a surface that faces somewhere is lit from above the viewer's left shoulder.
@@ -40,7 +43,7 @@ class Subject {
 float light_on(const Vec3& normal);
 
 /// Triangles with their materials, textures and colours of vertices. Both sides are lit, smoothly
-/// where the file has smooth normals or, without normals, where faces meet at less than 40 degrees.
+/// where smooth_corners (cli/picture/smooth_corners.hpp) says so.
 /// @param max_edge  longest edge of a texture that makes sense [texels].
 /// @param notes     gets a sentence for every texture that cannot be shown.
 /// @throws Error as base_colour_looks.
