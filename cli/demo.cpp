@@ -13,7 +13,7 @@ namespace elastogen {
 namespace {
 
 constexpr int kFrames = 55;
-constexpr int kRows = 12;  // of the table of certificates, about
+constexpr int kRows = 12;         // of the table of certificates, about
 constexpr double kFloor = -0.35;  // below the character's feet [m]
 
 AnimateOptions demo_scene(const DemoOptions& options) {
