@@ -251,7 +251,7 @@ void MeshSubject::draw(Canvas& canvas) const {
 }  // namespace
 
 float light_on(const Vec3& normal) {
-  constexpr double kAmbient = 0.24, kKey = 0.68, kFill = 0.1;
+  constexpr double kAmbient = 0.15, kKey = 0.79, kFill = 0.08;
   static const Vec3 key = scaled({-0.5, 0.8, 0.9}, 1 / norm({-0.5, 0.8, 0.9}));
   static const Vec3 fill = scaled({0.9, 0.1, 0.5}, 1 / norm({0.9, 0.1, 0.5}));
   return float(std::min(1.0, kAmbient + kKey * std::max(0.0, dot(normal, key)) +

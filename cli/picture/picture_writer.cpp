@@ -13,7 +13,7 @@ namespace elastogen {
 namespace {
 
 constexpr int kTiles = 12, kColumns = 4;
-constexpr int kBatch = 8;      // pictures that are packed at once
+constexpr int64_t kBatch = 8, kBatchPixels = 1 << 23;  // that are packed at once
 constexpr double kNear = 0.1;  // of the solid's box, about which points are framed
 constexpr int kLeastTexture = 1024;
 
@@ -107,9 +107,11 @@ class PictureWriter : public AnimationWriter {
 
   void write_frames(ScenePicture& picture) const {
     const int64_t frames = displacements_.frames();
-    for (int64_t first = 0; first < frames; first += kBatch) {
+    const int64_t pixels = int64_t(options_.width) * options_.height;
+    const int64_t batch = std::clamp<int64_t>(kBatchPixels / pixels, 1, kBatch);
+    for (int64_t first = 0; first < frames; first += batch) {
       std::vector<Pixels> drawn;
-      for (int64_t f = first; f < std::min(frames, first + kBatch); ++f)
+      for (int64_t f = first; f < std::min(frames, first + batch); ++f)
         drawn.push_back(picture.draw(f));
       std::vector<std::string> packed(drawn.size());
       run_tasks(int64_t(drawn.size()), [&](int64_t k) {
