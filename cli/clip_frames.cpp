@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/clip_frames.hpp"
 
+#include "cli/picture/picture_writer.hpp"
 #include "cli/version.hpp"
+#include "io/safe_file.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +13,10 @@ namespace elastogen {
 namespace {
 
 std::unique_ptr<AnimationWriter> open_animation(const std::string& path, const Asset& asset,
-                                                const Setup& setup, const AnimateOptions& o) {
+                                                const Setup& setup, const AnimateOptions& o,
+                                                std::vector<std::string>& notes) {
+  if (ending_of(path) == "png")
+    return make_picture_writer(path, asset, setup, o.fps, o.picture, notes);
   AnimationOptions options;
   options.fps = o.fps;
   options.keyframe = o.keyframe;
@@ -29,10 +34,10 @@ std::unique_ptr<AnimationWriter> open_animation(const std::string& path, const A
 }  // namespace
 
 ClipFrames::ClipFrames(const Asset& asset, const Setup& setup, const AnimateOptions& options,
-                       const RunHooks& hooks)
+                       const RunHooks& hooks, std::vector<std::string>& notes)
     : setup_(setup), options_(options), hooks_(hooks) {
   for (const std::string& path : options.outputs)
-    animations_.push_back(open_animation(path, asset, setup, options));
+    animations_.push_back(open_animation(path, asset, setup, options, notes));
   for (const auto& animation : animations_) {
     with_gradient_ |= animation->needs_gradient();
     with_motion_ |= animation->needs_motion();

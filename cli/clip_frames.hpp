@@ -15,10 +15,11 @@ namespace elastogen {
 
 class ClipFrames {
  public:
-  /// Opens the animations. All arguments must outlive it.
-  /// @throws Error as AnimationWriter::create.
+  /// Opens the animations. All arguments but the notes must outlive it.
+  /// @param notes  gets what the animations leave out.
+  /// @throws Error as AnimationWriter::create and make_picture_writer.
   ClipFrames(const Asset& asset, const Setup& setup, const AnimateOptions& options,
-             const RunHooks& hooks);
+             const RunHooks& hooks, std::vector<std::string>& notes);
 
   /// Takes the stepper, which must outlive it and has begun.
   void begin(Stepper& stepper);

@@ -107,7 +107,8 @@ void add_run_options(CLI::App& app, AnimateOptions& o, Typed& t) {
 
 void add_output_options(CLI::App& app, AnimateOptions& o, Typed& t) {
   app.add_option("-o,--output", o.outputs,
-                 "animation to write: .glb, .ply (a file a frame), .pc2, .pvd; repeatable")
+                 "animation to write: .glb, .ply (a file a frame), .pc2, .pvd, .png (a sheet of "
+                 "pictures, with %04d in its name a picture a frame); repeatable")
       ->group("Output")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
@@ -121,6 +122,15 @@ void add_output_options(CLI::App& app, AnimateOptions& o, Typed& t) {
   app.add_flag("--glb-colliders,!--no-glb-colliders", o.glb_colliders,
                "floor and colliders in the GLB too")
       ->group("Output");
+  app.add_option("--camera", t.camera,
+                 "pictures from three-quarter, front, back, left, right, top, or turntable: once "
+                 "around")
+      ->group("Output")
+      ->capture_default_str();
+  app.add_option("--image-size", t.image_size,
+                 "pixels of a picture, WIDTHxHEIGHT; auto: 320x320 on a sheet, else 960x540")
+      ->group("Output")
+      ->capture_default_str();
   app.add_option("--state", o.state, "state file (HDF5)")->group("Output");
   app.add_option("--log-json", o.log, "one JSON object a time step")->group("Output");
   app.add_option("--report", o.report, "summary of the run (JSON)")->group("Output");

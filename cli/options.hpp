@@ -5,6 +5,7 @@
 
 #include "cli/batch_task.hpp"
 #include "cli/bench_options.hpp"
+#include "cli/picture/picture_options.hpp"
 #include "cli/train_options.hpp"
 #include "core/scene.hpp"
 #include "core/state.hpp"
@@ -65,6 +66,7 @@ struct AnimateOptions {
   bool keyframe = false;           ///< GLB profile; else modal
   int glb_targets = 64;            ///< most morph targets of a mesh of a GLB
   bool glb_colliders = false;      ///< floor and colliders stand in the GLB
+  PictureOptions picture;          ///< of .png
   std::string state, log, report;  ///< files, empty for none
   int threads = 0;                 ///< 0: all
   int64_t max_memory = 0;          ///< [bytes], 0: no limit

@@ -48,7 +48,7 @@ class Clip {
         setup_(setup),
         result_(result),
         report_(result.report),
-        frames_(asset, setup, options, hooks) {
+        frames_(asset, setup, options, hooks, result.report.notes) {
     const Stopwatch watch;
     stepper_ = make_stepper(
         setup, options, [this] { return stopped(); }, report_.notes);

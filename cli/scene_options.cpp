@@ -218,6 +218,10 @@ SceneValue output_table(const AnimateOptions& o) {
   t.set("glb_profile", scene_text(o.keyframe ? "keyframe" : "modal"));
   t.set("glb_targets", scene_number(o.glb_targets));
   t.set("glb_colliders", scene_flag(o.glb_colliders));
+  t.set("camera", scene_text(std::string(view_names()[size_t(o.picture.view)])));
+  t.set("image_size",
+        scene_text(o.picture.width > 0 ? fmt::format("{}x{}", o.picture.width, o.picture.height)
+                                       : "auto"));
   t.set("state", scene_text(o.state));
   t.set("log", scene_text(o.log));
   t.set("report", scene_text(o.report));

@@ -5,6 +5,7 @@
 #include "cli/region_option.hpp"
 #include "core/error.hpp"
 #include "io/frame_files.hpp"
+#include "io/safe_file.hpp"
 #include "io/units.hpp"
 #include "voxelize/regions.hpp"
 
@@ -116,6 +117,8 @@ void convert(const Typed& t, AnimateOptions& o) {
   o.keyframe = choice("--glb-profile", t.profile, {"modal", "keyframe"}) == 1;
   ELASTOGEN_CHECK(o.glb_targets >= 4 && o.glb_targets <= 65536,
                   "--glb-targets must lie in 4 ... 65536, got ", o.glb_targets);
+  o.picture.view = view_from_name(t.camera);
+  set_image_size(t.image_size, o.picture);
   o.solver.device = Device(choice("--device", t.device, {"auto", "cpu", "cuda"}));
   ELASTOGEN_CHECK(o.solver.device != Device::kCuda || !o.fem,
                   "simulate runs on the CPU: leave out --device cuda");
@@ -185,7 +188,7 @@ class TakenNames {
 
   /// @throws Error (usage) if a frame after the first has a name that is taken.
   void check_frames(const std::string& output, int64_t frames) const {
-    const std::string place = place_of(output), first = frame_path(place, 0, frame_ending(place));
+    const std::string place = place_of(output), first = frame_file(place, 0);
     for (const std::string& name : taken_)
       ELASTOGEN_CHECK(name == first || !is_frame_of(place, frames, name), name, ": a frame of ",
                       output, " would take its place; give ", output, " another name");
@@ -204,13 +207,15 @@ class SharedNames {
     read(scene, scene.file);
     for (const std::string* name : {&o.log, &o.state, &o.report}) write(scene, *name);
     for (const std::string& name : o.outputs) {
-      const std::string ending = frame_ending(name);
-      if (!ending.empty()) {
-        const std::string first = frame_path(name, 0, ending);
+      const std::string first = frame_file(name, 0);
+      if (!first.empty()) {
         write(scene, first);
-        numbered_.insert({place_of(first), {&scene, name}});
+        if (ending_of(name) == "png")
+          pictures_.push_back({&scene, name});
+        else
+          numbered_.insert({place_of(first), {&scene, name}});
       }
-      if (ending != ".ply") write(scene, name);
+      if (has_own_file(name)) write(scene, name);
     }
   }
 
@@ -220,12 +225,12 @@ class SharedNames {
       const std::filesystem::path path(place);
       const std::string stem = path.stem().string(), base = stem.substr(0, stem.rfind('_'));
       const std::string ending = path.extension().string();
+      for (const auto& [scene, name] : pictures_)
+        if (ending == ".png") check_frame(*scene, name, file, place);
       const auto found =
           numbered_.find(frame_path((path.parent_path() / (base + ending)).string(), 0, ending));
       if (found == numbered_.end()) continue;
-      const auto& [scene, name] = found->second;
-      if (scene != file.scene && is_frame_of(place_of(name), scene->options.frames, place))
-        refuse(*scene, *file.scene, place);
+      check_frame(*found->second.scene, found->second.name, file, place);
     }
   }
 
@@ -245,6 +250,12 @@ class SharedNames {
                        " cannot share a file that one of them writes: give each its own outputs"));
   }
 
+  static void check_frame(const NamedScene& scene, const std::string& name, const File& file,
+                          const std::string& place) {
+    if (&scene != file.scene && is_frame_of(place_of(name), scene.options.frames, place))
+      refuse(scene, *file.scene, place);
+  }
+
   void read(const NamedScene& scene, const std::string& name) { use(scene, name, false); }
   void write(const NamedScene& scene, const std::string& name) { use(scene, name, true); }
   void use(const NamedScene& scene, const std::string& name, bool writes) {
@@ -256,6 +267,7 @@ class SharedNames {
 
   std::map<std::string, File> files_;         // by place
   std::map<std::string, Numbered> numbered_;  // by the place of their first frame
+  std::vector<Numbered> pictures_;            // whose names have their numbers anywhere
 };
 
 }  // namespace
@@ -268,6 +280,7 @@ void resolve(const Typed& typed, AnimateOptions& options) {
 }
 
 void check_outputs(const AnimateOptions& o, const std::string& scene_file) {
+  check_pictures(o.outputs, o.picture);
   TakenNames names;
   const auto is_input = [&](const std::string& name) {
     return place_of(name) == place_of(o.input);
@@ -276,9 +289,8 @@ void check_outputs(const AnimateOptions& o, const std::string& scene_file) {
   for (const std::string* name : {&scene_file, &o.log, &o.state, &o.report}) names.take(*name);
   bool replaced = false;
   for (const std::string& name : o.outputs) {
-    const std::string ending = frame_ending(name);
-    if (!ending.empty()) names.take(frame_path(name, 0, ending));
-    if (ending == ".ply") continue;  // there is no file of that name itself
+    names.take(frame_file(name, 0));
+    if (!has_own_file(name)) continue;
     if (!replaced && is_input(name))
       replaced = true;
     else

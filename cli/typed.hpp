@@ -16,6 +16,7 @@ struct Typed {
   bool has_floor = false;
   std::string up = "auto", scheme = "euler", solver = "auto", hourglass = "auto", profile = "modal";
   std::string device = "auto", energy = "auto";
+  std::string camera = "three-quarter", image_size = "auto";
   std::string element = "auto", mass = "lumped";  ///< of simulate
   bool no_skip = false;
 };

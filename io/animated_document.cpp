@@ -11,7 +11,7 @@ namespace {
 
 using Json = AnimatedDocument::Json;
 
-constexpr int kFloat = 5126, kVertices = 34962;
+constexpr int kFloat = 5126, kUnsignedInt = 5125, kVertices = 34962, kIndices = 34963;
 
 /// Nodes that are nobody's child.
 Json roots_of(const Json& nodes) {
@@ -68,14 +68,54 @@ void AnimatedDocument::play(size_t node, const MorphTargets& targets, const Fram
   add_channel(node, "weights", "LINEAR", times_of(frames), weights);
 }
 
-void AnimatedDocument::add_root(const Matrix4& matrix) {
+void AnimatedDocument::add_obstacle(const Obstacle& obstacle) {
+  const auto vectors = [this](const std::vector<float>& values) {
+    const size_t size = values.size() * sizeof(float);
+    const size_t view = add_view(append_bytes(bin_, values.data(), size), size);
+    json_["bufferViews"][view]["target"] = kVertices;
+    return add_vectors(view, 0, values.data(), int64_t(values.size() / 3));
+  };
+  const size_t position = vectors(obstacle.positions), normal = vectors(obstacle.normals);
+  const size_t size = obstacle.corners.size() * sizeof(uint32_t);
+  const size_t view = add_view(append_bytes(bin_, obstacle.corners.data(), size), size);
+  json_["bufferViews"][view]["target"] = kIndices;
+  const size_t index = add_accessor({{"bufferView", view},
+                                     {"componentType", kUnsignedInt},
+                                     {"count", obstacle.corners.size()},
+                                     {"type", "SCALAR"}});
+  const Json primitive = {{"attributes", {{"POSITION", position}, {"NORMAL", normal}}},
+                          {"indices", index},
+                          {"material", obstacle_material()}};
+  json_["meshes"].push_back({{"name", obstacle.name}, {"primitives", Json::array({primitive})}});
+  const size_t node = json_["nodes"].size();
+  json_["nodes"].push_back({{"name", free_name(obstacle.name)},
+                            {"mesh", json_["meshes"].size() - 1},
+                            {"translation", obstacle.place}});
+  scene()["nodes"].push_back(node);
+  if (obstacle.offsets.empty()) return;
+  std::vector<float> places;
+  for (const Vec3& offset : obstacle.offsets)
+    for (size_t d = 0; d < 3; ++d) places.push_back(float(obstacle.place[d] + offset[d]));
+  const size_t bytes = places.size() * sizeof(float);
+  const size_t output = add_view(append_bytes(bin_, places.data(), bytes), bytes);
+  const auto frames = int64_t(obstacle.offsets.size());
+  add_channel(node, "translation", "LINEAR", times_of({0, frames - 1}),
+              add_vectors(output, 0, places.data(), frames));
+}
+
+/// The default scene, made where there is none.
+Json& AnimatedDocument::scene() {
   if (!json_.contains("scenes"))
     json_["scenes"] = Json::array({{{"nodes", roots_of(json_["nodes"])}}});
   if (!json_.contains("scene")) json_["scene"] = 0;
-  Json& scene = json_["scenes"][json_["scene"].get<size_t>()];
+  return json_["scenes"][json_["scene"].get<size_t>()];
+}
+
+void AnimatedDocument::add_root(const Matrix4& matrix) {
+  Json& shown = scene();
   Json& nodes = json_["nodes"];
-  nodes.push_back({{"name", "elastogen_root"}, {"matrix", matrix}, {"children", scene["nodes"]}});
-  scene["nodes"] = Json::array({nodes.size() - 1});
+  nodes.push_back({{"name", "elastogen_root"}, {"matrix", matrix}, {"children", shown["nodes"]}});
+  shown["nodes"] = Json::array({nodes.size() - 1});
 }
 
 void AnimatedDocument::write(const std::string& path) {
@@ -97,18 +137,23 @@ bool AnimatedDocument::shows_below(size_t node) const {
   });
 }
 
-/// A child without transform. Its name is that of its parent with an ending, as no other node has
-/// it: some clients find nodes by their names.
-size_t AnimatedDocument::add_child(size_t node, const std::string& ending) {
-  Json& nodes = json_["nodes"];
+/// A name that no node has: some clients find nodes by their names.
+std::string AnimatedDocument::free_name(const std::string& wanted) const {
+  const Json& nodes = json_["nodes"];
   const auto is_taken = [&](const std::string& name) {
     return std::any_of(nodes.begin(), nodes.end(),
-                       [&](const Json& other) { return other.value("name", "") == name; });
+                       [&](const Json& node) { return node.value("name", "") == name; });
   };
-  const std::string wanted = nodes[node].value("name", "node") + ending;
   std::string name = wanted;
   for (int number = 2; is_taken(name); ++number) name = concat(wanted, '_', number);
+  return name;
+}
+
+/// A child without transform, named after its parent.
+size_t AnimatedDocument::add_child(size_t node, const std::string& ending) {
+  Json& nodes = json_["nodes"];
   const size_t child = nodes.size();
+  const std::string name = free_name(nodes[node].value("name", "node") + ending);
   nodes.push_back({{"name", name}});
   nodes[node]["children"].push_back(child);
   return child;
@@ -122,6 +167,19 @@ size_t AnimatedDocument::default_material() {
     material_ = json_["materials"].size() - 1;
   }
   return *material_;
+}
+
+/// Grey, rough, seen from both sides.
+size_t AnimatedDocument::obstacle_material() {
+  if (!grey_) {
+    json_["materials"].push_back(
+        {{"name", "elastogen_collider"},
+         {"pbrMetallicRoughness",
+          {{"baseColorFactor", {0.5, 0.5, 0.5, 1}}, {"metallicFactor", 0}, {"roughnessFactor", 1}}},
+         {"doubleSided", true}});
+    grey_ = json_["materials"].size() - 1;
+  }
+  return *grey_;
 }
 
 /// Shows a mesh, or a copy of it where a staged node has it.

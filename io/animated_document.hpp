@@ -38,6 +38,17 @@ class AnimatedDocument {
   /// Gives the mesh of a staged node targets, and plays their weights.
   void play(size_t node, const MorphTargets& targets, const FrameRange& frames, size_t weights);
 
+  /// Adds a grey body to the default scene: its surface about `place` (vertices, 3) in the numbers
+  /// of the asset, and, where it moves, its offsets in each frame of the clip.
+  struct Obstacle {
+    std::string name;
+    Vec3 place = {};
+    std::vector<float> positions, normals;
+    std::vector<uint32_t> corners;
+    std::vector<Vec3> offsets = {};  ///< empty: it stands
+  };
+  void add_obstacle(const Obstacle& obstacle);
+
   /// Puts a node with a matrix above the roots of the default scene.
   void add_root(const Matrix4& matrix);
 
@@ -51,15 +62,17 @@ class AnimatedDocument {
     std::vector<Json> targets;  // without and with NORMAL
   };
 
-  Json roots() const;
   bool shows_below(size_t node) const;
+  std::string free_name(const std::string& wanted) const;
   size_t add_child(size_t node, const std::string& ending);
   void own_mesh(size_t node, size_t mesh);
   size_t default_material();
+  size_t obstacle_material();
   void show_in_turn(const std::vector<size_t>& nodes, const std::vector<FrameRange>& pieces);
   void add_channel(size_t node, const char* path, const char* interpolation, size_t input,
                    size_t output);
 
+  Json& scene();
   size_t add_scalars(const std::vector<float>& values);
   size_t times_of(const FrameRange& frames);
   size_t add_view(uint64_t offset, size_t size);
@@ -76,7 +89,7 @@ class AnimatedDocument {
   std::vector<float> clip_times_;
   std::map<std::pair<int64_t, int64_t>, size_t> times_;  // accessors of the times of ranges
   std::map<int64_t, size_t> zeros_;                      // accessors of zero vectors by count
-  std::optional<size_t> material_;                       // default_material()
+  std::optional<size_t> material_, grey_;                // default_material(), of obstacles
   std::set<size_t> taken_;                               // meshes that a staged node shows
 };
 

@@ -17,8 +17,9 @@ std::unique_ptr<AnimationWriter> AnimationWriter::create(const std::string& path
                                                          const AnimationOptions& options) {
   const std::string ending = ending_of(path);
   const bool known = ending == "glb" || ending == "ply" || ending == "pc2" || ending == "pvd";
-  ELASTOGEN_CHECK(known, path, ": the output must end in .glb, .ply, .pc2 or .pvd, got \".", ending,
-                  '"');
+  ELASTOGEN_CHECK(ending != "png", path, ": pictures are written by the command alone");
+  ELASTOGEN_CHECK(known, path, ": the output must end in .glb, .ply, .pc2, .pvd or .png, got \".",
+                  ending, '"');
   ELASTOGEN_CHECK(options.fps > 0 && options.modal_error > 0 && options.max_targets >= 4,
                   "fps and modal_error must be positive and max_targets 4 at least, got ",
                   options.fps, ", ", options.modal_error, " and ", options.max_targets);

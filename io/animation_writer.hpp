@@ -56,7 +56,7 @@ class AnimationWriter {
   virtual ~AnimationWriter() = default;
 
   /// A writer for the ending of `path`: .glb (meshes), .ply (one file a frame), .pc2, .pvd
-  /// (voxels).
+  /// (voxels). Pictures (.png) have a writer of the command's (cli/picture/picture_writer.hpp).
   /// @param asset, surface  what was read and posed; both must outlive the writer.
   /// @throws Error (usage) for another ending, a .glb of points or splats, fps <= 0 or a root
   ///         matrix without inverse; (resources) if the folder cannot be written.

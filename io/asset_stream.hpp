@@ -1,28 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// An asset of meshes as one flat stream of bytes: what the reader process answers on its pipe. It
-// is not trusted: every count is compared with the bytes that follow it.
+// An asset of meshes as what the reader process answers (io/flat_stream.hpp).
 
 #pragma once
 
 #include "io/asset.hpp"
+#include "io/flat_stream.hpp"
 
 #include <string>
 #include <string_view>
 
 namespace elastogen {
 
-/// Why the reader process has no asset.
-enum class ReaderFailure : uint8_t {
-  kRefused = 1,  ///< the message says what is wrong with the file
-  kMemory = 2,   ///< its limit of memory was reached
-};
-
 /// The stream of an asset: meshes, nodes, materials (textures as the file names them), findings,
 /// up and unit.
 std::string encode_asset(const Asset& asset);
-
-/// The stream of a failure.
-std::string encode_failure(ReaderFailure failure, std::string_view message);
 
 /// The asset of a stream, its path set to `path`; textures are resolved beside it, those that are
 /// not beneath its folder are dropped with a finding. Indices are left to check_asset.

@@ -14,6 +14,25 @@ namespace elastogen {
 
 static_assert(std::endian::native == std::endian::little);
 
+namespace {
+
+/// The first %d or %0Nd of a name; begin is npos where there is none.
+struct Number {
+  size_t begin = std::string::npos, end = 0, digits = 1;
+};
+
+Number number_in(const std::string& path) {
+  const auto at = [&](size_t k) { return k < path.size() ? path[k] : '\0'; };
+  for (size_t k = path.find('%'); k < path.size(); k = path.find('%', k + 1)) {
+    if (at(k + 1) == 'd') return {k, k + 2, 1};
+    if (at(k + 1) == '0' && at(k + 2) >= '1' && at(k + 2) <= '9' && at(k + 3) == 'd')
+      return {k, k + 4, size_t(at(k + 2) - '0')};
+  }
+  return {};
+}
+
+}  // namespace
+
 std::string frame_path(const std::string& path, int64_t frame, const std::string& ending) {
   const std::filesystem::path whole(path);
   std::string number = std::to_string(frame);
@@ -21,17 +40,46 @@ std::string frame_path(const std::string& path, int64_t frame, const std::string
   return (whole.parent_path() / (whole.stem().string() + '_' + number + ending)).string();
 }
 
-std::string frame_ending(const std::string& path) {
+std::string frame_file(const std::string& path, int64_t frame) {
   const std::string ending = ending_of(path);
-  return ending == "ply" ? ".ply" : ending == "pvd" ? ".vtu" : "";
+  if (ending == "ply") return frame_path(path, frame, ".ply");
+  if (ending == "pvd") return frame_path(path, frame, ".vtu");
+  if (ending != "png") return "";
+  check_number(path);
+  const Number number = number_in(path);
+  if (number.begin == path.npos) return "";
+  std::string digits = std::to_string(frame);
+  digits.insert(0, digits.size() < number.digits ? number.digits - digits.size() : 0, '0');
+  return path.substr(0, number.begin) + digits + path.substr(number.end);
+}
+
+bool has_own_file(const std::string& path) {
+  return ending_of(path) != "ply" && (ending_of(path) != "png" || frame_file(path, 0).empty());
 }
 
 bool is_frame_of(const std::string& path, int64_t frames, const std::string& file) {
-  const std::string ending = frame_ending(path);
-  if (ending.empty()) return false;
-  const std::string stem = std::filesystem::path(file).stem().string();
-  const auto frame = to_integer(stem.substr(stem.rfind('_') + 1));
-  return frame && *frame >= 0 && *frame <= frames && frame_path(path, *frame, ending) == file;
+  if (frame_file(path, 0).empty()) return false;
+  const Number number = number_in(path);
+  std::string digits;
+  if (ending_of(path) == "png") {
+    const size_t behind = path.size() - number.end;
+    if (file.size() <= number.begin + behind) return false;
+    digits = file.substr(number.begin, file.size() - behind - number.begin);
+  } else {
+    const std::string stem = std::filesystem::path(file).stem().string();
+    digits = stem.substr(stem.rfind('_') + 1);
+  }
+  const auto frame = to_integer(digits);
+  return frame && *frame >= 0 && *frame <= frames && frame_file(path, *frame) == file;
+}
+
+void check_number(const std::string& path) {
+  const size_t name = path.rfind('/') + 1;
+  const Number number = number_in(path);
+  const bool one = path.find('%') == number.begin && path.rfind('%') == number.begin;
+  ELASTOGEN_CHECK(one && (number.begin == path.npos || number.begin >= name), path,
+                  ": a % in the name of pictures is the number of the frame: once, in the name of "
+                  "the file, as %d or %04d");
 }
 
 std::vector<Vec3> file_positions(const Asset& asset, const Surface& surface) {

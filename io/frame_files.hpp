@@ -10,12 +10,21 @@ namespace elastogen {
 /// NAME_00012.ending beside path, which is NAME.<any ending>.
 std::string frame_path(const std::string& path, int64_t frame, const std::string& ending);
 
-/// Ending of the numbered files that an animation of this name consists of: ".ply" for NAME.ply,
-/// ".vtu" for NAME.pvd, "" for one that is a single file.
-std::string frame_ending(const std::string& path);
+/// The numbered file of a frame of an animation of this name: NAME_00012.ply for NAME.ply,
+/// NAME_00012.vtu for NAME.pvd, the name with its number for a .png that has one; "" for an
+/// animation that is a single file.
+/// @throws Error (usage) as check_number.
+std::string frame_file(const std::string& path, int64_t frame);
+
+/// Whether there is a file of the name itself: all but .ply and numbered .png.
+bool has_own_file(const std::string& path);
 
 /// Whether `file` is one of the numbered files of frames 0 ... `frames` of an animation.
 bool is_frame_of(const std::string& path, int64_t frames, const std::string& file);
+
+/// What the % of a .png may be: one number of the frame, %d or %04d, in the name of the file.
+/// @throws Error (usage) naming the file.
+void check_number(const std::string& path);
 
 /// Rest positions of the carried points in the numbers and axes of the asset: points and splats as
 /// the file has them, vertices posed by the node tree.

@@ -2,7 +2,9 @@
 #include "io/glb_writer.hpp"
 
 #include "core/error.hpp"
+#include "core/vec3.hpp"
 #include "io/animated_document.hpp"
+#include "io/collider_mesh.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -41,6 +43,7 @@ class GlbWriter : public AnimationWriter {
     ELASTOGEN_CHECK(finite, "frame ", certificates_.size(),
                     " has a displacement that is not finite in single precision");
     frames_.append(displacement);
+    if (options_.colliders) see(displacement);
     certificates_.push_back(frame.certificate);
   }
 
@@ -54,6 +57,7 @@ class GlbWriter : public AnimationWriter {
       const PieceOptions limits{tolerance(), options_.max_targets};
       add(morph_group(asset_, surface_, std::move(instances), frames_, limits), document);
     }
+    if (options_.colliders && options_.scene) add_colliders(document);
     if (options_.root != kIdentity4) document.add_root(options_.root);
     add_extras(document.json()["asset"]);
     document.write(path_);
@@ -98,6 +102,41 @@ class GlbWriter : public AnimationWriter {
       for (size_t part = 0; part < group.instances.size(); ++part)
         document.play(nodes[part][p], morph_targets(asset_, surface_, group, part, piece),
                       piece.frames, weights);
+    }
+  }
+
+  /// Takes a frame into the box of all that was seen.
+  void see(const Span<const double>& displacement) {
+    for (int64_t k = 0; k < surface_.triangles.size(); ++k) {
+      const int32_t v = surface_.triangles.data()[k];
+      seen_.add({surface_.vertices(v, 0) + displacement(v, 0),
+                 surface_.vertices(v, 1) + displacement(v, 1),
+                 surface_.vertices(v, 2) + displacement(v, 2)});
+    }
+  }
+
+  /// Floor and colliders as bodies of the scene, in the numbers of the asset.
+  void add_colliders(AnimatedDocument& document) const {
+    const double scale = surface_.scale;
+    Vec3 place;
+    for (size_t d = 0; d < 3; ++d) place[d] = (seen_.lower[d] + seen_.upper[d]) / 2;
+    for (const Collider& collider : options_.scene->colliders) {
+      const ColliderMesh mesh = collider_mesh(collider, seen_);
+      AnimatedDocument::Obstacle obstacle{.name = collider.name,
+                                          .place = scaled(place, 1 / scale),
+                                          .positions = {},
+                                          .normals = {},
+                                          .corners = {}};
+      for (int64_t v = 0; v < mesh.position.rows(); ++v)
+        for (int d = 0; d < 3; ++d) {
+          obstacle.positions.push_back(float((mesh.position(v, d) - place[size_t(d)]) / scale));
+          obstacle.normals.push_back(float(mesh.normal(v, d)));
+        }
+      obstacle.corners.assign(mesh.triangles.data(), mesh.triangles.data() + mesh.triangles.size());
+      for (size_t t = 0; t < certificates_.size() && !collider.path.empty(); ++t)
+        obstacle.offsets.push_back(
+            scaled(offset_at(collider, double(t) / options_.fps), 1 / scale));
+      document.add_obstacle(obstacle);
     }
   }
 
@@ -147,6 +186,7 @@ class GlbWriter : public AnimationWriter {
   FrameStore frames_;
   std::vector<FrameCertificate> certificates_;
   std::vector<std::string> notes_, warnings_;
+  Box seen_;                          ///< of the triangles in all frames, filled for colliders [m]
   int64_t targets_ = 0, pieces_ = 0;  ///< the most of a mesh
   double max_error_ = 0;              ///< [m]
   double normal_error_ = 0;           ///< root mean square of the worst frame [rad]

@@ -22,7 +22,7 @@ namespace {
 using nlohmann::json;
 
 /// Decoded vertices and corners may outnumber the bytes of the file, but not by more.
-constexpr uint64_t kMaxReuse = 64;
+constexpr uint64_t kMaxVertexReuse = 64;
 
 class GltfReader {
  public:
@@ -30,7 +30,7 @@ class GltfReader {
     asset_.path = path;
     source_ = plain_gltf(read_gltf_source(path), asset_.findings);
     read_gltf_model(source_, model_);
-    for (const Bytes& buffer : source_.buffers) budget_ += kMaxReuse * buffer.size();
+    for (const Bytes& buffer : source_.buffers) budget_ += kMaxVertexReuse * buffer.size();
   }
 
   Asset read() {

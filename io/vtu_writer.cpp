@@ -3,38 +3,21 @@
 
 #include "core/elastic_law.hpp"
 #include "core/error.hpp"
-#include "core/hex8.hpp"
 #include "core/parallel.hpp"
 #include "core/principal.hpp"
 #include "core/vec3.hpp"
 #include "io/frame_files.hpp"
 #include "io/safe_file.hpp"
+#include "io/voxel_corners.hpp"
 
 #include <cmath>
 #include <filesystem>
 #include <iomanip>
 #include <limits>
+#include <optional>
 
 namespace elastogen {
 namespace {
-
-/// Deformation gradient of a voxel (docs/formats.md, "Elastic force").
-Mat3<double> mean_gradient(const VoxelGrid& grid, int64_t voxel, const Array<double>& x) {
-  double M[7];
-  hex8::fill_moments(grid.shape_mean.row(voxel), M);
-  Mat3<double> F = identity<double>();
-  for (int i = 0; i < 3; ++i) {
-    double u[8], slope[3];
-    for (int c = 0; c < 8; ++c) {
-      const int32_t node = grid.corners(voxel, c);
-      u[c] = x(node, i) - grid.rest(node, i);
-    }
-    hex8::to_patterns(u);
-    hex8::gradient<true>(u, M, slope);
-    for (int d = 0; d < 3; ++d) F(i, d) += slope[d] / (4 * grid.h);
-  }
-  return F;
-}
 
 /// Deformation gradient at the centroid of a tetrahedron. The shape function 4 l_i l_j of the
 /// middle of an edge has the slope of l_i + l_j there, those of the corners of quadratic tetrahedra
@@ -114,6 +97,7 @@ class VtuWriter : public AnimationWriter {
   VtuWriter(const std::string& path, const AnimationOptions& options)
       : path_(path), scene_(options.scene), tets_(options.tets) {
     ELASTOGEN_CHECK(scene_, path, ": voxel data need a scene");
+    if (!tets_) corners_.emplace(scene_->grid);
     SafeFile probe(path);  // refuses a folder at once
   }
 
@@ -126,9 +110,10 @@ class VtuWriter : public AnimationWriter {
     VtuFile file;
     file.section(concat("<UnstructuredGrid>\n<Piece NumberOfPoints=\"", grid.node_count(),
                         "\" NumberOfCells=\"", cell_count(), "\">\n"));
-    add_points(frame, file);
+    const Array<double> u = displacement(frame.state->x);
+    add_points(frame, u, file);
     add_cells(file);
-    add_strain(frame.state->x, file);
+    add_strain(frame.state->x, u, file);
     file.section("</Piece>\n</UnstructuredGrid>\n");
     const std::string name = frame_path(path_, frames_++, ".vtu");
     file.write(name);
@@ -147,9 +132,11 @@ class VtuWriter : public AnimationWriter {
  private:
   int64_t cell_count() const { return tets_ ? tets_->rows() : scene_->grid.voxel_count(); }
 
-  Mat3<double> gradient(int64_t cell, const Array<double>& x) const {
-    if (!tets_) return mean_gradient(scene_->grid, cell, x);
-    return centroid_gradient(tets_->row(cell), tets_->cols(), scene_->grid.rest, x);
+  Mat3<double> gradient(int64_t cell, const Array<double>& x, const Array<double>& u) const {
+    if (tets_) return centroid_gradient(tets_->row(cell), tets_->cols(), scene_->grid.rest, x);
+    Mat3<double> F = mean_slope(scene_->grid, cell, u);
+    for (int d = 0; d < 3; ++d) F(d, d) += 1;
+    return F;
   }
 
   /// The name without its folder, as an XML attribute.
@@ -168,18 +155,30 @@ class VtuWriter : public AnimationWriter {
     return text;
   }
 
-  void add_points(const AnimationFrame& frame, VtuFile& file) const {
+  /// Displacement of the nodes [m].
+  Array<double> displacement(const Array<double>& x) const {
+    Array<double> u = x;
+    for (int64_t k = 0; k < u.size(); ++k) u.data()[k] -= scene_->grid.rest.data()[k];
+    return u;
+  }
+
+  /// A nodal field as it is drawn: corners that the body hardly has are carried by their voxels.
+  Array<double> drawn(const Array<double>& field) const {
+    return corners_ ? corners_->drawn(field) : field;
+  }
+
+  void add_points(const AnimationFrame& frame, const Array<double>& u, VtuFile& file) const {
     const State& state = *frame.state;
     const int64_t size = state.x.size();
-    std::vector<float> displacement(static_cast<size_t>(size));
-    for (int64_t k = 0; k < size; ++k)
-      displacement[size_t(k)] = float(state.x.data()[k] - scene_->grid.rest.data()[k]);
+    const Array<double> shown = drawn(u);
+    Array<double> x = shown;
+    for (int64_t k = 0; k < size; ++k) x.data()[k] += scene_->grid.rest.data()[k];
     file.section("<Points>\n");
-    file.array("Points", "Float32", to_floats(state.x.data(), size), 3);
+    file.array("Points", "Float32", to_floats(x.data(), size), 3);
     file.section("</Points>\n<PointData>\n");
-    file.array("displacement", "Float32", displacement, 3);
+    file.array("displacement", "Float32", to_floats(shown.data(), size), 3);
     if (state.v.size() == size)
-      file.array("velocity", "Float32", to_floats(state.v.data(), size), 3);
+      file.array("velocity", "Float32", to_floats(drawn(state.v).data(), size), 3);
     if (frame.residual.size() == size)
       file.array("residual", "Float32", to_floats(frame.residual.data, size), 3);
     file.section("</PointData>\n");
@@ -205,11 +204,11 @@ class VtuWriter : public AnimationWriter {
     file.section("</Cells>\n");
   }
 
-  void add_strain(const Array<double>& x, VtuFile& file) const {
+  void add_strain(const Array<double>& x, const Array<double>& u, VtuFile& file) const {
     const auto cells = size_t(cell_count());
     std::vector<float> gradients(9 * cells), stress(6 * cells), J(cells);
     for_each(cell_count(), [&](int64_t v) {
-      const Mat3<double> F = gradient(v, x);
+      const Mat3<double> F = gradient(v, x, u);
       std::copy(F.m, F.m + 9, gradients.begin() + 9 * v);
       J[size_t(v)] = float(determinant(F));
       cauchy_stress(scene_->materials[size_t(scene_->material(v))], F, stress.data() + 6 * v);
@@ -228,6 +227,7 @@ class VtuWriter : public AnimationWriter {
   std::string path_, entries_;
   const Scene* scene_;
   const Array<int32_t>* tets_;
+  std::optional<VoxelCorners> corners_;  ///< of voxels
   int64_t frames_ = 0;
 };
 

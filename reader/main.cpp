@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // elastogen-reader FORMAT PATH: reads one file in a limited process and writes the asset, or why
 // there is none, to standard output (io/asset_stream.hpp). io/child_reader.hpp starts it.
+// elastogen-reader image EDGE: decodes the image on its standard input (io/decode_image.hpp).
 
 #include "core/error.hpp"
 #include "core/parallel.hpp"
 #include "io/asset_stream.hpp"
 #include "io/child_reader.hpp"
+#include "io/decode_image.hpp"
 #include "reader/assimp_reader.hpp"
+#include "reader/image_reader.hpp"
 #include "reader/limits.hpp"
 #include "voxelize/vdb_io.hpp"
 
@@ -20,10 +23,21 @@
 namespace elastogen {
 namespace {
 
+std::string all_input() {
+  std::string bytes, block(1 << 16, '\0');
+  for (;;) {
+    const ssize_t n = ::read(STDIN_FILENO, block.data(), block.size());
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return bytes;
+    bytes.append(block, 0, size_t(n));
+  }
+}
+
 std::string answer(const std::string& format, const std::string& path) {
   try {
     limit_process();
     const ThreadLimit single(1);  // the CPU time is that of all threads
+    if (format == kImageWord) return encode_image(read_image(all_input(), std::stoi(path)));
     return encode_asset(format == "vdb" ? read_vdb(path) : read_assimp(path, format));
   } catch (const std::bad_alloc&) {
     return encode_failure(ReaderFailure::kMemory, "");
@@ -48,8 +62,10 @@ bool write_all(std::string_view bytes) {
 }  // namespace elastogen
 
 int main(int argc, char** argv) {
-  if (argc != 3 || !elastogen::is_child_format(argv[1])) {
-    std::fprintf(stderr, "usage: elastogen-reader FORMAT PATH\n");
+  const std::string_view format = argc == 3 ? argv[1] : "";
+  if (format != elastogen::kImageWord && !elastogen::is_child_format(format)) {
+    std::fprintf(stderr,
+                 "usage: elastogen-reader FORMAT PATH, or image EDGE with the image as input\n");
     return 2;
   }
   // nothing is taken down: the libraries' clean-up would only be one more thing to go wrong

@@ -226,12 +226,13 @@ TEST(Options, TheResolvedSceneHasEveryKey) {
 TEST(Options, TheDefaultsAreThoseOfTheTable) {
   const SceneValue scene = resolved_scene(AnimateOptions{});
   for (const char* path :
-       {"asset.size",        "asset.up",         "asset.voxels",      "asset.h",
-        "gravity",           "floor.axis",       "floor.place",       "floor.friction",
-        "time.frames",       "time.fps",         "time.substeps",     "time.scheme",
-        "solver.mode",       "solver.tolerance", "solver.outer",      "solver.inner",
-        "solver.modes",      "solver.threads",   "solver.device",     "limits.max_voxels",
-        "limits.max_memory", "limits.max_time",  "output.glb_profile"}) {
+       {"asset.size",        "asset.up",         "asset.voxels",       "asset.h",
+        "gravity",           "floor.axis",       "floor.place",        "floor.friction",
+        "time.frames",       "time.fps",         "time.substeps",      "time.scheme",
+        "solver.mode",       "solver.tolerance", "solver.outer",       "solver.inner",
+        "solver.modes",      "solver.threads",   "solver.device",      "limits.max_voxels",
+        "limits.max_memory", "limits.max_time",  "output.glb_profile", "output.camera",
+        "output.image_size"}) {
     const std::string text = path;
     const size_t dot = text.find('.');
     const std::string table = dot == std::string::npos ? "" : text.substr(0, dot);
@@ -304,9 +305,33 @@ TEST(Options, NoOutputTakesThePlaceOfAnother) {
               "a frame of");
   for (const char* free : {"a_00004.ply", "a_1.ply", "a_00001.obj", "b_00001.ply"})
     EXPECT_EQ(animate_options({folder.path(free), "--scene", scene, "-o", ply}).frames, 3) << free;
+  const std::string pictures = folder.path("a_%02d.png");
+  for (const char* taken : {"a_00.png", "a_03.png"})
+    expect_says(says(a, {"-o", pictures, "--report", folder.path(taken)}), taken);
+  expect_says(says(a, {"-o", pictures, "-o", folder.path("a_02.png")}), "a frame of");
+  EXPECT_EQ(animate_options({a, "--scene", scene, "-o", pictures, "-o", folder.path("a_04.png"),
+                             "-o", folder.path("a.png")})
+                .outputs.size(),
+            3u);
+  expect_says(says(a, {"-o", folder.path("a_%d_%d.png")}), "a % in the name of pictures");
   // an animation of one file may replace the asset, a sequence does not touch the name itself
   for (const char* same : {"a.glb", "a.ply"})
     EXPECT_EQ(animate_options({folder.path(same), "-o", folder.path(same)}).outputs.size(), 1u);
+}
+
+TEST(Options, PicturesHaveACameraAndASize) {
+  const AnimateOptions o =
+      animate_options({"a.obj", "-o", "a.png", "--camera", "turntable", "--image-size", "80x60"});
+  EXPECT_EQ(o.picture.view, View::kTurntable);
+  EXPECT_EQ(o.picture.width, 80);
+  EXPECT_EQ(o.picture.height, 60);
+  EXPECT_EQ(animate_options({"a.obj", "-o", "a.png"}).picture.view, View::kThreeQuarter);
+  const auto says = [](const char* option, const char* value) {
+    return refusal({"a.obj", "-o", "a.png", option, value});
+  };
+  expect_says(says("--camera", "bakc"), "did you mean back?");
+  expect_says(says("--image-size", "0x0"), "--image-size '0x0'");
+  expect_says(says("--image-size", "4096x4096"), "a picture of a sheet");
 }
 
 TEST(Options, NamesAreComparedBehindLinksOfFolders) {

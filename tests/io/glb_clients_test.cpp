@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What programs need of an animated GLB beside what the format asks for.
 #include "io/animation_writer.hpp"
+#include "io/asset_pose.hpp"
 #include "io/morph_targets.hpp"
 #include "tests/io/glb_clip.hpp"
 
@@ -107,6 +108,56 @@ TEST_F(GlbClients, MeshesThatTouchStayTogether) {
   EXPECT_EQ(groups, (std::vector<std::vector<size_t>>{{0, 1}, {2}}));
   const GlbFile file = animate(asset, surface, {.modal_error = 0.01});
   EXPECT_EQ(file.weights(0), file.weights(1));
+}
+
+TEST_F(GlbClients, CollidersStandAndMoveInTheAssetsNumbers) {
+  const Asset asset = read(instances());
+  const Surface surface = pose_surface(asset, 0.5);
+  Scene scene;
+  scene.colliders = {half_space({0, 1, 0}, -0.25, 0.5), Collider{}};
+  Collider& ball = scene.colliders[1];
+  ball.name = "ball";
+  ball.shape = Collider::Shape::kSphere;
+  ball.centre = {0.1, 0.2, 0.3};
+  ball.radius = 0.05;
+  ball.path = {{0, {}}, {1, {0, 0.4, 0}}};
+  const Matrix4 root = root_matrix(surface.scale, {2, 1});
+  const auto writer = AnimationWriter::create(
+      out, asset, surface, {.fps = 4, .colliders = true, .root = root, .scene = &scene});
+  for (int t = 0; t < kFrames; ++t) writer->frame({.displacement = wave(surface, t)});
+  writer->finish();
+  const GlbFile file(out);
+  const Asset again = read_gltf(out);
+  std::map<std::string, Box> box;  // as the asset has them, in metres
+  for (size_t n = 0; n < again.nodes.size(); ++n) {
+    if (again.nodes[n].mesh < 0) continue;
+    const Matrix4 world = world_matrix(again, int(n));
+    for (const Vec3& p : again.meshes[size_t(again.nodes[n].mesh)].position) {
+      Vec3 x;
+      for (size_t r = 0; r < 3; ++r)
+        x[r] = world[r] * p[0] + world[4 + r] * p[1] + world[8 + r] * p[2] + world[12 + r];
+      box[again.nodes[n].name].add({x[0], -x[2], x[1]});  // z was turned up
+    }
+  }
+  EXPECT_NEAR(box["floor"].lower[1], -0.25, 1e-6);
+  EXPECT_NEAR(box["floor"].upper[1], -0.25, 1e-6);
+  EXPECT_GT(box["floor"].extent(0), surface.box.extent(0));
+  for (size_t d = 0; d < 3; ++d) {
+    EXPECT_NEAR(box["ball"].lower[d], ball.centre[d] - 0.05, 1e-3);
+    EXPECT_NEAR(box["ball"].upper[d], ball.centre[d] + 0.05, 1e-3);
+  }
+  int moving = 0;
+  for (const Json& channel : file.document["animations"][0]["channels"]) {
+    if (channel["target"]["path"] != "translation") continue;
+    ++moving;
+    EXPECT_EQ(file.document["nodes"][channel["target"]["node"].get<size_t>()]["name"], "ball");
+    const Json& sampler =
+        file.document["animations"][0]["samplers"][channel["sampler"].get<size_t>()];
+    const Rows places = file.floats(sampler["output"]);
+    EXPECT_NEAR((places[2][1] - places[0][1]) * surface.scale, 0.2, 1e-6);
+    EXPECT_NEAR((places[8][1] - places[0][1]) * surface.scale, 0.4, 1e-6);
+  }
+  EXPECT_EQ(moving, 1);
 }
 
 TEST_F(GlbClients, ANodeScaledToZeroIsSaid) {

@@ -127,6 +127,8 @@ def check_clients(document: Document, most: int) -> None:
             require(sampler.get("interpolation") == "STEP" and np.isin(scale, (0, 1)).all(),
                     f"the scale of nodes[{node}] is no switch")
             continue
+        if path == "translation":
+            continue  # a collider that moves
         require(path == "weights", f"{path} of nodes[{node}] is animated")
         mesh = document.items("meshes")[nodes[node]["mesh"]]
         require(nodes[node]["mesh"] not in taken, f"nodes[{node}] shares an animated mesh")

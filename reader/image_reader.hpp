@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// PNG, JPEG and WebP through their libraries.
+
+#pragma once
+
+#include "io/decode_image.hpp"
+
+namespace elastogen {
+
+/// Decodes an image by what its first bytes say it is.
+/// @param max_edge  it is halved until no edge is longer.
+/// @throws Error (asset): another format, a damaged image, more than kMaxImageEdge or
+///         kMaxImagePixels.
+Image read_image(const std::string& bytes, int max_edge);
+
+}  // namespace elastogen
