@@ -87,11 +87,12 @@ void AnimatedDocument::add_obstacle(const Obstacle& obstacle) {
                           {"indices", index},
                           {"material", obstacle_material()}};
   json_["meshes"].push_back({{"name", obstacle.name}, {"primitives", Json::array({primitive})}});
+  Json& roots = scene()["nodes"];
   const size_t node = json_["nodes"].size();
   json_["nodes"].push_back({{"name", free_name(obstacle.name)},
                             {"mesh", json_["meshes"].size() - 1},
                             {"translation", obstacle.place}});
-  scene()["nodes"].push_back(node);
+  roots.push_back(node);
   if (obstacle.offsets.empty()) return;
   std::vector<float> places;
   for (const Vec3& offset : obstacle.offsets)
