@@ -53,6 +53,7 @@ constexpr Remedy kRemedies[] = {
     {"free-form", "left out"},
     {"not-triangles", "left out of the physics"},
     {"points-and-lines", "left out"},
+    {"scene-roots", "they stand without their parent, or below the root that is named too"},
     {"animations", "replaced"},
     {"skins", "left out"},
     {"morph-targets", "left out"},

@@ -11,6 +11,9 @@ namespace {
 
 using Json = AnimatedDocument::Json;
 
+/// Lists of a document that something is added to.
+constexpr const char* kLists[] = {"accessors", "bufferViews", "materials", "meshes", "nodes"};
+
 constexpr int kFloat = 5126, kUnsignedInt = 5125, kVertices = 34962, kIndices = 34963;
 
 /// Nodes that are nobody's child.
@@ -35,9 +38,11 @@ bool is_shown_as_triangles(const Json& primitive) {
 }  // namespace
 
 AnimatedDocument::AnimatedDocument(GlbDocument base, std::vector<float> clip_times)
-    : bin_(std::move(base.bin)),
-      json_(Json::parse(base.json)),
-      clip_times_(std::move(clip_times)) {}
+    : bin_(std::move(base.bin)), json_(Json::parse(base.json)), clip_times_(std::move(clip_times)) {
+  // a list that comes later would move the others, and references into them would dangle
+  for (const char* list : kLists)
+    if (!json_.contains(list)) json_[list] = Json::array();
+}
 
 std::vector<size_t> AnimatedDocument::stage(size_t node, const std::vector<FrameRange>& pieces) {
   const auto mesh = json_["nodes"][node]["mesh"].get<size_t>();
@@ -125,6 +130,8 @@ void AnimatedDocument::write(const std::string& path) {
         Json::array({{{"name", "elastogen"}, {"channels", channels_}, {"samplers", samplers_}}});
   }
   json_["buffers"] = Json::array({{{"byteLength", bin_.size()}}});
+  for (const char* list : kLists)
+    if (json_[list].empty()) json_.erase(list);
   write_glb(path, json_.dump(-1, ' ', false, Json::error_handler_t::replace), bin_);
 }
 
