@@ -42,6 +42,7 @@ AnimatedDocument::AnimatedDocument(GlbDocument base, std::vector<float> clip_tim
   // a list that comes later would move the others, and references into them would dangle
   for (const char* list : kLists)
     if (!json_.contains(list)) json_[list] = Json::array();
+  for (const Json& node : json_["nodes"]) names_.try_emplace(node.value("name", ""), 2);
 }
 
 std::vector<size_t> AnimatedDocument::stage(size_t node, const std::vector<FrameRange>& pieces) {
@@ -135,25 +136,30 @@ void AnimatedDocument::write(const std::string& path) {
   write_glb(path, json_.dump(-1, ' ', false, Json::error_handler_t::replace), bin_);
 }
 
-/// Whether a node below this one has a mesh.
+/// Whether a node below this one has a mesh. Without recursion: trees may be a chain.
 bool AnimatedDocument::shows_below(size_t node) const {
   const Json& nodes = json_["nodes"];
-  const Json children = nodes[node].value("children", Json::array());
-  return std::any_of(children.begin(), children.end(), [&](const Json& child) {
-    const auto c = child.get<size_t>();
-    return nodes[c].contains("mesh") || shows_below(c);
-  });
+  std::vector<size_t> stack = {node};
+  while (!stack.empty()) {
+    const Json& above = nodes[stack.back()];
+    stack.pop_back();
+    if (!above.contains("children")) continue;
+    for (const Json& child : above["children"]) {
+      stack.push_back(child.get<size_t>());
+      if (nodes[stack.back()].contains("mesh")) return true;
+    }
+  }
+  return false;
 }
 
-/// A name that no node has: some clients find nodes by their names.
-std::string AnimatedDocument::free_name(const std::string& wanted) const {
-  const Json& nodes = json_["nodes"];
-  const auto is_taken = [&](const std::string& name) {
-    return std::any_of(nodes.begin(), nodes.end(),
-                       [&](const Json& node) { return node.value("name", "") == name; });
-  };
+/// A name that no node has: some clients find nodes by their names. It is taken then.
+std::string AnimatedDocument::free_name(const std::string& wanted) {
+  auto [taken, is_free] = names_.try_emplace(wanted, 2);
   std::string name = wanted;
-  for (int number = 2; is_taken(name); ++number) name = concat(wanted, '_', number);
+  while (!is_free) {
+    name = concat(wanted, '_', taken->second++);
+    is_free = names_.try_emplace(name, 2).second;
+  }
   return name;
 }
 

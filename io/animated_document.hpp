@@ -63,7 +63,7 @@ class AnimatedDocument {
   };
 
   bool shows_below(size_t node) const;
-  std::string free_name(const std::string& wanted) const;
+  std::string free_name(const std::string& wanted);
   size_t add_child(size_t node, const std::string& ending);
   void own_mesh(size_t node, size_t mesh);
   size_t default_material();
@@ -90,6 +90,7 @@ class AnimatedDocument {
   std::map<std::pair<int64_t, int64_t>, size_t> times_;  // accessors of the times of ranges
   std::map<int64_t, size_t> zeros_;                      // accessors of zero vectors by count
   std::optional<size_t> material_, grey_;                // default_material(), of obstacles
+  std::map<std::string, int> names_;                     // of nodes, and the number tried next
   std::set<size_t> taken_;                               // meshes that a staged node shows
 };
 

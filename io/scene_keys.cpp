@@ -259,7 +259,7 @@ Keys paper_keys() {
   };
 }
 
-Keys file_keys() {
+Keys limit_keys() {
   return {
       {"limits", "max_voxels", T::kWhole, "64000000", "--max-voxels", "refused above", Q::kNumber,
        kCount},
@@ -282,6 +282,11 @@ Keys file_keys() {
        kPositive,
        {"none"}},
       {"limits", "strict", T::kFlag, "false", "--strict", "true: warnings are errors"},
+  };
+}
+
+Keys output_keys() {
+  return {
       {"output", "files", T::kTexts, "[]", "-o", "animations, each by its ending"},
       {"output",
        "glb_profile",
@@ -340,9 +345,9 @@ std::span<const SceneTable> scene_tables() {
 std::span<const SceneKey> scene_keys() {
   static const Keys keys = [] {
     Keys all;
-    for (const Keys& part :
-         {asset_keys(), material_keys("material"), region_keys(), load_keys(), floor_keys(),
-          collider_keys(), time_keys(), solver_keys(), effort_keys(), paper_keys(), file_keys()})
+    for (const Keys& part : {asset_keys(), material_keys("material"), region_keys(), load_keys(),
+                             floor_keys(), collider_keys(), time_keys(), solver_keys(),
+                             effort_keys(), paper_keys(), limit_keys(), output_keys()})
       all.insert(all.end(), part.begin(), part.end());
     const auto order = [](const SceneKey& key) {
       return key.table.empty() ? 0 : 1 + (find_scene_table(key.table) - scene_tables().data());

@@ -52,6 +52,18 @@ TEST_F(GlbClients, ANodeThatPlaysHasNoMeshBelowIt) {
   EXPECT_LT(shown_error(file, asset, surface), 2e-3);
 }
 
+TEST_F(GlbClients, AChainOfAHundredThousandNodesIsNoFault) {
+  Builder builder = triangle();
+  Json nodes = Json::array({{{"name", "top"}, {"mesh", 0}, {"children", {1}}}});
+  for (int n = 1; n < 100000; ++n) nodes.push_back({{"children", {n + 1}}});
+  nodes.push_back({{"name", "end"}, {"mesh", 0}, {"translation", {0, 0, 3}}});
+  builder.document["nodes"] = nodes;
+  const Asset asset = read(builder);
+  const GlbFile file = animate(asset, pose_surface(asset), {});
+  EXPECT_FALSE(file.document["nodes"][0].contains("mesh"));
+  EXPECT_TRUE(file.document["nodes"][100001].contains("mesh"));
+}
+
 TEST_F(GlbClients, EachTargetIsANormalOfLengthOne) {
   const Asset asset = read(truck());
   const GlbFile file = animate(asset, pose_surface(asset), {});
