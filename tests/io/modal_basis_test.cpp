@@ -202,7 +202,6 @@ TEST(ModalBasis, TakesARangeOfFrames) {
   EXPECT_EQ(basis.weights.rows(), 16);
   for (const int64_t t : basis.snapshots) EXPECT_TRUE(t >= 20 && t <= 35);
   EXPECT_LE(true_error(held, basis, middle), 1e-5);
-  EXPECT_GT(true_error(held, keyframe_basis(held.motion, {20, 20}), {20, 21}), 1e-3);
 }
 
 TEST(ModalBasis, TakesMoreVerticesThanABlockHolds) {
