@@ -173,8 +173,8 @@ size_t AnimatedDocument::add_child(size_t node, const std::string& ending) {
   return child;
 }
 
-/// The material that glTF takes where a primitive names none, named. Without one Filament drops the
-/// normals of morph targets.
+/// An empty material, which is what glTF takes where a primitive names none. Without one Filament
+/// drops the normals of morph targets.
 size_t AnimatedDocument::default_material() {
   if (!material_) {
     json_["materials"].push_back(Json::object());
