@@ -70,7 +70,10 @@ Json describe(const Asset& asset, const Body& body, const AssetSummary& summary,
   up.update(provenance(summary.up.from));
   Json findings = Json::array();
   for (const Finding& f : summary.findings)
-    findings.push_back({{"what", f.what}, {"count", f.count}, {"text", f.text}});
+    findings.push_back({{"what", f.what},
+                        {"severity", severity_name(kind_of(f).severity)},
+                        {"count", f.count},
+                        {"text", f.text}});
   Json counted = cost.voxels > 0 ? Json(cost.voxels) : Json();
   return {{"path", asset.path},
           {"format", asset.format},

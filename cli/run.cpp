@@ -235,6 +235,18 @@ void warn(const std::vector<std::string>& warnings, const RunHooks& hooks) {
       fmt::print(stderr, "warning: {}\n", w);
 }
 
+/// Says what was found before the first step. @throws Error (usage) with --strict on a warning.
+void say_findings(const RunReport& report, const AnimateOptions& options, const RunHooks& hooks) {
+  const std::vector<Finding>& findings = report.asset.findings;
+  if (!options.quiet)
+    for (const std::string& line : finding_lines(findings, Severity::kNote))
+      fmt::print("note: {}\n", line);
+  std::vector<std::string> warnings = finding_lines(findings, Severity::kWarning);
+  warnings.insert(warnings.end(), report.warnings.begin(), report.warnings.end());
+  warn(warnings, hooks);
+  ELASTOGEN_CHECK(!options.strict || warnings.empty(), "--strict: ", warnings[0]);
+}
+
 }  // namespace
 
 RunResult run_animation(const Asset& asset, const AnimateOptions& options, double read_seconds,
@@ -253,8 +265,7 @@ RunResult run_animation(const Asset& asset, const AnimateOptions& options, doubl
     for (std::string& text : unheld_pieces(fem_scene(setup, options)))
       report.warnings.push_back(std::move(text));
   if (!options.quiet) print_setup(setup, report.asset, options);
-  warn(report.warnings, hooks);
-  ELASTOGEN_CHECK(!options.strict || report.warnings.empty(), "--strict: ", report.warnings[0]);
+  say_findings(report, options, hooks);
   const size_t warned = report.warnings.size();
 
   if (!options.report.empty()) SafeFile probe(options.report);  // refuses a folder at once

@@ -40,12 +40,11 @@ Mesh surface_mesh(const fem::ElementMesh& tets, Array<int32_t>& node_of) {
 std::vector<Finding> findings_of(const fem::TetFile& file) {
   std::vector<Finding> findings;
   const auto add = [&](const char* what, int64_t count, const char* text) {
-    if (count > 0) findings.push_back({what, count, fmt::format("{} {}", count, text)});
+    if (count > 0) findings.push_back({what, count, text});
   };
-  add("turned-tetrahedra", file.turned,
-      "tetrahedra had negative volumes; two corners of each were swapped");
-  add("skipped-elements", file.skipped, "points, lines and faces were left out");
-  add("unused-nodes", file.unused, "nodes of no tetrahedron were left out");
+  add("turned-tetrahedra", file.turned, "tetrahedra had negative volumes");
+  add("skipped-elements", file.skipped, "points, lines and faces are no tetrahedra");
+  add("unused-nodes", file.unused, "nodes belong to no tetrahedron");
   return findings;
 }
 

@@ -6,6 +6,7 @@
 
 #include "core/array.hpp"
 #include "core/base.hpp"
+#include "io/finding.hpp"
 
 #include <optional>
 #include <string>
@@ -71,13 +72,6 @@ struct SplatCloud {
   std::vector<float> opacity;                  ///< 0 ... 1
   int degree = 0;                              ///< of the harmonics, 0 ... 3
   std::vector<float> harmonics;  ///< (splats, (degree + 1)^2, 3): coefficient, then colour channel
-};
-
-/// Something a reader or the check noticed, and what was done about it.
-struct Finding {
-  std::string what;  ///< short id, e.g. "zero-area"
-  int64_t count = 0;
-  std::string text;  ///< a sentence for people
 };
 
 struct Asset {

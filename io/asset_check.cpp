@@ -46,17 +46,14 @@ void check_attribute(Asset& asset, const Mesh& mesh, std::vector<std::array<floa
 
 /// What the welded triangles tell.
 void add_topology(Asset& asset, const Surface& surface, const WeldedMesh& w) {
-  add_finding(asset, "zero-area", w.zero_area,
-              "triangles of no area are in the file; the physics passes over them");
-  add_finding(asset, "duplicate-faces", w.duplicate_faces,
-              "triangles repeat another one; the physics sees one of them");
+  add_finding(asset, "zero-area", w.zero_area, "triangles have no area");
+  add_finding(asset, "duplicate-faces", w.duplicate_faces, "triangles repeat another one");
   add_finding(asset, "double-sided", w.opposite_pairs,
               "triangles are there twice, once from each side");
   add_finding(asset, "unreferenced", w.unreferenced, "vertices belong to no triangle");
   if (asset.format == "obj" || asset.format == "ply" ||
       asset.format == "off")  // the others split vertices by design
-    add_finding(asset, "duplicate-vertices", w.merged,
-                "vertices lie on another one; they are joined for the physics only");
+    add_finding(asset, "duplicate-vertices", w.merged, "vertices lie on another one");
   add_finding(asset, "non-manifold", w.nonmanifold_edges, "edges have three faces or more");
   add_finding(asset, "open", w.border_edges, "edges have one face: the surface is open");
   add_finding(asset, "mixed-winding", w.turned_edges,

@@ -37,7 +37,7 @@ std::vector<size_t> good_rows(Asset& asset, size_t count, const char* name, cons
   ELASTOGEN_CHECK_ASSET(!rows.empty(), asset.path, ": none of its ", count, ' ', name,
                         " is finite: nothing to simulate");
   add_finding(asset, concat("bad-", name), int64_t(count - rows.size()),
-              concat(name, " that are not finite are left out, the first is number ", first_bad,
+              concat(name, " are not finite, the first is number ", first_bad,
                      " (counted from 0); outputs hold the others in the file's order"));
   return rows;
 }
@@ -78,8 +78,7 @@ void normalise(Asset& asset, std::vector<std::array<float, 4>>& rotation) {
     }
     for (float& x : q) x = float(x / norm);
   }
-  add_finding(asset, "bad-rotations", bad,
-              "splats have a quaternion of no length or not finite; it became the identity");
+  add_finding(asset, "bad-rotations", bad, "splats have a quaternion of no length or not finite");
 }
 
 void check_splats(Asset& asset) {
@@ -106,7 +105,7 @@ void check_splats(Asset& asset) {
     x = 0;
     ++bad;
   }
-  add_finding(asset, "bad-harmonics", bad, "coefficients that were not finite were set to 0");
+  add_finding(asset, "bad-harmonics", bad, "coefficients are not finite");
 }
 
 }  // namespace

@@ -196,19 +196,18 @@ class GltfReader {
     for (AssetNode& node : asset_.nodes) {
       if (node.mesh >= 0) node.mesh = index_of[node.mesh];
     }
-    note("not-triangles", skipped, "point and line primitives do not take part in the simulation");
+    note("not-triangles", skipped, "primitives are points or lines");
   }
 
   void note_what_is_left_out() {
     const json document = json::parse(source_.json);
     const json animations = document.value("animations", json::array());
-    note("animations", int64_t(animations.size()),
-         "the animations of the file are replaced by the simulated one");
+    note("animations", int64_t(animations.size()), "the file has animations of its own");
     int64_t morphed = 0, missing = 0;
     for (const json& mesh : document.value("meshes", json::array())) {
       for (const json& primitive : mesh["primitives"]) morphed += primitive.contains("targets");
     }
-    note("morph-targets", morphed, "morph targets are left out; the base shape is used");
+    note("morph-targets", morphed, "meshes have morph targets; the base shape is used");
     const json images = document.value("images", json::array());
     check(images.is_array(), "images must be a list");
     for (size_t i = 0; i < images.size(); ++i) {
@@ -218,7 +217,7 @@ class GltfReader {
       const std::string what = concat("images[", i, ']');
       missing += !is_data_uri(uri) && resolve_gltf_uri(asset_.path, uri, what).empty();
     }
-    note("missing-texture", missing, "images that are not beside the file are shown white");
+    note("missing-texture", missing, "images are not beside the file");
   }
 
   GltfSource source_;

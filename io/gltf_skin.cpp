@@ -248,9 +248,7 @@ void pose_skins(GltfEdit& edit, std::vector<Finding>& findings) {
   const int64_t count = SkinPoser(edit, model).pose_all();
   if (count == 0) return;
   remove_skins(edit.json);
-  findings.push_back({"skins", count,
-                      "skinned meshes are taken in the pose that the file shows; their skins are "
-                      "left out"});
+  findings.push_back({"skins", count, "skinned meshes are taken in the pose that the file shows"});
 }
 
 }  // namespace elastogen

@@ -99,7 +99,7 @@ class ObjParser {
     } else if (keyword == "o" && object_.empty()) {
       object_ = trimmed(line);
     } else if (keyword == "surf" || keyword == "curv") {
-      add_finding(asset_, "free-form", 1, "curves and surfaces that are not polygons are left out");
+      add_finding(asset_, "free-form", 1, "curves and surfaces are no polygons");
     }
   }
 
@@ -150,7 +150,7 @@ class ObjParser {
       return;
     }
     corners_.resize(size_t(face.first));
-    add_finding(asset_, "short-face", 1, "faces with fewer than three corners are left out");
+    add_finding(asset_, "short-face", 1, "faces have fewer than three corners");
   }
 
   /// "v", "v/t", "v//n" or "v/t/n"; counted from 1, or from the last one back if negative.
@@ -218,7 +218,7 @@ class ObjParser {
     const bool has_normal = !normal_.empty() && !lacks_normal_;
     if (!normal_.empty() && lacks_normal_ && !corners_.empty())
       add_finding(asset_, "missing-normals", int64_t(normal_.size()),
-                  "not every corner has a normal, so the file's normals are not used");
+                  "not every corner has a normal");
     if (!colour_.empty()) colour_.resize(position_.size(), {1, 1, 1, 1});
     Mesh& mesh = asset_.meshes.emplace_back();
     for (const Corner& d : drawn) {

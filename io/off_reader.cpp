@@ -109,8 +109,7 @@ class OffParser {
       corner.push_back(int32_t(integer("an index of a vertex", int64_t(mesh.position.size()))));
       polygon.push_back(mesh.position[size_t(corner.back())]);
     }
-    if (n < 3)
-      add_finding(asset_, "short-face", 1, "faces with fewer than three corners are left out");
+    if (n < 3) add_finding(asset_, "short-face", 1, "faces have fewer than three corners");
     for (const int c : triangulate(polygon)) group.corner.push_back(corner[size_t(c)]);
   }
 

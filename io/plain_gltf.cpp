@@ -74,9 +74,8 @@ void free_roots(GltfEdit::Json& document, std::vector<Finding>& findings) {
   }
   if (freed == 0) return;
   document["scenes"][scene]["nodes"] = std::move(roots);
-  findings.push_back({"scene-roots", freed,
-                      "nodes that the scene names as its roots have a parent; they stand without "
-                      "it, or below the root that is named too"});
+  findings.push_back(
+      {"scene-roots", freed, "nodes that the scene names as its roots have a parent"});
 }
 
 }  // namespace

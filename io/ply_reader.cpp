@@ -156,8 +156,7 @@ class PlyParser {
         ELASTOGEN_CHECK_ASSET(corner[c] < int64_t(mesh.position.size()), asset_.path, ": face ",
                               face, " has the vertex index ", corner[c], ", the file has ",
                               mesh.position.size(), " vertices");
-      if (n < 3)
-        add_finding(asset_, "short-face", 1, "faces with fewer than three corners are left out");
+      if (n < 3) add_finding(asset_, "short-face", 1, "faces have fewer than three corners");
       polygon.clear();
       for (int64_t c = 0; c < n; ++c) polygon.push_back(mesh.position[size_t(corner[c])]);
       for (const int c : triangulate(polygon)) group.corner.push_back(corner[c]);

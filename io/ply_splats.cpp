@@ -66,8 +66,7 @@ SplatCloud read_splats(const PlyHeader& header, PlyValues& values, Asset& asset)
   const PlyElement& vertex = *element_of(header, "vertex");
   const bool packed = is_packed(vertex);
   if (const PlyElement* harmonics = element_of(header, "sh"); packed && harmonics)
-    add_finding(asset, "harmonics", harmonics->count,
-                "splats have packed harmonics that are left out; only their mean colour is kept");
+    add_finding(asset, "harmonics", harmonics->count, "splats have packed harmonics");
   std::vector<SplatChunk> chunks;
   for (const PlyElement& element : header.elements) {
     if (&element == &vertex) break;

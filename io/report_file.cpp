@@ -19,7 +19,10 @@ namespace {
 Json to_json(const AssetSummary& asset) {
   Json findings = Json::array();
   for (const Finding& finding : asset.findings)
-    findings.push_back({{"what", finding.what}, {"count", finding.count}, {"text", finding.text}});
+    findings.push_back({{"what", finding.what},
+                        {"severity", severity_name(kind_of(finding).severity)},
+                        {"count", finding.count},
+                        {"text", finding.text}});
   const Provenance &size = asset.size.from, &up = asset.up.from;
   return {{"path", asset.path},
           {"format", asset.format},

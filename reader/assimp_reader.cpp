@@ -85,7 +85,7 @@ class Conversion {
     add_axes();
     for (unsigned k = 0; k < scene_.mNumMaterials; ++k) add_material(*scene_.mMaterials[k]);
     add_nodes();
-    add_finding(asset_, "animations", scene_.mNumAnimations, "animations of the file are left out");
+    add_finding(asset_, "animations", scene_.mNumAnimations, "the file has animations of its own");
   }
 
  private:
@@ -131,7 +131,7 @@ void Conversion::add_material(const aiMaterial& from) {
   material.texture = text_of(texture);
   if (!scene_.GetEmbeddedTexture(material.texture.c_str())) return;
   material.texture.clear();
-  add_finding(asset_, "embedded-texture", 1, "textures within the file are left out");
+  add_finding(asset_, "embedded-texture", 1, "textures lie within the file");
 }
 
 void Conversion::add_nodes() {
@@ -181,8 +181,9 @@ int Conversion::mesh(unsigned index) {
   add_vertices(from, mesh);
   add_faces(from, mesh);
   add_finding(asset_, "skins", from.HasBones() ? 1 : 0,
-              "skinned meshes are shown in their bind pose, without their bones");
-  add_finding(asset_, "morph-targets", from.mNumAnimMeshes, "morph targets are left out");
+              "skinned meshes are taken in their bind pose");
+  add_finding(asset_, "morph-targets", from.mNumAnimMeshes,
+              "meshes have morph targets; the base shape is used");
   return mesh_of_[index] = int(asset_.meshes.size()) - 1;
 }
 
@@ -225,7 +226,7 @@ void Conversion::add_faces(const aiMesh& from, Mesh& mesh) {
     }
     for (const int k : triangulate(corners)) group.corner.push_back(int32_t(face.mIndices[k]));
   }
-  add_finding(asset_, "points-and-lines", left_out, "points and lines are left out");
+  add_finding(asset_, "points-and-lines", left_out, "primitives are points or lines");
 }
 
 }  // namespace

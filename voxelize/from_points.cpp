@@ -195,18 +195,15 @@ Sampling without_floaters(const std::vector<Vec3>& points, double radius, PointS
     if (kept[i]) result.points.push_back(points[i]);
   for (const Vec3& p : result.points) solid.box.add(p);
   if (floaters > 0)
-    solid.findings.push_back({"floaters", floaters,
-                              concat(floaters,
-                                     " points lie apart from the body in small clusters; "
-                                     "they bound nothing and move with what is nearest")});
+    solid.findings.push_back(
+        {"floaters", floaters, "points lie apart from the body in small clusters"});
   result.radius = radius;
   const double excess = double(result.points.size()) / kMaxPoints;
   if (excess > 1) {
     result.radius *= std::sqrt(excess);
-    solid.findings.push_back(
-        {"coarse", int64_t(result.points.size()),
-         concat("the surface is rebuilt from ", result.points.size(), " points at ",
-                std::sqrt(excess), " times the spacing that they would allow, to save memory")});
+    solid.findings.push_back({"coarse", int64_t(result.points.size()),
+                              concat("points are more than memory allows for: the spacing is ",
+                                     std::sqrt(excess), " times what they would allow")});
   }
   return result;
 }
@@ -262,11 +259,10 @@ PointSolid solid_of_points(const std::vector<Vec3>& all, const std::string& plac
   const int64_t lost = int64_t(closing.lost.size());
   if (double(lost) > 0.01 * double(cloud.points.size()))
     solid.findings.push_back({"shell", lost,
-                              concat("around ", lost, " of ", points.size(),
-                                     " points the cloud encloses nothing: a shell of thickness ",
-                                     double(closing.erosion) * voxel,
-                                     " (in the numbers of the "
-                                     "file) is animated there")});
+                              concat("of ", points.size(),
+                                     " points enclose nothing: there the solid is a shell of "
+                                     "thickness ",
+                                     double(closing.erosion) * voxel, " in the file's numbers")});
   erode(closing);
   Mesh3 mesh = mesh_of(*closing.distance);
   ELASTOGEN_CHECK_ASSET(!mesh.triangles.empty(), place, ": its points enclose nothing");

@@ -85,10 +85,7 @@ SplatSamples sample_splats(const SplatCloud& splats, const std::string& place, d
   const int64_t left_out = int64_t(splats.position.size() - shown.size());
   if (left_out > 0)
     result.findings.push_back(
-        {"splats", left_out,
-         concat(left_out,
-                " splats are too faint or too large to show a surface; they bound "
-                "nothing and move with what is nearest")});
+        {"splats", left_out, "splats are too faint or too large to show a surface"});
   return result;
 }
 

@@ -37,13 +37,9 @@ int64_t hinge_count(const VoxelGrid& grid) {
 std::vector<Finding> check_grid(const VoxelGrid& grid) {
   std::vector<Finding> findings;
   if (grid.pieces > 1)
-    findings.push_back(
-        {"loose-pieces", grid.pieces,
-         concat("the grid falls into ", grid.pieces, " pieces that nothing holds together")});
+    findings.push_back({"loose-pieces", grid.pieces, "pieces are held together by nothing"});
   if (const int64_t hinges = hinge_count(grid); hinges > 0)
-    findings.push_back({"hinges", hinges,
-                        concat(hinges, " groups of voxels hang on an edge or a corner alone; ",
-                               "a smaller h may join them")});
+    findings.push_back({"hinges", hinges, "groups of voxels hang on an edge or a corner alone"});
   return findings;
 }
 

@@ -57,13 +57,10 @@ void add_findings(const CutBody& body, VoxelizeReport& report) {
   const int64_t turned = body.mesh.turned;
   const int64_t sheets = body.all_sheets ? triangles : body.mesh.sheets;
   add("turned-faces", turned,
-      concat(turned, " of ", triangles, " faces were turned to agree with their neighbours"));
-  add("sheet", sheets,
-      concat(sheets, " of ", triangles,
-             " faces bound no solid; they became layers one voxel thick"));
+      concat("of ", triangles, " faces do not agree with their neighbours"));
+  add("sheet", sheets, concat("of ", triangles, " faces bound no solid"));
   add("winding-number", report.winding_number,
-      "the surface has holes, overlaps or faces wound both ways; its inside was found by the "
-      "winding number");
+      "the surface has holes, overlaps or faces wound both ways");
 }
 
 }  // namespace

@@ -61,7 +61,7 @@ TEST(ReportFile, HasEveryFieldOfTheDocumentation) {
       "vertices": 100, "faces": 196, "closed": true,
       "size": {"longest_edge": 0.5, "guessed": true, "reason": "no unit"},
       "up": {"axis": "-z", "guessed": false, "reason": "asked for"}, "findings": [
-        {"what": "zero-area", "count": 2, "text": "2 triangles dropped"}]},
+        {"what": "zero-area", "severity": "note", "count": 2, "text": "2 triangles dropped"}]},
       "voxels": 10, "nodes": 30, "h": 0.125, "materials": [{"name": "foam", "law": "hencky",
         "young": 2e4, "poisson": 0.25, "density": 30.0, "net": "0123abcd"},
         {"name": "band", "law": "gent=8", "young": 1.0, "poisson": 0.0, "density": 1.0}], "device": "cpu",

@@ -202,8 +202,9 @@ class Doctor(Verbs):
         self.assertLessEqual({"open", "zero-area", "duplicate-faces"}, set(found))
         self.assertEqual(found["zero-area"]["count"], 1)
         for finding in found.values():
-            self.assertEqual(set(finding), {"what", "count", "text", "repaired", "remedy"})
-            self.assertEqual(finding["repaired"], bool(finding["remedy"]))
+            self.assertEqual(set(finding), {"what", "severity", "count", "text", "done", "change"})
+            self.assertIn(finding["severity"], ("note", "warning"))
+            self.assertTrue(finding["done"])
         text = run("doctor", odd, "--voxels", 8)
         self.assertEqual(text.code, 0)
         for what in found:
