@@ -49,7 +49,7 @@ void keep_grazed(CutBody& body) {
     }
     if (held) continue;
     body.kept[c] = 1;
-    body.layer[c] |= body.mesh.sheet[cells.triangle[cells.first[c]]];
+    body.layer[c] |= body.mesh.role[cells.triangle[cells.first[c]]] == Role::kSheet;
   }
 }
 
@@ -67,12 +67,16 @@ void choose_voxels(CutBody& body) {
 /// Fills the inside; says how it was found, and whether the surface bounds nothing.
 void find_fill(CutBody& body, int64_t max_voxels) {
   const SurfaceCells& cells = body.cells;
+  const auto is_empty = [&](const Fill& fill) {
+    return fill.full.empty() &&
+           fill.volume < kNoVolume[!body.closed] * static_cast<double>(cells.count());
+  };
   std::optional<Fill> fill = exact_fill(cells, 1);
   if (!fill) fill = exact_fill(cells, -1);
-  const bool exact = fill.has_value();
+  // rows along x see nothing of an open surface that lies along them
+  const bool exact = fill && (body.closed || !is_empty(*fill));
   body.fill = exact ? std::move(*fill) : winding_fill(body.mesh, cells, max_voxels);
-  body.all_sheets = body.fill.full.empty() &&
-                    body.fill.volume < kNoVolume[!body.closed] * static_cast<double>(cells.count());
+  body.all_sheets = is_empty(body.fill);
   body.winding_number = !exact && !body.all_sheets;
 }
 

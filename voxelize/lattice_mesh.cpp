@@ -3,117 +3,26 @@
 
 #include "core/error.hpp"
 #include "core/vec3.hpp"
+#include "voxelize/sheets.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
-#include <tuple>
 
 namespace elastogen {
 namespace {
 
-constexpr double kSnap = 1e-9;    // of coordinates to lattice planes [voxel edges]
-constexpr double kSheetLoop = 2;  // length of a border loop / sqrt(area) that makes a sheet
-constexpr double kSheetSize = 3;  // [voxel edges]
+constexpr double kSnap = 1e-9;  // of coordinates to lattice planes [voxel edges]
 
-/// Two triangles that share an edge; turned where both run the same way along it.
-struct Link {
-  int32_t triangle[2];
-  bool turned;
-};
-
-struct HalfEdge {
-  int32_t lower, upper, triangle;
-  bool forward;
-  bool operator<(const HalfEdge& other) const {
-    return std::tie(lower, upper, triangle) < std::tie(other.lower, other.upper, other.triangle);
-  }
-};
-
-struct Edges {
-  std::vector<Link> manifold;    ///< edges of two triangles
-  std::vector<Link> branching;   ///< first and each further triangle of edges of three or more
-  std::vector<HalfEdge> border;  ///< edges of one triangle
-};
-
-Edges find_edges(const std::vector<Coord>& triangles) {
-  std::vector<HalfEdge> half;
-  half.reserve(3 * triangles.size());
-  for (size_t t = 0; t < triangles.size(); ++t)
-    for (int k = 0; k < 3; ++k) {
-      const int32_t a = triangles[t][k], b = triangles[t][(k + 1) % 3];
-      half.push_back({std::min(a, b), std::max(a, b), static_cast<int32_t>(t), a < b});
-    }
-  std::sort(half.begin(), half.end());
-
-  Edges edges;
-  for (size_t first = 0, last; first < half.size(); first = last) {
-    for (last = first; last < half.size() && half[last].lower == half[first].lower &&
-                       half[last].upper == half[first].upper;)
-      ++last;
-    if (last - first == 1) edges.border.push_back(half[first]);
-    for (size_t i = first + 1; i < last; ++i)
-      (last - first == 2 ? edges.manifold : edges.branching)
-          .push_back(
-              {{half[first].triangle, half[i].triangle}, half[first].forward == half[i].forward});
-  }
-  return edges;
-}
-
-/// Union-find whose sets also know whether each member is turned against the set's root.
-class OrientedSets {
- public:
-  explicit OrientedSets(size_t n) : parent_(n), turned_(n, 0) {
-    std::iota(parent_.begin(), parent_.end(), 0);
-  }
-  int32_t root(int32_t n) {
-    // two passes: find the root and the parity, then shorten the path
-    int32_t top = n;
-    uint8_t parity = 0;
-    for (; parent_[top] != top; top = parent_[top]) parity ^= turned_[top];
-    while (parent_[n] != n) {
-      const int32_t next = parent_[n];
-      const uint8_t rest = parity ^ turned_[n];
-      parent_[n] = top;
-      turned_[n] = parity;
-      parity = rest;
-      n = next;
-    }
-    return top;
-  }
-  bool turned(int32_t n) {
-    root(n);
-    return turned_[n];
-  }
-  /// @return false if the two are in one set already with another parity.
-  bool join(int32_t a, int32_t b, bool turned) {
-    const int32_t ra = root(a), rb = root(b);
-    const uint8_t parity = turned_[a] ^ turned_[b] ^ static_cast<uint8_t>(turned);
-    if (ra == rb) return parity == 0;
-    parent_[rb] = ra;
-    turned_[rb] = parity;
-    return true;
-  }
-
- private:
-  std::vector<int32_t> parent_;
-  std::vector<uint8_t> turned_;
-};
-
-Vec3 area_vector(const LatticeMesh& mesh, size_t t) {
-  const auto& [a, b, c] = mesh.triangles[t];
-  const Vec3& p = mesh.vertices[a];
-  return scaled(cross(minus(mesh.vertices[b], p), minus(mesh.vertices[c], p)), 0.5);
-}
-
-/// Turns triangles so that a piece is wound one way. @return triangles of pieces with no such way.
+/// Turns triangles so that a piece is wound one way; where that cannot be, faces that the file
+/// winds alike stay so. @return triangles at edges where it cannot be.
 std::vector<int32_t> orient(LatticeMesh& mesh, const Edges& edges) {
   const size_t n = mesh.triangles.size();
   OrientedSets sets(n);
   std::vector<int32_t> conflicts;
-  for (const Link& edge : edges.manifold)
-    if (!sets.join(edge.triangle[0], edge.triangle[1], edge.turned))
-      conflicts.push_back(edge.triangle[0]);
+  for (const bool turned : {false, true})
+    for (const Link& edge : edges.manifold)
+      if (edge.turned == turned && !sets.join(edge.triangle[0], edge.triangle[1], turned))
+        conflicts.push_back(edge.triangle[0]);
   std::vector<double> balance(n, 0);  // area that agrees with the root, less the other
   for (size_t t = 0; t < n; ++t) {
     const auto i = static_cast<int32_t>(t);
@@ -126,54 +35,6 @@ std::vector<int32_t> orient(LatticeMesh& mesh, const Edges& edges) {
     ++mesh.turned;
   }
   return conflicts;
-}
-
-/// What decides whether a piece is a sheet.
-struct PieceShape {
-  Box box;
-  double area = 0;
-  double longest_loop = 0;  ///< of its border
-  bool unorientable = false;
-
-  bool is_sheet() const {
-    const double size = std::max({box.extent(0), box.extent(1), box.extent(2)});
-    return unorientable || (size > kSheetSize && longest_loop > kSheetLoop * std::sqrt(area));
-  }
-};
-
-/// Calls visit(triangle, length of its border loop) for each border edge; edges that share a
-/// vertex are of one loop.
-template <class Visit>
-void for_each_loop(const LatticeMesh& mesh, const Edges& edges, const Visit& visit) {
-  OrientedSets loops(mesh.vertices.size());
-  for (const HalfEdge& edge : edges.border) loops.join(edge.lower, edge.upper, false);
-  std::vector<double> length(mesh.vertices.size(), 0);
-  for (const HalfEdge& edge : edges.border)
-    length[loops.root(edge.lower)] +=
-        norm(minus(mesh.vertices[edge.lower], mesh.vertices[edge.upper]));
-  for (const HalfEdge& edge : edges.border) visit(edge.triangle, length[loops.root(edge.lower)]);
-}
-
-void find_sheets(LatticeMesh& mesh, const Edges& edges, const std::vector<int32_t>& conflicts) {
-  const size_t n = mesh.triangles.size();
-  OrientedSets pieces(n);
-  for (const auto* links : {&edges.manifold, &edges.branching})
-    for (const Link& edge : *links) pieces.join(edge.triangle[0], edge.triangle[1], false);
-  std::vector<PieceShape> shape(n);
-  const auto piece_of = [&](int32_t t) -> PieceShape& { return shape[pieces.root(t)]; };
-  for (size_t t = 0; t < n; ++t) {
-    PieceShape& piece = piece_of(static_cast<int32_t>(t));
-    piece.area += norm(area_vector(mesh, t));
-    for (const int32_t v : mesh.triangles[t]) piece.box.add(mesh.vertices[v]);
-  }
-  for_each_loop(mesh, edges, [&](int32_t t, double length) {
-    piece_of(t).longest_loop = std::max(piece_of(t).longest_loop, length);
-  });
-  for (const int32_t t : conflicts) piece_of(t).unorientable = true;
-  for (size_t t = 0; t < n; ++t) {
-    mesh.sheet[t] = piece_of(static_cast<int32_t>(t)).is_sheet();
-    mesh.sheets += mesh.sheet[t];
-  }
 }
 
 }  // namespace
@@ -223,7 +84,7 @@ LatticeMesh make_lattice_mesh(const WeldedMesh& welded, const Lattice& lattice) 
   mesh.triangles.resize(welded.triangles.rows());
   for (int64_t t = 0; t < welded.triangles.rows(); ++t)
     for (int k = 0; k < 3; ++k) mesh.triangles[t][k] = welded.triangles(t, k);
-  mesh.sheet.assign(mesh.triangles.size(), 0);
+  mesh.role.assign(mesh.triangles.size(), Role::kSolid);
 
   // nothing to repair in a closed mesh that is wound one way
   if (welded.closed() && welded.turned_edges == 0) return mesh;

@@ -22,21 +22,24 @@ struct Lattice {
 /// @throws Error on bad options; (resources) if the box has 2^20 voxels or more along an axis.
 Lattice choose_lattice(const Box& box, const VoxelizeOptions& options);
 
+/// What a triangle is for the solid.
+enum class Role : uint8_t {
+  kSolid,  ///< it may bound it
+  kSheet,  ///< it becomes a layer of full voxels
+  kScrap,  ///< it bounds nothing and is too small for a layer, or lies inside
+};
+
 /// Welded triangles with one orientation a piece.
 struct LatticeMesh {
   std::vector<Vec3> vertices;    ///< lattice coordinates
   std::vector<Coord> triangles;  ///< vertices of each
-  std::vector<uint8_t> sheet;    ///< 1: of a piece that bounds no solid
+  std::vector<Role> role;        ///< of each
   int64_t turned = 0;            ///< triangles that were turned
   int64_t sheets = 0;            ///< triangles of sheets
 };
 
 /// Turns triangles until the two faces of every edge run opposite ways along it; a piece keeps the
-/// orientation of the larger part of its area.
-///
-/// A piece is a sheet if it cannot be oriented, or if it is larger than three voxels and has a
-/// border loop longer than 2 sqrt(its area), however it is folded: a square sheet has 4, a
-/// disc 3.5, half a sphere 2.5, a solid with a hole nearly 0.
+/// orientation of the larger part of its area. Finds sheets and scraps (sheets.hpp).
 LatticeMesh make_lattice_mesh(const WeldedMesh& mesh, const Lattice& lattice);
 
 }  // namespace elastogen

@@ -89,7 +89,7 @@ void integrate(const Vec3& a, const Vec3& b, const Vec3& c, Part& part) {
 }
 
 /// The integrals over the part of a triangle that lies in a voxel.
-Part make_part(const Polygon& polygon, const Coord& cell, int32_t triangle, bool sheet) {
+Part make_part(const Polygon& polygon, const Coord& cell, int32_t triangle, bool bounds) {
   Part part = {row_key(cell), triangle, 1, 0, {}, {}, {}};
   Polygon local;
   Box box;
@@ -100,7 +100,7 @@ Part make_part(const Polygon& polygon, const Coord& cell, int32_t triangle, bool
   }
   for (int i = 2; i < local.corners; ++i)
     integrate(local.corner[0], local.corner[i - 1], local.corner[i], part);
-  if (sheet) std::fill(part.ahead, part.ahead + 8, 0), std::fill(part.flux, part.flux + 4, 0);
+  if (!bounds) std::fill(part.ahead, part.ahead + 8, 0), std::fill(part.flux, part.flux + 4, 0);
 
   // what stays within a face does not touch
   double area = 0;
@@ -143,7 +143,8 @@ std::vector<Part> find_parts(const LatticeMesh& mesh) {
       Polygon triangle;
       for (const int32_t v : mesh.triangles[size_t(t)]) triangle.add(mesh.vertices[v]);
       split(triangle, [&](const Polygon& polygon, const Coord& cell) {
-        list.push_back(make_part(polygon, cell, static_cast<int32_t>(t), mesh.sheet[size_t(t)]));
+        list.push_back(make_part(polygon, cell, static_cast<int32_t>(t),
+                                 mesh.role[size_t(t)] == Role::kSolid));
       });
     }
   };
@@ -187,7 +188,7 @@ SurfaceCells cut_surface(const LatticeMesh& mesh) {
       for (int k = 0; k < 8; ++k) cells.area(c, k) += parts[i].area[k];
       cells.touched[c] |= parts[i].touched;
       cells.side[c] |= parts[i].side;
-      cells.sheet[c] |= parts[i].touched && mesh.sheet[parts[i].triangle];
+      cells.sheet[c] |= parts[i].touched && mesh.role[parts[i].triangle] == Role::kSheet;
     }
   });
   return cells;

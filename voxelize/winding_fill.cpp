@@ -181,7 +181,8 @@ Triangle triangle_at(const LatticeMesh& mesh, int32_t t, const Coord& cell) {
 Fill winding_fill(const LatticeMesh& mesh, const SurfaceCells& cells, int64_t max_voxels) {
   std::vector<Triangle> solid;
   for (size_t t = 0; t < mesh.triangles.size(); ++t)
-    if (!mesh.sheet[t]) solid.push_back(triangle_at(mesh, static_cast<int32_t>(t), {0, 0, 0}));
+    if (mesh.role[t] == Role::kSolid)
+      solid.push_back(triangle_at(mesh, static_cast<int32_t>(t), {0, 0, 0}));
   const WindingNumber winding_number(std::move(solid));
 
   Fill fill;
@@ -189,7 +190,7 @@ Fill winding_fill(const LatticeMesh& mesh, const SurfaceCells& cells, int64_t ma
   const auto sample = [&](int64_t c) {
     std::vector<Triangle> local;
     for (int64_t i = cells.first[c]; i < cells.first[c + 1]; ++i)
-      if (!mesh.sheet[cells.triangle[i]])
+      if (mesh.role[cells.triangle[i]] == Role::kSolid)
         local.push_back(triangle_at(mesh, cells.triangle[i], cells.coord[c]));
     sample_cell(local, cells.coord[c], winding_number, fill.moment.row(c));
   };
