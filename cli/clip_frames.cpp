@@ -135,7 +135,8 @@ void ClipFrames::write(int64_t number, AnimationFrame frame) {
   for (const auto& animation : animations_) animation->frame(frame);
   if (!hooks_.on_frame) return;
   Array<double> positions = setup_.body.carried;
-  for (int64_t k = 0; k < positions.size(); ++k) positions.data()[k] += carried.displacement[k];
+  for (int64_t k = 0; k < positions.size(); ++k)
+    positions.data()[k] += setup_.scene.place[size_t(k % 3)] + carried.displacement[k];
   hooks_.on_frame(positions);
 }
 

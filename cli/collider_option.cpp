@@ -16,14 +16,14 @@ using Shape = Collider::Shape;
 
 using Texts = std::vector<std::string_view>;
 
-Vec3 parse_point(const Texts& numbers, size_t first, const Box& box) {
+Vec3 parse_point(const Texts& numbers, size_t first, const PlacedBox& box) {
   Vec3 point;
   for (size_t d = 0; d < 3; ++d)
     point[d] = coordinate(parse_place(numbers[first + d]), int(d), box);
   return point;
 }
 
-void parse_plane(const Texts& numbers, const Box& box, Collider& c) {
+void parse_plane(const Texts& numbers, const PlacedBox& box, Collider& c) {
   c.centre = parse_point(numbers, 0, box);
   for (size_t d = 0; d < 3; ++d) c.normal[d] = parse_number(numbers[3 + d]);
   const double length = std::hypot(c.normal[0], c.normal[1], c.normal[2]);
@@ -31,7 +31,7 @@ void parse_plane(const Texts& numbers, const Box& box, Collider& c) {
   for (double& n : c.normal) n /= length;
 }
 
-void parse_box(const Texts& numbers, const Box& box, Collider& c) {
+void parse_box(const Texts& numbers, const PlacedBox& box, Collider& c) {
   const Vec3 lower = parse_point(numbers, 0, box), upper = parse_point(numbers, 3, box);
   for (size_t d = 0; d < 3; ++d) {
     ELASTOGEN_CHECK(lower[d] < upper[d], "its lower corner comes first, and along ", "xyz"[d],
@@ -42,7 +42,7 @@ void parse_box(const Texts& numbers, const Box& box, Collider& c) {
 }
 
 /// The shape, up to its closing bracket. @return what follows it.
-std::string_view parse_shape(std::string_view text, const Box& box, Collider& c) {
+std::string_view parse_shape(std::string_view text, const PlacedBox& box, Collider& c) {
   const size_t open = text.find('('), close = text.find(')');
   ELASTOGEN_CHECK(open != text.npos && close != text.npos && open < close, "a bracket is missing");
   const std::string bare = without_blanks(text.substr(0, close));
@@ -101,7 +101,7 @@ std::vector<PathKey> parse_path(std::string_view text) {
   return path;
 }
 
-Collider parse_collider(std::string_view text, const Box& box, const std::string& name,
+Collider parse_collider(std::string_view text, const PlacedBox& box, const std::string& name,
                         double friction) {
   Collider c;
   c.name = name;

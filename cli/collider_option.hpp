@@ -4,6 +4,7 @@
 #pragma once
 
 #include "core/collider.hpp"
+#include "io/asset.hpp"
 
 #include <string>
 #include <string_view>
@@ -21,7 +22,7 @@ namespace elastogen {
 /// @param box       of the asset [m], which shares refer to.
 /// @param name, friction  where the text has none.
 /// @throws Error (usage) naming the text, what is wrong, and the grammar.
-Collider parse_collider(std::string_view text, const Box& box, const std::string& name,
+Collider parse_collider(std::string_view text, const PlacedBox& box, const std::string& name,
                         double friction);
 
 /// Reads TIME:x,y,z; TIME:x,y,z ..., as in a collider. @throws Error (usage) saying what is wrong.

@@ -98,7 +98,7 @@ void displace(const Motion& motion, double time, Out<double> u) {
 }
 
 Motion make_motion(const MoveOption& move, const Setup& setup, const fem::ElementMesh& mesh) {
-  const Box& box = setup.body.surface.box;
+  const PlacedBox& box = setup.body.surface.box;
   const Array<uint8_t> selected =
       with_middles(select_nodes(setup.scene.grid, move.selection, box), mesh);
   Motion motion;
@@ -129,7 +129,7 @@ void add_holds(const Setup& setup, const AnimateOptions& o, fem::FemScene& scene
 }
 
 void add_tractions(const Setup& setup, const AnimateOptions& o, fem::FemScene& scene) {
-  const Box& box = setup.body.surface.box;
+  const PlacedBox& box = setup.body.surface.box;
   for (const std::string& text : o.tractions) {
     const TractionOption traction = parse_traction(text);
     const Array<uint8_t> nodes =

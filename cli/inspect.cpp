@@ -4,6 +4,7 @@
 #include "cli/scene_options.hpp"
 #include "cli/verbs.hpp"
 #include "core/parallel.hpp"
+#include "core/vec3.hpp"
 #include "io/read_asset.hpp"
 #include "io/scene_file.hpp"
 #include "io/scene_keys.hpp"
@@ -63,7 +64,7 @@ Json provenance(const Provenance& from) {
 }
 
 Json describe(const Asset& asset, const Body& body, const AssetSummary& summary, const Cost& cost) {
-  const Box& box = body.surface.box;
+  const PlacedBox& box = body.surface.box;
   Json size = {{"longest_edge", summary.size.longest_edge}};
   size.update(provenance(summary.size.from));
   Json up = {{"axis", up_name(summary.up.up)}};
@@ -80,7 +81,7 @@ Json describe(const Asset& asset, const Body& body, const AssetSummary& summary,
           {"counts", counts_of(asset)},
           {"nodes", names_of(asset.nodes)},
           {"materials", names_of(asset.materials)},
-          {"box", {{"lower", box.lower}, {"upper", box.upper}}},
+          {"box", {{"lower", plus(box.lower, box.origin)}, {"upper", plus(box.upper, box.origin)}}},
           {"metres_per_unit", body.surface.scale},
           {"size", size},
           {"up", up},

@@ -198,8 +198,8 @@ void apply_regions(const std::vector<std::string>& texts, const Asset& asset, co
 }
 
 void apply_regions(const std::vector<std::string>& texts, const fem::ElementMesh& mesh,
-                   In<int32_t> region_of, const std::vector<AssetMaterial>& regions, const Box& box,
-                   Scene& scene, std::vector<std::string>& warnings) {
+                   In<int32_t> region_of, const std::vector<AssetMaterial>& regions,
+                   const PlacedBox& box, Scene& scene, std::vector<std::string>& warnings) {
   std::vector<uint8_t> wanted;
   give(texts, "tetrahedron", scene, warnings,
        [&](const RegionOption& region, const std::string& text) {

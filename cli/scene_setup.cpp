@@ -25,17 +25,20 @@ namespace {
 
 /// The free side of a floor across the up axis is up, of another one the positive side; without a
 /// place it lies where the asset begins.
-Collider make_floor(const FloorOption& option, double friction, const UpAxis& up, const Box& box) {
+Collider make_floor(const FloorOption& option, double friction, const UpAxis& up,
+                    const PlacedBox& box) {
   const auto axis = size_t(option.axis < 0 ? up.axis : option.axis);
   const double sign = int(axis) == up.axis ? up.sign : 1;
   Vec3 normal = {};
   normal[axis] = sign;
   const double begin = sign > 0 ? box.lower[axis] : box.upper[axis];
-  return half_space(normal, sign * option.place.value_or(begin), friction);
+  const double place = option.place ? *option.place - box.origin[axis] : begin;
+  return half_space(normal, sign * place, friction);
 }
 
 /// The floor, then the colliders as they were named.
-std::vector<Collider> make_colliders(const AnimateOptions& o, const UpAxis& up, const Box& box) {
+std::vector<Collider> make_colliders(const AnimateOptions& o, const UpAxis& up,
+                                     const PlacedBox& box) {
   std::vector<Collider> colliders;
   if (o.floor) colliders.push_back(make_floor(*o.floor, o.friction, up, box));
   for (size_t k = 0; k < o.colliders.size(); ++k)
@@ -46,7 +49,7 @@ std::vector<Collider> make_colliders(const AnimateOptions& o, const UpAxis& up, 
 
 /// Planes of pins, holds, moves and colliders, so that a layer of nodes lies in them.
 VoxelizeOptions voxelize_options(const AnimateOptions& o, const std::vector<Collider>& colliders,
-                                 const Box& box) {
+                                 const PlacedBox& box) {
   VoxelizeOptions v = resolution(o);
   std::vector<Selection> selections;
   for (const std::string& pin : o.pins) selections.push_back(parse_selection(pin));
@@ -65,17 +68,17 @@ VoxelizeOptions voxelize_options(const AnimateOptions& o, const std::vector<Coll
 
 /// Says so where a selection has no node.
 void check_holds(const char* option, const std::string& text, const Array<uint8_t>& selected,
-                 const Box& box, std::vector<std::string>& warnings) {
+                 const PlacedBox& box, std::vector<std::string>& warnings) {
   const uint8_t* nodes = selected.data();
   if (std::any_of(nodes, nodes + selected.rows(), [](uint8_t s) { return s != 0; })) return;
+  const Vec3 lower = plus(box.lower, box.origin), upper = plus(box.upper, box.origin);
   warnings.push_back(fmt::format(
       "{} '{}' holds nothing: no node of the grid lies in it; the asset spans {:.4g}..{:.4g}, "
       "{:.4g}..{:.4g}, {:.4g}..{:.4g} m",
-      option, text, box.lower[0], box.upper[0], box.lower[1], box.upper[1], box.lower[2],
-      box.upper[2]));
+      option, text, lower[0], upper[0], lower[1], upper[1], lower[2], upper[2]));
 }
 
-void pin(const AnimateOptions& o, const Box& box, Scene& scene,
+void pin(const AnimateOptions& o, const PlacedBox& box, Scene& scene,
          std::vector<std::string>& warnings) {
   scene.pinned = Array<uint8_t>(scene.grid.node_count());
   for (const std::string& text : o.pins) {
@@ -128,6 +131,7 @@ void add_asset(const Asset& asset, const AnimateOptions& o, Setup& setup, RunRep
   if (!report.asset.size.warning.empty()) report.warnings.push_back(report.asset.size.warning);
   setup.longest_edge = report.asset.size.longest_edge;
   setup.up = report.asset.up.up;
+  setup.scene.place = setup.body.surface.box.origin;
   setup.scene.colliders = make_colliders(o, setup.up, setup.body.surface.box);
 }
 
@@ -152,8 +156,11 @@ void add_tets(const TetAsset& tets, const AnimateOptions& o, Setup& setup, RunRe
         concat("--voxels and --h mean nothing: ", tets.asset.path, " has tetrahedra of its own"));
   setup.tets = tets.mesh;
   setup.tets->element = element_of(tets, *o.fem);
-  for (int64_t k = 0; k < setup.tets->rest.size(); ++k)
-    setup.tets->rest.data()[k] *= setup.body.surface.scale;
+  for (int64_t n = 0; n < setup.tets->rest.rows(); ++n)
+    for (int d = 0; d < 3; ++d) {
+      double& x = setup.tets->rest(n, d);
+      x = x * setup.body.surface.scale - setup.scene.place[size_t(d)];
+    }
   setup.node_of = tets.node_of;
   setup.scene.grid.rest = setup.tets->rest;
   setup.scene.grid.h = fem::mean_edge(*setup.tets);

@@ -23,7 +23,7 @@ int voxelize(const VoxelizeTask& task) {
   report.commit = build_commit();
   const VoxelizedAsset voxelized = voxelize_asset(o, report);
   const VoxelGrid& grid = voxelized.voxels.grid;
-  write_vdb(task.output, grid);
+  write_vdb(task.output, grid, voxelized.body.surface.box.origin);
   report.peak_memory_bytes = peak_memory_bytes();
   if (!o.report.empty()) write_report(o.report, report);
   for (const std::string& warning : report.warnings) fmt::print(stderr, "warning: {}\n", warning);

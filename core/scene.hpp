@@ -28,6 +28,7 @@ struct SurfacePoints {
 
 struct Scene {
   VoxelGrid grid;
+  Vec3 place = {};  ///< of the scene's zero in the asset's coordinates [m]: files hold the sum
   std::vector<Material> materials = {Material{}};
   Array<int32_t> material;  ///< index into materials of each voxel, (voxels, 1)
   Array<uint8_t> pinned;    ///< 1 where a node keeps its position, (nodes, 1)

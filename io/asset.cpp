@@ -2,6 +2,7 @@
 #include "io/asset.hpp"
 
 #include "core/error.hpp"
+#include "core/vec3.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -166,8 +167,25 @@ Surface pose_surface(const Asset& asset, double size) {
     ELASTOGEN_CHECK_ASSET(std::isfinite(x), asset.path, ": vertex ", k / 3,
                           " is not finite once it is placed and scaled");
   }
-  surface.box = box_of_triangles(surface);
+  static_cast<Box&>(surface.box) = box_of_triangles(surface);
+  settle(surface);
   return surface;
+}
+
+void settle(Surface& surface) {
+  constexpr double kFar = 100;  // [longest edges]
+  Box& box = surface.box;
+  double farthest = 0;
+  for (int d = 0; d < 3; ++d)
+    farthest = std::max({farthest, std::abs(box.lower[d]), std::abs(box.upper[d])});
+  if (!(farthest > kFar * longest_edge(box))) return;
+  Vec3 origin;
+  for (size_t d = 0; d < 3; ++d) origin[d] = std::round((box.lower[d] + box.upper[d]) / 2);
+  for (int64_t v = 0; v < surface.vertices.rows(); ++v)
+    for (int d = 0; d < 3; ++d) surface.vertices(v, d) -= origin[size_t(d)];
+  box.lower = minus(box.lower, origin);
+  box.upper = minus(box.upper, origin);
+  surface.box.origin = origin;
 }
 
 }  // namespace elastogen

@@ -96,14 +96,21 @@ struct SurfaceInstance {
   int64_t triangles = 0;
 };
 
-/// Every shown mesh, posed by the node tree, in metres and the asset's own axes.
+/// A box, and where its numbers begin in the asset's coordinates [m].
+struct PlacedBox : Box {
+  Vec3 origin = {};
+};
+
+/// Every shown mesh, posed by the node tree, in metres and the asset's own axes. Its numbers begin
+/// at box.origin: zero but for a body that lies a hundred of its edges or more from the origin,
+/// which is computed about its own middle.
 struct Surface {
   Array<double> vertices;    ///< [m], (vertices, 3)
   Array<int32_t> triangles;  ///< (triangles, 3)
   Array<int32_t> material;   ///< asset material of each triangle, -1 for none, (triangles, 1)
   std::vector<SurfaceInstance> instances;
   double scale = 1;  ///< metres per file unit that was applied (--size)
-  Box box;           ///< of the vertices that triangles use [m]
+  PlacedBox box;     ///< of the vertices that triangles use [m]
 };
 
 /// Matrix of a node to the asset's root. @throws Error (asset) on a cycle.
@@ -111,6 +118,9 @@ Matrix4 world_matrix(const Asset& asset, int node);
 
 /// Matrices of all nodes to the asset's root. @throws Error (asset) on a cycle.
 std::vector<Matrix4> world_matrices(const Asset& asset);
+
+/// Moves a surface to its own middle where it lies far from the origin: vertices, box, box.origin.
+void settle(Surface& surface);
 
 /// Poses an asset and scales it so that its longest edge is `size` metres (0: as the file has it).
 /// @throws Error (asset) if there is no triangle, no extent, or a number is not finite.

@@ -88,7 +88,8 @@ std::vector<Vec3> file_positions(const Asset& asset, const Surface& surface) {
   std::vector<Vec3> positions(size_t(surface.vertices.rows()));
   for (size_t v = 0; v < positions.size(); ++v)
     for (size_t d = 0; d < 3; ++d)
-      positions[v][d] = surface.vertices(int64_t(v), int(d)) / surface.scale;
+      positions[v][d] =
+          (surface.box.origin[d] + surface.vertices(int64_t(v), int(d))) / surface.scale;
   return positions;
 }
 

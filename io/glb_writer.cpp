@@ -122,11 +122,12 @@ class GlbWriter : public AnimationWriter {
     for (size_t d = 0; d < 3; ++d) place[d] = (seen_.lower[d] + seen_.upper[d]) / 2;
     for (const Collider& collider : options_.scene->colliders) {
       const ColliderMesh mesh = collider_mesh(collider, seen_);
-      AnimatedDocument::Obstacle obstacle{.name = collider.name,
-                                          .place = scaled(place, 1 / scale),
-                                          .positions = {},
-                                          .normals = {},
-                                          .corners = {}};
+      AnimatedDocument::Obstacle obstacle{
+          .name = collider.name,
+          .place = scaled(plus(place, surface_.box.origin), 1 / scale),
+          .positions = {},
+          .normals = {},
+          .corners = {}};
       for (int64_t v = 0; v < mesh.position.rows(); ++v)
         for (int d = 0; d < 3; ++d) {
           obstacle.positions.push_back(float((mesh.position(v, d) - place[size_t(d)]) / scale));

@@ -41,6 +41,7 @@ const char* hourglass_name(Hourglass hourglass) {
 
 void write_root(hid_t file, const Scene& scene, const StateHeader& header) {
   const double gravity[3] = {scene.gravity[0], scene.gravity[1], scene.gravity[2]};
+  const double place[3] = {scene.place[0], scene.place[1], scene.place[2]};
   hdf5::write_attribute(file, "format", std::string("elastogen-state"));
   hdf5::write_attribute(file, "version", 3);
   hdf5::write_attribute(file, "h", scene.grid.h);
@@ -50,6 +51,7 @@ void write_root(hid_t file, const Scene& scene, const StateHeader& header) {
   hdf5::write_attribute(file, "element", header.element);
   hdf5::write_attribute(file, "hourglass", std::string(hourglass_name(scene.hourglass)));
   hdf5::write_attribute(file, "gravity", gravity);
+  hdf5::write_attribute(file, "place", place);
   hdf5::write_attribute(file, "g_ref", kReferenceGravity);
   hdf5::write_attribute(file, "fps", header.fps);
   hdf5::write_attribute(file, "solver", header.solver);

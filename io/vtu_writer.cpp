@@ -172,9 +172,13 @@ class VtuWriter : public AnimationWriter {
     const int64_t size = state.x.size();
     const Array<double> shown = drawn(u);
     Array<double> x = shown;
-    for (int64_t k = 0; k < size; ++k) x.data()[k] += scene_->grid.rest.data()[k];
+    for (int64_t k = 0; k < size; ++k)
+      x.data()[k] += scene_->grid.rest.data()[k] + scene_->place[size_t(k % 3)];
     file.section("<Points>\n");
-    file.array("Points", "Float32", to_floats(x.data(), size), 3);
+    if (scene_->place == Vec3{})
+      file.array("Points", "Float32", to_floats(x.data(), size), 3);
+    else  // far from the origin, where floats are coarse
+      file.array("Points", "Float64", std::vector<double>(x.data(), x.data() + size), 3);
     file.section("</Points>\n<PointData>\n");
     file.array("displacement", "Float32", to_floats(shown.data(), size), 3);
     if (state.v.size() == size)

@@ -75,10 +75,11 @@ double longest_edge(const Box& box) {
   return std::max({box.extent(0), box.extent(1), box.extent(2)});
 }
 
-double absolute_tolerance(const Box& box, double share) {
+double absolute_tolerance(const PlacedBox& box, double share) {
   double largest = 0;
-  for (int d = 0; d < 3; ++d)
-    largest = std::max({largest, std::abs(box.lower[d]), std::abs(box.upper[d])});
+  for (size_t d = 0; d < 3; ++d)
+    largest = std::max(
+        {largest, std::abs(box.lower[d] + box.origin[d]), std::abs(box.upper[d] + box.origin[d])});
   return std::max(share * longest_edge(box), 4 * std::numeric_limits<double>::epsilon() * largest);
 }
 

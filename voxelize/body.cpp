@@ -58,10 +58,12 @@ Body scaled_body(const Asset& asset, const PointSolid& solid, const std::vector<
     for (int d = 0; d < 3; ++d) x[d] *= surface.scale;
     surface.box.add({x[0], x[1], x[2]});
   }
+  settle(surface);
   body.carried = Array<double>(int64_t(carried.size()), 3);
   for (int64_t p = 0; p < body.carried.rows(); ++p)
     for (int d = 0; d < 3; ++d) {
-      body.carried(p, d) = surface.scale * carried[size_t(p)][size_t(d)];
+      body.carried(p, d) =
+          surface.scale * carried[size_t(p)][size_t(d)] - surface.box.origin[size_t(d)];
       ELASTOGEN_CHECK_ASSET(std::isfinite(body.carried(p, d)), asset.path, ": point ", p,
                             " is not finite once it is scaled");
     }

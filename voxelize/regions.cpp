@@ -97,8 +97,9 @@ Place parse_place(std::string_view text) {
   return {parse_length(text), false};
 }
 
-double coordinate(const Place& place, int axis, const Box& box) {
-  return place.percent ? box.lower[axis] + place.value * box.extent(axis) : place.value;
+double coordinate(const Place& place, int axis, const PlacedBox& box) {
+  return place.percent ? box.lower[axis] + place.value * box.extent(axis)
+                       : place.value - box.origin[axis];
 }
 
 Selection parse_selection(std::string_view text) {
@@ -109,7 +110,7 @@ Selection parse_selection(std::string_view text) {
   }
 }
 
-bool contains(const Selection& selection, const Vec3& point, const Box& box) {
+bool contains(const Selection& selection, const Vec3& point, const PlacedBox& box) {
   const double border = kBorder * std::max({box.extent(0), box.extent(1), box.extent(2)});
   double distance2 = 0;
   switch (selection.kind) {
@@ -134,7 +135,8 @@ bool contains(const Selection& selection, const Vec3& point, const Box& box) {
   return false;
 }
 
-Array<uint8_t> select_nodes(const VoxelGrid& grid, const Selection& selection, const Box& box) {
+Array<uint8_t> select_nodes(const VoxelGrid& grid, const Selection& selection,
+                            const PlacedBox& box) {
   Array<uint8_t> selected(grid.node_count());
   for_each(grid.node_count(), [&](int64_t n) {
     selected(n) = contains(selection, {grid.rest(n, 0), grid.rest(n, 1), grid.rest(n, 2)}, box);
@@ -142,7 +144,7 @@ Array<uint8_t> select_nodes(const VoxelGrid& grid, const Selection& selection, c
   return selected;
 }
 
-std::optional<std::pair<int, double>> plane(const Selection& selection, const Box& box) {
+std::optional<std::pair<int, double>> plane(const Selection& selection, const PlacedBox& box) {
   if (selection.kind != Selection::Kind::kHalfSpace) return std::nullopt;
   const int axis = selection.axis;
   return std::pair{axis, coordinate(selection.lower[axis], axis, box)};

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "core/voxel_grid.hpp"
+#include "io/asset.hpp"
 
 #include <optional>
 #include <string>
@@ -49,15 +50,16 @@ std::vector<std::string_view> split(std::string_view text, char at);
 Place parse_place(std::string_view text);
 
 /// Where a place lies along an axis [m]. @param box  of the asset [m].
-double coordinate(const Place& place, int axis, const Box& box);
+double coordinate(const Place& place, int axis, const PlacedBox& box);
 
 /// @param box  of the asset [m].
-bool contains(const Selection& selection, const Vec3& point, const Box& box);
+bool contains(const Selection& selection, const Vec3& point, const PlacedBox& box);
 
 /// 1 for each node of the grid that lies in a selection at rest, (nodes, 1).
-Array<uint8_t> select_nodes(const VoxelGrid& grid, const Selection& selection, const Box& box);
+Array<uint8_t> select_nodes(const VoxelGrid& grid, const Selection& selection,
+                            const PlacedBox& box);
 
 /// Axis and position [m] of the plane that bounds a half space: a plane to align the grid with.
-std::optional<std::pair<int, double>> plane(const Selection& selection, const Box& box);
+std::optional<std::pair<int, double>> plane(const Selection& selection, const PlacedBox& box);
 
 }  // namespace elastogen

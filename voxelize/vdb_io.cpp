@@ -2,6 +2,7 @@
 #include "voxelize/vdb_io.hpp"
 
 #include "core/error.hpp"
+#include "core/vec3.hpp"
 #include "io/asset_check.hpp"
 #include "io/safe_file.hpp"
 
@@ -159,11 +160,12 @@ Asset read_grid(const std::string& path) {
 
 /// A grid of the voxels' values, at their centres.
 template <class Grid, class Value>
-typename Grid::Ptr make_grid(const VoxelGrid& voxels, const char* name, const Value& value) {
+typename Grid::Ptr make_grid(const VoxelGrid& voxels, const Vec3& place, const char* name,
+                             const Value& value) {
   const auto grid = Grid::create();
   grid->setName(name);
   const auto transform = openvdb::math::Transform::createLinearTransform(voxels.h);
-  const Vec3& o = voxels.origin;
+  const Vec3 o = plus(voxels.origin, place);
   const double half = voxels.h / 2;
   transform->postTranslate(openvdb::Vec3d(o[0] + half, o[1] + half, o[2] + half));
   grid->setTransform(transform);
@@ -187,13 +189,13 @@ Asset read_vdb(const std::string& path) {
   }
 }
 
-void write_vdb(const std::string& path, const VoxelGrid& grid) {
+void write_vdb(const std::string& path, const VoxelGrid& grid, const Vec3& place) {
   openvdb::initialize();
-  const auto fill =
-      make_grid<openvdb::FloatGrid>(grid, "fill", [&](int64_t v) { return float(grid.fill(v)); });
+  const auto fill = make_grid<openvdb::FloatGrid>(grid, place, "fill",
+                                                  [&](int64_t v) { return float(grid.fill(v)); });
   fill->setGridClass(openvdb::GRID_FOG_VOLUME);
   const auto piece = make_grid<openvdb::Int32Grid>(
-      grid, "piece", [&](int64_t v) { return grid.piece(grid.corners(v, 0)); });
+      grid, place, "piece", [&](int64_t v) { return grid.piece(grid.corners(v, 0)); });
   SafeFile safe(path);
   try {
     openvdb::io::File file(safe.temporary());

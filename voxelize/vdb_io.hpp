@@ -23,7 +23,8 @@ Asset read_vdb(const std::string& path);
 /// Writes the float grid "fill" (fog volume): the filled share of each voxel, 0 outside, at the
 /// voxel's centre, in metres and the asset's axes; and the int32 grid "piece": the connected piece
 /// of each voxel.
+/// @param place  of the grid's zero in the asset's coordinates [m].
 /// @throws Error (resources) if the file cannot be written.
-void write_vdb(const std::string& path, const VoxelGrid& grid);
+void write_vdb(const std::string& path, const VoxelGrid& grid, const Vec3& place = {});
 
 }  // namespace elastogen

@@ -8,7 +8,7 @@
 namespace elastogen {
 namespace {
 
-const Box kBox = {{-1, 0, 2}, {1, 4, 3}};
+const PlacedBox kBox = {{{-1, 0, 2}, {1, 4, 3}}};
 
 Collider parsed_collider(std::string_view text) {
   return parse_collider(text, kBox, "collider 1", 0.25);

@@ -9,7 +9,7 @@
 namespace elastogen {
 namespace {
 
-const Box kBox = {{1, 2, 3}, {3, 6, 4}};
+const PlacedBox kBox = {{{1, 2, 3}, {3, 6, 4}}};
 
 bool is_in(const char* text, const Vec3& point) {
   return contains(parse_selection(text), point, kBox);
@@ -44,7 +44,7 @@ TEST(Regions, BoxesAndSpheresAreClosed) {
 
 TEST(Regions, SelectNodesByTheirRestPosition) {
   const VoxelGrid grid = make_box(4, 4, 4, 0.25);
-  const Box box = {{0, 0, 0}, {1, 1, 1}};
+  const PlacedBox box = {{{0, 0, 0}, {1, 1, 1}}};
   const Array<uint8_t> selected = select_nodes(grid, parse_selection("x<25%"), box);
   int64_t count = 0;
   for (int64_t n = 0; n < grid.node_count(); ++n) {
