@@ -26,6 +26,7 @@ struct TriangleGroup {
   int material = -1;            ///< index into Asset::materials, -1 for none
   std::vector<int32_t> corner;  ///< three drawn vertices a triangle
   int primitive = -1;           ///< glTF: index of the primitive in its mesh
+  bool has_uv = true;           ///< its corners mean what the mesh's uv says
 };
 
 /// A mesh in its own space. A drawn vertex is a position with attributes; the first ones are the
@@ -38,6 +39,9 @@ struct Mesh {
   std::vector<std::array<float, 3>> normal;  ///< per drawn vertex, or empty
   std::vector<std::array<float, 4>> colour;  ///< per drawn vertex, linear RGBA, or empty
   std::vector<TriangleGroup> groups;
+  /// Number of each position in the file where it is not the place in the row of all meshes'
+  /// positions: meshes of one file that are shown once may share positions. Else empty.
+  std::vector<int32_t> file_position;
 };
 
 /// A node of the scene tree; several nodes may show one mesh.
@@ -111,6 +115,9 @@ Matrix4 world_matrix(const Asset& asset, int node);
 
 /// Matrices of all nodes to the asset's root. @throws Error (asset) on a cycle.
 std::vector<Matrix4> world_matrices(const Asset& asset);
+
+/// Positions of meshes that are one with those of others in the file.
+int64_t repeated_positions(const Asset& asset);
 
 /// Poses an asset and scales it so that its longest edge is `size` metres (0: as the file has it).
 /// @throws Error (asset) if there is no triangle, no extent, or a number is not finite.

@@ -53,7 +53,8 @@ void add_topology(Asset& asset, const Surface& surface, const WeldedMesh& w) {
   add_finding(asset, "unreferenced", w.unreferenced, "vertices belong to no triangle");
   if (asset.format == "obj" || asset.format == "ply" ||
       asset.format == "off")  // the others split vertices by design
-    add_finding(asset, "duplicate-vertices", w.merged, "vertices lie on another one");
+    add_finding(asset, "duplicate-vertices", w.merged - repeated_positions(asset),
+                "vertices lie on another one");
   add_finding(asset, "non-manifold", w.nonmanifold_edges, "edges have three faces or more");
   add_finding(asset, "open", w.border_edges, "edges have one face: the surface is open");
   add_finding(asset, "mixed-winding", w.turned_edges,

@@ -9,6 +9,7 @@
 #include <bit>
 #include <cmath>
 #include <filesystem>
+#include <numeric>
 
 namespace elastogen {
 
@@ -82,14 +83,34 @@ void check_number(const std::string& path) {
                   "the file, as %d or %04d");
 }
 
-std::vector<Vec3> file_positions(const Asset& asset, const Surface& surface) {
-  if (asset.points) return asset.points->position;
-  if (asset.splats) return asset.splats->position;
-  std::vector<Vec3> positions(size_t(surface.vertices.rows()));
-  for (size_t v = 0; v < positions.size(); ++v)
-    for (size_t d = 0; d < 3; ++d)
-      positions[v][d] = surface.vertices(int64_t(v), int(d)) / surface.scale;
-  return positions;
+FileOrder file_order(const Asset& asset, const Surface& surface) {
+  FileOrder order;
+  if (asset.points || asset.splats) {
+    order.rest = asset.points ? asset.points->position : asset.splats->position;
+    order.point.resize(order.rest.size());
+    std::iota(order.point.begin(), order.point.end(), 0);
+    order.vertex = order.point;
+    return order;
+  }
+  for (const SurfaceInstance& instance : surface.instances) {
+    const Mesh& mesh = asset.meshes[size_t(instance.mesh)];
+    for (size_t i = 0; i < mesh.position.size(); ++i) {
+      const bool own = !mesh.file_position.empty();
+      order.vertex.push_back(own ? mesh.file_position[i]
+                                 : int32_t(instance.first_vertex) + int32_t(i));
+    }
+  }
+  const auto last = std::ranges::max_element(order.vertex);
+  order.point.assign(last == order.vertex.end() ? 0 : size_t(*last) + 1, -1);
+  for (size_t k = 0; k < order.vertex.size(); ++k) {
+    int32_t& point = order.point[size_t(order.vertex[k])];
+    if (point < 0) point = int32_t(k);
+  }
+  for (const int32_t v : order.point) {
+    const double* x = surface.vertices.row(v);
+    order.rest.push_back({x[0] / surface.scale, x[1] / surface.scale, x[2] / surface.scale});
+  }
+  return order;
 }
 
 void check_frame(const AnimationFrame& frame, int64_t number, int64_t points, bool gradient) {

@@ -32,7 +32,7 @@ std::string numbered(const char* name, size_t count) {
 class PlyWriter : public AnimationWriter {
  public:
   PlyWriter(const std::string& path, const Asset& asset, const Surface& surface)
-      : path_(path), asset_(asset), surface_(surface), rest_(file_positions(asset, surface)) {
+      : path_(path), asset_(asset), surface_(surface), order_(file_order(asset, surface)) {
     if (asset.splats) motion_.emplace(*asset.splats);
     SafeFile probe(frame_path(path, 0, ".ply"));  // refuses a folder at once
   }
@@ -42,14 +42,14 @@ class PlyWriter : public AnimationWriter {
   }
 
   void frame(const AnimationFrame& frame) override {
-    check_frame(frame, frames_, int64_t(rest_.size()), needs_gradient());
+    check_frame(frame, frames_, int64_t(order_.vertex.size()), needs_gradient());
     const std::string path = frame_path(path_, frames_, ".ply");
     ELASTOGEN_CHECK(std::filesystem::path(path).lexically_normal() !=
                         std::filesystem::path(asset_.path).lexically_normal(),
                     path, ": a frame would take the place of the input; name the output otherwise");
     if (motion_) motion_->turn(frame.gradient);
     std::string bytes = header();
-    for (size_t p = 0; p < rest_.size(); ++p) append_point(frame, p, bytes);
+    for (size_t p = 0; p < order_.rest.size(); ++p) append_point(frame, p, bytes);
     if (!asset_.points && !motion_) append_triangles(bytes);
     write_file(path, bytes);
     ++frames_;
@@ -63,7 +63,7 @@ class PlyWriter : public AnimationWriter {
         concat("ply\nformat binary_little_endian 1.0\ncomment elastogen frame ", frames_, '\n');
     if (motion_ && motion_->clamped > 0)
       text += concat("comment stretches of ", motion_->clamped, " splats held within 1/3 ... 3\n");
-    text += concat("element vertex ", rest_.size(), '\n');
+    text += concat("element vertex ", order_.rest.size(), '\n');
     text += properties({"x", "y", "z"});
     if (motion_) {
       text += properties({"nx", "ny", "nz"});
@@ -84,7 +84,8 @@ class PlyWriter : public AnimationWriter {
 
   void append_point(const AnimationFrame& frame, size_t p, std::string& bytes) const {
     for (size_t d = 0; d < 3; ++d)
-      append(bytes, float(rest_[p][d] + frame.displacement(int64_t(p), int(d)) / surface_.scale));
+      append(bytes, float(order_.rest[p][d] +
+                          frame.displacement(order_.point[p], int(d)) / surface_.scale));
     if (motion_) return append_splat(p, bytes);
     if (!asset_.points) return;
     if (!asset_.points->normal.empty())
@@ -111,14 +112,14 @@ class PlyWriter : public AnimationWriter {
   void append_triangles(std::string& bytes) const {
     for (int64_t t = 0; t < surface_.triangles.rows(); ++t) {
       append(bytes, uint8_t(3));
-      for (int k = 0; k < 3; ++k) append(bytes, surface_.triangles(t, k));
+      for (int k = 0; k < 3; ++k) append(bytes, order_.vertex[size_t(surface_.triangles(t, k))]);
     }
   }
 
   std::string path_;
   const Asset& asset_;
   const Surface& surface_;
-  std::vector<Vec3> rest_;
+  FileOrder order_;
   std::optional<SplatMotion> motion_;
   int64_t frames_ = 0;
 };
