@@ -7,6 +7,7 @@
 #include "core/array.hpp"
 #include "core/base.hpp"
 #include "io/finding.hpp"
+#include "io/ply_header.hpp"
 
 #include <optional>
 #include <string>
@@ -29,6 +30,13 @@ struct TriangleGroup {
   bool has_uv = true;           ///< its corners mean what the mesh's uv says
 };
 
+/// A property of vertices that means nothing here; outputs that can hold it keep it.
+struct OwnColumn {
+  std::string name;
+  PlyType type = PlyType::kFloat64;  ///< of its numbers in the file
+  std::vector<double> value;         ///< per position
+};
+
 /// A mesh in its own space. A drawn vertex is a position with attributes; the first ones are the
 /// file's positions in the file's order, further ones split a position at a seam (OBJ).
 struct Mesh {
@@ -42,6 +50,7 @@ struct Mesh {
   /// Number of each position in the file where it is not the place in the row of all meshes'
   /// positions: meshes of one file that are shown once may share positions. Else empty.
   std::vector<int32_t> file_position;
+  std::vector<OwnColumn> own;  ///< only of an asset that is one mesh, shown once
 };
 
 /// A node of the scene tree; several nodes may show one mesh.

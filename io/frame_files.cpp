@@ -9,6 +9,7 @@
 #include <bit>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <numeric>
 
 namespace elastogen {
@@ -16,6 +17,8 @@ namespace elastogen {
 static_assert(std::endian::native == std::endian::little);
 
 namespace {
+
+constexpr double kFloat32Share = 1e-5;  // of the longest edge
 
 /// The first %d or %0Nd of a name; begin is npos where there is none.
 struct Number {
@@ -111,6 +114,21 @@ FileOrder file_order(const Asset& asset, const Surface& surface) {
     order.rest.push_back({x[0] / surface.scale, x[1] / surface.scale, x[2] / surface.scale});
   }
   return order;
+}
+
+double float32_step(const std::vector<Vec3>& positions) {
+  double largest = 0;
+  for (const Vec3& x : positions)
+    for (const double c : x) largest = std::max(largest, std::abs(c));
+  if (largest > double(std::numeric_limits<float>::max())) return INFINITY;
+  return double(std::nextafter(float(largest), INFINITY)) - double(float(largest));
+}
+
+bool is_float32_coarse(const std::vector<Vec3>& positions) {
+  Box box;
+  for (const Vec3& x : positions) box.add(x);
+  const double longest = std::max({box.extent(0), box.extent(1), box.extent(2)});
+  return !positions.empty() && float32_step(positions) > kFloat32Share * longest;
 }
 
 void check_frame(const AnimationFrame& frame, int64_t number, int64_t points, bool gradient) {

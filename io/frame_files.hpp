@@ -36,6 +36,13 @@ struct FileOrder {
 
 FileOrder file_order(const Asset& asset, const Surface& surface);
 
+/// Distance of neighbouring float32 numbers at the largest coordinate.
+double float32_step(const std::vector<Vec3>& positions);
+
+/// Whether that is more than 1e-5 of the longest edge: rounded to float32 the shape would be
+/// blurred.
+bool is_float32_coarse(const std::vector<Vec3>& positions);
+
 /// What every frame must be. @throws Error (usage) for another shape or numbers that are not
 /// finite in single precision; where `gradient` is set also for that of F.
 void check_frame(const AnimationFrame& frame, int64_t number, int64_t points, bool gradient);

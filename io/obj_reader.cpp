@@ -69,7 +69,8 @@ class ObjParser {
       const auto [v, n] = read_numbers(line, 1);
       shape_.uv.push_back({float(v[0]), 1 - float(v[1])});
     } else if (keyword == "vn") {
-      shape_.normal.push_back(unit(read_numbers(line, 3).first));
+      const auto [v, n] = read_numbers(line, 3);
+      shape_.normal.push_back({float(v[0]), float(v[1]), float(v[2])});
     } else if (keyword == "f" || keyword == "fo") {
       read_face(line);
     } else if (keyword == "usemtl") {
@@ -97,12 +98,6 @@ class ObjParser {
     }
     check(n >= least, line_, least, " numbers are expected, there are ", n);
     return {value, n};
-  }
-
-  static std::array<float, 3> unit(const std::array<double, 7>& v) {
-    const double length = std::hypot(v[0], v[1], v[2]);
-    if (!(length > 0 && std::isfinite(length))) return {0, 0, 1};
-    return {float(v[0] / length), float(v[1] / length), float(v[2] / length)};
   }
 
   // --- statements

@@ -118,7 +118,7 @@ TEST(ObjReader, ReadsEveryFormOfACorner) {
   }
   const Mesh mesh = parsed_obj(std::string(attributes) + "f 1/1/1 2/1/1 3/2/1").meshes[0];
   EXPECT_EQ(mesh.uv[0], (std::array<float, 2>{0.25f, 0.75f}));  // v runs down as in glTF
-  EXPECT_EQ(mesh.normal[0], (std::array<float, 3>{0, 0, 1}));
+  EXPECT_EQ(mesh.normal[0], (std::array<float, 3>{0, 0, 2}));   // the check makes it one long
 }
 
 TEST(ObjReader, SplitsSeamsBehindTheFilesPositions) {
@@ -236,6 +236,18 @@ TEST(ObjReader, NormalsOfSomeCornersOnlyAreNotUsed) {
   EXPECT_NE(finding(asset, "missing-normals"), nullptr);
 }
 
+TEST(ObjReader, FacesWithAndWithoutCoordinatesAreGroupsOfTheirOwn) {
+  const Mesh mesh = parsed_obj(
+                        "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nusemtl m\n"
+                        "f 1/1 2/2 3/1\nf 3 2 1\nf 1/1 2 3/2\nf 2/1 3/2 1/1\n")
+                        .meshes.at(0);
+  ASSERT_EQ(mesh.groups.size(), 2u);
+  EXPECT_TRUE(mesh.groups[0].has_uv);
+  EXPECT_EQ(mesh.groups[0].corner.size(), 6u);
+  EXPECT_FALSE(mesh.groups[1].has_uv);
+  EXPECT_EQ(mesh.groups[1].material, 0);
+}
+
 TEST(ObjReader, RefusesWithFileAndLine) {
   const std::pair<std::string, std::string> cases[] = {
       {"v 0 0 0\nv 1 0", "file.obj:2: 3 numbers are expected"},
@@ -308,7 +320,7 @@ TEST(ObjReader, ReadsRealFilesWithTheirCounts) {
     }
   }
   const Asset cat = read_obj(folder + "broken/Кот Ünïcode 名前 spot.obj");
-  EXPECT_EQ(cat.meshes[0].name, "Größe 牛");
+  EXPECT_EQ(cat.nodes.at(0).name, "Größe 牛");  // its groups are below
   EXPECT_EQ(cat.materials.at(0).name, "glänzend 青");
   EXPECT_FLOAT_EQ(cat.materials[0].base_colour[1], 0.7f);
 }

@@ -69,8 +69,8 @@ class Meshes(unittest.TestCase):
     def test_regions_take_solids_of_a_text_stl(self) -> None:
         source = parts_stl(self.folder / "parts.stl")
         self.assertEqual(self.materials(source, "node:Hat: foam"), ["foam", "jelly"])
-        self.assertEqual(self.materials(source, "node:Hat: foam", "node:?: rubber"),
-                         ["foam", "rubber"])
+        self.assertEqual(self.materials(source, "node:Hat: foam", "node:A: rubber",
+                                        "node:B: rubber"), ["foam", "rubber", "rubber"])
 
     def test_a_point_cache_of_objects_has_the_order_of_the_file(self) -> None:
         source = parts_obj(self.folder / "parts.obj")
