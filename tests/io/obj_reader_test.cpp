@@ -292,6 +292,31 @@ TEST(ObjReader, AnyTruncationIsReadOrRefused) {
   }
 }
 
+TEST(ObjReader, AnyByteOfObjectsAndGroupsMayBeWrong) {
+  const std::string text =
+      "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvt 0 0\nvt 1 0\nvn 0 0 1\no A\ng 1\nf 1/1/1 3/1/1 "
+      "2/2/1\n"
+      "g\nf 1 2 4\no B\ng 1\nf 1/1 4/2 3/2\no A\ng 1\nf 2 3 4\n";
+  for (size_t n = 0; n < text.size(); ++n)
+    for (const char value : {'\0', '\n', ' ', '/', '-', '9', 'g', 'o', 'x', '\xff'}) {
+      std::string changed = text;
+      changed[n] = value;
+      try {
+        Asset asset = parsed_obj(changed);
+        check_asset(asset);
+        // what is shared is counted, and the file's numbers are a row without gaps
+        const Surface surface = pose_surface(asset);
+        std::vector<uint8_t> seen(size_t(surface.vertices.rows() - repeated_positions(asset)), 0);
+        for (const Mesh& mesh : asset.meshes)
+          for (const int32_t p : mesh.file_position) seen.at(size_t(p)) = 1;
+        EXPECT_EQ(std::ranges::count(seen, 0), asset.meshes.size() > 1 ? 0 : int64_t(seen.size()))
+            << changed;
+      } catch (const Error& error) {
+        EXPECT_EQ(error.kind(), ErrorKind::kAsset) << error.what();
+      }
+    }
+}
+
 TEST(ObjReader, ReadsRealFilesWithTheirCounts) {
   const std::string folder = test::assets_folder();
   if (folder.empty()) return;

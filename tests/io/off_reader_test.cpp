@@ -140,6 +140,10 @@ TEST(OffReader, ReportsFacesOfTwoCorners) {
 TEST(OffReader, NoCutAndNoByteBreaksIt) {
   test::expect_no_cut_is_read(parse_off, kPyramid, 1);
   test::expect_any_byte_is_read_or_refused(parse_off, kPyramid);
+  test::expect_any_byte_is_read_or_refused(
+      parse_off,
+      "STCNOFF\n3 1 0\n0 0 0 0 0 1 255 0 9 1 0 0\n1 0 0 0 0 1 1 2 3 1 1 0\n"
+      "0 1 0 0 0 1 4 5 6 7 0 1\n3 0 1 2 0.5 0.25 1\n");
 }
 
 TEST(OffReader, ReadsRealFilesWithTheirCounts) {

@@ -260,6 +260,12 @@ TEST(PlyReader, BinaryFilesThatEndEarlySayWhere) {
     expect_says(error_of([&, n = size] { parsed_ply(whole.substr(0, n)); }), message);
 }
 
+TEST(PlyReader, NoCutAndNoByteOfCornersBreaksIt) {
+  const std::string text = CornerFile(2, "comment TextureFile a.png\n", true).text;
+  test::expect_no_cut_is_read(parse_ply, text, 3);  // the last number may lose its digits
+  test::expect_any_byte_is_read_or_refused(parse_ply, text);
+}
+
 TEST(PlyReader, RefusesHeadersThatCannotBe) {
   const std::string vertex = "property float x\nproperty float y\nproperty float z\n";
   const std::string face = "element face 1\nproperty list uchar int vertex_index\nend_header\n";
