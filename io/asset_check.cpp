@@ -5,7 +5,7 @@
 #include "core/vec3.hpp"
 #include "io/cloud_check.hpp"
 
-#include <map>
+#include <numeric>
 
 namespace elastogen {
 namespace {
@@ -90,24 +90,36 @@ void mend_normals(Asset& asset, Mesh& mesh) {
   add_finding(asset, "long-normals", counted, "normals are not of length one" + where);
 }
 
-/// Textures need coordinates: triangles without get the material without its texture.
+/// Whether a group can show a texture.
+bool has_uv(const Mesh& mesh, const TriangleGroup& group) {
+  return group.has_uv && !mesh.uv.empty();
+}
+
+/// Textures need coordinates: triangles without get the material without its texture, a copy where
+/// others show it.
 void drop_textures_without_uv(Asset& asset) {
-  std::map<int, int> plain;  // copies of materials
+  std::vector<int> plain(asset.materials.size());  // itself, -1 where a copy is needed
+  std::iota(plain.begin(), plain.end(), 0);
+  for (const Mesh& mesh : asset.meshes)
+    for (const TriangleGroup& group : mesh.groups)
+      if (group.material >= 0 && has_uv(mesh, group)) plain[size_t(group.material)] = -1;
+  std::vector<uint8_t> cleared(plain.size(), 0);
   for (Mesh& mesh : asset.meshes)
     for (TriangleGroup& group : mesh.groups) {
-      if (group.material < 0 || (group.has_uv && !mesh.uv.empty()) || group.corner.empty())
-        continue;
-      const AssetMaterial& from = asset.materials[size_t(group.material)];
-      if (from.texture.empty()) continue;
-      const auto [copy, is_new] = plain.try_emplace(group.material, int(asset.materials.size()));
-      group.material = copy->second;
+      const auto m = size_t(group.material);
+      if (group.material < 0 || has_uv(mesh, group) || group.corner.empty()) continue;
+      if (asset.materials[m].texture.empty() && !cleared[m]) continue;
       add_finding(asset, "missing-uvs", int64_t(group.corner.size() / 3),
                   "triangles with a texture have no coordinates in it, the first in the mesh \"" +
                       mesh.name + '"');
-      if (!is_new) continue;
-      AssetMaterial material = from;
-      material.texture.clear();
-      asset.materials.push_back(std::move(material));
+      if (plain[m] < 0) {
+        plain[m] = int(asset.materials.size());
+        AssetMaterial copy = asset.materials[m];
+        asset.materials.push_back(std::move(copy));
+      }
+      group.material = plain[m];
+      cleared[m] = 1;
+      asset.materials[size_t(plain[m])].texture.clear();
     }
 }
 

@@ -180,6 +180,18 @@ TEST(AssetCheck, TexturesWithoutCoordinatesAreDroppedAndSaid) {
   EXPECT_EQ(asset.materials[2].name, "skin");
   EXPECT_EQ(asset.materials[2].base_colour, (std::array<float, 4>{1, 0.5f, 0.25f, 1}));
   EXPECT_TRUE(asset.materials[2].texture.empty());
+  EXPECT_EQ(asset.materials[0].texture, "skin.png");
+
+  // no copy of what nothing else shows
+  asset = cube();
+  asset.materials.push_back({"skin", {1, 0.5f, 0.25f, 1}, "skin.png"});
+  asset.meshes[0].groups[0].material = 0;
+  asset.meshes[0].groups.push_back(asset.meshes[0].groups[0]);
+  check_asset(asset);
+  EXPECT_EQ(count_of(asset, "missing-uvs"), 24);
+  ASSERT_EQ(asset.materials.size(), 1u);
+  EXPECT_TRUE(asset.materials[0].texture.empty());
+  EXPECT_EQ(asset.meshes[0].groups[1].material, 0);
 }
 
 TEST(AssetCheck, CountsWhatIsWrong) {
