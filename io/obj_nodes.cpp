@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/obj_nodes.hpp"
 
+#include "core/error.hpp"
 #include "io/asset_check.hpp"
 #include "io/drawn_vertices.hpp"
 #include "io/polygon.hpp"
