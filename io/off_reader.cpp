@@ -145,8 +145,7 @@ class OffParser {
       value[count++] = *v;
     }
     coloured_.push_back(count >= 3);
-    face_colours_.push_back(count >= 3 ? colour_of(value, count)
-                                       : kNoColour);
+    face_colours_.push_back(count >= 3 ? colour_of(value, count) : kNoColour);
     if (count == 1 || count == 2)
       add_finding(asset_, "left-out-properties", 1,
                   "faces name a colour by its number in a table that is not in the file");

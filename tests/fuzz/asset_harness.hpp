@@ -32,7 +32,8 @@ inline std::string fingerprint(const Asset& asset) {
   for (const Mesh& mesh : asset.meshes) {
     all += bytes_of(mesh.file_position);
     for (const TriangleGroup& group : mesh.groups) all += group.has_uv ? 'u' : '-';
-    for (const OwnColumn& own : mesh.own) all += concat(own.name, int(own.type), bytes_of(own.value));
+    for (const OwnColumn& own : mesh.own)
+      all += concat(own.name, int(own.type), bytes_of(own.value));
   }
   if (asset.points)
     all += concat(bytes_of(asset.points->position), '|', bytes_of(asset.points->normal), '|',
