@@ -21,7 +21,7 @@ AssetSummary summary_of(const Asset& asset, const Body& body, const AnimateOptio
   AssetSummary summary;
   summary.path = asset.path;
   summary.format = asset.format;
-  summary.vertices = body.carried.rows();
+  summary.vertices = body.carried.rows() - repeated_positions(asset);
   summary.faces = body.is_asset ? body.surface.triangles.rows() : 0;
   const Box& box = body.surface.box;
   const double longest = std::max({box.extent(0), box.extent(1), box.extent(2)});

@@ -46,7 +46,7 @@ Json counts_of(const Asset& asset) {
     for (const TriangleGroup& group : mesh.groups) triangles += group.corner.size() / 3;
   }
   return {{"meshes", asset.meshes.size()},
-          {"vertices", vertices},
+          {"vertices", int64_t(vertices) - repeated_positions(asset)},
           {"triangles", triangles},
           {"points", asset.points ? asset.points->position.size() : 0},
           {"splats", asset.splats ? asset.splats->position.size() : 0}};

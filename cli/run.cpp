@@ -11,6 +11,7 @@
 #include "cli/version.hpp"
 #include "core/error.hpp"
 #include "core/parallel.hpp"
+#include "io/output_findings.hpp"
 #include "io/safe_file.hpp"
 #include "io/state_writer.hpp"
 #include "io/step_log.hpp"
@@ -264,6 +265,8 @@ RunResult run_animation(const Asset& asset, const AnimateOptions& options, doubl
   if (options.fem && options.fem->statics)
     for (std::string& text : unheld_pieces(fem_scene(setup, options)))
       report.warnings.push_back(std::move(text));
+  for (Finding& finding : output_findings(asset, setup.body.surface, options.outputs))
+    report.asset.findings.push_back(std::move(finding));
   if (!options.quiet) print_setup(setup, report.asset, options);
   say_findings(report, options, hooks);
   const size_t warned = report.warnings.size();

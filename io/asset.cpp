@@ -139,6 +139,15 @@ std::vector<Matrix4> world_matrices(const Asset& asset) {
   return matrices;
 }
 
+int64_t repeated_positions(const Asset& asset) {
+  int64_t count = 0, last = -1;
+  for (const Mesh& mesh : asset.meshes) {
+    count += int64_t(mesh.file_position.size());
+    for (const int32_t p : mesh.file_position) last = std::max(last, int64_t(p));
+  }
+  return count - (last + 1);
+}
+
 Surface pose_surface(const Asset& asset, double size) {
   ELASTOGEN_CHECK(size >= 0 && std::isfinite(size), "the size must be positive, got ", size);
   Surface surface;

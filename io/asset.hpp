@@ -7,6 +7,7 @@
 #include "core/array.hpp"
 #include "core/base.hpp"
 #include "io/finding.hpp"
+#include "io/ply_header.hpp"
 
 #include <optional>
 #include <string>
@@ -26,6 +27,14 @@ struct TriangleGroup {
   int material = -1;            ///< index into Asset::materials, -1 for none
   std::vector<int32_t> corner;  ///< three drawn vertices a triangle
   int primitive = -1;           ///< glTF: index of the primitive in its mesh
+  bool has_uv = true;           ///< its corners mean what the mesh's uv says
+};
+
+/// A property of vertices that means nothing here; outputs that can hold it keep it.
+struct OwnColumn {
+  std::string name;
+  PlyType type = PlyType::kFloat64;  ///< of its numbers in the file
+  std::vector<double> value;         ///< per position
 };
 
 /// A mesh in its own space. A drawn vertex is a position with attributes; the first ones are the
@@ -38,6 +47,10 @@ struct Mesh {
   std::vector<std::array<float, 3>> normal;  ///< per drawn vertex, or empty
   std::vector<std::array<float, 4>> colour;  ///< per drawn vertex, linear RGBA, or empty
   std::vector<TriangleGroup> groups;
+  /// Number of each position in the file where it is not the place in the row of all meshes'
+  /// positions: meshes of one file that are shown once may share positions. Else empty.
+  std::vector<int32_t> file_position;
+  std::vector<OwnColumn> own;  ///< only of an asset that is one mesh, shown once
 };
 
 /// A node of the scene tree; several nodes may show one mesh.
@@ -121,6 +134,9 @@ std::vector<Matrix4> world_matrices(const Asset& asset);
 
 /// Moves a surface to its own middle where it lies far from the origin: vertices, box, box.origin.
 void settle(Surface& surface);
+
+/// Positions of meshes that are one with those of others in the file.
+int64_t repeated_positions(const Asset& asset);
 
 /// Poses an asset and scales it so that its longest edge is `size` metres (0: as the file has it).
 /// @throws Error (asset) if there is no triangle, no extent, or a number is not finite.

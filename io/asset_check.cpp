@@ -2,7 +2,10 @@
 #include "io/asset_check.hpp"
 
 #include "core/error.hpp"
+#include "core/vec3.hpp"
 #include "io/cloud_check.hpp"
+
+#include <numeric>
 
 namespace elastogen {
 namespace {
@@ -44,6 +47,82 @@ void check_attribute(Asset& asset, const Mesh& mesh, std::vector<std::array<floa
   reset_bad_rows(asset, values, value, name);
 }
 
+/// Normal of each drawn vertex by its faces, as long as twice their area.
+std::vector<Vec3> area_normals(const Mesh& mesh) {
+  std::vector<Vec3> sum(mesh.position_of.size(), Vec3{});
+  for (const TriangleGroup& group : mesh.groups)
+    for (size_t t = 0; t + 2 < group.corner.size(); t += 3) {
+      Vec3 x[3];
+      for (size_t k = 0; k < 3; ++k)
+        x[k] = mesh.position[size_t(mesh.position_of[size_t(group.corner[t + k])])];
+      const Vec3 n = cross(minus(x[1], x[0]), minus(x[2], x[0]));
+      for (size_t k = 0; k < 3; ++k)
+        for (size_t d = 0; d < 3; ++d) sum[size_t(group.corner[t + k])][d] += n[d];
+    }
+  return sum;
+}
+
+/// Makes normals of length one. Rounding of files is neither counted nor changed.
+void mend_normals(Asset& asset, Mesh& mesh) {
+  constexpr double kCounted = 1e-2, kRounding = 1e-6;
+  const auto length_of = [](const auto& n) {
+    return std::hypot(double(n[0]), double(n[1]), double(n[2]));
+  };
+  std::vector<Vec3> by_area;
+  int64_t zero = 0, counted = 0;
+  for (size_t v = 0; v < mesh.normal.size(); ++v) {
+    Vec3 n = {mesh.normal[v][0], mesh.normal[v][1], mesh.normal[v][2]};
+    double length = length_of(n);
+    if (std::abs(length - 1) <= kRounding) continue;
+    if (length == 0) {
+      ++zero;
+      if (by_area.empty()) by_area = area_normals(mesh);
+      n = by_area[v];
+      length = length_of(n);
+      if (!(length > 0 && std::isfinite(length))) n = {0, 0, 1}, length = 1;
+    } else {
+      counted += std::abs(length - 1) > kCounted;
+    }
+    for (size_t d = 0; d < 3; ++d) mesh.normal[v][d] = float(n[d] / length);
+  }
+  const std::string where = ", the first in the mesh \"" + mesh.name + '"';
+  add_finding(asset, "zero-normals", zero, "normals have no length" + where);
+  add_finding(asset, "long-normals", counted, "normals are not of length one" + where);
+}
+
+/// Whether a group can show a texture.
+bool has_uv(const Mesh& mesh, const TriangleGroup& group) {
+  return group.has_uv && !mesh.uv.empty();
+}
+
+/// Textures need coordinates: triangles without get the material without its texture, a copy where
+/// others show it.
+void drop_textures_without_uv(Asset& asset) {
+  std::vector<int> plain(asset.materials.size());  // itself, -1 where a copy is needed
+  std::iota(plain.begin(), plain.end(), 0);
+  for (const Mesh& mesh : asset.meshes)
+    for (const TriangleGroup& group : mesh.groups)
+      if (group.material >= 0 && has_uv(mesh, group)) plain[size_t(group.material)] = -1;
+  std::vector<uint8_t> cleared(plain.size(), 0);
+  for (Mesh& mesh : asset.meshes)
+    for (TriangleGroup& group : mesh.groups) {
+      const auto m = size_t(group.material);
+      if (group.material < 0 || has_uv(mesh, group) || group.corner.empty()) continue;
+      if (asset.materials[m].texture.empty() && !cleared[m]) continue;
+      add_finding(asset, "missing-uvs", int64_t(group.corner.size() / 3),
+                  "triangles with a texture have no coordinates in it, the first in the mesh \"" +
+                      mesh.name + '"');
+      if (plain[m] < 0) {
+        plain[m] = int(asset.materials.size());
+        AssetMaterial copy = asset.materials[m];
+        asset.materials.push_back(std::move(copy));
+      }
+      group.material = plain[m];
+      cleared[m] = 1;
+      asset.materials[size_t(plain[m])].texture.clear();
+    }
+}
+
 /// What the welded triangles tell.
 void add_topology(Asset& asset, const Surface& surface, const WeldedMesh& w) {
   add_finding(asset, "zero-area", w.zero_area, "triangles have no area");
@@ -53,7 +132,8 @@ void add_topology(Asset& asset, const Surface& surface, const WeldedMesh& w) {
   add_finding(asset, "unreferenced", w.unreferenced, "vertices belong to no triangle");
   if (asset.format == "obj" || asset.format == "ply" ||
       asset.format == "off")  // the others split vertices by design
-    add_finding(asset, "duplicate-vertices", w.merged, "vertices lie on another one");
+    add_finding(asset, "duplicate-vertices", w.merged - repeated_positions(asset),
+                "vertices lie on another one");
   add_finding(asset, "non-manifold", w.nonmanifold_edges, "edges have three faces or more");
   add_finding(asset, "open", w.border_edges, "edges have one face: the surface is open");
   add_finding(asset, "mixed-winding", w.turned_edges,
@@ -78,13 +158,17 @@ void add_finding(Asset& asset, const std::string& what, int64_t count, const std
 
 void check_asset(Asset& asset) {
   if (asset.points || asset.splats) return check_cloud(asset);
+  // of glTF the document is kept as it is
+  const bool is_gltf = asset.format == "glb" || asset.format == "gltf";
   for (Mesh& mesh : asset.meshes) {
     check_positions(asset, mesh);
     check_indices(asset, mesh);
     check_attribute(asset, mesh, mesh.uv, {0, 0}, "uvs");
     check_attribute(asset, mesh, mesh.normal, {0, 0, 1}, "normals");
     check_attribute(asset, mesh, mesh.colour, {1, 1, 1, 1}, "colours");
+    if (!is_gltf) mend_normals(asset, mesh);
   }
+  if (!is_gltf) drop_textures_without_uv(asset);
   const Surface surface = pose_surface(asset);
   const WeldedMesh welded = weld(surface);
   ELASTOGEN_CHECK_ASSET(welded.zero_area < surface.triangles.rows(), asset.path,

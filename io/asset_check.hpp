@@ -33,8 +33,9 @@ void reset_bad_rows(Asset& asset, std::vector<Row>& rows, const Row& value, cons
 }
 
 /// Refuses what cannot be simulated, repairs attributes, adds findings (see docs/formats.md):
-/// repairs are non-finite uv, normals and colours, set to 0, (0, 0, 1) and white.
-/// Assets of points or splats need no triangle (io/cloud_check.hpp).
+/// repairs are non-finite uv, normals and colours, set to 0, (0, 0, 1) and white; but for glTF,
+/// whose document outputs keep, also normals that are not of length one, and textures without uv,
+/// which are dropped. Assets of points or splats need no triangle (io/cloud_check.hpp).
 /// @throws Error (asset) naming file, mesh and first index: a position that is not finite, a
 ///         corner out of range, no triangle ("nothing to simulate"), no extent.
 void check_asset(Asset& asset);

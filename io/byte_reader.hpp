@@ -5,6 +5,7 @@
 
 #include "core/error.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <charconv>
 #include <cmath>
@@ -108,6 +109,19 @@ inline std::optional<int64_t> to_integer(std::string_view word) {
 /// Without the byte order mark of UTF-8.
 inline std::string_view without_mark(std::string_view text) {
   return text.starts_with("\xef\xbb\xbf") ? text.substr(3) : text;
+}
+
+/// Whether bytes begin with a mark of UTF-16, or as Latin text in it does: zeros in every second
+/// place of the first 32 characters.
+inline bool is_utf16(std::string_view bytes) {
+  if (bytes.starts_with("\xff\xfe") || bytes.starts_with("\xfe\xff")) return true;
+  const size_t n = std::min<size_t>(bytes.size() / 2 * 2, 64);
+  for (const size_t zero : {0u, 1u}) {
+    bool all = n >= 8;
+    for (size_t k = 0; k < n; ++k) all = all && (bytes[k] == '\0') == (k % 2 == zero);
+    if (all) return true;
+  }
+  return false;
 }
 
 /// Linear light of an sRGB value in 0..1 (IEC 61966-2-1).

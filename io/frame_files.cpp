@@ -2,6 +2,7 @@
 #include "io/frame_files.hpp"
 
 #include "core/error.hpp"
+#include "core/vec3.hpp"
 #include "io/byte_reader.hpp"
 #include "io/safe_file.hpp"
 
@@ -9,12 +10,16 @@
 #include <bit>
 #include <cmath>
 #include <filesystem>
+#include <limits>
+#include <numeric>
 
 namespace elastogen {
 
 static_assert(std::endian::native == std::endian::little);
 
 namespace {
+
+constexpr double kFloat32Share = 1e-5;  // of the longest edge
 
 /// The first %d or %0Nd of a name; begin is npos where there is none.
 struct Number {
@@ -82,15 +87,49 @@ void check_number(const std::string& path) {
                   "the file, as %d or %04d");
 }
 
-std::vector<Vec3> file_positions(const Asset& asset, const Surface& surface) {
-  if (asset.points) return asset.points->position;
-  if (asset.splats) return asset.splats->position;
-  std::vector<Vec3> positions(size_t(surface.vertices.rows()));
-  for (size_t v = 0; v < positions.size(); ++v)
-    for (size_t d = 0; d < 3; ++d)
-      positions[v][d] =
-          (surface.box.origin[d] + surface.vertices(int64_t(v), int(d))) / surface.scale;
-  return positions;
+FileOrder file_order(const Asset& asset, const Surface& surface) {
+  FileOrder order;
+  if (asset.points || asset.splats) {
+    order.rest = asset.points ? asset.points->position : asset.splats->position;
+    order.point.resize(order.rest.size());
+    std::iota(order.point.begin(), order.point.end(), 0);
+    order.vertex = order.point;
+    return order;
+  }
+  for (const SurfaceInstance& instance : surface.instances) {
+    const Mesh& mesh = asset.meshes[size_t(instance.mesh)];
+    for (size_t i = 0; i < mesh.position.size(); ++i) {
+      const bool own = !mesh.file_position.empty();
+      order.vertex.push_back(own ? mesh.file_position[i]
+                                 : int32_t(instance.first_vertex) + int32_t(i));
+    }
+  }
+  const auto last = std::ranges::max_element(order.vertex);
+  order.point.assign(last == order.vertex.end() ? 0 : size_t(*last) + 1, -1);
+  for (size_t k = 0; k < order.vertex.size(); ++k) {
+    int32_t& point = order.point[size_t(order.vertex[k])];
+    if (point < 0) point = int32_t(k);
+  }
+  for (const int32_t v : order.point) {
+    const double* x = surface.vertices.row(v);
+    order.rest.push_back(scaled(plus({x[0], x[1], x[2]}, surface.box.origin), 1 / surface.scale));
+  }
+  return order;
+}
+
+double float32_step(const std::vector<Vec3>& positions) {
+  double largest = 0;
+  for (const Vec3& x : positions)
+    for (const double c : x) largest = std::max(largest, std::abs(c));
+  if (largest > double(std::numeric_limits<float>::max())) return INFINITY;
+  return double(std::nextafter(float(largest), INFINITY)) - double(float(largest));
+}
+
+bool is_float32_coarse(const std::vector<Vec3>& positions) {
+  Box box;
+  for (const Vec3& x : positions) box.add(x);
+  const double longest = std::max({box.extent(0), box.extent(1), box.extent(2)});
+  return !positions.empty() && float32_step(positions) > kFloat32Share * longest;
 }
 
 void check_frame(const AnimationFrame& frame, int64_t number, int64_t points, bool gradient) {

@@ -26,9 +26,22 @@ bool is_frame_of(const std::string& path, int64_t frames, const std::string& fil
 /// @throws Error (usage) naming the file.
 void check_number(const std::string& path);
 
-/// Rest positions of the carried points in the numbers and axes of the asset: points and splats as
-/// the file has them, vertices posed by the node tree.
-std::vector<Vec3> file_positions(const Asset& asset, const Surface& surface);
+/// Vertices as the file counts them, which outputs keep, and the carried points.
+struct FileOrder {
+  std::vector<int32_t> point;   ///< the carried point of each vertex (of its first mesh)
+  std::vector<int32_t> vertex;  ///< the vertex of each carried point
+  std::vector<Vec3> rest;  ///< of each vertex, in the numbers and axes of the asset: points and
+                           ///< splats as the file has them, meshes posed by the node tree
+};
+
+FileOrder file_order(const Asset& asset, const Surface& surface);
+
+/// Distance of neighbouring float32 numbers at the largest coordinate.
+double float32_step(const std::vector<Vec3>& positions);
+
+/// Whether that is more than 1e-5 of the longest edge: rounded to float32 the shape would be
+/// blurred.
+bool is_float32_coarse(const std::vector<Vec3>& positions);
 
 /// What every frame must be. @throws Error (usage) for another shape or numbers that are not
 /// finite in single precision; where `gradient` is set also for that of F.

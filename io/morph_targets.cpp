@@ -105,14 +105,15 @@ Array<float> sampled_normals(const Asset& asset, const Surface& surface, const M
   const std::vector<Sampled> sample = sampled_vertices(asset, surface, group);
   Array<float> normals(frames, int(3 * sample.size()));
   if (sample.empty()) return normals;
+  size_t begin = 0, end = 0;  // of the samples of a part
   for (size_t p = 0; p < group.instances.size(); ++p) {
     const Mesh& mesh = mesh_of(asset, surface, group.instances[p]);
     Array<float> delta(int64_t(mesh.normal.size()), 3);
-    if (mesh.normal.empty()) continue;
+    for (begin = end; end < sample.size() && sample[end].part == p;) ++end;
+    if (begin == end) continue;
     for (int64_t t = 0; t < frames; ++t) {
       normal_deltas(mesh, displacement_of(group.motion, group.motion.parts[p], t), delta);
-      for (size_t s = 0; s < sample.size(); ++s) {
-        if (sample[s].part != p) continue;
+      for (size_t s = begin; s < end; ++s) {
         const size_t v = sample[s].vertex;
         const float* d = delta.row(int64_t(v));
         const float n[3] = {mesh.normal[v][0] + d[0], mesh.normal[v][1] + d[1],

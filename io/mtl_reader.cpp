@@ -64,6 +64,10 @@ bool read_mtl(Asset& asset, const std::string& name) {
   } catch (const Error&) {
     return false;
   }
+  if (is_utf16(content)) {
+    add_finding(asset, "unread-material-file", 1, "material file is UTF-16 text: " + name);
+    return true;
+  }
   std::unordered_map<std::string_view, AssetMaterial*> material_of;
   for (AssetMaterial& m : asset.materials) material_of[m.name] = &m;
   AssetMaterial* material = nullptr;

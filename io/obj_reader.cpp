@@ -4,36 +4,17 @@
 #include "io/asset_check.hpp"
 #include "io/byte_reader.hpp"
 #include "io/mtl_reader.hpp"
+#include "io/obj_nodes.hpp"
 #include "io/polygon.hpp"
 #include "io/safe_file.hpp"
 
 #include <algorithm>
-#include <array>
-#include <filesystem>
 #include <unordered_map>
 
 namespace elastogen {
 namespace {
 
-/// Position, uv and normal of a face's corner, -1 for none.
 constexpr size_t kMaxLibraryLine = 4096, kMaxLibraries = 1000;
-
-using Corner = std::array<int32_t, 3>;
-
-struct CornerHash {
-  size_t operator()(const Corner& c) const {
-    uint64_t h = 0;
-    for (const int32_t i : c) h = (h ^ uint32_t(i)) * 0x9e3779b97f4a7c15u, h ^= h >> 29;
-    return h;
-  }
-};
-
-struct Face {
-  int64_t first = 0;  ///< of its corners
-  int32_t corners = 0;
-  int32_t line = 0;
-  int32_t material = -1;
-};
 
 constexpr const char* kIndexNames[3] = {"vertex", "texture", "normal"};
 constexpr int64_t kMaxObjCount = std::numeric_limits<int32_t>::max();
@@ -48,11 +29,10 @@ class ObjParser {
   Asset parse() {
     std::string_view line;
     while (next_statement(line)) read_statement(line);
-    for (const Face& face : faces_) check_indices(face);
-    build_vertices();
-    build_groups();
+    for (const ObjFace& face : shape_.faces) check_indices(face);
+    if (shape_.faces.empty()) nodes_.node();
+    build_obj_meshes(std::move(shape_), asset_);
     read_materials();
-    finish();
     return std::move(asset_);
   }
 
@@ -87,17 +67,20 @@ class ObjParser {
       read_position(line);
     } else if (keyword == "vt") {
       const auto [v, n] = read_numbers(line, 1);
-      uv_.push_back({float(v[0]), 1 - float(v[1])});
+      shape_.uv.push_back({float(v[0]), 1 - float(v[1])});
     } else if (keyword == "vn") {
-      normal_.push_back(unit(read_numbers(line, 3).first));
+      const auto [v, n] = read_numbers(line, 3);
+      shape_.normal.push_back({float(v[0]), float(v[1]), float(v[2])});
     } else if (keyword == "f" || keyword == "fo") {
       read_face(line);
     } else if (keyword == "usemtl") {
       use_material(std::string(trimmed(line)));
     } else if (keyword == "mtllib") {
       add_library(trimmed(line));
-    } else if (keyword == "o" && object_.empty()) {
-      object_ = trimmed(line);
+    } else if (keyword == "o") {
+      nodes_.begin_object(trimmed(line));
+    } else if (keyword == "g") {
+      nodes_.begin_group(trimmed(line));
     } else if (keyword == "surf" || keyword == "curv") {
       add_finding(asset_, "free-form", 1, "curves and surfaces are no polygons");
     }
@@ -117,46 +100,42 @@ class ObjParser {
     return {value, n};
   }
 
-  static std::array<float, 3> unit(const std::array<double, 7>& v) {
-    const double length = std::hypot(v[0], v[1], v[2]);
-    if (!(length > 0 && std::isfinite(length))) return {0, 0, 1};
-    return {float(v[0] / length), float(v[1] / length), float(v[2] / length)};
-  }
-
   // --- statements
 
   void read_position(std::string_view line) {
     const auto [v, n] = read_numbers(line, 3);
-    check(int64_t(position_.size()) < kMaxObjCount, line_, "too many vertices");
-    position_.push_back({v[0], v[1], v[2]});
+    check(int64_t(shape_.position.size()) < kMaxObjCount, line_, "too many vertices");
+    shape_.position.push_back({v[0], v[1], v[2]});
     if (n < 6) return;
     // colours behind positions: white up to here
-    colour_.resize(position_.size() - 1, {1, 1, 1, 1});
+    shape_.colour.resize(shape_.position.size() - 1, {1, 1, 1, 1});
     std::array<float, 4> c = {0, 0, 0, 1};
     for (int k = 0; k < 3; ++k) c[k] = linear_from_srgb(std::clamp(v[3 + k], 0., 1.));
-    colour_.push_back(c);
+    shape_.colour.push_back(c);
   }
 
   void read_face(std::string_view line) {
-    Face face{int64_t(corners_.size()), 0, int32_t(line_), material_};
+    ObjFace face{int64_t(shape_.corners.size()), 0, int32_t(line_), material_, 0};
     for (std::string_view w = next_word(line); !w.empty() && w[0] != '#'; w = next_word(line)) {
-      corners_.push_back(read_corner(w));
+      shape_.corners.push_back(read_corner(w));
       check(++face.corners <= kMaxPolygonCorners, line_, "a face has more than ",
             kMaxPolygonCorners, " corners; save it as triangles");
     }
-    check(int64_t(corners_.size() + position_.size()) < kMaxObjCount, line_, "too many corners");
+    check(int64_t(shape_.corners.size() + shape_.position.size()) < kMaxObjCount, line_,
+          "too many corners");
     if (face.corners >= 3) {
-      faces_.push_back(face);
+      face.node = nodes_.node();
+      shape_.faces.push_back(face);
       return;
     }
-    corners_.resize(size_t(face.first));
+    shape_.corners.resize(size_t(face.first));
     add_finding(asset_, "short-face", 1, "faces have fewer than three corners");
   }
 
   /// "v", "v/t", "v//n" or "v/t/n"; counted from 1, or from the last one back if negative.
-  Corner read_corner(std::string_view word) const {
-    Corner corner = {-1, -1, -1};
-    const size_t counts[3] = {position_.size(), uv_.size(), normal_.size()};
+  ObjCorner read_corner(std::string_view word) const {
+    ObjCorner corner = {-1, -1, -1};
+    const size_t counts[3] = {shape_.position.size(), shape_.uv.size(), shape_.normal.size()};
     std::string_view rest = word;
     bool more = true;
     for (int k = 0; k < 3 && more; ++k) {
@@ -185,70 +164,14 @@ class ObjParser {
 
   // --- the mesh
 
-  void check_indices(const Face& face) const {
-    const size_t counts[3] = {position_.size(), uv_.size(), normal_.size()};
+  void check_indices(const ObjFace& face) const {
+    const size_t counts[3] = {shape_.position.size(), shape_.uv.size(), shape_.normal.size()};
     for (int32_t c = 0; c < face.corners; ++c)
       for (int k = 0; k < 3; ++k) {
-        const int32_t i = corners_[size_t(face.first + c)][k];
+        const int32_t i = shape_.corners[size_t(face.first + c)][k];
         check(i < int64_t(counts[k]), face.line, kIndexNames[k], " index ", int64_t(i) + 1,
               " is out of range, the file has ", counts[k]);
       }
-  }
-
-  /// Drawn vertices: the positions with the attributes of their first corner, then one more for
-  /// each further pair of uv and normal. corner[0] becomes the drawn vertex.
-  void build_vertices() {
-    std::vector<Corner> drawn(position_.size());
-    for (size_t i = 0; i < drawn.size(); ++i) drawn[i] = {int32_t(i), -2, -2};
-    std::unordered_map<Corner, int32_t, CornerHash> split;
-    for (Corner& c : corners_) {
-      has_uv_ |= c[1] >= 0;
-      lacks_normal_ |= c[2] < 0;
-      Corner& first = drawn[size_t(c[0])];
-      if (first[1] == -2) first = c;
-      if (first == c) continue;
-      const auto [entry, is_new] = split.try_emplace(c, int32_t(drawn.size()));
-      if (is_new) drawn.push_back(c);
-      c[0] = entry->second;
-    }
-    fill_attributes(drawn);
-  }
-
-  void fill_attributes(const std::vector<Corner>& drawn) {
-    const bool has_normal = !normal_.empty() && !lacks_normal_;
-    if (!normal_.empty() && lacks_normal_ && !corners_.empty())
-      add_finding(asset_, "missing-normals", int64_t(normal_.size()),
-                  "not every corner has a normal");
-    if (!colour_.empty()) colour_.resize(position_.size(), {1, 1, 1, 1});
-    Mesh& mesh = asset_.meshes.emplace_back();
-    for (const Corner& d : drawn) {
-      mesh.position_of.push_back(d[0]);
-      if (has_uv_) mesh.uv.push_back(d[1] >= 0 ? uv_[size_t(d[1])] : std::array<float, 2>{});
-      if (has_normal)
-        mesh.normal.push_back(d[2] >= 0 ? normal_[size_t(d[2])] : std::array<float, 3>{0, 0, 1});
-      if (!colour_.empty()) mesh.colour.push_back(colour_[size_t(d[0])]);
-    }
-    mesh.position = std::move(position_);
-  }
-
-  void build_groups() {
-    Mesh& mesh = asset_.meshes[0];
-    std::unordered_map<int32_t, size_t> group_of;
-    std::vector<Vec3> polygon;
-    for (const Face& face : faces_) {
-      const auto [entry, is_new] = group_of.try_emplace(face.material, mesh.groups.size());
-      if (is_new) mesh.groups.push_back({face.material, {}, -1});
-      std::vector<int32_t>& out = mesh.groups[entry->second].corner;
-      const Corner* corner = &corners_[size_t(face.first)];
-      if (face.corners == 3) {
-        out.insert(out.end(), {corner[0][0], corner[1][0], corner[2][0]});
-        continue;
-      }
-      polygon.clear();
-      for (int32_t c = 0; c < face.corners; ++c)
-        polygon.push_back(mesh.position[size_t(mesh.position_of[size_t(corner[c][0])])]);
-      for (const int c : triangulate(polygon)) out.push_back(corner[c][0]);
-    }
   }
 
   /// Each line costs a look into the file system.
@@ -272,30 +195,15 @@ class ObjParser {
     }
   }
 
-  void finish() {
-    Mesh& mesh = asset_.meshes[0];
-    const std::string stem = std::filesystem::path(asset_.path).stem().string();
-    mesh.name = object_.empty() ? stem : object_;
-    AssetNode& node = asset_.nodes.emplace_back();
-    node.name = mesh.name;
-    node.mesh = 0;
-  }
-
   std::string_view text_;
   std::string joined_;
   int64_t lines_ = 0, line_ = 0;
   Asset asset_;
-  std::string object_;
-  std::vector<Vec3> position_;
-  std::vector<std::array<float, 2>> uv_;
-  std::vector<std::array<float, 3>> normal_;
-  std::vector<std::array<float, 4>> colour_;  ///< of the positions up to the last with a colour
-  std::vector<Corner> corners_;
-  std::vector<Face> faces_;
+  ObjShape shape_;
+  ObjNodes nodes_{asset_};
   std::vector<std::string> libraries_;
   std::unordered_map<std::string, int32_t> material_of_;
   int32_t material_ = -1;
-  bool has_uv_ = false, lacks_normal_ = false;
 };
 
 }  // namespace

@@ -9,10 +9,11 @@
 
 namespace elastogen {
 
-/// One mesh with every position of the file in the file's order, one group a material; faces may
-/// have any number of corners (io/polygon.hpp), indices may be negative, lines continued. Colours
-/// behind positions are sRGB. Materials come from the MTL files beneath the asset's folder; a
-/// missing one is a finding.
+/// A node and a mesh for each object and group (io/obj_nodes.hpp) that has faces, one mesh with
+/// every position where there is one only; positions in the file's order, one group a material.
+/// Faces may have any number of corners (io/polygon.hpp), indices may be negative, lines continued.
+/// Colours behind positions are sRGB. Materials come from the MTL files beneath the asset's folder;
+/// a missing one is a finding.
 /// @throws Error (asset) with the file and the place: an index out of range, a line that is not
 /// what its keyword promises.
 Asset read_obj(const std::string& path);

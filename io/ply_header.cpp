@@ -67,11 +67,10 @@ class HeaderParser {
     } else if (keyword == "property") {
       check(!header_.elements.empty(), "a property before the first element");
       header_.elements.back().properties.push_back(read_property(line));
-    } else if (keyword == "comment" && next_word(line) == "TextureFile") {
-      header_.texture = trimmed(line);
-    } else {
-      check(keyword == "comment" || keyword == "obj_info" || keyword.empty(),
-            "unknown header line \"", keyword.substr(0, 40), '"');
+    } else if (keyword == "comment") {
+      if (next_word(line) == "TextureFile") header_.textures.emplace_back(trimmed(line));
+    } else if (keyword != "obj_info" && !keyword.empty()) {
+      header_.skipped.emplace_back(keyword.substr(0, 40));
     }
   }
 

@@ -37,13 +37,14 @@ struct PlyElement {
 struct PlyHeader {
   enum Encoding { kText, kLittleEndian, kBigEndian } encoding = kText;
   std::vector<PlyElement> elements;
-  std::string texture;  ///< named by a "comment TextureFile" line, or ""
-  size_t bytes = 0;     ///< of the header; the values follow
+  std::vector<std::string> textures;  ///< named by "comment TextureFile" lines
+  std::vector<std::string> skipped;   ///< beginnings of lines that are none of a header
+  size_t bytes = 0;                   ///< of the header; the values follow
   int64_t lines = 0;
 };
 
 /// @throws Error (asset) with the line: no magic, no end_header in the first 64 KiB, an unknown
-///         type or keyword, a count that is no count or beyond the bytes that follow.
+///         type, a count that is no count or beyond the bytes that follow.
 PlyHeader read_ply_header(std::string_view bytes, const std::string& path);
 
 }  // namespace elastogen

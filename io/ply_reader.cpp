@@ -3,9 +3,10 @@
 
 #include "io/asset_check.hpp"
 #include "io/byte_reader.hpp"
+#include "io/flat_stream.hpp"
+#include "io/ply_faces.hpp"
 #include "io/ply_splats.hpp"
 #include "io/ply_values.hpp"
-#include "io/polygon.hpp"
 #include "io/safe_file.hpp"
 
 #include <algorithm>
@@ -24,28 +25,39 @@ class PlyParser {
 
   Asset parse() {
     const bool has_faces = check_faces();
+    if (!header_.skipped.empty())
+      add_finding(asset_, "header-lines", int64_t(header_.skipped.size()),
+                  "lines of the header begin with no word of a header, the first with " +
+                      shown_line(header_.skipped[0]));
     if (!has_faces && is_splats(header_)) {
       asset_.splats = read_splats(header_, values_, asset_);
       return std::move(asset_);
     }
     Mesh& mesh = asset_.meshes.emplace_back();
+    FaceList faces;
     for (const PlyElement& element : header_.elements) {
       if (element.name == "vertex" && mesh.position.empty()) {
-        read_vertices(element, mesh);
-      } else if (element.name == "face") {
-        read_faces(element);
+        read_vertices(element, mesh, has_faces);
+      } else if (element.name == "face" && faces.length.empty()) {
+        faces = read_ply_faces(element, header_.textures.size(), values_, asset_.path, left_out_);
       } else {
         values_.skip(element);
+        if (element.count > 0) left_out_.push_back(element.name);
       }
     }
-    return has_faces ? as_mesh(mesh) : as_points(mesh);
+    if (has_faces) return as_mesh(mesh, faces);
+    return as_points(mesh);
   }
 
  private:
-  Asset as_mesh(Mesh& mesh) {
-    build_triangles(mesh);
+  Asset as_mesh(Mesh& mesh, const FaceList& faces) {
+    for (const std::string& texture : header_.textures) add_material(texture);
+    add_faces(faces, mesh, asset_);
     mesh.name = std::filesystem::path(asset_.path).stem().string();
     asset_.nodes.push_back({mesh.name, -1, kIdentity4, 0});
+    add_finding(asset_, "left-out-properties", int64_t(left_out_.size()),
+                "properties or elements of the file mean nothing here: " + list_of(left_out_));
+    add_finding(asset_, "extra-bytes", values_.left(), "bytes follow the last element of the file");
     return std::move(asset_);
   }
 
@@ -69,16 +81,14 @@ class PlyParser {
 
   /// Where the known properties of a vertex stand in its row, -1 for none.
   struct Columns {
-    int position[3], normal[3], uv[2], colour[4];
+    int position[3], normal[3], uv[2];
   };
 
   Columns columns_of(const PlyElement& vertex) const {
     const Columns c = {{vertex.find({"x"}), vertex.find({"y"}), vertex.find({"z"})},
                        {vertex.find({"nx"}), vertex.find({"ny"}), vertex.find({"nz"})},
                        {vertex.find({"s", "u", "texture_u", "texture_s"}),
-                        vertex.find({"t", "v", "texture_v", "texture_t"})},
-                       {vertex.find({"red", "r"}), vertex.find({"green", "g"}),
-                        vertex.find({"blue", "b"}), vertex.find({"alpha", "a"})}};
+                        vertex.find({"t", "v", "texture_v", "texture_t"})}};
     for (const int k : c.position)
       ELASTOGEN_CHECK_ASSET(k >= 0, asset_.path, ": its vertices have no x, y, z");
     for (const PlyProperty& p : vertex.properties)
@@ -87,98 +97,69 @@ class PlyParser {
     return c;
   }
 
-  void read_vertices(const PlyElement& vertex, Mesh& mesh) {
+  void read_vertices(const PlyElement& vertex, Mesh& mesh, bool is_mesh) {
     const Columns c = columns_of(vertex);
     const auto all = [](const int* column, int n) {
       return std::all_of(column, column + n, [](int k) { return k >= 0; });
     };
+    const bool normals = all(c.normal, 3), uvs = all(c.uv, 2);
+    const PlyColour colour(vertex);
+    const std::vector<int> own = is_mesh ? own_columns(vertex, c, mesh) : std::vector<int>{};
     std::vector<double> row;
     for (int64_t i = 0; i < vertex.count; ++i) {
       values_.next_row(vertex, row);
       const auto at = [&](int k) { return row[size_t(k)]; };
       mesh.position.push_back({at(c.position[0]), at(c.position[1]), at(c.position[2])});
-      mesh.position_of.push_back(int32_t(i));
-      if (all(c.normal, 3))
+      if (normals)
         mesh.normal.push_back(
             {float(at(c.normal[0])), float(at(c.normal[1])), float(at(c.normal[2]))});
-      if (all(c.uv, 2)) mesh.uv.push_back({float(at(c.uv[0])), 1 - float(at(c.uv[1]))});
-      if (all(c.colour, 3)) mesh.colour.push_back(colour_of(vertex, c.colour, row));
+      if (uvs) mesh.uv.push_back({float(at(c.uv[0])), 1 - float(at(c.uv[1]))});
+      if (colour.is_there()) mesh.colour.push_back(colour.of(row));
+      for (size_t k = 0; k < own.size(); ++k) mesh.own[k].value.push_back(at(own[k]));
     }
   }
 
-  static std::array<float, 4> colour_of(const PlyElement& vertex, const int* column,
-                                        const std::vector<double>& row) {
-    std::array<float, 4> colour = {0, 0, 0, 1};
-    for (int k = 0; k < 4; ++k) {
-      if (column[k] < 0) continue;
-      const double value = row[size_t(column[k])];
-      const double range = colour_range(vertex.properties[size_t(column[k])].type);
-      const double share = std::clamp(range > 0 ? value / range : value, 0., 1.);
-      colour[size_t(k)] = range > 0 && k < 3 ? linear_from_srgb(share) : float(share);
-    }
-    return colour;
-  }
-
-  void read_faces(const PlyElement& face) {
-    const int column = face.find({"vertex_indices", "vertex_index"});
-    ELASTOGEN_CHECK_ASSET(column >= 0 && face.properties[size_t(column)].is_list, asset_.path,
-                          ": its faces have no list vertex_indices");
-    for (int64_t i = 0; i < face.count; ++i)
-      for (int k = 0; k < int(face.properties.size()); ++k) {
-        const PlyProperty& property = face.properties[size_t(k)];
-        k == column ? read_face(property, i) : values_.skip(property);
+  /// Numbers that mean nothing here; lists are left out.
+  std::vector<int> own_columns(const PlyElement& vertex, const Columns& c, Mesh& mesh) {
+    std::vector<int> own;
+    const PlyColour colour(vertex);
+    const auto is_in = [](const auto& columns, int k) {
+      return std::ranges::find(columns, k) != std::end(columns) &&
+             std::ranges::find(columns, -1) == std::end(columns);
+    };
+    for (int k = 0; k < int(vertex.properties.size()); ++k) {
+      const PlyProperty& property = vertex.properties[size_t(k)];
+      if (is_in(c.position, k) || is_in(c.normal, k) || is_in(c.uv, k) || colour.has(k)) continue;
+      if (property.is_list) {
+        left_out_.push_back("vertex." + property.name);
+        continue;
       }
-  }
-
-  void read_face(const PlyProperty& list, int64_t face) {
-    const int64_t n = values_.next_length(list);
-    ELASTOGEN_CHECK_ASSET(n <= kMaxPolygonCorners, asset_.path, ": face ", face, " has ", n,
-                          " corners, at most ", kMaxPolygonCorners,
-                          " are read; save it as triangles");
-    for (int64_t c = 0; c < n; ++c) {
-      const double index = values_.next(list.type);
-      ELASTOGEN_CHECK_ASSET(index >= 0 && index < 0x1p31 && index == std::floor(index), asset_.path,
-                            ": face ", face, " has the vertex index ", index);
-      corners_.push_back(int32_t(index));
+      own.push_back(k);
+      mesh.own.push_back({property.name, property.type, {}});
     }
-    lengths_.push_back(n);
+    return own;
   }
 
-  /// After all elements, because faces may come before vertices.
-  void build_triangles(Mesh& mesh) {
-    TriangleGroup& group = mesh.groups.emplace_back();
-    if (!header_.texture.empty()) add_material(group);
-    std::vector<Vec3> polygon;
-    const int32_t* corner = corners_.data();
-    for (size_t face = 0; face < lengths_.size(); corner += lengths_[face++]) {
-      const int64_t n = lengths_[face];
-      for (int64_t c = 0; c < n; ++c)
-        ELASTOGEN_CHECK_ASSET(corner[c] < int64_t(mesh.position.size()), asset_.path, ": face ",
-                              face, " has the vertex index ", corner[c], ", the file has ",
-                              mesh.position.size(), " vertices");
-      if (n < 3) add_finding(asset_, "short-face", 1, "faces have fewer than three corners");
-      polygon.clear();
-      for (int64_t c = 0; c < n; ++c) polygon.push_back(mesh.position[size_t(corner[c])]);
-      for (const int c : triangulate(polygon)) group.corner.push_back(corner[c]);
-    }
-  }
-
-  void add_material(TriangleGroup& group) {
-    group.material = 0;
+  void add_material(const std::string& texture) {
     AssetMaterial& material = asset_.materials.emplace_back();
-    material.name = header_.texture;
+    material.name = texture;
     material.base_colour = {1, 1, 1, 1};
-    material.texture = resolve_beside(asset_.path, header_.texture);
+    material.texture = resolve_beside(asset_.path, texture);
     if (material.texture.empty())
       add_finding(asset_, "missing-texture", 1,
-                  "the texture " + header_.texture + " is not beside the asset");
+                  "the texture " + texture + " is not beside the asset");
+  }
+
+  static std::string list_of(const std::vector<std::string>& names) {
+    std::string list;
+    for (const std::string& name : names) list += (list.empty() ? "" : ", ") + shown_line(name);
+    return list;
   }
 
   PlyHeader header_;
   Asset asset_;
   PlyValues values_;
-  std::vector<int32_t> corners_;
-  std::vector<int64_t> lengths_;
+  std::vector<std::string> left_out_;
 };
 
 }  // namespace

@@ -9,12 +9,12 @@
 
 namespace elastogen {
 
-/// Text and binary of both byte orders; one mesh, one group. Known vertex properties: x y z,
+/// Text (an item a line) and binary of both byte orders; one mesh. Known vertex properties: x y z,
 /// nx ny nz, s t (u v, texture_u texture_v), red green blue alpha (integers: sRGB of their range;
-/// floats: linear); known face property: vertex_indices (vertex_index). Everything else is skipped.
-/// Without faces it is a point cloud, or Gaussian splats (io/ply_splats.hpp).
+/// floats: linear); further numbers become Mesh::own. Faces: io/ply_faces.hpp. What is left out is
+/// a finding. Without faces it is a point cloud, or Gaussian splats (io/ply_splats.hpp).
 /// @throws Error (asset) with the file and the place: a header that is no PLY header, counts beyond
-/// the file's size, triangle strips.
+/// the file's size, a line with too few or too many numbers, triangle strips.
 Asset read_ply(const std::string& path);
 
 /// The same from memory; `path` is for messages and for the files that it names.

@@ -4,21 +4,53 @@
 #include <algorithm>
 
 namespace elastogen {
-namespace {
-
-constexpr std::string_view kBlanks = " \t\r\n\v\f";
-
-}  // namespace
 
 PlyValues::PlyValues(std::string_view bytes, const PlyHeader& header, const std::string& path)
     : path_(path),
       is_text_(header.encoding == PlyHeader::kText),
       text_(bytes),
+      line_number_(header.lines),
       binary_(bytes, path,
               header.encoding == PlyHeader::kBigEndian ? std::endian::big : std::endian::little) {}
 
+template <class... Parts>
+void PlyValues::check(bool condition, const Parts&... parts) const {
+  if (condition) return;
+  const std::string place = is_text_ ? concat(path_, ':', line_number_) : path_;
+  throw Error(concat(place, ": ", parts...), ErrorKind::kAsset);
+}
+
+std::string PlyValues::item() const {
+  return concat(element_->name, ' ', item_, " of ", element_->count, " (counted from 0)");
+}
+
+void PlyValues::begin_item(const PlyElement& element) {
+  item_ = element_ == &element ? item_ + 1 : 0;
+  element_ = &element;
+  if (!is_text_ || element.properties.empty()) return;
+  do {
+    check(!text_.empty(), "the file ends before ", item());
+    ++line_number_;
+    line_ = trimmed(next_line(text_));
+  } while (line_.empty());
+}
+
+void PlyValues::end_item() const {
+  if (is_text_) check(trimmed(line_).empty(), item(), " has more numbers than its properties");
+}
+
+void PlyValues::need(int64_t bytes) const {
+  check(bytes <= binary_.left(), "the file ends within ", item());
+}
+
+int64_t PlyValues::left() const {
+  if (!is_text_) return binary_.left();
+  return std::ranges::count_if(text_, [](char c) { return c != '\n' && !is_blank(c); });
+}
+
 double PlyValues::next(PlyType type) {
   if (is_text_) return next_number();
+  need(size_of(type));
   switch (type) {
     case PlyType::kInt8:
       return binary_.read<int8_t>();
@@ -42,47 +74,43 @@ double PlyValues::next(PlyType type) {
 
 int64_t PlyValues::next_length(const PlyProperty& list) {
   const double length = next(list.count_type);
-  ELASTOGEN_CHECK_ASSET(length >= 0 && length == std::floor(length) && length < 0x1p31, path_,
-                        ": a list of ", list.name, " has the length ", length);
+  check(length >= 0 && length == std::floor(length) && length < 0x1p31, item(), " has a list of ",
+        list.name, " of the length ", length);
   const int64_t n = int64_t(length);
-  if (is_text_) {
-    ELASTOGEN_CHECK_ASSET(n <= int64_t(text_.size() + 1) / 2, path_, ": ", n, " values of ",
-                          list.name, " are claimed but only ", text_.size(), " bytes are left");
-  } else {
-    binary_.claim(n, size_of(list.type), "values of a list");
-  }
+  if (is_text_)
+    check(n <= int64_t(line_.size() + 1) / 2, item(), " claims ", n, " values of ", list.name,
+          " but only ", line_.size(), " bytes are left of its line");
+  else
+    need(n * size_of(list.type));
   return n;
-}
-
-void PlyValues::next_row(const PlyElement& element, std::vector<double>& row) {
-  row.assign(element.properties.size(), 0);
-  for (size_t k = 0; k < row.size(); ++k) {
-    const PlyProperty& p = element.properties[k];
-    p.is_list ? skip(p) : void(row[k] = next(p.type));
-  }
 }
 
 void PlyValues::skip(const PlyProperty& property) {
   const int64_t n = property.is_list ? next_length(property) : 1;
-  if (!is_text_) return binary_.skip(n * size_of(property.type), "bytes of values");
-  for (int64_t k = 0; k < n; ++k) next_number();
+  for (int64_t k = 0; k < n; ++k) next(property.type);
+}
+
+void PlyValues::next_row(const PlyElement& element, std::vector<double>& row) {
+  row.assign(element.properties.size(), 0);
+  begin_item(element);
+  for (size_t k = 0; k < row.size(); ++k) {
+    const PlyProperty& p = element.properties[k];
+    p.is_list ? skip(p) : void(row[k] = next(p.type));
+  }
+  end_item();
 }
 
 void PlyValues::skip(const PlyElement& element) {
   if (element.properties.empty()) return;
-  for (int64_t k = 0; k < element.count; ++k)
-    for (const PlyProperty& property : element.properties) skip(property);
+  std::vector<double> row;
+  for (int64_t k = 0; k < element.count; ++k) next_row(element, row);
 }
 
 double PlyValues::next_number() {
-  const size_t begin = std::min(text_.find_first_not_of(kBlanks), text_.size());
-  text_.remove_prefix(begin);
-  const std::string_view word = text_.substr(0, text_.find_first_of(kBlanks));
-  text_.remove_prefix(word.size());
-  ELASTOGEN_CHECK_ASSET(!word.empty(), path_, ": the file ends before its values do");
+  const std::string_view word = next_word(line_);
+  check(!word.empty(), item(), " has fewer numbers than its properties");
   const std::optional<double> value = to_double(word);
-  ELASTOGEN_CHECK_ASSET(value.has_value(), path_, ": a number is expected, not \"",
-                        word.substr(0, 40), '"');
+  check(value.has_value(), "a number is expected, not \"", word.substr(0, 40), '"');
   return *value;
 }
 

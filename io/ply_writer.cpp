@@ -4,6 +4,7 @@
 #include "core/error.hpp"
 #include "io/byte_reader.hpp"
 #include "io/frame_files.hpp"
+#include "io/ply_mesh.hpp"
 #include "io/safe_file.hpp"
 #include "io/splat_motion.hpp"
 #include "io/splat_ply.hpp"
@@ -32,8 +33,9 @@ std::string numbered(const char* name, size_t count) {
 class PlyWriter : public AnimationWriter {
  public:
   PlyWriter(const std::string& path, const Asset& asset, const Surface& surface)
-      : path_(path), asset_(asset), surface_(surface), rest_(file_positions(asset, surface)) {
+      : path_(path), asset_(asset), surface_(surface), order_(file_order(asset, surface)) {
     if (asset.splats) motion_.emplace(*asset.splats);
+    if (!asset.splats && !asset.points) mesh_.emplace(path, asset, surface, order_);
     SafeFile probe(frame_path(path, 0, ".ply"));  // refuses a folder at once
   }
 
@@ -42,15 +44,15 @@ class PlyWriter : public AnimationWriter {
   }
 
   void frame(const AnimationFrame& frame) override {
-    check_frame(frame, frames_, int64_t(rest_.size()), needs_gradient());
+    check_frame(frame, frames_, int64_t(order_.vertex.size()), needs_gradient());
     const std::string path = frame_path(path_, frames_, ".ply");
     ELASTOGEN_CHECK(std::filesystem::path(path).lexically_normal() !=
                         std::filesystem::path(asset_.path).lexically_normal(),
                     path, ": a frame would take the place of the input; name the output otherwise");
     if (motion_) motion_->turn(frame.gradient);
     std::string bytes = header();
-    for (size_t p = 0; p < rest_.size(); ++p) append_point(frame, p, bytes);
-    if (!asset_.points && !motion_) append_triangles(bytes);
+    if (mesh_) bytes += mesh_->body(frame.displacement);
+    for (size_t p = 0; p < order_.rest.size() && !mesh_; ++p) append_point(frame, p, bytes);
     write_file(path, bytes);
     ++frames_;
   }
@@ -63,19 +65,17 @@ class PlyWriter : public AnimationWriter {
         concat("ply\nformat binary_little_endian 1.0\ncomment elastogen frame ", frames_, '\n');
     if (motion_ && motion_->clamped > 0)
       text += concat("comment stretches of ", motion_->clamped, " splats held within 1/3 ... 3\n");
-    text += concat("element vertex ", rest_.size(), '\n');
-    text += properties({"x", "y", "z"});
+    if (mesh_) return text + mesh_->header() + "end_header\n";
+    text += concat("element vertex ", order_.rest.size(), '\n');
+    text += properties({"x", "y", "z"}, is_double_ ? "double" : "float");
     if (motion_) {
       text += properties({"nx", "ny", "nz"});
       text += numbered("f_dc_", 3) + numbered("f_rest_", 3 * (harmonics() - 1));
       text += properties({"opacity"}) + numbered("scale_", 3) + numbered("rot_", 4);
-    } else if (asset_.points) {
+    } else {
       if (!asset_.points->normal.empty()) text += properties({"nx", "ny", "nz"});
       if (!asset_.points->colour.empty())
         text += properties({"red", "green", "blue", "alpha"}, "uchar");
-    } else {
-      text += concat("element face ", surface_.triangles.rows(),
-                     "\nproperty list uchar int vertex_indices\n");
     }
     return text + "end_header\n";
   }
@@ -83,10 +83,15 @@ class PlyWriter : public AnimationWriter {
   size_t harmonics() const { return size_t(harmonic_count(asset_.splats->degree)); }
 
   void append_point(const AnimationFrame& frame, size_t p, std::string& bytes) const {
-    for (size_t d = 0; d < 3; ++d)
-      append(bytes, float(rest_[p][d] + frame.displacement(int64_t(p), int(d)) / surface_.scale));
+    for (size_t d = 0; d < 3; ++d) {
+      const double x =
+          order_.rest[p][d] + frame.displacement(order_.point[p], int(d)) / surface_.scale;
+      if (is_double_)
+        append(bytes, x);
+      else
+        append(bytes, float(x));
+    }
     if (motion_) return append_splat(p, bytes);
-    if (!asset_.points) return;
     if (!asset_.points->normal.empty())
       append(bytes, turned_normal(frame.gradient.row(int64_t(p)), asset_.points->normal[p]));
     if (!asset_.points->colour.empty())
@@ -108,18 +113,13 @@ class PlyWriter : public AnimationWriter {
     append(bytes, motion_->rotation[p]);
   }
 
-  void append_triangles(std::string& bytes) const {
-    for (int64_t t = 0; t < surface_.triangles.rows(); ++t) {
-      append(bytes, uint8_t(3));
-      for (int k = 0; k < 3; ++k) append(bytes, surface_.triangles(t, k));
-    }
-  }
-
   std::string path_;
   const Asset& asset_;
   const Surface& surface_;
-  std::vector<Vec3> rest_;
+  FileOrder order_;
   std::optional<SplatMotion> motion_;
+  std::optional<PlyMesh> mesh_;
+  bool is_double_ = !asset_.splats && is_float32_coarse(order_.rest);
   int64_t frames_ = 0;
 };
 

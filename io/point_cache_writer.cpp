@@ -15,33 +15,34 @@ class PointCacheWriter : public AnimationWriter {
  public:
   PointCacheWriter(const std::string& path, const Asset& asset, const Surface& surface)
       : path_(path),
-        rest_(file_positions(asset, surface)),
+        order_(file_order(asset, surface)),
         scale_(surface.scale),
-        frames_(path, int64_t(3 * rest_.size())) {}
+        frames_(path, int64_t(3 * order_.rest.size())) {}
 
   void frame(const AnimationFrame& frame) override {
-    check_frame(frame, frames_.frames(), int64_t(rest_.size()), false);
-    Array<double> positions(int64_t(rest_.size()), 3);
-    for (size_t p = 0; p < rest_.size(); ++p)
+    check_frame(frame, frames_.frames(), int64_t(order_.vertex.size()), false);
+    Array<double> positions(int64_t(order_.rest.size()), 3);
+    for (size_t v = 0; v < order_.rest.size(); ++v)
       for (int d = 0; d < 3; ++d)
-        positions(int64_t(p), d) = rest_[p][size_t(d)] + frame.displacement(int64_t(p), d) / scale_;
+        positions(int64_t(v), d) =
+            order_.rest[v][size_t(d)] + frame.displacement(order_.point[v], d) / scale_;
     frames_.append(positions);
   }
 
   void finish() override {
     ELASTOGEN_CHECK(frames_.frames() > 0, path_, ": there is no frame to write");
     const auto most = size_t(std::numeric_limits<int32_t>::max());
-    if (rest_.size() > most)
+    if (order_.rest.size() > most)
       throw Error(concat(path_, ": PC2 holds at most ", most, " points"), ErrorKind::kResources);
     std::string header("POINTCACHE2\0", 12);
     append(header, int32_t(1));
-    append(header, int32_t(rest_.size()));
+    append(header, int32_t(order_.rest.size()));
     append(header, 0.0f);
     append(header, 1.0f);
     append(header, int32_t(frames_.frames()));
     SafeFile file(path_);
     file.write(header);
-    std::vector<float> values(3 * rest_.size());
+    std::vector<float> values(3 * order_.rest.size());
     for (int64_t f = 0; f < frames_.frames(); ++f) {
       frames_.read(f, 0, int64_t(values.size()), values.data());
       file.write(values.data(), values.size() * sizeof(float));
@@ -51,7 +52,7 @@ class PointCacheWriter : public AnimationWriter {
 
  private:
   std::string path_;
-  std::vector<Vec3> rest_;
+  FileOrder order_;
   double scale_;
   FrameStore frames_;
 };

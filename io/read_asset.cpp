@@ -112,6 +112,11 @@ Asset read_asset(const std::string& path) {
   const std::string proven = format_of(head), ending = ending_of(path);
   const std::string format = proven.empty() ? ending : proven;
 
+  // the formats that are text, or may be
+  static constexpr std::string_view kTexts[] = {"obj", "ply", "stl", "off",
+                                                "xyz", "asc", "pts", "pcd"};
+  ELASTOGEN_CHECK_ASSET(!is_utf16(head) || std::ranges::find(kTexts, format) == std::end(kTexts),
+                        path, ": is UTF-16 text: save it as UTF-8");
   const auto named = [](const std::string& name) {
     return [&](const auto& entry) { return entry.format == name; };
   };

@@ -6,6 +6,7 @@
 #include "io/safe_file.hpp"
 
 #include <filesystem>
+#include <unordered_map>
 
 namespace elastogen {
 namespace {
@@ -43,37 +44,94 @@ std::string lower(std::string_view word) {
   return out;
 }
 
-/// Lines of keywords; names of solids may hold anything, normals are not used.
-std::vector<Vec3> read_text(std::string_view text, const std::string& path) {
-  std::vector<Vec3> position;
-  size_t facet_begin = 0;
-  for (int64_t number = 1; !text.empty(); ++number) {
-    std::string_view line = next_line(text);
+/// Solids of a text, by name in the order in which they come.
+class StlText {
+ public:
+  StlText(std::string_view text, Asset& asset) : text_(text), asset_(asset) {}
+
+  void read() {
+    while (!text_.empty()) {
+      std::string_view line = next_line(text_);
+      ++line_;
+      read_line(line);
+    }
+    ELASTOGEN_CHECK_ASSET(in_facet_ == 0, asset_.path, ": the file ends within a facet");
+    ELASTOGEN_CHECK_ASSET(positions_ <= 3 * kMaxFacets, asset_.path, ": too many facets");
+    if (asset_.meshes.empty()) mesh();
+    // one solid has the order of the file already
+    if (asset_.meshes.size() == 1) asset_.meshes[0].file_position.clear();
+  }
+
+ private:
+  template <class... Parts>
+  void check(bool condition, const Parts&... parts) const {
+    ELASTOGEN_CHECK_ASSET(condition, asset_.path, ':', line_, ": ", parts...);
+  }
+
+  /// Names of solids may hold anything, normals are not used.
+  void read_line(std::string_view line) {
     const std::string keyword = lower(next_word(line).substr(0, 10));
     if (keyword == "vertex") {
-      Vec3 p;
-      for (double& x : p) {
-        const std::string_view word = next_word(line);
-        const std::optional<double> value = to_double(word);
-        ELASTOGEN_CHECK_ASSET(value.has_value(), path, ':', number,
-                              ": a number is expected, not \"", word.substr(0, 40), '"');
-        x = *value;
-      }
-      position.push_back(p);
+      read_vertex(line);
     } else if (keyword == "facet" || keyword == "endfacet") {
-      const size_t n = position.size() - facet_begin;
-      ELASTOGEN_CHECK_ASSET(n == 0 || n == 3, path, ':', number, ": a facet of ", n,
-                            " vertices, not of three");
-      facet_begin = position.size();
+      end_facet();
+    } else if (keyword == "solid") {
+      end_facet();
+      name_ = trimmed(line);
+      mesh_ = -1;
     } else {
-      ELASTOGEN_CHECK_ASSET(keyword.empty() || keyword == "solid" || keyword == "endsolid" ||
-                                keyword == "outer" || keyword == "endloop" || keyword == "color",
-                            path, ':', number, ": unknown keyword \"", keyword, '"');
+      check(keyword.empty() || keyword == "endsolid" || keyword == "outer" ||
+                keyword == "endloop" || keyword == "color",
+            "unknown keyword \"", keyword, '"');
     }
   }
-  ELASTOGEN_CHECK_ASSET(position.size() == facet_begin, path, ": the file ends within a facet");
-  ELASTOGEN_CHECK_ASSET(int64_t(position.size()) <= 3 * kMaxFacets, path, ": too many facets");
-  return position;
+
+  void read_vertex(std::string_view line) {
+    Vec3 p;
+    for (double& x : p) {
+      const std::string_view word = next_word(line);
+      const std::optional<double> value = to_double(word);
+      check(value.has_value(), "a number is expected, not \"", word.substr(0, 40), '"');
+      x = *value;
+    }
+    Mesh& to = mesh();
+    to.file_position.push_back(int32_t(std::min(positions_++, 3 * kMaxFacets)));
+    to.position.push_back(p);
+    ++in_facet_;
+  }
+
+  void end_facet() {
+    check(in_facet_ == 0 || in_facet_ == 3, "a facet of ", in_facet_, " vertices, not of three");
+    in_facet_ = 0;
+  }
+
+  /// That of the solid; solids of one name share it, those without have the name of the file.
+  Mesh& mesh() {
+    if (mesh_ >= 0) return asset_.meshes[size_t(mesh_)];
+    const std::string name =
+        name_.empty() ? std::filesystem::path(asset_.path).stem().string() : name_;
+    const auto [entry, is_new] = mesh_of_.try_emplace(name, int(asset_.meshes.size()));
+    mesh_ = entry->second;
+    if (is_new) {
+      asset_.nodes.push_back({name, -1, kIdentity4, mesh_});
+      asset_.meshes.emplace_back().name = name;
+    }
+    return asset_.meshes[size_t(mesh_)];
+  }
+
+  std::string_view text_;
+  Asset& asset_;
+  std::string name_;
+  int mesh_ = -1;
+  int64_t line_ = 0, positions_ = 0, in_facet_ = 0;
+  std::unordered_map<std::string, int> mesh_of_;
+};
+
+void read_solid(std::string_view bytes, int64_t facets, Asset& asset) {
+  Mesh& mesh = asset.meshes.emplace_back();
+  mesh.position = read_binary(bytes, facets, asset.path);
+  mesh.name = std::filesystem::path(asset.path).stem().string();
+  asset.nodes.push_back({mesh.name, -1, kIdentity4, 0});
 }
 
 }  // namespace
@@ -88,15 +146,17 @@ Asset parse_stl(std::string_view bytes, const std::string& path) {
   Asset asset;
   asset.path = path;
   asset.format = "stl";
-  Mesh& mesh = asset.meshes.emplace_back();
-  mesh.position = is_text && !size_fits ? read_text(text, path) : read_binary(bytes, facets, path);
-  mesh.name = std::filesystem::path(path).stem().string();
-  TriangleGroup& group = mesh.groups.emplace_back();
-  for (int32_t i = 0; i < int32_t(mesh.position.size()); ++i) {
-    mesh.position_of.push_back(i);
-    group.corner.push_back(i);
+  if (is_text && !size_fits)
+    StlText(text, asset).read();
+  else
+    read_solid(bytes, facets, asset);
+  for (Mesh& mesh : asset.meshes) {
+    TriangleGroup& group = mesh.groups.emplace_back();
+    for (int32_t i = 0; i < int32_t(mesh.position.size()); ++i) {
+      mesh.position_of.push_back(i);
+      group.corner.push_back(i);
+    }
   }
-  asset.nodes.push_back({mesh.name, -1, kIdentity4, 0});
   return asset;
 }
 

@@ -9,8 +9,9 @@
 
 namespace elastogen {
 
-/// Text and binary; one mesh of all solids, three positions a facet in the file's order, nothing
-/// welded. A file whose size is what its facet count says is binary, whatever its header.
+/// Text and binary; a mesh for each name of a solid in a text, three positions a facet in the
+/// file's order, nothing welded. A file whose size is what its facet count says is binary, whatever
+/// its header.
 /// @throws Error (asset) with the file and the place: fewer bytes than the facet count says, a
 /// facet without three vertices.
 Asset read_stl(const std::string& path);

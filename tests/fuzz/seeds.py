@@ -48,7 +48,7 @@ GRAMMAR_WORDS = ("all box( sphere( plane( x< y<= z>= % , ) friction name path : 
 WORDS = {
     "obj": "v vt vn f g o s usemtl mtllib newmtl Kd map_Kd d Tr // / -1 \\ fuzz.mtl".split(),
     "ply": ("ply format ascii binary_little_endian binary_big_endian 1.0 element vertex face "
-            "chunk sh property list uchar char short ushort int uint float double vertex_indices "
+            "chunk sh texcoord texnumber TextureFile property list uchar char short ushort int uint float double vertex_indices "
             "x y z nx red alpha f_dc_0 f_rest_0 opacity scale_0 rot_0 packed_position "
             "packed_rotation packed_scale packed_color min_x end_header comment").split(),
     "stl": "solid facet normal outer loop vertex endloop endfacet endsolid".split(),
@@ -99,12 +99,40 @@ def obj_seeds() -> list[bytes]:
     rich = (b"mtllib fuzz.mtl\no a\n" + plain.replace(b"f ", b"usemtl red\nf ", 1)
             + b"v 0 0 1 1 0.5 0\nvt 0 1\nvn 0 0 1\nf -1/1/1 2/1/1 3//1\nf 1 2 \\\n 3\n\0"
             + b"newmtl red\nKd 1 0 0\nd 0.5\nmap_Kd a.png\n")
-    return [plain, rich]
+    groups = (b"".join(b"o %c\ng %d\n%s" % (b"AB"[k % 2], k % 3, b"f %d/1 %d/2 %d/1\n" % (
+        8 - k, k + 1, (k + 3) % 8 + 1)) for k in range(7)) + b"g\nf 1 2 3\n")
+    vertices = b"".join(line + b"\n" for line in plain.splitlines() if line.startswith(b"v "))
+    return [plain, rich, vertices + b"vt 0 0\nvt 1 0.5\n" + groups]
+
+
+def corner_plys() -> list[bytes]:
+    """The box with UVs of corners, textures and colours of faces, and columns of its own."""
+    vertices = [f"float {n}" for n in "xyz"] + ["uchar label", "double quality"]
+    faces = ["list uchar int vertex_indices", "list uchar float texcoord", "int texnumber",
+             *(f"uchar {n}" for n in ("red", "green", "blue"))]
+    rows = [(face, [0.1 * k for k in range(8)], f % 3 - 1, (40 * f, 7, 255))
+            for f, face in enumerate(FACES)]
+    seeds = []
+    for encoding in ("ascii", "binary_little_endian"):
+        head = ply_header(encoding, ("vertex", 8, vertices), ("face", 6, faces)).replace(
+            b"element", b"comment TextureFile a.png\ncomment TextureFile b.png\nelement", 1)
+        if encoding == "ascii":
+            lines = [f"{x} {y} {z} {v} 0.5" for v, (x, y, z) in enumerate(POSITION.tolist())]
+            lines += [" ".join(map(str, [4, *face, 8, *uv, number, *colour]))
+                      for face, uv, number, colour in rows]
+            seeds.append(head + "\n".join(lines).encode() + b"\n")
+            continue
+        body = b"".join(struct.pack("<3fBd", *x, v, 0.5) for v, x in enumerate(POSITION.tolist()))
+        body += b"".join(struct.pack("<B4iB8fi3B", 4, *face, 8, *uv, number, *colour)
+                         for face, uv, number, colour in rows)
+        seeds.append(head + body)
+    return seeds
 
 
 def ply_seeds() -> list[bytes]:
     seeds = [written(write_ply, "a.ply", POSITION, FACES, encoding)
              for encoding in ("ascii", "binary_little_endian", "binary_big_endian")]
+    seeds += corner_plys()
     points = shell(200)
     names = ["x", "y", "z", "nx", "ny", "nz"]
     seeds.append(ply_header("binary_little_endian",

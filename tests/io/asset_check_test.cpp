@@ -120,6 +120,80 @@ TEST(AssetCheck, RefusesAUnitThatTakesTheSizeOutOfRange) {
   }
 }
 
+TEST(AssetCheck, NormalsAreMadeOfLengthOne) {
+  const float third = float(1 / std::sqrt(3.));
+  Asset asset = cube(2);
+  std::vector<std::array<float, 3>>& normal = asset.meshes[0].normal;
+  normal.assign(8, {0, 0.6f, 0.8f});
+  normal[1] = {0, 3, 4};
+  normal[2] = {0, 0, 1e-30f};
+  normal[3] = {0, 0, -1.005f};  // within what is not worth a word, but put right
+  // of a corner of a cube by area, whatever way its squares are cut: 2 : 2 : 2 or 1 : 2 : ...
+  normal[0] = {0, 0, 0};
+  normal[6] = {0, -0.f, 0};
+  Asset twice = asset;
+  check_asset(asset);
+  EXPECT_EQ(count_of(asset, "long-normals"), 2);
+  EXPECT_EQ(count_of(asset, "zero-normals"), 2);
+  EXPECT_NEAR(normal[1][1], 0.6f, 1e-7);
+  EXPECT_NEAR(normal[1][2], 0.8f, 1e-7);
+  EXPECT_EQ(normal[2], (std::array<float, 3>{0, 0, 1}));
+  EXPECT_EQ(normal[3], (std::array<float, 3>{0, 0, -1}));
+  EXPECT_EQ(normal[4], (std::array<float, 3>{0, 0.6f, 0.8f}));
+  // corner 0 has two triangles of each of its squares
+  for (size_t d = 0; d < 3; ++d) EXPECT_NEAR(normal[0][d], -third, 1e-6);
+  for (const auto& n : normal) EXPECT_NEAR(std::hypot(n[0], n[1], n[2]), 1, 1e-6);
+
+  // a vertex without faces looks along z; outputs keep a glTF's own numbers
+  twice.meshes[0].position.push_back({9, 9, 9});
+  twice.meshes[0].position_of.push_back(8);
+  twice.meshes[0].normal.push_back({0, 0, 0});
+  Asset gltf = twice;
+  gltf.format = "glb";
+  check_asset(twice);
+  EXPECT_EQ(twice.meshes[0].normal[8], (std::array<float, 3>{0, 0, 1}));
+  check_asset(gltf);
+  EXPECT_EQ(gltf.meshes[0].normal[1], (std::array<float, 3>{0, 3, 4}));
+}
+
+TEST(AssetCheck, TexturesWithoutCoordinatesAreDroppedAndSaid) {
+  Asset asset = cube();
+  asset.materials.push_back({"skin", {1, 0.5f, 0.25f, 1}, "skin.png"});
+  asset.materials.push_back({"plain", {1, 1, 1, 1}, ""});
+  Mesh other = asset.meshes[0];
+  other.name = "other";
+  other.uv.assign(8, {0.5f, 0.5f});
+  other.groups.push_back(other.groups[0]);
+  for (TriangleGroup& group : other.groups) group.material = 0;
+  other.groups[1].has_uv = false;
+  asset.meshes[0].groups[0].material = 0;
+  asset.meshes.push_back(other);
+  asset.nodes.push_back({"other", -1, kIdentity4, 1});
+  check_asset(asset);
+  EXPECT_EQ(count_of(asset, "missing-uvs"), 24);
+  for (const Finding& f : asset.findings)
+    if (f.what == "missing-uvs") expect_says(f.text, "the first in the mesh \"box\"");
+  ASSERT_EQ(asset.materials.size(), 3u);
+  EXPECT_EQ(asset.meshes[0].groups[0].material, 2);
+  EXPECT_EQ(asset.meshes[1].groups[0].material, 0);
+  EXPECT_EQ(asset.meshes[1].groups[1].material, 2);
+  EXPECT_EQ(asset.materials[2].name, "skin");
+  EXPECT_EQ(asset.materials[2].base_colour, (std::array<float, 4>{1, 0.5f, 0.25f, 1}));
+  EXPECT_TRUE(asset.materials[2].texture.empty());
+  EXPECT_EQ(asset.materials[0].texture, "skin.png");
+
+  // no copy of what nothing else shows
+  asset = cube();
+  asset.materials.push_back({"skin", {1, 0.5f, 0.25f, 1}, "skin.png"});
+  asset.meshes[0].groups[0].material = 0;
+  asset.meshes[0].groups.push_back(asset.meshes[0].groups[0]);
+  check_asset(asset);
+  EXPECT_EQ(count_of(asset, "missing-uvs"), 24);
+  ASSERT_EQ(asset.materials.size(), 1u);
+  EXPECT_TRUE(asset.materials[0].texture.empty());
+  EXPECT_EQ(asset.meshes[0].groups[1].material, 0);
+}
+
 TEST(AssetCheck, CountsWhatIsWrong) {
   Asset asset = cube();
   corners(asset).insert(corners(asset).end(), {0, 0, 1, 5, 5, 5});

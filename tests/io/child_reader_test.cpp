@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/child_reader.hpp"
 
+#include "io/asset_check.hpp"
 #include "io/read_asset.hpp"
 #include "io/weld.hpp"
 #include "tests/io/foreign_files.hpp"
@@ -104,10 +105,12 @@ TEST(ChildReader, TexturesOutsideTheFolderAreDropped) {
   folder.write("in/skin.png", "png");
   test::DaeOptions dae;
   dae.texture = "skin.png";
-  Asset asset = read_asset(folder.write("in/a.dae", test::dae_text(dae)));
+  Asset asset = read_in_child(folder.write("in/a.dae", test::dae_text(dae)), "dae");
   ASSERT_EQ(asset.materials.size(), 1u);
   EXPECT_TRUE(asset.materials[0].texture.ends_with("/in/skin.png"));
   EXPECT_FALSE(has_finding(asset, "missing-texture"));
+  check_asset(asset);  // the box has no coordinates in it
+  EXPECT_TRUE(has_finding(asset, "missing-uvs"));
   for (const char* name : {"../outside.png", "../../../../../../../etc/passwd", "/etc/passwd",
                            "file:///etc/passwd", "http://localhost/a.png"}) {
     dae.texture = name;

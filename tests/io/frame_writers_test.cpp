@@ -103,6 +103,45 @@ TEST(PointCacheWriter, HoldsTheFramesInTheNumbersOfTheFile) {
   EXPECT_EQ(values_at<float>(bytes, 68, 9), (std::vector<float>{2, 4, 6, 4, 4, 11, 2, 6, 6}));
 }
 
+/// Two triangles with a common edge, each a mesh, whose file has them in another order.
+Asset shared_edge() {
+  Asset asset;
+  asset.path = "shared.obj";
+  for (const auto& numbers : {std::vector<int32_t>{1, 2, 3}, {0, 1, 2}}) {
+    Mesh& mesh = asset.meshes.emplace_back();
+    for (const int32_t k : numbers)
+      mesh.position.push_back({double(k % 2), double(k / 2), 0.5 * k});
+    mesh.position_of = {0, 1, 2};
+    mesh.groups.push_back({-1, {0, 1, 2}, -1});
+    mesh.file_position = numbers;
+    asset.nodes.push_back({"", -1, kIdentity4, int(asset.meshes.size()) - 1});
+  }
+  return asset;
+}
+
+TEST(FrameWriters, VerticesThatMeshesShareAreWrittenOnceInTheOrderOfTheFile) {
+  const test::TempFolder folder;
+  const Asset asset = shared_edge();
+  const Surface surface = pose_surface(asset);
+  Array<double> displacement(6, 3);
+  // vertex k of the file moves by k
+  for (int p = 0; p < 6; ++p) displacement(p, 2) = (std::array{1, 2, 3, 0, 1, 2})[size_t(p)];
+  for (const char* name : {"out.ply", "out.pc2"}) {
+    const auto writer = AnimationWriter::create(folder.path(name), asset, surface);
+    writer->frame({.displacement = displacement});
+    writer->finish();
+  }
+  const std::vector<float> expected = {0, 0, 0, 1, 0, 1.5, 0, 1, 3, 1, 1, 4.5};
+  const std::string cache = read_file(folder.path("out.pc2"));
+  EXPECT_EQ(values_at<int32_t>(cache, 16, 1)[0], 4);
+  EXPECT_EQ(values_at<float>(cache, 32, 12), expected);
+  const Ply ply(folder.path("out_00000.ply"));
+  expect_says(ply.header, "element vertex 4\n");
+  EXPECT_EQ(values_at<float>(ply.body, 0, 12), expected);
+  EXPECT_EQ(values_at<int32_t>(ply.body, 49, 3), (std::vector{1, 2, 3}));
+  EXPECT_EQ(values_at<int32_t>(ply.body, 62, 3), (std::vector{0, 1, 2}));
+}
+
 TEST(PlyWriter, AMeshHasItsVerticesAndTriangles) {
   const test::TempFolder folder;
   const Asset asset = unit_triangle();

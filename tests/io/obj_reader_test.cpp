@@ -42,7 +42,8 @@ constexpr const char* kCube =
 
 TEST(ObjReader, KeepsTheVertexOrderOfTheFile) {
   const Asset asset = parsed_obj(
-      "o first\nv 5 6 7\nv 1e-3 -2.5E+2 +3\nv 9 9 9\nf 3 2 1\no second\nv 4 5 6 1.0\nf 4 1 2\n");
+      "v 5 6 7\nv 1e-3 -2.5E+2 +3\nv 9 9 9\no first\nf 3 2 1\nv 4 5 6 1.0\nf 4 1 2\n"
+      "o empty\n");
   ASSERT_EQ(asset.meshes.size(), 1u);
   const Mesh& mesh = asset.meshes[0];
   EXPECT_EQ(mesh.name, "first");
@@ -50,8 +51,60 @@ TEST(ObjReader, KeepsTheVertexOrderOfTheFile) {
   EXPECT_EQ(mesh.position_of, (std::vector<int32_t>{0, 1, 2, 3}));
   EXPECT_EQ(triangles_of(mesh), (std::vector<std::array<int32_t, 3>>{{2, 1, 0}, {3, 0, 1}}));
   EXPECT_TRUE(mesh.uv.empty() && mesh.normal.empty() && mesh.colour.empty());
+  EXPECT_TRUE(mesh.file_position.empty());
   ASSERT_EQ(asset.nodes.size(), 1u);
   EXPECT_EQ(asset.nodes[0].mesh, 0);
+}
+
+/// Name, parent and number of triangles of each node.
+std::string tree_of(const Asset& asset) {
+  std::string text;
+  for (const AssetNode& node : asset.nodes) {
+    text += concat(node.name, '<', node.parent < 0 ? "" : asset.nodes[size_t(node.parent)].name);
+    if (node.mesh >= 0) text += concat(':', triangles_of(asset.meshes[size_t(node.mesh)]).size());
+    text += ' ';
+  }
+  return text;
+}
+
+TEST(ObjReader, ObjectsAndGroupsAreNodes) {
+  const std::string v = "v 0 0 0\nv 1 0 0\nv 0 1 0\n", f = "f 1 2 3\n";
+  const std::pair<std::string, std::string> cases[] = {
+      {f, "file<:1 "},
+      {"o Body\n" + f, "Body<:1 "},
+      {f + "o Body\n" + f, "file<:1 Body<:1 "},
+      {"o Body\n" + f + "o Hat\n" + f + f + "o Body\n" + f, "Body<:2 Hat<:2 "},
+      {"g left arm\n" + f + "g\n" + f + "g left arm\n" + f, "left arm<:2 file<:1 "},
+      {"o Body\ng A\n" + f + "g B\n" + f + "o Hat\ng A\n" + f,
+       "Body< A<Body:1 B<Body:1 Hat< A<Hat:1 "},
+      {"o Body\n" + f + "g A\n" + f + "g\n" + f, "Body<:2 A<Body:1 "},
+      {"g default\ng A\nf 1 2\ng B\n" + f, "B<:1 "},
+      {"g A\n" + f + "o Body\n" + f, "A<:1 Body<:1 "},
+      {"o A\ng A\n" + f, "A< A<A:1 "},
+  };
+  for (const auto& [text, tree] : cases) EXPECT_EQ(tree_of(parsed_obj(v + text)), tree) << text;
+  EXPECT_EQ(parsed_obj("o Cloud\n" + v).nodes.at(0).name, "Cloud");
+}
+
+TEST(ObjReader, ObjectsHoldWhatTheyUseAndTheFilesNumbersOfIt) {
+  // 2 and 3 belong to both, 5 to none
+  Asset asset = parsed_obj(
+      "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0.5\nv 9 9 9\nvt 0 0\nvt 1 0\nvt 0 1\n"
+      "o B\nf 4/1 3/2 2/3\no A\nf 1 2 3\n");
+  ASSERT_EQ(asset.meshes.size(), 2u);
+  EXPECT_EQ(asset.meshes[0].file_position, (std::vector<int32_t>{1, 2, 3, 4}));
+  EXPECT_EQ(asset.meshes[1].file_position, (std::vector<int32_t>{0, 1, 2}));
+  EXPECT_EQ(asset.meshes[0].position[2], (Vec3{1, 1, 0.5}));
+  EXPECT_EQ(triangles_of(asset.meshes[0]), (std::vector<std::array<int32_t, 3>>{{2, 1, 0}}));
+  EXPECT_EQ(asset.meshes[0].uv.at(2), (std::array<float, 2>{0, 1}));
+  EXPECT_TRUE(asset.meshes[1].uv.empty());
+  EXPECT_EQ(repeated_positions(asset), 2);
+  check_asset(asset);
+  EXPECT_EQ(finding(asset, "duplicate-vertices"), nullptr);  // the file has each once
+  EXPECT_EQ(finding(asset, "unreferenced")->count, 1);
+  // the body is one piece as before
+  EXPECT_EQ(weld(pose_surface(asset)).vertices.rows(), 4);
+  EXPECT_EQ(finding(asset, "pieces"), nullptr);
 }
 
 TEST(ObjReader, ReadsEveryFormOfACorner) {
@@ -65,7 +118,7 @@ TEST(ObjReader, ReadsEveryFormOfACorner) {
   }
   const Mesh mesh = parsed_obj(std::string(attributes) + "f 1/1/1 2/1/1 3/2/1").meshes[0];
   EXPECT_EQ(mesh.uv[0], (std::array<float, 2>{0.25f, 0.75f}));  // v runs down as in glTF
-  EXPECT_EQ(mesh.normal[0], (std::array<float, 3>{0, 0, 1}));
+  EXPECT_EQ(mesh.normal[0], (std::array<float, 3>{0, 0, 2}));   // the check makes it one long
 }
 
 TEST(ObjReader, SplitsSeamsBehindTheFilesPositions) {
@@ -183,6 +236,18 @@ TEST(ObjReader, NormalsOfSomeCornersOnlyAreNotUsed) {
   EXPECT_NE(finding(asset, "missing-normals"), nullptr);
 }
 
+TEST(ObjReader, FacesWithAndWithoutCoordinatesAreGroupsOfTheirOwn) {
+  const Mesh mesh = parsed_obj(
+                        "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nusemtl m\n"
+                        "f 1/1 2/2 3/1\nf 3 2 1\nf 1/1 2 3/2\nf 2/1 3/2 1/1\n")
+                        .meshes.at(0);
+  ASSERT_EQ(mesh.groups.size(), 2u);
+  EXPECT_TRUE(mesh.groups[0].has_uv);
+  EXPECT_EQ(mesh.groups[0].corner.size(), 6u);
+  EXPECT_FALSE(mesh.groups[1].has_uv);
+  EXPECT_EQ(mesh.groups[1].material, 0);
+}
+
 TEST(ObjReader, RefusesWithFileAndLine) {
   const std::pair<std::string, std::string> cases[] = {
       {"v 0 0 0\nv 1 0", "file.obj:2: 3 numbers are expected"},
@@ -227,6 +292,31 @@ TEST(ObjReader, AnyTruncationIsReadOrRefused) {
   }
 }
 
+TEST(ObjReader, AnyByteOfObjectsAndGroupsMayBeWrong) {
+  const std::string text =
+      "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvt 0 0\nvt 1 0\nvn 0 0 1\no A\ng 1\nf 1/1/1 3/1/1 "
+      "2/2/1\n"
+      "g\nf 1 2 4\no B\ng 1\nf 1/1 4/2 3/2\no A\ng 1\nf 2 3 4\n";
+  for (size_t n = 0; n < text.size(); ++n)
+    for (const char value : {'\0', '\n', ' ', '/', '-', '9', 'g', 'o', 'x', '\xff'}) {
+      std::string changed = text;
+      changed[n] = value;
+      try {
+        Asset asset = parsed_obj(changed);
+        check_asset(asset);
+        // what is shared is counted, and the file's numbers are a row without gaps
+        const Surface surface = pose_surface(asset);
+        std::vector<uint8_t> seen(size_t(surface.vertices.rows() - repeated_positions(asset)), 0);
+        for (const Mesh& mesh : asset.meshes)
+          for (const int32_t p : mesh.file_position) seen.at(size_t(p)) = 1;
+        EXPECT_EQ(std::ranges::count(seen, 0), asset.meshes.size() > 1 ? 0 : int64_t(seen.size()))
+            << changed;
+      } catch (const Error& error) {
+        EXPECT_EQ(error.kind(), ErrorKind::kAsset) << error.what();
+      }
+    }
+}
+
 TEST(ObjReader, ReadsRealFilesWithTheirCounts) {
   const std::string folder = test::assets_folder();
   if (folder.empty()) return;
@@ -255,7 +345,7 @@ TEST(ObjReader, ReadsRealFilesWithTheirCounts) {
     }
   }
   const Asset cat = read_obj(folder + "broken/Кот Ünïcode 名前 spot.obj");
-  EXPECT_EQ(cat.meshes[0].name, "Größe 牛");
+  EXPECT_EQ(cat.nodes.at(0).name, "Größe 牛");  // its groups are below
   EXPECT_EQ(cat.materials.at(0).name, "glänzend 青");
   EXPECT_FLOAT_EQ(cat.materials[0].base_colour[1], 0.7f);
 }

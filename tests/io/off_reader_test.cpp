@@ -37,17 +37,60 @@ TEST(OffReader, TakesCountsBesideAndGluedToTheKeyword) {
     EXPECT_EQ(parse_off(head + rest, "file").meshes[0].groups[0].corner.size(), 3u) << head;
 }
 
-TEST(OffReader, SkipsColoursAndKeepsNormals) {
-  const Asset coloured = parse_off(
-      "COFF\n3 1 0\n0 0 0 255 0 0 255\n1 0 0 0 255 0 255\n0 1 0 0 0 255 255\n3 0 1 2 0.5 0.5 1\n",
-      "file");
-  EXPECT_EQ(coloured.meshes[0].position[1], (Vec3{1, 0, 0}));
-  EXPECT_EQ(coloured.meshes[0].groups[0].corner, (std::vector<int32_t>{0, 1, 2}));
+TEST(OffReader, KeepsNormals) {
   for (const char* keyword : {"NOFF", "CNOFF", "STCNOFF"}) {
     const Asset asset = parse_off(
         concat(keyword, "\n3 1 0\n0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0.6 0.8\n3 0 1 2\n"), "file");
     EXPECT_EQ(asset.meshes[0].normal.at(2), (std::array<float, 3>{0, 0.6f, 0.8f}));
   }
+}
+
+TEST(OffReader, ColoursAndCoordinatesFollowTheKeyword) {
+  // 188 / 255 of sRGB is 0.5028865 in linear light; floats are shares of the same
+  const std::pair<const char*, const char*> colours[] = {{"255 0 188 51", "255 188 0"},
+                                                         {"1 0 0.737255 0.2", "1. 0.737255 0"}};
+  for (const auto& [four, three] : colours)
+    for (const bool uv : {false, true})
+      for (const bool normal : {false, true}) {
+        std::string text = concat(uv ? "ST" : "", "C", normal ? "N" : "", "OFF\n3 1 0\n");
+        for (const char* x : {"0 0 0", "1 0 0", "0 1 0"})
+          text += concat(x, normal ? " 0 0 1 " : " ", x[0] == '1' ? three : four,
+                         uv ? " 0.25 0.75\n" : "\n");
+        const Mesh mesh = test::checked(parse_off, text + "3 0 1 2\n").meshes.at(0);
+        ASSERT_EQ(mesh.colour.size(), 3u);
+        EXPECT_EQ(mesh.colour[0][0], 1);
+        EXPECT_NEAR(mesh.colour[0][2], 0.5028865, 1e-5);
+        EXPECT_NEAR(mesh.colour[0][3], 0.2, 1e-6);
+        EXPECT_NEAR(mesh.colour[1][1], 0.5028865, 1e-5);
+        EXPECT_EQ(mesh.colour[1][3], 1);  // opaque where the file does not say
+        EXPECT_EQ(mesh.uv.size(), uv ? 3u : 0u);
+        if (uv) {
+          EXPECT_EQ(mesh.uv[1], (std::array<float, 2>{0.25f, 0.25f}));
+        }
+        EXPECT_EQ(mesh.normal.size(), normal ? 3u : 0u);
+      }
+}
+
+TEST(OffReader, ColoursOfFacesSplitTheirVertices) {
+  for (const char* red : {"255 0 0", "255 0 0 255", "1.0 0 0", "1 0 0 1"}) {
+    const Asset asset = test::checked(
+        parse_off, concat("OFF\n4 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2 ", red, "\n3 0 2 3\n"));
+    const Mesh& mesh = asset.meshes.at(0);
+    EXPECT_EQ(mesh.position.size(), 4u);
+    ASSERT_EQ(mesh.position_of, (std::vector<int32_t>{0, 1, 2, 3, 0, 2})) << red;
+    const std::vector<int32_t>& corner = mesh.groups.at(0).corner;
+    for (size_t k = 0; k < 6; ++k)
+      EXPECT_EQ(mesh.colour[size_t(corner[k])],
+                k < 3 ? (std::array<float, 4>{1, 0, 0, 1}) : (std::array<float, 4>{1, 1, 1, 1}))
+          << red;
+  }
+  const Asset both = parse_off(
+      "COFF\n3 1 0\n0 0 0 255 0 0\n1 0 0 255 0 0\n0 1 0 255 0 0\n3 0 1 2 0 255 0\n", "file");
+  EXPECT_EQ(both.meshes[0].colour.at(0), (std::array<float, 4>{1, 0, 0, 1}));
+  EXPECT_EQ(test::finding_of(both, "face-colours"), 1);
+  const Asset table = parse_off("OFF\n3 1 0\n0 0 0 9 9\n1 0 0\n0 1 0\n3 0 1 2 7\n", "file");
+  EXPECT_TRUE(table.meshes[0].colour.empty());
+  EXPECT_EQ(test::finding_of(table, "left-out-properties"), 2);
 }
 
 TEST(OffReader, RefusesWhatCannotBe) {
@@ -76,6 +119,10 @@ TEST(OffReader, RefusesWhatCannotBe) {
       {"OFF\n3 1 0\n" + points + "-3 0 1 2\n", "the number of corners"},
       {"OFF\n3 0 0\n" + points, "nothing to simulate"},
       {"OFF\n0 0 0\n", "nothing to simulate"},
+      {"COFF\n3 1 0\n0 0 0 1 1\n1 0 0\n0 1 0\n3 0 1 2\n", "file:3: a vertex has 2 numbers"},
+      {"STOFF\n3 1 0\n0 0 0 1\n1 0 0\n0 1 0\n3 0 1 2\n", "two of a texture are expected"},
+      {"OFF\n3 1 0\n" + points + "3 0 1 2 red\n", "file:6: a face's colour"},
+      {"OFF\n3 1 0\n" + points + "3 0 1 2 1 1 1 1 1\n", "file:6: a face's colour"},
       {"OFF\n3 1 0\nnan 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "vertex 0 (counted from 0) is not finite"},
   };
   for (const auto& [text, message] : cases) expect_says(message_of(text), message);
@@ -93,6 +140,10 @@ TEST(OffReader, ReportsFacesOfTwoCorners) {
 TEST(OffReader, NoCutAndNoByteBreaksIt) {
   test::expect_no_cut_is_read(parse_off, kPyramid, 1);
   test::expect_any_byte_is_read_or_refused(parse_off, kPyramid);
+  test::expect_any_byte_is_read_or_refused(
+      parse_off,
+      "STCNOFF\n3 1 0\n0 0 0 0 0 1 255 0 9 1 0 0\n1 0 0 0 0 1 1 2 3 1 1 0\n"
+      "0 1 0 0 0 1 4 5 6 7 0 1\n3 0 1 2 0.5 0.25 1\n");
 }
 
 TEST(OffReader, ReadsRealFilesWithTheirCounts) {

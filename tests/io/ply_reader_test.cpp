@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/ply_reader.hpp"
 
+#include "io/byte_reader.hpp"
 #include "tests/io/cloud_files.hpp"
 
 namespace elastogen {
@@ -29,7 +30,7 @@ std::string binary_quad(std::endian order, const char* name) {
                     "property double y\nproperty double z\nproperty uchar red\n"
                     "property uchar green\nproperty uchar blue\nelement extra 2\n"
                     "property list uchar short junk\nelement face 1\n"
-                    "property list uchar float texcoord\nproperty list uint int vertex_indices\n"
+                    "property list uchar float weights\nproperty list uint int vertex_indices\n"
                     "property uchar flags\nend_header\n";
   const double corner[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
   for (const auto& c : corner) {
@@ -83,7 +84,7 @@ TEST(PlyReader, FacesMayStandBeforeVertices) {
   const Asset asset = parsed_ply(
       "ply\nformat ascii 1.0\nelement face 1\nproperty list uchar int vertex_index\n"
       "element vertex 3\nproperty int x\nproperty int y\nproperty int z\nend_header\n"
-      "3 2 1 0\n0 0 0 1 0 0 0 1 0");
+      "3 2 1 0\n\n0 0 0\n1 0 0\n \n0 1 0");
   EXPECT_EQ(asset.meshes[0].groups[0].corner, (std::vector<int32_t>{2, 1, 0}));
 }
 
@@ -127,6 +128,144 @@ TEST(PlyReader, WithoutFacesItIsACloud) {
               "triangle strips are not read");
 }
 
+/// Polygons over a row of squares, each with uv and a colour of its own at every corner and face;
+/// the values follow from the numbers of face and corner.
+struct CornerFile {
+  std::string text;
+  static double u(int face, int corner) { return 0.125 * face + 0.25 * (corner % 2); }
+  static double v(int face, int corner) { return 0.0625 * face + 0.5 * (corner / 2); }
+  static int shade(int face, int channel) { return 40 * face + 10 * channel; }
+
+  CornerFile(int squares, const std::string& textures, bool colours) {
+    text = "ply\nformat ascii 1.0\n" + textures;
+    text += concat("element vertex ", 2 * (squares + 1),
+                   "\nproperty float x\nproperty float y\nproperty float z\nelement face ", squares,
+                   "\nproperty list uchar float texcoord\nproperty int texnumber\n",
+                   "property list uchar int vertex_indices\n");
+    for (const char* channel : {"red", "green", "blue"})
+      if (colours) text += concat("property uchar ", channel, '\n');
+    text += "end_header\n";
+    for (int k = 0; k <= squares; ++k) text += concat(k, " 0 0\n", k, " 1 0\n");
+    for (int f = 0; f < squares; ++f) {
+      text += "8";
+      for (int c = 0; c < 4; ++c) text += concat(' ', u(f, c), ' ', v(f, c));
+      text += concat(' ', f % 2, " 4 ", 2 * f, ' ', 2 * f + 2, ' ', 2 * f + 3, ' ', 2 * f + 1);
+      for (int k = 0; k < 3 && colours; ++k) text += concat(' ', shade(f, k));
+      text += '\n';
+    }
+  }
+};
+
+/// Triangles of a mesh as (square, corner of it) by their positions.
+template <class Visit>
+void each_corner(const Mesh& mesh, const Visit& visit) {
+  for (const TriangleGroup& group : mesh.groups)
+    for (size_t k = 0; k < group.corner.size(); k += 3) {
+      double least = 1e9;
+      for (size_t c = 0; c < 3; ++c) {
+        const auto v = size_t(group.corner[k + c]);
+        least = std::min(least, mesh.position[size_t(mesh.position_of[v])][0]);
+      }
+      for (size_t c = 0; c < 3; ++c) {
+        const auto v = size_t(group.corner[k + c]);
+        const Vec3& x = mesh.position[size_t(mesh.position_of[v])];
+        const bool right = x[0] > least, upper = x[1] > 0;
+        visit(int(least), upper ? right ? 2 : 3 : right ? 1 : 0, v, group);
+      }
+    }
+}
+
+TEST(PlyReader, CornersHaveUvsAndFacesColoursOfTheirOwn) {
+  const test::TempFolder folder;
+  folder.write("a.png", "png");
+  folder.write("b c.png", "png");
+  const std::string textures = "comment TextureFile a.png\ncomment TextureFile b c.png\n";
+  for (const int squares : {1, 2, 5})
+    for (const bool colours : {false, true}) {
+      const CornerFile file(squares, textures, colours);
+      Asset asset = read_ply(folder.write("corners.ply", file.text));
+      check_asset(asset);
+      const Mesh& mesh = asset.meshes.at(0);
+      EXPECT_EQ(mesh.position.size(), 2u * size_t(squares + 1));
+      // the positions between two squares are drawn twice
+      EXPECT_EQ(mesh.position_of.size(), 4u * size_t(squares));
+      for (size_t p = 0; p < mesh.position.size(); ++p) EXPECT_EQ(mesh.position_of[p], int(p));
+      int count = 0;
+      each_corner(mesh, [&](int f, int c, size_t v, const TriangleGroup& group) {
+        ++count;
+        EXPECT_EQ(mesh.uv[v], (std::array<float, 2>{float(file.u(f, c)), float(1 - file.v(f, c))}));
+        EXPECT_EQ(asset.materials[size_t(group.material)].name, f % 2 ? "b c.png" : "a.png");
+        for (size_t k = 0; k < 3 && colours; ++k)
+          EXPECT_NEAR(srgb_from_linear(mesh.colour[v][k]), file.shade(f, int(k)) / 255., 1e-5);
+      });
+      EXPECT_EQ(count, 6 * squares);
+      EXPECT_EQ(mesh.colour.empty(), !colours);
+      EXPECT_EQ(test::finding_of(asset, "left-out-properties"), 0);
+    }
+}
+
+TEST(PlyReader, CoordinatesThatDoNotFitTheirFaceAreRefusedAndNoneAreNone) {
+  std::string text = CornerFile(2, "", false).text;
+  const size_t row = text.find("8 0.125");
+  ASSERT_NE(row, text.npos);
+  std::string few = text;
+  few.replace(row, 7, "7");
+  expect_says(error_of([&] { parsed_ply(few); }),
+              "face 1 has 7 texture coordinates, 8 are expected: two a corner");
+  std::string none = text;
+  none.replace(row, text.find(" 1 4 2", row) - row, "0");
+  const Mesh mesh = parsed_ply(none).meshes.at(0);
+  ASSERT_EQ(mesh.groups.size(), 2u);
+  EXPECT_TRUE(mesh.groups[0].has_uv);
+  EXPECT_FALSE(mesh.groups[1].has_uv);
+  EXPECT_EQ(mesh.groups[1].corner.size(), 6u);
+}
+
+TEST(PlyReader, WhatIsNotUnderstoodIsKeptOrSaid) {
+  std::string text = kPlyText;
+  text.insert(text.find("element vertex"), "Made by an old exporter, www.example.org\n");
+  text.insert(text.find("element face"),
+              "property uchar label\nproperty double quality\nproperty list uchar int ring\n");
+  text.insert(text.find("end_header"), "property uchar flags\nelement camera 1\nproperty int a\n");
+  for (const char* row : {"1 0.25\n", "1 1\n", "0 1\n", "0 0\n"}) {
+    const size_t end = text.find(row, text.find("end_header")) + std::strlen(row) - 1;
+    text.insert(end, concat(" ", row[0] - '0' + 200, " 0.1 2 7 8"));
+  }
+  for (const char* row : {"3 0 1 2\n", "3 0 2 3\n"}) text.insert(text.find(row) + 7, " 1");
+  text += "5\nand more\n";
+  const Asset asset = parsed_ply(text);
+  const std::vector<OwnColumn>& own = asset.meshes.at(0).own;
+  ASSERT_EQ(own.size(), 2u);
+  EXPECT_EQ(own[0].name, "label");
+  EXPECT_EQ(own[0].type, PlyType::kUint8);
+  EXPECT_EQ(own[0].value, (std::vector<double>{200, 201, 201, 200}));
+  EXPECT_EQ(own[1].name, "quality");
+  EXPECT_EQ(own[1].value, (std::vector<double>(4, 0.1)));
+  EXPECT_EQ(test::finding_of(asset, "header-lines"), 1);
+  EXPECT_EQ(test::finding_of(asset, "left-out-properties"), 3);  // ring, flags, camera
+  EXPECT_EQ(test::finding_of(asset, "extra-bytes"), 7);
+  for (const Finding& finding : asset.findings)
+    if (finding.what == "left-out-properties")
+      expect_says(finding.text, "vertex.ring, face.flags, camera");
+}
+
+TEST(PlyReader, BinaryFilesThatEndEarlySayWhere) {
+  const std::string whole = binary_quad(std::endian::little, "binary_little_endian");
+  const size_t body = whole.find("end_header\n") + 11;
+  const std::pair<size_t, const char*> cases[] = {
+      {body + 2 * 27 + 5, "the header claims 4 times vertex but only 59 bytes follow"},
+      {body + 4 * 27 + 3, "the file ends within extra 1 of 2 (counted from 0)"},
+      {whole.size() - 1, "the file ends within face 0 of 1 (counted from 0)"}};
+  for (const auto& [size, message] : cases)
+    expect_says(error_of([&, n = size] { parsed_ply(whole.substr(0, n)); }), message);
+}
+
+TEST(PlyReader, NoCutAndNoByteOfCornersBreaksIt) {
+  const std::string text = CornerFile(2, "comment TextureFile a.png\n", true).text;
+  test::expect_no_cut_is_read(parse_ply, text, 3);  // the last number may lose its digits
+  test::expect_any_byte_is_read_or_refused(parse_ply, text);
+}
+
 TEST(PlyReader, RefusesHeadersThatCannotBe) {
   const std::string vertex = "property float x\nproperty float y\nproperty float z\n";
   const std::string face = "element face 1\nproperty list uchar int vertex_index\nend_header\n";
@@ -142,21 +281,28 @@ TEST(PlyReader, RefusesHeadersThatCannotBe) {
       {"ply\nformat ascii 1.0\nproperty float x\n", "a property before the first element"},
       {"ply\nformat ascii 1.0\nelement vertex 1\nproperty quad x\n", "unknown type \"quad\""},
       {"ply\nformat ascii 1.0\nelement vertex 1\nproperty float\n", "a property without a name"},
-      {"ply\nnonsense\n", "file.ply:2: unknown header line \"nonsense\""},
       {"ply\n" + std::string(1 << 20, 'x'), "the header has no end"},
       {"ply\n" + std::string(1 << 20, '\n'), "the header has no end"},
       {header("-1", "0 0 0"), "the element vertex has no valid count"},
       {header("1e3", "0 0 0"), "the element vertex has no valid count"},
       {header("99999999999999999999", "0 0 0"), "the element vertex has no valid count"},
       {header("2000000000", "0 0 0"), "claims 2000000000 times vertex but only 5 bytes follow"},
-      {header("1", "0 0 0"), "the file ends before its values do"},
-      {header("1", "0 0 0 3 0 0"), "3 values of vertex_index are claimed but only 4 bytes"},
-      {header("1", "0 0 0 -3 0 0 0"), "a list of vertex_index has the length -3"},
-      {header("1", "0 0 0 2.5 0 0 0"), "a list of vertex_index has the length 2.5"},
-      {header("1", "0 0 0 3 0 0 1"), "face 0 has the vertex index 1, the file has 1 vertices"},
-      {header("1", "0 0 0 3 0 0 -1"), "face 0 has the vertex index -1"},
-      {header("1", "0 0 zero 3 0 0 0"), "a number is expected, not \"zero\""},
-      {"ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n" + face + "0 3 0 0 0",
+      {header("1", "0 0 0"), "file.ply:10: the file ends before face 0 of 1 (counted from 0)"},
+      {header("1", "0 0 0\n"), "file.ply:10: the file ends before face 0 of 1"},
+      {header("2", "0 0 0\n\n0 0\n3 0 0 0"),
+       "file.ply:12: vertex 1 of 2 (counted from 0) has fewer"},
+      {header("1", "0 0 0 7\n3 0 0 0"), "file.ply:10: vertex 0 of 1 (counted from 0) has more"},
+      {header("1", "0 0 0 3 0 0 0"), "file.ply:10: vertex 0 of 1 (counted from 0) has more"},
+      {header("1", "0 0 0\n3 0 0 0 0"), "file.ply:11: face 0 of 1 (counted from 0) has more"},
+      {header("2", "0 0 0\n3 0 0 0"), "file.ply:11: vertex 1 of 2 (counted from 0) has more"},
+      {header("1", "0 0 0\n3 0 0"), "claims 3 values of vertex_index but only 4 bytes"},
+      {header("1", "0 0 0\n3 0 0     "), "claims 3 values of vertex_index but only 4 bytes"},
+      {header("1", "0 0 0\n-3 0 0 0"), "has a list of vertex_index of the length -3"},
+      {header("1", "0 0 0\n2.5 0 0 0"), "has a list of vertex_index of the length 2.5"},
+      {header("1", "0 0 0\n3 0 0 1"), "face 0 has the vertex index 1, the file has 1 vertices"},
+      {header("1", "0 0 0\n3 0 0 -1"), "face 0 has the vertex index -1"},
+      {header("1", "0 0 zero\n3 0 0 0"), "file.ply:10: a number is expected, not \"zero\""},
+      {"ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n" + face + "0\n3 0 0 0",
        "its vertices have no x, y, z"},
       {"ply\nformat ascii 1.0\nelement face 1\nproperty int a\nend_header\n0",
        "its faces have no list vertex_indices"},

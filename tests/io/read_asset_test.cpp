@@ -46,6 +46,50 @@ TEST(ReadAsset, TakesTheFormatFromTheContentThenFromTheName) {
   EXPECT_EQ(read_asset(folder.write("a.splat", splat)).format, "splat");
 }
 
+/// Latin text as UTF-16.
+std::string utf16(std::string_view text, bool big, bool mark) {
+  std::string bytes = mark ? big ? "\xfe\xff" : "\xff\xfe" : "";
+  for (const char c : text) {
+    if (big) bytes += '\0';
+    bytes += c;
+    if (!big) bytes += '\0';
+  }
+  return bytes;
+}
+
+TEST(ReadAsset, NamesUtf16AndTakesTheMarkOfUtf8) {
+  const TempFolder folder;
+  const std::pair<const char*, std::string> files[] = {
+      {"a.obj", kObj}, {"a.ply", kPly}, {"a.stl", kStl},
+      {"a.off", kOff}, {"a.pcd", kPcd}, {"a.xyz", "0 0 0\n1 1 1\n"}};
+  for (const auto& [name, text] : files) {
+    EXPECT_NO_THROW(read_asset(folder.write(name, "\xef\xbb\xbf" + text))) << name;
+    for (const bool big : {false, true})
+      for (const bool mark : {false, true}) {
+        const std::string path = folder.write(name, utf16(text, big, mark));
+        expect_says(error_of([&] { read_asset(path); }),
+                    path + ": is UTF-16 text: save it as UTF-8");
+      }
+  }
+  // zeros of binary files are no sign of it
+  const std::string path = folder.write("b.stl", std::string(84, '\0'));
+  expect_says(error_of([&] { read_asset(path); }), "nothing to simulate");
+}
+
+TEST(ReadAsset, AMaterialFileInUtf16IsAFinding) {
+  const TempFolder folder;
+  const std::string path = folder.write("a.obj", concat("mtllib a.mtl\nusemtl m\n", kObj));
+  for (const bool big : {false, true}) {
+    folder.write("a.mtl", utf16("newmtl m\nKd 1 0 0\n", big, true));
+    const Asset asset = read_asset(path);
+    ASSERT_EQ(asset.findings.size(), 2u);
+    EXPECT_EQ(asset.findings[0].what, "unread-material-file");
+    expect_says(asset.findings[0].text, "UTF-16 text: a.mtl");
+  }
+  folder.write("a.mtl", "\xef\xbb\xbfnewmtl m\nKd 1 0 0\n");
+  EXPECT_EQ(read_asset(path).materials.at(0).base_colour[1], 0);
+}
+
 TEST(ReadAsset, ChecksWhatItRead) {
   const TempFolder folder;
   const Asset asset = read_asset(folder.write("a.obj", kObj));

@@ -49,7 +49,36 @@ TEST(StlReader, BinaryKeepsThreePositionsAFacet) {
 }
 
 TEST(StlReader, TextMayHaveSeveralSolidsAndUpperCase) {
-  EXPECT_EQ(parsed_stl(kStlText).meshes.at(0).position, kTwoPositions);
+  const Asset asset = parsed_stl(kStlText);
+  ASSERT_EQ(asset.nodes.size(), 2u);
+  EXPECT_EQ(asset.nodes[0].name, "with  blanks and facet");
+  EXPECT_EQ(asset.nodes[1].name, "file");  // without a name that of the file
+  const Surface surface = pose_surface(asset);
+  ASSERT_EQ(surface.vertices.rows(), 6);
+  for (int64_t v = 0; v < 6; ++v)
+    for (int d = 0; d < 3; ++d)
+      EXPECT_EQ(surface.vertices(v, d), kTwoPositions[size_t(v)][size_t(d)]);
+}
+
+TEST(StlReader, SolidsOfOneNameAreOneNodeAndKeepTheirPlaceInTheFile) {
+  std::string text;
+  const char* names[] = {"Body", "Hat", "Body", ""};
+  for (int k = 0; k < 4; ++k)
+    text += concat("solid ", names[k], "\nfacet normal 0 0 1\nouter loop\nvertex ", k,
+                   " 0 0\nvertex ", k, " 1 0\nvertex ", k, " 0 1\nendloop\nendfacet\nendsolid\n");
+  const Asset asset = parsed_stl(text);
+  ASSERT_EQ(asset.nodes.size(), 3u);
+  for (size_t n = 0; n < 3; ++n) {
+    EXPECT_EQ(asset.nodes[n].name, (std::array{"Body", "Hat", "file"}[n]));
+    EXPECT_EQ(asset.nodes[n].mesh, int(n));
+  }
+  EXPECT_EQ(asset.meshes[0].position.size(), 6u);
+  EXPECT_EQ(asset.meshes[0].file_position, (std::vector<int32_t>{0, 1, 2, 6, 7, 8}));
+  EXPECT_EQ(asset.meshes[1].file_position, (std::vector<int32_t>{3, 4, 5}));
+  EXPECT_EQ(repeated_positions(asset), 0);
+  const Asset one = parsed_stl(text.substr(0, text.find("solid Hat")));
+  EXPECT_EQ(one.nodes.at(0).name, "Body");
+  EXPECT_TRUE(one.meshes[0].file_position.empty());
 }
 
 TEST(StlReader, RefusesWithThePlace) {

@@ -44,6 +44,9 @@ def obj_cases() -> Iterator[Case]:
     yield Case("binary.obj", whole + bytes(50), ":15")
     yield Case("stl.obj", written(write_stl, "a.stl", POSITION, FACES, False))
     yield from read_anyhow("whole", "obj", whole)
+    yield Case("utf16.obj", b"\xff\xfe" + whole.decode().encode("utf-16-le"), "UTF-16")
+    for name in (b"o x\n", b"g x\n", b"o \ng \n", b"g a b c\n"):
+        yield Case(f"{name.hex()}.obj", whole.replace(b"f ", name + b"f "), "usable", (0,))
 
     # without counts a text may end after any line
     yield from cuts("whole", "obj", whole, codes=(0, 3))
@@ -94,12 +97,41 @@ def ply_cases() -> Iterator[Case]:
     yield Case("wrapped.ply", whole.replace(b"uchar int", b"uchar uint").replace(
         struct.pack("<4I", 0, 2, 3, 1), struct.pack("<4I", 0, 2, 3, 2**32 - 1)), "face 0")
     yield Case("encoding.ply", whole.replace(b"binary_little_endian", b"morse"), "morse")
+    yield from corner_cases(text)
     yield Case("nothing.ply", whole.replace(b"element vertex",
                                             b"element nothing 2147483646\nelement vertex"), "",
                (0, 3))
     yield Case("line_header.ply", b"ply\n", "", (3,), b"x ")
     yield Case("line_comment.ply", b"ply\ncomment ", "", (3,), b"x ")
     yield Case("line_body.ply", text[:text.index(b"end_header\n") + 11], "", (3,), b"0.25 ")
+
+
+def corner_cases(text: bytes) -> Iterator[Case]:
+    """The text with UVs of corners, and lines of the wrong length."""
+    lines = text.splitlines()
+    end = lines.index(b"end_header")
+    head, vertices, faces = lines[:end], lines[end + 1:end + 9], lines[end + 9:]
+    corners = [*head, b"property list uchar float texcoord", b"end_header", *vertices]
+
+    def uvs(*counts: int) -> bytes:
+        rows = [b" ".join([face, b"%d" % n, *[b"0.5"] * n])
+                for face, n in zip(faces, counts, strict=True)]
+        return b"\n".join([*corners, *rows]) + b"\n"
+
+    yield Case("corners.ply", uvs(*[8] * 6), "usable", (0,))
+    yield Case("some_corners.ply", uvs(8, 0, 8, 0, 8, 0), "usable", (0,))
+    for count in (1, 6, 7, 9, 16):
+        yield Case(f"corners_{count}.ply", uvs(8, 8, count, 8, 8, 8), "face 2")
+    for name, part in (("more", lines[end + 3] + b" 1"), ("fewer", lines[end + 3][:4]),
+                       ("two", lines[end + 3] + b" " + lines[end + 4])):
+        wrong = [*lines[:end + 3], part, *lines[end + 4:]]
+        yield Case(f"line_of_{name}.ply", b"\n".join(wrong), f":{end + 4}")
+    yield Case("less_vertices.ply", text.replace(b"vertex 8", b"vertex 7"), f":{end + 9}")
+    yield Case("more_vertices.ply", text.replace(b"vertex 8", b"vertex 9"), f":{end + 10}")
+    yield Case("less_faces.ply", text.replace(b"face 6", b"face 5"), "extra-bytes", (0,))
+    yield Case("more_faces.ply", text.replace(b"face 6", b"face 7"), "face 6 of 7")
+    yield Case("spoken.ply", text.replace(b"element", b"made by hand\nelement", 1), "header-lines",
+               (0,))
 
 
 def stl_cases() -> Iterator[Case]:

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from glb_check import triangle_corners
 from glb_file import Document, local_positions, read_document, require
@@ -32,16 +33,36 @@ def packed_glb(source: Path) -> Document | None:
     return Document(document, [data[end + 8 :]]) if packed else None
 
 
+def shown_nodes(document: Document) -> list[dict[str, Any]]:
+    """Nodes with a mesh."""
+    return [node for node in document.items("nodes") if "mesh" in node]
+
+
+def file_positions(source: SourceMesh, document: Document) -> NDArray[np.float64]:
+    """The file's positions in the numbers of its mesh."""
+    nodes = shown_nodes(document)
+    require(len(nodes) > 0, "no node shows a mesh")
+    shift = np.array(nodes[0].get("translation", [0.0, 0.0, 0.0]))
+    require(len(nodes) == 1 or not shift.any(), "one of several meshes is moved")
+    return (source.position - shift).astype(np.float32).astype(float)
+
+
+def check_parts(wanted: NDArray[np.float64], document: Document) -> None:
+    """Several meshes of one file have its vertices and no others."""
+    known = {tuple(x) for x in wanted}
+    found = {tuple(x) for rest in local_positions(document, 0).values() for x in rest}
+    require(found == known, f"{len(found - known)} vertices are new, {len(known - found)} missing")
+
+
 def check_vertices(source: SourceMesh, document: Document) -> None:
     """The first vertices are the file's in its order; the rest frame is them to the last bit.
 
     A mesh far from the origin stands at a node that is moved; then its positions are the file's up
     to single precision of the mesh's own size.
     """
-    nodes = [(n, node) for n, node in enumerate(document.items("nodes")) if "mesh" in node]
-    require(len(nodes) == 1, f"{len(nodes)} nodes show a mesh, not one")
-    shift = np.array(nodes[0][1].get("translation", [0.0, 0.0, 0.0]))
-    wanted = (source.position - shift).astype(np.float32).astype(float)
+    wanted = file_positions(source, document)
+    if len(shown_nodes(document)) > 1:
+        return check_parts(wanted, document)
     for key, rest in local_positions(document, 0).items():
         require(len(rest) >= len(wanted), f"{key}: {len(rest)} vertices of {len(wanted)}")
         require((rest[: len(wanted)] == wanted).all(), f"{key}: vertices differ from the file's")
@@ -65,7 +86,7 @@ def check_uvs(source: SourceMesh, document: Document) -> None:
                                document.values(p["attributes"]["TEXCOORD_0"])[corner]]))
     found = np.unique(np.vstack(rows), axis=0)
     pairs = source.uvs()
-    x = document.values(primitives[0]["attributes"]["POSITION"])[pairs[:, 0].astype(int)]
+    x = file_positions(source, document)[pairs[:, 0].astype(int)]
     wanted = np.unique(np.hstack([x, pairs[:, 1:]]), axis=0)
     require(found.shape == wanted.shape and (found == wanted).all(),
             f"{len(found)} pairs of place and uv, the file has {len(wanted)}, or they differ")

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// All shown meshes as one PLY mesh, in the order of the file, and the frames of it.
+
+#pragma once
+
+#include "io/frame_files.hpp"
+
+namespace elastogen {
+
+/// What PLY can say of the attributes of meshes whose positions it keeps as they are: one normal,
+/// uv and colour a vertex; else uv a corner and a colour a face.
+class PlyMesh {
+ public:
+  /// @param path  of the output: textures are named from its folder.
+  PlyMesh(const std::string& path, const Asset& asset, const Surface& surface,
+          const FileOrder& order);
+
+  /// Lines of the header from the comments on, without end_header.
+  std::string header() const;
+
+  /// Vertices and faces of a frame.
+  std::string body(const Span<const double>& displacement);
+
+  /// Vertices whose corners have several normals, or that have none while others do: no normals are
+  /// written then.
+  int64_t without_normal() const { return without_normal_; }
+
+ private:
+  void add_instance(const SurfaceInstance& instance);
+  void find_vertices();
+  void choose();
+  void choose_textures(const std::string& path);
+  void fill_faces();
+  void append_vertex(size_t v, const Vec3& x, std::string& bytes) const;
+  std::array<float, 4> face_colour(const int32_t* corner) const;
+
+  const Asset& asset_;
+  const Surface& surface_;
+  const FileOrder& order_;
+  bool is_double_;
+  Mesh flat_;                                 ///< drawn vertices and triangles of all instances
+  std::vector<uint8_t> has_normal_, has_uv_;  ///< of each drawn vertex
+  std::vector<uint8_t> textured_;             ///< of each triangle: its uv means something
+  std::vector<int32_t> vertex_;  ///< the drawn vertex of each vertex of the file, -1 for none
+  bool normals_ = false, vertex_uv_ = false, corner_uv_ = false;
+  bool vertex_colour_ = false, face_colour_ = false, numbers_ = false;
+  int64_t without_normal_ = 0;
+  std::vector<std::string> textures_;  ///< names
+  std::vector<int32_t> texture_of_;    ///< of each material, -1 for none
+  std::string faces_;                  ///< their bytes, the same in every frame
+  Array<double> moved_;                ///< displacement in the numbers of the asset
+  Array<float> turned_;                ///< change of the normals
+};
+
+}  // namespace elastogen
