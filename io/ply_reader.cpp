@@ -16,8 +16,10 @@ namespace {
 
 class PlyParser {
  public:
-  PlyParser(std::string_view bytes, const std::string& path)
-      : header_(read_ply_header(bytes, path)), values_(bytes.substr(header_.bytes), header_, path) {
+  PlyParser(std::string_view bytes, const std::string& path, const ReadOptions& options)
+      : options_(options),
+        header_(read_ply_header(bytes, path)),
+        values_(bytes.substr(header_.bytes), header_, path) {
     asset_.path = path;
     asset_.format = "ply";
   }
@@ -25,12 +27,13 @@ class PlyParser {
   Asset parse() {
     const bool has_faces = check_faces();
     if (!has_faces && is_splats(header_)) {
-      asset_.splats = read_splats(header_, values_, asset_);
+      asset_.splats = read_splats(header_, values_, options_.splat_scales, asset_);
       return std::move(asset_);
     }
     Mesh& mesh = asset_.meshes.emplace_back();
     for (const PlyElement& element : header_.elements) {
       if (element.name == "vertex" && mesh.position.empty()) {
+        if (!has_faces) begin_own_columns(element);
         read_vertices(element, mesh);
       } else if (element.name == "face") {
         read_faces(element);
@@ -54,6 +57,7 @@ class PlyParser {
     asset_.points->position.swap(mesh.position);
     asset_.points->normal.swap(mesh.normal);
     asset_.points->colour.swap(mesh.colour);
+    asset_.points->own = std::move(own_values_);
     asset_.meshes.clear();
     return std::move(asset_);
   }
@@ -103,7 +107,30 @@ class PlyParser {
             {float(at(c.normal[0])), float(at(c.normal[1])), float(at(c.normal[2]))});
       if (all(c.uv, 2)) mesh.uv.push_back({float(at(c.uv[0])), 1 - float(at(c.uv[1]))});
       if (all(c.colour, 3)) mesh.colour.push_back(colour_of(vertex, c.colour, row));
+      for (size_t k = 0; k < own_.size(); ++k) own_values_.add(k, row[own_[k]]);
     }
+  }
+
+  /// Numbers of points that are neither places nor whole normals and colours.
+  void begin_own_columns(const PlyElement& vertex) {
+    const Columns c = columns_of(vertex);
+    std::vector<int> known(c.position, c.position + 3);
+    if (std::ranges::min(c.normal) >= 0) known.insert(known.end(), c.normal, c.normal + 3);
+    if (std::min({c.colour[0], c.colour[1], c.colour[2]}) >= 0)
+      known.insert(known.end(), c.colour, c.colour + 4);
+    std::vector<std::string> lists;
+    for (size_t k = 0; k < vertex.properties.size(); ++k) {
+      const PlyProperty& property = vertex.properties[k];
+      if (std::ranges::count(known, int(k)) > 0) continue;
+      if (property.is_list) {
+        lists.push_back(property.name);
+      } else {
+        own_.push_back(k);
+        own_values_.columns.push_back({property.name, property.type});
+      }
+    }
+    note_own_columns(asset_, own_values_);
+    note_lost_columns(asset_, lists);
   }
 
   static std::array<float, 4> colour_of(const PlyElement& vertex, const int* column,
@@ -174,21 +201,32 @@ class PlyParser {
                   "the texture " + header_.texture + " is not beside the asset");
   }
 
+  const ReadOptions& options_;
   PlyHeader header_;
   Asset asset_;
   PlyValues values_;
+  std::vector<size_t> own_;  ///< columns of own_values_
+  OwnColumns own_values_;
   std::vector<int32_t> corners_;
   std::vector<int64_t> lengths_;
 };
 
 }  // namespace
 
+Asset parse_ply(std::string_view bytes, const std::string& path, const ReadOptions& options) {
+  return PlyParser(without_mark(bytes), path, options).parse();
+}
+
 Asset parse_ply(std::string_view bytes, const std::string& path) {
-  return PlyParser(without_mark(bytes), path).parse();
+  return parse_ply(bytes, path, {});
+}
+
+Asset read_ply(const std::string& path, const ReadOptions& options) {
+  return parse_ply(read_file(path), path, options);
 }
 
 Asset read_ply(const std::string& path) {
-  return parse_ply(read_file(path), path);
+  return read_ply(path, {});
 }
 
 }  // namespace elastogen

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "io/asset.hpp"
+#include "io/read_options.hpp"
 
 #include <string_view>
 
@@ -12,12 +13,15 @@ namespace elastogen {
 /// Text and binary of both byte orders; one mesh, one group. Known vertex properties: x y z,
 /// nx ny nz, s t (u v, texture_u texture_v), red green blue alpha (integers: sRGB of their range;
 /// floats: linear); known face property: vertex_indices (vertex_index). Everything else is skipped.
-/// Without faces it is a point cloud, or Gaussian splats (io/ply_splats.hpp).
+/// Without faces it is a point cloud, whose other numbers are carried (io/own_columns.hpp), or
+/// Gaussian splats (io/ply_splats.hpp).
 /// @throws Error (asset) with the file and the place: a header that is no PLY header, counts beyond
 /// the file's size, triangle strips.
+Asset read_ply(const std::string& path, const ReadOptions& options);
 Asset read_ply(const std::string& path);
 
 /// The same from memory; `path` is for messages and for the files that it names.
+Asset parse_ply(std::string_view bytes, const std::string& path, const ReadOptions& options);
 Asset parse_ply(std::string_view bytes, const std::string& path);
 
 }  // namespace elastogen

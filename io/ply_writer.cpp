@@ -17,6 +17,8 @@
 namespace elastogen {
 namespace {
 
+constexpr double kFloatStep = 1e-5;
+
 std::string properties(std::initializer_list<const char*> names, const char* type = "float") {
   std::string text;
   for (const char* name : names) text += concat("property ", type, ' ', name, '\n');
@@ -29,11 +31,27 @@ std::string numbered(const char* name, size_t count) {
   return text;
 }
 
+/// Whether a step of floats at the farthest coordinate is more than kFloatStep of the longest edge.
+bool needs_doubles(const std::vector<Vec3>& points) {
+  double farthest = 0;
+  Box box;
+  for (const Vec3& p : points) {
+    box.add(p);
+    for (const double x : p) farthest = std::max(farthest, std::abs(x));
+  }
+  const double longest = std::max({box.extent(0), box.extent(1), box.extent(2)});
+  return std::ldexp(farthest, -23) > kFloatStep * longest;
+}
+
+constexpr const char* kTypeNames[] = {"char", "uchar", "short", "ushort",
+                                      "int",  "uint",  "float", "double"};
+
 class PlyWriter : public AnimationWriter {
  public:
   PlyWriter(const std::string& path, const Asset& asset, const Surface& surface)
       : path_(path), asset_(asset), surface_(surface), rest_(file_positions(asset, surface)) {
     if (asset.splats) motion_.emplace(*asset.splats);
+    is_wide_ = needs_doubles(rest_);
     SafeFile probe(frame_path(path, 0, ".ply"));  // refuses a folder at once
   }
 
@@ -64,7 +82,7 @@ class PlyWriter : public AnimationWriter {
     if (motion_ && motion_->clamped > 0)
       text += concat("comment stretches of ", motion_->clamped, " splats held within 1/3 ... 3\n");
     text += concat("element vertex ", rest_.size(), '\n');
-    text += properties({"x", "y", "z"});
+    text += properties({"x", "y", "z"}, is_wide_ ? "double" : "float");
     if (motion_) {
       text += properties({"nx", "ny", "nz"});
       text += numbered("f_dc_", 3) + numbered("f_rest_", 3 * (harmonics() - 1));
@@ -77,16 +95,40 @@ class PlyWriter : public AnimationWriter {
       text += concat("element face ", surface_.triangles.rows(),
                      "\nproperty list uchar int vertex_indices\n");
     }
-    return text + "end_header\n";
+    return text + own_properties(text) + "end_header\n";
+  }
+
+  const OwnColumns* own() const {
+    return asset_.splats ? &asset_.splats->own : asset_.points ? &asset_.points->own : nullptr;
+  }
+
+  /// Own columns whose names a property before them has get "own_" in front.
+  std::string own_properties(const std::string& before) const {
+    std::string text;
+    if (!own()) return text;
+    for (const OwnColumns::Column& column : own()->columns) {
+      std::string name = column.name;
+      while ((before + text).find(concat(' ', name, '\n')) != text.npos) name = "own_" + name;
+      text += concat("property ", kTypeNames[int(column.type)], ' ', name, '\n');
+    }
+    return text;
   }
 
   size_t harmonics() const { return size_t(harmonic_count(asset_.splats->degree)); }
 
   void append_point(const AnimationFrame& frame, size_t p, std::string& bytes) const {
-    for (size_t d = 0; d < 3; ++d)
-      append(bytes, float(rest_[p][d] + frame.displacement(int64_t(p), int(d)) / surface_.scale));
-    if (motion_) return append_splat(p, bytes);
-    if (!asset_.points) return;
+    for (size_t d = 0; d < 3; ++d) {
+      const double x = rest_[p][d] + frame.displacement(int64_t(p), int(d)) / surface_.scale;
+      is_wide_ ? append(bytes, x) : append(bytes, float(x));
+    }
+    if (motion_) append_splat(p, bytes);
+    if (asset_.points) append_attributes(frame, p, bytes);
+    if (!own()) return;
+    const size_t width = own()->row_bytes();
+    bytes.append(own()->rows, p * width, width);
+  }
+
+  void append_attributes(const AnimationFrame& frame, size_t p, std::string& bytes) const {
     if (!asset_.points->normal.empty())
       append(bytes, turned_normal(frame.gradient.row(int64_t(p)), asset_.points->normal[p]));
     if (!asset_.points->colour.empty())
@@ -120,6 +162,7 @@ class PlyWriter : public AnimationWriter {
   const Surface& surface_;
   std::vector<Vec3> rest_;
   std::optional<SplatMotion> motion_;
+  bool is_wide_ = false;  ///< positions are doubles
   int64_t frames_ = 0;
 };
 

@@ -9,7 +9,9 @@ namespace elastogen {
 
 /// A writer of NAME_00000.ply (the rest pose), NAME_00001.ply, ... for a path NAME.ply, each whole
 /// as soon as its frame has come, also without finish(). Binary, little-endian, float32, in the
-/// asset's own numbers, axes and order (file_positions):
+/// asset's own numbers, axes and order (file_positions). Positions are float64 where steps of
+/// float32 would exceed 1e-5 of the longest edge. Own columns of points and splats come last, as
+/// the file has them:
 ///
 /// - points: x y z, nx ny nz turned by F^-T, red green blue alpha (uchar) where the asset has them;
 /// - splats: x y z nx ny nz f_dc_0..2 f_rest_0.. opacity scale_0..2 rot_0..3, with the logarithm of
