@@ -179,7 +179,7 @@ PointCloud points_of(const PointGrid& grid, const std::string& place) {
 }
 
 std::string type_of(const openvdb::GridBase& grid) {
-  return grid.isType<PointGrid>() ? "points" : grid.type();
+  return grid.isType<PointGrid>() ? "points" : grid.valueType();
 }
 
 bool is_readable(const openvdb::GridBase& grid) {
