@@ -130,10 +130,10 @@ TEST(PlySplats, ScalesAreWhatTheOptionSays) {
   const std::string file = ball_file(1, 100, kAll, [](int) {
     return bytes_of(0.5f, 0.125f, 0.25f, 0.0625f, 1.f, 0.f, 0.f, 0.f, 0.f, 0.f, 0.f);
   });
-  const SplatCloud linear = *parse_ply(file, "f", {.splat_scales = SplatScales::kLinear}).splats;
+  const SplatCloud linear = *parse_ply(file, "f", {SplatScales::kLinear, ""}).splats;
   EXPECT_EQ(linear.scale[0], (std::array<float, 3>{0.125f, 0.25f, 0.0625f}));
   EXPECT_EQ(linear.opacity[0], 0.5f);
-  const Asset logs = parse_ply(file, "f", {.splat_scales = SplatScales::kLog});
+  const Asset logs = parse_ply(file, "f", {SplatScales::kLog, ""});
   EXPECT_FLOAT_EQ(logs.splats->scale[0][1], std::exp(0.25f));
   EXPECT_NEAR(logs.splats->opacity[0], 1 / (1 + std::exp(-0.5)), 1e-6);
   EXPECT_TRUE(logs.findings.empty());
