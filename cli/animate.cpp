@@ -24,7 +24,7 @@ int animate(const AnimateOptions& options) {
     hooks.set_up = [&](RunReport& report) { return set_up(tets, options, report); };
     return run_animation(tets.asset, options, watch.seconds(), hooks).code;
   }
-  const Asset asset = read_asset(options.input);
+  const Asset asset = read_asset(options.input, options.read);
   return run_animation(asset, options, watch.seconds()).code;
 }
 

@@ -41,7 +41,7 @@ void add_findings(const VoxelizeReport& voxels, RunReport& report) {
 VoxelizedAsset voxelize_asset(const AnimateOptions& options, RunReport& report) {
   VoxelizedAsset result;
   const Stopwatch watch;
-  result.asset = read_asset(options.input);
+  result.asset = read_asset(options.input, options.read);
   report.stage_seconds.read = watch.seconds();
   result.body = make_body(result.asset, options.size, resolution(options));
   report.asset = summary_of(result.asset, result.body, options);

@@ -78,7 +78,7 @@ class Batch {
   int run_scene(const BatchScene& scene) {
     if (scene.error) throw *scene.error;
     const Stopwatch watch;
-    const Asset asset = read_asset(scene.options.input);
+    const Asset asset = read_asset(scene.options.input, scene.options.read);
     RunHooks hooks;
     hooks.on_warning = [&](const std::string& text) {
       const std::lock_guard lock(mutex_);

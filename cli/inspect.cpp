@@ -139,7 +139,7 @@ int inspect(const InspectTask& task) {
   }
   std::optional<ThreadLimit> threads;
   if (o.threads > 0) threads.emplace(o.threads);
-  const Asset asset = read_asset(o.input);
+  const Asset asset = read_asset(o.input, o.read);
   const Body body = make_body(asset, o.size, resolution(o));
   const AssetSummary summary = summary_of(asset, body, o);
   Json described = describe(asset, body, summary, cost_of(body, summary.size.longest_edge, o));

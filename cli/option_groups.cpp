@@ -6,6 +6,13 @@
 namespace elastogen {
 namespace {
 
+/// What a file does not say itself.
+void add_reading_options(CLI::App& app, Typed& t) {
+  app.add_option("--splat-scales", t.splat_scales, "of splats in a PLY: auto, log or linear")
+      ->group("Scene");
+  app.add_option("--grid", t.grid, "grid of a .vdb by its name")->group("Scene");
+}
+
 void add_material_options(CLI::App& app, AnimateOptions& o, Typed& t) {
   app.add_option("--material", t.material, "preset: rubber, soft-rubber, jelly, foam, ...")
       ->group("Material");
@@ -64,6 +71,7 @@ void add_scene_options(CLI::App& app, AnimateOptions& o, Typed& t) {
       ->capture_default_str();
   app.add_option("--h", t.h, "voxel edge, e.g. '5 mm', instead of --voxels")->group("Scene");
   app.add_option("--size", t.size, "longest edge of the asset, e.g. '30 cm'")->group("Scene");
+  add_reading_options(app, t);
   app.add_option("--up", t.up, "direction that points up: auto, x, y, z, -x, -y or -z")
       ->group("Scene")
       ->capture_default_str();
@@ -149,6 +157,7 @@ void add_resolution_options(CLI::App& app, AnimateOptions& o, Typed& t) {
   app.add_option("--voxels", o.voxels, "voxels along the longest edge")->capture_default_str();
   app.add_option("--h", t.h, "voxel edge, e.g. '5 mm', instead of --voxels");
   app.add_option("--size", t.size, "longest edge of the asset, e.g. '30 cm'");
+  add_reading_options(app, t);
   app.add_option("--max-memory", t.max_memory, "budget, e.g. '8 GB'");
   app.add_option("--max-voxels", o.max_voxels, "budget")->capture_default_str();
   app.add_option("--threads", o.threads, "0: all")->capture_default_str();

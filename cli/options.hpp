@@ -10,6 +10,7 @@
 #include "core/scene.hpp"
 #include "core/state.hpp"
 #include "io/asset_pose.hpp"
+#include "io/read_options.hpp"
 #include "mpm_fem/fem_scene.hpp"
 #include "network/solver.hpp"
 
@@ -54,6 +55,7 @@ struct AnimateOptions {
   int voxels = 48;           ///< along the longest edge
   double h = 0;              ///< [m], 0: from voxels
   double size = 0;           ///< longest edge of the asset [m], 0: as the file has it
+  ReadOptions read;          ///< what the file does not say itself
   std::optional<UpAxis> up;  ///< unset: as the file has it, else a guess
   int64_t frames = 120;
   double fps = 30;

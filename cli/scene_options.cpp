@@ -146,6 +146,8 @@ SceneValue asset_table(const AnimateOptions& o) {
   t.set("file", scene_text(o.input));
   t.set("size", quantity(o.size, "auto"));
   t.set("up", scene_text(o.up ? up_name(*o.up) : "auto"));
+  t.set("splat_scales", scene_text(splat_scales_name(o.read.splat_scales)));
+  t.set("grid", scene_text(o.read.grid.empty() ? "auto" : o.read.grid));
   if (o.fem && is_tet_file(o.input)) return t;  // which have their own resolution
   t.set("voxels", scene_number(o.voxels));
   t.set("h", quantity(o.h, "auto"));

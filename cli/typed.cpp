@@ -102,6 +102,8 @@ void convert(const Typed& t, AnimateOptions& o) {
   if (t.max_memory != "none") o.max_memory = parse_memory(t.max_memory);
   if (t.max_time != "none") o.max_time = parse_time(t.max_time);
   o.up = up_from_name(t.up);
+  o.read.splat_scales = splat_scales_from_name(t.splat_scales);
+  o.read.grid = t.grid == "auto" ? "" : t.grid;
   o.substeps = resolve_substeps(t.substeps);
   resolve_scheme(t, o);
   o.solver.mode = solver_from_name(t.solver);

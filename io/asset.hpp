@@ -7,6 +7,7 @@
 #include "core/array.hpp"
 #include "core/base.hpp"
 #include "io/finding.hpp"
+#include "io/own_columns.hpp"
 #include "io/ply_header.hpp"
 
 #include <optional>
@@ -74,6 +75,7 @@ struct PointCloud {
   std::vector<Vec3> position;                ///< in the file's numbers and order
   std::vector<std::array<float, 3>> normal;  ///< per point, or empty
   std::vector<std::array<float, 4>> colour;  ///< per point, linear RGBA, or empty
+  OwnColumns own;                            ///< further columns of the file
 };
 
 /// 3-D Gaussian splats (Kerbl et al. 2023): covariance R(rotation) diag(scale^2) R^T, colour by
@@ -85,6 +87,7 @@ struct SplatCloud {
   std::vector<float> opacity;                  ///< 0 ... 1
   int degree = 0;                              ///< of the harmonics, 0 ... 3
   std::vector<float> harmonics;  ///< (splats, (degree + 1)^2, 3): coefficient, then colour channel
+  OwnColumns own;                ///< further columns of the file
 };
 
 struct Asset {

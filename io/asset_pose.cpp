@@ -36,6 +36,11 @@ UpChoice choose_up(const Asset& asset, const std::optional<UpAxis>& asked) {
   const std::string format = upper_case(asset.format);
   if (asset.up != 0)
     return {{std::abs(asset.up) - 1, asset.up > 0 ? 1 : -1}, {false, format + " states it"}};
+  if (asset.splats && asset.format == "ply")
+    return {{1, 1},
+            {true,
+             "PLY states no axis; taken as y up, but splats trained on COLMAP cameras have y down: "
+             "give --up -y for these"}};
   const bool z = asset.format == "stl" || asset.format == "las";
   return {
       {z ? 2 : 1, 1},

@@ -12,6 +12,19 @@
 namespace elastogen {
 namespace {
 
+/// Points where an asset has them, without own columns.
+template <class Stream, class AssetOfStream>
+void transfer_points(Stream& s, AssetOfStream& asset) {
+  auto count = uint8_t(asset.points.has_value());
+  s.value(count);
+  if (count == 0) return;
+  PointCloud points = asset.points.value_or(PointCloud());
+  s.array(points.position);
+  s.array(points.normal);
+  s.array(points.colour);
+  if constexpr (!std::is_const_v<AssetOfStream>) asset.points = std::move(points);
+}
+
 /// Every member that is sent, in order; the same for both directions.
 template <class Stream, class AssetOfStream>
 void transfer(Stream& s, AssetOfStream& asset) {
@@ -40,6 +53,7 @@ void transfer(Stream& s, AssetOfStream& asset) {
     s.value(material.base_colour);
     s.array(material.texture);
   });
+  transfer_points(s, asset);
   s.list(asset.findings, [&](auto& finding) {
     s.array(finding.what);
     s.value(finding.count);

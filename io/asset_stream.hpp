@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// An asset of meshes as what the reader process answers (io/flat_stream.hpp).
+// An asset of meshes or points as what the reader process answers (io/flat_stream.hpp).
 
 #pragma once
 
@@ -11,8 +11,8 @@
 
 namespace elastogen {
 
-/// The stream of an asset: meshes, nodes, materials (textures as the file names them), findings,
-/// up and unit.
+/// The stream of an asset: meshes, points, nodes, materials (textures as the file names them),
+/// findings, up and unit.
 std::string encode_asset(const Asset& asset);
 
 /// The asset of a stream, its path set to `path`; textures are resolved beside it, those that are

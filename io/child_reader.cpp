@@ -13,11 +13,12 @@ bool is_child_format(std::string_view format) {
   return std::ranges::find(kFormats, format) != std::end(kFormats);
 }
 
-Asset read_in_child(const std::string& path, const std::string& format,
+Asset read_in_child(const std::string& path, const std::string& format, const std::string& grid,
                     const ChildOptions& options) {
   std::string bytes;
   try {
-    bytes = answer_of_reader({format, path}, -1, options);
+    bytes =
+        answer_of_reader({grid.empty() ? format : concat(format, ':', grid), path}, -1, options);
   } catch (const Error& error) {
     throw Error(path + ": " + error.what(), error.kind());
   }

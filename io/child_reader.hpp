@@ -16,10 +16,11 @@ namespace elastogen {
 /// "fbx", "vdb" and the other formats that elastogen-reader reads, by their endings.
 bool is_child_format(std::string_view format);
 
-/// Reads a file of one of these formats. The asset is as unchecked as that of any reader.
+/// Reads a file of one of these formats, of a .vdb the grid of that name, or the first. The asset
+/// is as unchecked as that of any reader.
 /// @throws Error (asset) in a sentence that begins with the path: what the reader refuses, its
 ///         limits (kReaderMemory, the seconds, the bytes), its crash, an answer that is no asset.
 Asset read_in_child(const std::string& path, const std::string& format,
-                    const ChildOptions& options = {});
+                    const std::string& grid = "", const ChildOptions& options = {});
 
 }  // namespace elastogen

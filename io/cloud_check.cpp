@@ -12,8 +12,8 @@ namespace elastogen {
 namespace {
 
 /// Keeps the rows of a (rows, n) array, in their order.
-template <class T>
-void keep(std::vector<T>& values, const std::vector<size_t>& rows, size_t n = 1) {
+template <class Values>
+void keep(Values& values, const std::vector<size_t>& rows, size_t n = 1) {
   if (values.empty()) return;
   size_t end = 0;
   for (const size_t row : rows)
@@ -59,6 +59,7 @@ void check_points(Asset& asset) {
   keep(points.position, rows);
   keep(points.normal, rows);
   keep(points.colour, rows);
+  keep(points.own.rows, rows, points.own.row_bytes());
   check_extent(asset, points.position, false);
   reset_bad_rows(asset, points.normal, {0, 0, 1}, "normals");
   reset_bad_rows(asset, points.colour, {1, 1, 1, 1}, "colours");
@@ -94,6 +95,7 @@ void check_splats(Asset& asset) {
   keep(splats.rotation, rows);
   keep(splats.opacity, rows);
   keep(splats.harmonics, rows, harmonics);
+  keep(splats.own.rows, rows, splats.own.row_bytes());
   check_extent(asset, splats.position, true);
 
   for (auto& scale : splats.scale)

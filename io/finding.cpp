@@ -21,6 +21,9 @@ constexpr FindingKind kKinds[] = {
     {"bad-splats", kWarning, "left out, of the output too", "repair the file"},
     {"bad-rotations", kWarning, "set to no rotation", "repair the file"},
     {"bad-harmonics", kWarning, "set to 0", "repair the file"},
+    {"splat-colours", kNote, "taken as colours that do not depend on the view", ""},
+    {"splat-opacity", kWarning, "taken as opaque", "save the splats with an opacity"},
+    {"linear-splats", kWarning, "taken as they are", "--splat-scales log"},
     {"harmonics", kWarning, "left out; the colours do not depend on the view",
      "save the splats as an uncompressed PLY"},
 
@@ -50,7 +53,10 @@ constexpr FindingKind kKinds[] = {
     {"coarse", kWarning, "the solid is built with a wider spacing", "take fewer points"},
     {"shell", kWarning, "filled as a shell", "scan it from all sides"},
 
+    {"carried-columns", kNote, "written to .ply outputs as they are, not to others", ""},
+
     // what is left out
+    {"lost-columns", kWarning, "left out", "save them as numbers of 32 bits at most"},
     {"short-face", kWarning, "left out", "repair the file"},
     {"free-form", kWarning, "left out", "save polygons"},
     {"not-triangles", kWarning, "left out of the physics", "save triangles"},
@@ -79,7 +85,7 @@ constexpr FindingKind kKinds[] = {
     {"turned-tetrahedra", kNote, "two corners of each were swapped", ""},
     {"skipped-elements", kWarning, "left out", "save tetrahedra"},
     {"unused-nodes", kNote, "left out", ""},
-    {"vdb-grids", kWarning, "left out", "save the wanted one alone"},
+    {"vdb-grids", kWarning, "left out", "--grid"},
 };
 
 }  // namespace

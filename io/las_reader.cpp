@@ -64,6 +64,75 @@ LasHeader read_las_header(std::string_view bytes, const std::string& path) {
   return header;
 }
 
+/// An attribute that points carry to the output.
+struct Attribute {
+  const char* name;
+  PlyType type;
+  size_t offset;    ///< in a record [bytes]
+  int shift, bits;  ///< of an integer that shares its byte; bits 0: the whole value
+};
+
+/// Those of a point format, from the tables of the standard.
+std::vector<Attribute> attributes_of(int format) {
+  using T = PlyType;
+  std::vector<Attribute> all = {{"intensity", T::kUint16, 12, 0, 0}};
+  const auto add = [&](const Attribute& attribute) { all.push_back(attribute); };
+  if (format < 6) {
+    add({"return_number", T::kUint8, 14, 0, 3});
+    add({"number_of_returns", T::kUint8, 14, 3, 3});
+    add({"scan_direction", T::kUint8, 14, 6, 1});
+    add({"edge_of_flight_line", T::kUint8, 14, 7, 1});
+    add({"classification", T::kUint8, 15, 0, 5});
+    add({"classification_flags", T::kUint8, 15, 5, 3});
+    add({"scan_angle", T::kInt8, 16, 0, 0});
+    add({"user_data", T::kUint8, 17, 0, 0});
+    add({"point_source_id", T::kUint16, 18, 0, 0});
+    if (format != 0 && format != 2) add({"gps_time", T::kFloat64, 20, 0, 0});
+    return all;
+  }
+  add({"return_number", T::kUint8, 14, 0, 4});
+  add({"number_of_returns", T::kUint8, 14, 4, 4});
+  add({"classification_flags", T::kUint8, 15, 0, 4});
+  add({"scanner_channel", T::kUint8, 15, 4, 2});
+  add({"scan_direction", T::kUint8, 15, 6, 1});
+  add({"edge_of_flight_line", T::kUint8, 15, 7, 1});
+  add({"classification", T::kUint8, 16, 0, 0});
+  add({"user_data", T::kUint8, 17, 0, 0});
+  add({"scan_angle", T::kInt16, 18, 0, 0});
+  add({"point_source_id", T::kUint16, 20, 0, 0});
+  add({"gps_time", T::kFloat64, 22, 0, 0});
+  if (format == 8 || format == 10) add({"nir", T::kUint16, 36, 0, 0});
+  return all;
+}
+
+double value_of(std::string_view record, const Attribute& a) {
+  switch (a.type) {
+    case PlyType::kInt8:
+      return at<int8_t>(record, a.offset);
+    case PlyType::kInt16:
+      return at<int16_t>(record, a.offset);
+    case PlyType::kUint16:
+      return at<uint16_t>(record, a.offset);
+    case PlyType::kFloat64:
+      return at<double>(record, a.offset);
+    default:
+      break;
+  }
+  const int byte = at<uint8_t>(record, a.offset);
+  return a.bits == 0 ? byte : byte >> a.shift & ((1 << a.bits) - 1);
+}
+
+void note_columns(const LasHeader& header, const OwnColumns& own, Asset& asset) {
+  std::vector<std::string> lost;
+  const bool has_waves =
+      header.format == 4 || header.format == 5 || header.format == 9 || header.format == 10;
+  if (has_waves) lost.push_back("wave packets");
+  const int64_t extra = header.record_bytes - kRecordBytes[header.format];
+  if (extra > 0) lost.push_back(concat(extra, " extra bytes a point"));
+  note_own_columns(asset, own);
+  note_lost_columns(asset, lost);
+}
+
 }  // namespace
 
 Asset parse_las(std::string_view bytes, const std::string& path) {
@@ -76,6 +145,9 @@ Asset parse_las(std::string_view bytes, const std::string& path) {
   asset.up = 3;
   PointCloud& cloud = asset.points.emplace();
   const size_t rgb = size_t(kRgbOffset[header.format]);
+  const std::vector<Attribute> attributes = attributes_of(header.format);
+  for (const Attribute& a : attributes) cloud.own.columns.push_back({a.name, a.type});
+  note_columns(header, cloud.own, asset);
   std::vector<std::array<uint16_t, 3>> colours;
   uint16_t brightest = 0;
   for (int64_t i = 0; i < header.points; ++i) {
@@ -83,6 +155,8 @@ Asset parse_las(std::string_view bytes, const std::string& path) {
     Vec3& p = cloud.position.emplace_back();
     for (size_t k = 0; k < 3; ++k)
       p[k] = header.scale[k] * at<int32_t>(record, 4 * k) + header.offset[k];
+    for (size_t k = 0; k < attributes.size(); ++k)
+      cloud.own.add(k, value_of(record, attributes[k]));
     if (rgb == 0) continue;
     auto& c = colours.emplace_back();
     for (size_t k = 0; k < 3; ++k) c[k] = at<uint16_t>(record, rgb + 2 * k);

@@ -50,8 +50,7 @@ std::vector<Finding> output_findings(const Asset& asset, const Surface& surface,
           {"corner-normals", vertices,
            concat("vertices have several normals or none, PLY one for each: ", ply)});
   }
-  const std::string rounded =
-      asset.splats ? outputs_with(paths, {"pc2", "ply"}) : outputs_with(paths, {"pc2"});
+  const std::string rounded = outputs_with(paths, {"pc2"});
   if (!rounded.empty() && is_float32_coarse(order.rest))
     findings.push_back(
         {"rounded-positions", int64_t(order.rest.size()),

@@ -11,6 +11,7 @@ namespace elastogen {
 namespace {
 
 constexpr size_t kMaxFields = 256;
+constexpr int64_t kMostOwnValues = 16;  ///< of a field that is carried; more is a descriptor
 constexpr int64_t kMaxPoints = std::numeric_limits<int32_t>::max();
 
 struct Field {
@@ -20,6 +21,7 @@ struct Field {
   int64_t count = 1;   ///< values a point
   int64_t offset = 0;  ///< of the first value in a point [bytes]
   int64_t word = 0;    ///< the same in values, for text
+  int64_t index = 0;   ///< of the value that is meant, where a field has several
 };
 
 class PcdParser {
@@ -27,15 +29,19 @@ class PcdParser {
   PcdParser(std::string_view bytes, const std::string& path)
       : rest_(without_mark(bytes)), path_(path) {}
 
-  PointCloud parse() {
+  Asset parse() {
     while (data_.empty()) read_header_line();
     check_header();
+    begin_own_columns();
     if (data_ == "ascii") {
       read_text();
     } else {
       read_binary();
     }
-    return std::move(cloud_);
+    note_own_columns(asset_, cloud_.own);
+    note_lost_columns(asset_, lost_);
+    asset_.points = std::move(cloud_);
+    return std::move(asset_);
   }
 
  private:
@@ -111,6 +117,39 @@ class PcdParser {
     if (colour_ && colour_->size != 4) colour_ = nullptr;
   }
 
+  /// Fields that nothing else takes, one column a value; padding ("_") is none of them.
+  void begin_own_columns() {
+    for (const Field& field : fields_) {
+      const bool is_normal =
+          normal_[0] && normal_[1] && normal_[2] && std::ranges::count(normal_, &field) > 0;
+      if (std::ranges::count(position_, &field) > 0 || is_normal || &field == colour_ ||
+          field.name == "_")
+        continue;
+      const bool is_exact = field.type == 'F' || field.size <= 4;
+      if (!is_exact || field.count > kMostOwnValues) {
+        lost_.push_back(std::string(field.name));
+        continue;
+      }
+      for (int64_t k = 0; k < field.count; ++k) {
+        Field& value = own_.emplace_back(field);
+        value.offset += k * field.size;
+        value.word += k;
+        value.index = k;
+        const std::string name(field.name);
+        cloud_.own.columns.push_back(
+            {field.count > 1 ? concat(name, '_', k) : name, type_of(field)});
+      }
+    }
+  }
+
+  static PlyType type_of(const Field& field) {
+    if (field.type == 'F') return field.size == 4 ? PlyType::kFloat32 : PlyType::kFloat64;
+    const bool is_signed = field.type == 'I';
+    if (field.size == 1) return is_signed ? PlyType::kInt8 : PlyType::kUint8;
+    if (field.size == 2) return is_signed ? PlyType::kInt16 : PlyType::kUint16;
+    return is_signed ? PlyType::kInt32 : PlyType::kUint32;
+  }
+
   const Field* find(std::string_view name) const {
     const auto found = std::ranges::find(fields_, name, &Field::name);
     return found == fields_.end() || found->count == 0 ? nullptr : &*found;
@@ -161,7 +200,8 @@ class PcdParser {
     ByteReader(values, path_).claim(points_, point_bytes_, "points");
     for (int64_t i = 0; i < points_; ++i) {
       const auto bytes = [&](const Field& field) {
-        const int64_t at = packed ? field.offset * points_ + i * field.size * field.count
+        const int64_t first = field.offset - field.index * field.size;
+        const int64_t at = packed ? first * points_ + (i * field.count + field.index) * field.size
                                   : i * point_bytes_ + field.offset;
         return ByteReader(values.substr(size_t(at)), "");  // the claim above covers it
       };
@@ -191,6 +231,7 @@ class PcdParser {
     if (normal_[0] && normal_[1] && normal_[2])
       cloud_.normal.push_back(
           {float(value(*normal_[0])), float(value(*normal_[1])), float(value(*normal_[2]))});
+    for (size_t k = 0; k < own_.size(); ++k) cloud_.own.add(k, value(own_[k]));
     if (!colour_) return;
     const uint32_t word = bits(*colour_);
     const auto channel = [&](int shift) { return double((word >> shift) & 255) / 255; };
@@ -207,16 +248,18 @@ class PcdParser {
   bool has_alpha_ = false;
   int64_t width_ = 0, height_ = 1, points_ = -1;
   int64_t point_bytes_ = 0, point_words_ = 0;
+  std::vector<Field> own_;  ///< a field for each value
+  std::vector<std::string> lost_;
+  Asset asset_;
   PointCloud cloud_;
 };
 
 }  // namespace
 
 Asset parse_pcd(std::string_view bytes, const std::string& path) {
-  Asset asset;
+  Asset asset = PcdParser(bytes, path).parse();
   asset.path = path;
   asset.format = "pcd";
-  asset.points = PcdParser(bytes, path).parse();
   return asset;
 }
 

@@ -19,22 +19,6 @@ constexpr const char* kTypes[] = {"char", "uchar", "short", "ushort",
                                   "int",  "uint",  "float", "double"};
 
 /// Text may hold more than its type: the nearest number of the type then.
-template <class Type>
-void append_as(std::string& bytes, double value) {
-  using Limits = std::numeric_limits<Type>;
-  if (std::is_integral_v<Type>)
-    value = std::isnan(value) ? 0 : std::clamp(value, double(Limits::min()), double(Limits::max()));
-  append(bytes, Type(value));
-}
-
-/// A number in its type of the file, which it came from.
-void append_number(std::string& bytes, PlyType type, double value) {
-  static constexpr void (*kAppend[])(std::string&, double) = {
-      append_as<int8_t>,  append_as<uint8_t>,  append_as<int16_t>, append_as<uint16_t>,
-      append_as<int32_t>, append_as<uint32_t>, append_as<float>,   append_as<double>};
-  kAppend[int(type)](bytes, value);
-}
-
 void append_colour(std::string& bytes, const std::array<float, 4>& linear) {
   for (size_t c = 0; c < 4; ++c) {
     const float share = std::clamp(linear[c], 0.0f, 1.0f);

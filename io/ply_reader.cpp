@@ -17,8 +17,10 @@ namespace {
 
 class PlyParser {
  public:
-  PlyParser(std::string_view bytes, const std::string& path)
-      : header_(read_ply_header(bytes, path)), values_(bytes.substr(header_.bytes), header_, path) {
+  PlyParser(std::string_view bytes, const std::string& path, const ReadOptions& options)
+      : options_(options),
+        header_(read_ply_header(bytes, path)),
+        values_(bytes.substr(header_.bytes), header_, path) {
     asset_.path = path;
     asset_.format = "ply";
   }
@@ -30,7 +32,7 @@ class PlyParser {
                   "lines of the header begin with no word of a header, the first with " +
                       shown_line(header_.skipped[0]));
     if (!has_faces && is_splats(header_)) {
-      asset_.splats = read_splats(header_, values_, asset_);
+      asset_.splats = read_splats(header_, values_, options_.splat_scales, asset_);
       return std::move(asset_);
     }
     Mesh& mesh = asset_.meshes.emplace_back();
@@ -66,8 +68,17 @@ class PlyParser {
     asset_.points->position.swap(mesh.position);
     asset_.points->normal.swap(mesh.normal);
     asset_.points->colour.swap(mesh.colour);
+    take_own_columns(mesh, asset_.points->own);
     asset_.meshes.clear();
+    note_own_columns(asset_, asset_.points->own);
+    note_lost_columns(asset_, left_out_);
     return std::move(asset_);
+  }
+
+  static void take_own_columns(const Mesh& mesh, OwnColumns& own) {
+    for (const OwnColumn& column : mesh.own) own.columns.push_back({column.name, column.type});
+    for (size_t p = 0; !mesh.own.empty() && p < mesh.own[0].value.size(); ++p)
+      for (size_t k = 0; k < mesh.own.size(); ++k) own.add(k, mesh.own[k].value[p]);
   }
 
   bool check_faces() const {
@@ -104,7 +115,7 @@ class PlyParser {
     };
     const bool normals = all(c.normal, 3), uvs = all(c.uv, 2);
     const PlyColour colour(vertex);
-    const std::vector<int> own = is_mesh ? own_columns(vertex, c, mesh) : std::vector<int>{};
+    const std::vector<int> own = own_columns(vertex, c, is_mesh, mesh);
     std::vector<double> row;
     for (int64_t i = 0; i < vertex.count; ++i) {
       values_.next_row(vertex, row);
@@ -120,7 +131,8 @@ class PlyParser {
   }
 
   /// Numbers that mean nothing here; lists are left out.
-  std::vector<int> own_columns(const PlyElement& vertex, const Columns& c, Mesh& mesh) {
+  std::vector<int> own_columns(const PlyElement& vertex, const Columns& c, bool is_mesh,
+                               Mesh& mesh) {
     std::vector<int> own;
     const PlyColour colour(vertex);
     const auto is_in = [](const auto& columns, int k) {
@@ -129,9 +141,10 @@ class PlyParser {
     };
     for (int k = 0; k < int(vertex.properties.size()); ++k) {
       const PlyProperty& property = vertex.properties[size_t(k)];
-      if (is_in(c.position, k) || is_in(c.normal, k) || is_in(c.uv, k) || colour.has(k)) continue;
+      if (is_in(c.position, k) || is_in(c.normal, k) || colour.has(k)) continue;
+      if (is_mesh && is_in(c.uv, k)) continue;
       if (property.is_list) {
-        left_out_.push_back("vertex." + property.name);
+        left_out_.push_back(is_mesh ? "vertex." + property.name : property.name);
         continue;
       }
       own.push_back(k);
@@ -156,6 +169,7 @@ class PlyParser {
     return list;
   }
 
+  const ReadOptions& options_;
   PlyHeader header_;
   Asset asset_;
   PlyValues values_;
@@ -164,12 +178,20 @@ class PlyParser {
 
 }  // namespace
 
+Asset parse_ply(std::string_view bytes, const std::string& path, const ReadOptions& options) {
+  return PlyParser(without_mark(bytes), path, options).parse();
+}
+
 Asset parse_ply(std::string_view bytes, const std::string& path) {
-  return PlyParser(without_mark(bytes), path).parse();
+  return parse_ply(bytes, path, {});
+}
+
+Asset read_ply(const std::string& path, const ReadOptions& options) {
+  return parse_ply(read_file(path), path, options);
 }
 
 Asset read_ply(const std::string& path) {
-  return parse_ply(read_file(path), path);
+  return read_ply(path, {});
 }
 
 }  // namespace elastogen

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "io/asset.hpp"
+#include "io/read_options.hpp"
 
 #include <string_view>
 
@@ -15,9 +16,11 @@ namespace elastogen {
 /// a finding. Without faces it is a point cloud, or Gaussian splats (io/ply_splats.hpp).
 /// @throws Error (asset) with the file and the place: a header that is no PLY header, counts beyond
 /// the file's size, a line with too few or too many numbers, triangle strips.
+Asset read_ply(const std::string& path, const ReadOptions& options);
 Asset read_ply(const std::string& path);
 
 /// The same from memory; `path` is for messages and for the files that it names.
+Asset parse_ply(std::string_view bytes, const std::string& path, const ReadOptions& options);
 Asset parse_ply(std::string_view bytes, const std::string& path);
 
 }  // namespace elastogen

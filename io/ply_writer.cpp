@@ -30,6 +30,9 @@ std::string numbered(const char* name, size_t count) {
   return text;
 }
 
+constexpr const char* kTypeNames[] = {"char", "uchar", "short", "ushort",
+                                      "int",  "uint",  "float", "double"};
+
 class PlyWriter : public AnimationWriter {
  public:
   PlyWriter(const std::string& path, const Asset& asset, const Surface& surface)
@@ -77,7 +80,23 @@ class PlyWriter : public AnimationWriter {
       if (!asset_.points->colour.empty())
         text += properties({"red", "green", "blue", "alpha"}, "uchar");
     }
-    return text + "end_header\n";
+    return text + own_properties(text) + "end_header\n";
+  }
+
+  const OwnColumns* own() const {
+    return asset_.splats ? &asset_.splats->own : asset_.points ? &asset_.points->own : nullptr;
+  }
+
+  /// Own columns whose names a property before them has get "own_" in front.
+  std::string own_properties(const std::string& before) const {
+    std::string text;
+    if (!own()) return text;
+    for (const OwnColumns::Column& column : own()->columns) {
+      std::string name = column.name;
+      while ((before + text).find(concat(' ', name, '\n')) != text.npos) name = "own_" + name;
+      text += concat("property ", kTypeNames[int(column.type)], ' ', name, '\n');
+    }
+    return text;
   }
 
   size_t harmonics() const { return size_t(harmonic_count(asset_.splats->degree)); }
@@ -91,7 +110,14 @@ class PlyWriter : public AnimationWriter {
       else
         append(bytes, float(x));
     }
-    if (motion_) return append_splat(p, bytes);
+    if (motion_) append_splat(p, bytes);
+    if (asset_.points) append_attributes(frame, p, bytes);
+    if (!own()) return;
+    const size_t width = own()->row_bytes();
+    bytes.append(own()->rows, p * width, width);
+  }
+
+  void append_attributes(const AnimationFrame& frame, size_t p, std::string& bytes) const {
     if (!asset_.points->normal.empty())
       append(bytes, turned_normal(frame.gradient.row(int64_t(p)), asset_.points->normal[p]));
     if (!asset_.points->colour.empty())
@@ -119,7 +145,7 @@ class PlyWriter : public AnimationWriter {
   FileOrder order_;
   std::optional<SplatMotion> motion_;
   std::optional<PlyMesh> mesh_;
-  bool is_double_ = !asset_.splats && is_float32_coarse(order_.rest);
+  bool is_double_ = is_float32_coarse(order_.rest);
   int64_t frames_ = 0;
 };
 

@@ -9,7 +9,7 @@ namespace elastogen {
 
 /// A writer of NAME_00000.ply (the rest pose), NAME_00001.ply, ... for a path NAME.ply, each whole
 /// as soon as its frame has come, also without finish(). Binary, little-endian, float32 (positions
-/// of meshes and points float64 where is_float32_coarse), in the asset's own numbers, axes and
+/// float64 where is_float32_coarse), in the asset's own numbers, axes and
 /// order (file_order):
 ///
 /// - points: x y z, nx ny nz turned by F^-T, red green blue alpha (uchar) where the asset has them;

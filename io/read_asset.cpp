@@ -105,9 +105,18 @@ constexpr Advice kAdvice[] = {
     {"3mf", kSolidAdvice},
 };
 
+/// The asset of a file whose format is known; `reader` is null for the formats of the child.
+Asset read_format(const std::string& path, const std::string& format, const Reader* reader,
+                  const ReadOptions& options) {
+  ELASTOGEN_CHECK_ASSET(options.grid.empty() || format == "vdb", path, ": the grid \"",
+                        options.grid, "\" is asked for, which only .vdb files have");
+  if (!reader) return read_in_child(path, format, options.grid);
+  return reader->format == "ply" ? read_ply(path, options) : reader->read(path);
+}
+
 }  // namespace
 
-Asset read_asset(const std::string& path) {
+Asset read_asset(const std::string& path, const ReadOptions& options) {
   const std::string head = head_of(path);
   const std::string proven = format_of(head), ending = ending_of(path);
   const std::string format = proven.empty() ? ending : proven;
@@ -132,7 +141,7 @@ Asset read_asset(const std::string& path) {
                        "read are ", kReadFormats),
                 ErrorKind::kAsset);
   }
-  Asset asset = child ? read_in_child(path, format) : reader->read(path);
+  Asset asset = read_format(path, format, child ? nullptr : reader, options);
   check_asset(asset);
   return asset;
 }

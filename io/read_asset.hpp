@@ -4,6 +4,7 @@
 #pragma once
 
 #include "io/asset.hpp"
+#include "io/read_options.hpp"
 
 namespace elastogen {
 
@@ -15,6 +16,6 @@ inline constexpr const char* kReadFormats =
 /// Reads an asset, some formats through io/child_reader.hpp, and checks it (io/asset_check.hpp).
 /// @throws Error (asset) for a missing or empty file, a format that is not read (saying what to do
 ///         where there is a way), and all that the readers and the check refuse.
-Asset read_asset(const std::string& path);
+Asset read_asset(const std::string& path, const ReadOptions& options = {});
 
 }  // namespace elastogen

@@ -6,6 +6,8 @@
 #include "io/safe_file.hpp"
 #include "io/splat_ply.hpp"
 
+#include <zstd.h>
+
 #include <algorithm>
 
 namespace elastogen {
@@ -13,7 +15,8 @@ namespace {
 
 constexpr uint32_t kMagic = 0x5053474e;  ///< "NGSP"
 constexpr int64_t kSpzHeaderBytes = 16;
-constexpr int64_t kMaxRatio = 100;  ///< of unpacked to packed bytes; splats reach 10
+constexpr size_t kHeader4Bytes = 32;  ///< of version 4, which begins as the others
+constexpr int64_t kMaxRatio = 100;    ///< of unpacked to packed bytes; splats reach 10
 
 /// 24-bit integer with a sign.
 int32_t read_int24(ByteReader& reader) {
@@ -63,15 +66,17 @@ struct SpzHeader {
   }
 };
 
-SpzHeader read_spz_header(const std::string& bytes, const std::string& path) {
+/// @param least, most  versions that the file may have.
+SpzHeader read_spz_header(const std::string& bytes, uint32_t least, uint32_t most,
+                          const std::string& path) {
   ELASTOGEN_CHECK_ASSET(int64_t(bytes.size()) == kSpzHeaderBytes, path, ": has no SPZ header of ",
                         kSpzHeaderBytes, " bytes");
   ByteReader reader(bytes, path);
   ELASTOGEN_CHECK_ASSET(reader.read<uint32_t>() == kMagic, path,
                         ": what it packs is no SPZ; unpack it with gunzip first");
   const uint32_t version = reader.read<uint32_t>();
-  ELASTOGEN_CHECK_ASSET(version == 2 || version == 3, path, ": SPZ version ", version,
-                        " is not read; save it as version 3 or as .ply");
+  ELASTOGEN_CHECK_ASSET(version >= least && version <= most, path, ": SPZ version ", version,
+                        " is not read so packed; save it as version 3 or as .ply");
   SpzHeader header;
   header.version = int(version);
   header.splats = reader.read<uint32_t>();
@@ -113,17 +118,62 @@ SplatCloud read_body(const std::string& bytes, const SpzHeader& header, const st
   return splats;
 }
 
-}  // namespace
+/// Sizes of the streams of version 4, which hold one attribute each; empty ones are left out.
+std::vector<int64_t> stream_sizes(const SpzHeader& header) {
+  std::vector<int64_t> sizes;
+  for (const int bytes : {9, 1, 3, 3, 4, 3 * (harmonic_count(header.degree) - 1)})
+    if (bytes > 0) sizes.push_back(bytes * header.splats);
+  return sizes;
+}
 
-Asset parse_spz(std::string_view bytes, const std::string& path) {
-  ELASTOGEN_CHECK_ASSET(!bytes.starts_with("NGSP"), path,
-                        ": SPZ without gzip (version 4) is not read; save it as version 3 or .ply");
-  GzipReader unpacker(bytes, path);
-  const SpzHeader header = read_spz_header(unpacker.next(kSpzHeaderBytes), path);
+/// One stream of version 4, in the Zstandard format.
+std::string unpacked(std::string_view packed, int64_t size, const std::string& path) {
+  std::string out(size_t(size), '\0');
+  const size_t done = ZSTD_decompress(out.data(), out.size(), packed.data(), packed.size());
+  ELASTOGEN_CHECK_ASSET(!ZSTD_isError(done) && done == out.size(), path,
+                        ": a stream of its splats is damaged or has not the ", size,
+                        " bytes that they need");
+  return out;
+}
+
+/// Version 4: a header of 32 bytes, extensions, a table of the packed and unpacked sizes of the
+/// streams, the streams; one after the other they are what version 3 packs as one.
+std::string version4_values(std::string_view bytes, const SpzHeader& header,
+                            const std::string& path) {
+  ByteReader reader(bytes.substr(15), path);
+  const std::vector<int64_t> sizes = stream_sizes(header);
+  const size_t streams = reader.read<uint8_t>();
+  ELASTOGEN_CHECK_ASSET(streams == sizes.size(), path, ": its splats need ", sizes.size(),
+                        " streams, it has ", streams);
+  const uint32_t table = reader.read<uint32_t>();
+  ELASTOGEN_CHECK_ASSET(table >= kHeader4Bytes && table <= bytes.size(), path,
+                        ": its table stands at byte ", table, " of ", bytes.size());
+  ByteReader entries(bytes.substr(table), path);
+  entries.claim(int64_t(streams), 16, "streams");
+  std::string_view rest = bytes.substr(table + 16 * streams);
+  std::string values;
+  for (const int64_t size : sizes) {
+    const uint64_t from = entries.read<uint64_t>(), to = entries.read<uint64_t>();
+    ELASTOGEN_CHECK_ASSET(from <= rest.size() && to == uint64_t(size), path, ": a stream of ", from,
+                          " bytes unpacks to ", to, "; ", rest.size(), " are left, ", size,
+                          " are needed");
+    values += unpacked(rest.substr(0, size_t(from)), size, path);
+    rest.remove_prefix(size_t(from));
+  }
+  ELASTOGEN_CHECK_ASSET(rest.empty(), path, ": ", rest.size(), " bytes follow its streams");
+  return values;
+}
+
+void check_claim(const SpzHeader& header, std::string_view bytes, const std::string& path) {
   const int64_t body = header.splats * header.splat_bytes();
   ELASTOGEN_CHECK_ASSET(body <= std::min(kMaxRatio * int64_t(bytes.size()), kMaxFileBytes), path,
                         ": claims ", header.splats, " splats of ", header.splat_bytes(),
                         " bytes, too many for a file of ", bytes.size(), " bytes");
+}
+
+/// The attributes that gzip packs.
+std::string gzip_values(GzipReader& unpacker, const SpzHeader& header, const std::string& path) {
+  const int64_t body = header.splats * header.splat_bytes();
   const std::string values = unpacker.next(body);
   ELASTOGEN_CHECK_ASSET(int64_t(values.size()) == body, path, ": its ", header.splats,
                         " splats need ", body, " bytes, it unpacks to ", values.size());
@@ -131,10 +181,28 @@ Asset parse_spz(std::string_view bytes, const std::string& path) {
   // the end of the stream proves its sum; extensions are not asked for theirs
   ELASTOGEN_CHECK_ASSET(header.has_extensions || unpacker.next(1).empty(), path,
                         ": unpacks to more bytes than its ", header.splats, " splats");
+  return values;
+}
+
+}  // namespace
+
+Asset parse_spz(std::string_view bytes, const std::string& path) {
   Asset asset;
   asset.path = path;
   asset.format = "spz";
-  asset.splats = read_body(values, header, path);
+  if (bytes.starts_with("NGSP")) {
+    ELASTOGEN_CHECK_ASSET(bytes.size() >= kHeader4Bytes, path, ": has no SPZ header of ",
+                          kHeader4Bytes, " bytes");
+    const SpzHeader header =
+        read_spz_header(std::string(bytes.substr(0, kSpzHeaderBytes)), 4, 4, path);
+    check_claim(header, bytes, path);
+    asset.splats = read_body(version4_values(bytes, header, path), header, path);
+    return asset;
+  }
+  GzipReader unpacker(bytes, path);
+  const SpzHeader header = read_spz_header(unpacker.next(kSpzHeaderBytes), 2, 3, path);
+  check_claim(header, bytes, path);
+  asset.splats = read_body(gzip_values(unpacker, header, path), header, path);
   return asset;
 }
 

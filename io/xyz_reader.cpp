@@ -14,6 +14,14 @@ using Row = std::array<float, 3>;
 constexpr size_t kMaxColumns = 64;
 constexpr float kUnitTolerance = 0.02f;  ///< of a normal's length: three decimals suffice
 
+/// A column behind the position.
+struct Further {
+  size_t column = 0;
+  std::vector<double> value;
+  bool is_number = true;  ///< every word of it
+  bool is_known = false;  ///< part of a colour or normal
+};
+
 /// Three columns behind the position that may be one attribute.
 struct Triple {
   enum Meaning { kUnknown, kColour, kNormal } meaning = kUnknown;
@@ -44,7 +52,7 @@ class XyzParser {
   XyzParser(std::string_view bytes, const std::string& path)
       : rest_(without_mark(bytes)), path_(path) {}
 
-  PointCloud parse() {
+  Asset parse() {
     while (!rest_.empty()) {
       ++line_;
       read_line(trimmed(next_line(rest_)));
@@ -52,7 +60,9 @@ class XyzParser {
     check(claimed_ < 0 || claimed_ == int64_t(cloud_.position.size()), "the first line says ",
           claimed_, " points, the file has ", cloud_.position.size());
     for (Triple& triple : triples_) add_attribute(triple);
-    return std::move(cloud_);
+    add_own_columns();
+    asset_.points = std::move(cloud_);
+    return std::move(asset_);
   }
 
  private:
@@ -102,6 +112,7 @@ class XyzParser {
     const auto position = find({"x", "y", "z"});
     if (!position) return false;
     is_named_ = true;
+    names_.assign(words_.begin(), words_.end());
     position_ = *position;
     const auto rgb = find({"r", "g", "b"}), colour = rgb ? rgb : find({"red", "green", "blue"});
     const auto normal = find({"nx", "ny", "nz"});
@@ -122,11 +133,18 @@ class XyzParser {
     for (Triple& t : triples_)
       t.value.push_back(
           {float(number(t.column[0])), float(number(t.column[1])), float(number(t.column[2]))});
+    for (Further& further : further_) {
+      const std::optional<double> value = to_double(words_[further.column]);
+      further.value.push_back(value.value_or(0));
+      further.is_number = further.is_number && value;
+    }
   }
 
   /// What the first point tells of the columns.
   void begin_columns() {
     columns_ = words_.size();
+    for (size_t k = 0; k < columns_; ++k)
+      if (std::ranges::count(position_, k) == 0) further_.emplace_back().column = k;
     if (is_named_) {
       check(std::ranges::max(position_) < columns_, "the first line names more columns");
       for (const Triple& t : triples_)
@@ -149,9 +167,15 @@ class XyzParser {
     } else if (triple.meaning == Triple::kUnknown && are_colours(triple.value)) {
       triple.meaning = Triple::kColour;
     }
+    const auto take = [&] {
+      for (Further& further : further_)
+        further.is_known |= std::ranges::count(triple.column, further.column) > 0;
+    };
     if (triple.meaning == Triple::kNormal && cloud_.normal.empty()) {
+      take();
       cloud_.normal.swap(triple.value);
     } else if (triple.meaning == Triple::kColour && cloud_.colour.empty()) {
+      take();
       const double range = largest(triple.value) > 1 ? 255 : 1;
       for (const Row& row : triple.value) {
         auto& colour = cloud_.colour.emplace_back(std::array<float, 4>{0, 0, 0, 1});
@@ -161,6 +185,31 @@ class XyzParser {
     }
   }
 
+  std::string name_of(size_t column) const {
+    if (column < names_.size()) return names_[column];
+    const bool is_pts = !is_named_ && claimed_ >= 0 && columns_ == 7 && column == 3;
+    return is_pts ? "intensity" : concat("column_", column + 1);
+  }
+
+  void add_own_columns() {
+    std::vector<const Further*> own;
+    std::vector<std::string> lost;
+    for (const Further& further : further_) {
+      const std::string name = name_of(further.column);
+      if (further.is_known) continue;
+      if (!further.is_number) {
+        lost.push_back(name);
+        continue;
+      }
+      own.push_back(&further);
+      cloud_.own.columns.push_back({name, PlyType::kFloat64});
+    }
+    for (size_t i = 0; i < cloud_.position.size(); ++i)
+      for (size_t k = 0; k < own.size(); ++k) cloud_.own.add(k, own[k]->value[i]);
+    note_own_columns(asset_, cloud_.own);
+    note_lost_columns(asset_, lost);
+  }
+
   std::string_view rest_;
   const std::string& path_;
   int64_t line_ = 0, claimed_ = -1;
@@ -168,17 +217,19 @@ class XyzParser {
   size_t columns_ = 0;  ///< of the first point
   bool is_named_ = false;
   std::array<size_t, 3> position_ = {0, 1, 2};
+  std::vector<std::string> names_;  ///< of the first line
   std::vector<Triple> triples_;
+  std::vector<Further> further_;
+  Asset asset_;
   PointCloud cloud_;
 };
 
 }  // namespace
 
 Asset parse_xyz(std::string_view bytes, const std::string& path) {
-  Asset asset;
+  Asset asset = XyzParser(bytes, path).parse();
   asset.path = path;
   asset.format = "xyz";
-  asset.points = XyzParser(bytes, path).parse();
   return asset;
 }
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// elastogen-reader FORMAT PATH: reads one file in a limited process and writes the asset, or why
-// there is none, to standard output (io/asset_stream.hpp). io/child_reader.hpp starts it.
-// elastogen-reader image EDGE: decodes the image on its standard input (io/decode_image.hpp).
+// elastogen-reader FORMAT PATH (vdb:GRID PATH for a grid by its name): reads one file in a limited
+// process and writes the asset, or why there is none, to standard output (io/asset_stream.hpp).
+// io/child_reader.hpp starts it. elastogen-reader image EDGE: decodes the image on its standard
+// input (io/decode_image.hpp).
 
 #include "core/error.hpp"
 #include "core/parallel.hpp"
@@ -33,12 +34,23 @@ std::string all_input() {
   }
 }
 
+/// A grid is named behind the format: "vdb:GRID".
+std::string_view format_of(std::string_view word) {
+  return word.substr(0, word.find(':'));
+}
+
+Asset read_file_of(const std::string& word, const std::string& path) {
+  const std::string format(format_of(word));
+  if (format != "vdb") return read_assimp(path, format);
+  return read_vdb(path, word.size() > format.size() ? word.substr(format.size() + 1) : "");
+}
+
 std::string answer(const std::string& format, const std::string& path) {
   try {
     limit_process();
     const ThreadLimit single(1);  // the CPU time is that of all threads
     if (format == kImageWord) return encode_image(read_image(all_input(), std::stoi(path)));
-    return encode_asset(format == "vdb" ? read_vdb(path) : read_assimp(path, format));
+    return encode_asset(read_file_of(format, path));
   } catch (const std::bad_alloc&) {
     return encode_failure(ReaderFailure::kMemory, "");
   } catch (const std::exception& error) {
@@ -63,7 +75,8 @@ bool write_all(std::string_view bytes) {
 
 int main(int argc, char** argv) {
   const std::string_view format = argc == 3 ? argv[1] : "";
-  if (format != elastogen::kImageWord && !elastogen::is_child_format(format)) {
+  if (format != elastogen::kImageWord &&
+      !elastogen::is_child_format(elastogen::format_of(format))) {
     std::fprintf(stderr,
                  "usage: elastogen-reader FORMAT PATH, or image EDGE with the image as input\n");
     return 2;

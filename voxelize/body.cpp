@@ -41,12 +41,12 @@ double grain_of(const Asset& asset, const std::vector<Vec3>& points, double size
 }
 
 /// A body with the surface of a solid, scaled to metres.
-Body scaled_body(const Asset& asset, const PointSolid& solid, const std::vector<Vec3>& carried,
-                 double size) {
+/// @param box  whose longest edge is to be `size`.
+Body scaled_body(const Asset& asset, const PointSolid& solid, const Box& box,
+                 const std::vector<Vec3>& carried, double size) {
   Body body;
   body.is_asset = false;
   Surface& surface = body.surface;
-  const Box& box = solid.box;
   const double longest = std::max({box.extent(0), box.extent(1), box.extent(2)});
   surface.scale = size > 0 ? size / longest : asset.unit > 0 ? asset.unit : 1;
   surface.vertices = solid.vertices;
@@ -78,14 +78,16 @@ Body make_body(const Asset& asset, double size, const VoxelizeOptions& resolutio
   if (asset.points) {
     const std::vector<Vec3>& points = asset.points->position;
     const double grain = grain_of(asset, points, size, resolution);
-    return scaled_body(asset, solid_of_points(points, asset.path, grain), points, size);
+    const PointSolid solid = solid_of_points(points, asset.path, grain);
+    return scaled_body(asset, solid, solid.box, points, size);
   }
   if (asset.splats) {
     const std::vector<Vec3>& centres = asset.splats->position;
     const double grain = grain_of(asset, centres, size, resolution);
     SplatSamples samples = sample_splats(*asset.splats, asset.path, grain);
-    Body body =
-        scaled_body(asset, solid_of_points(samples.points, asset.path, grain), centres, size);
+    const PointSolid solid = solid_of_points(samples.points, asset.path, grain);
+    const Box box = shown_box(*asset.splats, solid.box, 4 * grain);
+    Body body = scaled_body(asset, solid, box, centres, size);
     body.findings.insert(body.findings.begin(), samples.findings.begin(), samples.findings.end());
     return body;
   }

@@ -16,8 +16,8 @@ struct Body {
   std::vector<Finding> findings;
 };
 
-/// The body of an asset, scaled so that its longest edge (of points and splats: without floaters)
-/// is `size` metres (0: as the file has it). Solids of points: voxelize/from_points.hpp.
+/// The body of an asset, scaled so that its longest edge (of points: without floaters; of splats:
+/// shown_box) is `size` metres (0: as the file has it). Solids of points: voxelize/from_points.hpp.
 /// @param resolution  that the body will be voxelised with: the surface of points and splats is
 ///                    rebuilt from one point for each quarter of a voxel.
 /// @throws Error (asset) if nothing can be made of it.

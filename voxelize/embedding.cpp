@@ -13,6 +13,8 @@
 namespace elastogen {
 namespace {
 
+constexpr double kCarried = 1;  ///< voxels along an axis that an affine motion goes on for
+
 /// Trilinear weights at t in units of the voxel; outside of 0..1 they go on linearly from the
 /// nearest point of the voxel, so that they still carry affine fields exactly.
 void trilinear(const Vec3& t, double* weights) {
@@ -27,6 +29,21 @@ void trilinear(const Vec3& t, double* weights) {
         weights[c] +=
             (c >> d & 1 ? 1 : -1) * factor[(d + 1) % 3] * factor[(d + 2) % 3] * (t[d] - near[d]);
   }
+}
+
+/// The point that stands for one at t, in units of the voxel: itself up to kCarried voxels from the
+/// voxel, nearer and nearer to the voxel beyond, and its nearest point from 2 kCarried on.
+Vec3 standing_for(const Vec3& t) {
+  Vec3 near;
+  double reach = 0;
+  for (int d = 0; d < 3; ++d) {
+    near[d] = std::clamp(t[d], 0.0, 1.0);
+    reach = std::max(reach, std::abs(t[d] - near[d]));
+  }
+  if (reach <= kCarried) return t;
+  const double share = std::max(2 * kCarried - reach, 0.0) / reach;
+  for (int d = 0; d < 3; ++d) near[d] += share * (t[d] - near[d]);
+  return near;
 }
 
 }  // namespace
@@ -52,7 +69,7 @@ Embedding embed(const VoxelGrid& grid, In<double> points) {
     if (v < 0) v = nearest.find(t);
     for (int d = 0; d < 3; ++d) t[d] -= grid.voxel_coord(v, d);
     embedding.voxel(p) = static_cast<int32_t>(v);
-    trilinear(t, embedding.weights.row(p));
+    trilinear(standing_for(t), embedding.weights.row(p));
   });
   return embedding;
 }

@@ -15,8 +15,10 @@ struct Embedding {
 };
 
 /// Finds for each point the voxel that holds it; a point outside all voxels (in a dropped sliver,
-/// or an unreferenced vertex) takes the nearest voxel. Its weights continue those at the nearest
-/// point of that voxel linearly, so the motion is continuous over the voxel's border.
+/// or an unreferenced vertex) takes the nearest voxel. Up to one voxel away along each axis its
+/// weights continue those at the nearest point of that voxel linearly, so that affine motions are
+/// carried exactly. From one to two voxels they fade to those at the nearest point, which they are
+/// beyond: a stray moves as what is nearest to it, hence no farther than the farthest node.
 /// @param points  [m], (points, 3), finite.
 Embedding embed(const VoxelGrid& grid, In<double> points);
 
@@ -34,7 +36,8 @@ void deform_asset(const VoxelGrid& grid, const Embedding& embedding, In<double> 
 ///
 ///     F_p = I + sum_c (x_c - X_c) (x) grad w_pc,
 ///
-/// exactly I where the nodes are exactly at rest.
+/// exactly I where the nodes are exactly at rest. Of a stray it is that of the place which stands
+/// for it: it turns as what is nearest.
 /// @param x         nodal positions [m], (nodes, 3).
 /// @param gradient  result [-], row-major, (points, 9).
 void deformation_gradient(const VoxelGrid& grid, const Embedding& embedding, In<double> x,

@@ -67,7 +67,33 @@ void sample(const SplatCloud& splats, size_t i, double spacing, std::vector<Vec3
     }
 }
 
+/// Standard deviations of a splat along the axes of space, sqrt(S_dd) of S = R diag(scale^2) R^T.
+Vec3 spread(const SplatCloud& splats, size_t i) {
+  const Mat3<double> R = rotation_matrix(splats.rotation[i]);
+  Vec3 result;
+  for (int d = 0; d < 3; ++d) {
+    double square = 0;
+    for (int k = 0; k < 3; ++k) square += std::pow(R(d, k) * splats.scale[i][size_t(k)], 2);
+    result[size_t(d)] = std::sqrt(square);
+  }
+  return result;
+}
+
 }  // namespace
+
+Box shown_box(const SplatCloud& splats, const Box& bulk, double margin) {
+  Box box;
+  for (const size_t i : chosen(splats)) {
+    const Vec3& p = splats.position[i];
+    bool inside = true;
+    for (size_t d = 0; d < 3; ++d)
+      inside = inside && p[d] >= bulk.lower[d] - margin && p[d] <= bulk.upper[d] + margin;
+    if (!inside) continue;
+    box.add(minus(p, spread(splats, i)));
+    box.add(plus(p, spread(splats, i)));
+  }
+  return box.lower[0] <= box.upper[0] ? box : bulk;
+}
 
 SplatSamples sample_splats(const SplatCloud& splats, const std::string& place, double grain) {
   const std::vector<size_t> shown = chosen(splats);

@@ -21,4 +21,10 @@ struct SplatSamples {
 /// @throws Error (asset) if no splat shows a surface.
 SplatSamples sample_splats(const SplatCloud& splats, const std::string& place, double grain = 0);
 
+/// Box of what splats show: centres and one standard deviation about them, of those that
+/// sample_splats samples and whose centres lie in the bulk.
+/// @param bulk    box of the points without floaters.
+/// @param margin  by which centres may lie outside of it.
+Box shown_box(const SplatCloud& splats, const Box& bulk, double margin);
+
 }  // namespace elastogen

@@ -8,6 +8,8 @@
 
 #include <openvdb/io/File.h>
 #include <openvdb/openvdb.h>
+#include <openvdb/points/PointCount.h>
+#include <openvdb/points/PointDataGrid.h>
 #include <openvdb/tools/ChangeBackground.h>
 #include <openvdb/tools/VolumeToMesh.h>
 
@@ -121,39 +123,121 @@ Mesh mesh_of(openvdb::FloatGrid& grid, const std::string& place) {
   return mesh;
 }
 
-/// Name of the first float grid, in the order of names. @throws Error (asset) naming the grids if
-/// there is none.
-std::string float_grid_name(openvdb::io::File& file, Asset& asset) {
-  std::string name, others;
-  int64_t left_out = 0;
-  bool found = false;
-  for (auto at = file.beginName(); at != file.endName(); ++at) {
-    const openvdb::GridBase::Ptr grid = file.readGridMetadata(at.gridName());
-    if (!found && grid->type() == openvdb::FloatGrid::gridType()) {
-      name = at.gridName();
-      found = true;
-    } else {
-      others += concat(others.empty() ? "" : ", ", '"', at.gridName(), "\" (", grid->type(), ')');
-      ++left_out;
-    }
-  }
-  ELASTOGEN_CHECK_ASSET(found, "there is no float grid in it",
-                        others.empty() ? "" : ", only " + others);
-  add_finding(asset, "vdb-grids", left_out,
-              concat("grids were left out: ", others, "; read was \"", name, '"'));
-  return name;
+using PointGrid = openvdb::points::PointDataGrid;
+
+/// A vector attribute of the points of a leaf, empty where it has none of that type.
+using Vectors = openvdb::points::AttributeHandle<openvdb::Vec3f>;
+Vectors::Ptr vectors_of(const PointGrid::TreeType::LeafNodeType& leaf, const char* name) {
+  const openvdb::points::AttributeArray* array =
+      leaf.hasAttribute(name) ? &leaf.constAttributeArray(name) : nullptr;
+  const bool fits = array && array->valueType() == "vec3s" && array->stride() == 1;
+  return fits ? Vectors::create(*array) : nullptr;
 }
 
-Asset read_grid(const std::string& path) {
+/// Names of the attributes that a cloud has no place for.
+std::vector<std::string> lost_attributes(const PointGrid& grid) {
+  std::vector<std::string> names;
+  const auto leaf = grid.tree().cbeginLeaf();
+  if (!leaf) return names;
+  for (const auto& [name, place] : leaf->attributeSet().descriptor().map())
+    if (name != "P" && name != "N" && name != "Cd" &&
+        !openvdb::points::isGroup(*leaf->attributeSet().getConst(place)))
+      names.push_back(name);
+  return names;
+}
+
+/// The points of a grid, leaf by leaf.
+PointCloud points_of(const PointGrid& grid, const std::string& place) {
+  const auto count = int64_t(openvdb::points::pointCount(grid.tree()));
+  ELASTOGEN_CHECK_ASSET(count > 0, place, "it has no points");
+  ELASTOGEN_CHECK_ASSET(count <= kMaxVdbVoxels, place, "it has ", count, " points, at most ",
+                        kMaxVdbVoxels, " are read");
+  PointCloud cloud;
+  bool all_normal = true, all_coloured = true;
+  for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) {
+    const auto position = vectors_of(*leaf, "P"), normal = vectors_of(*leaf, "N"),
+               colour = vectors_of(*leaf, "Cd");
+    ELASTOGEN_CHECK_ASSET(position, place, "its points have no positions P");
+    all_normal = all_normal && normal;
+    all_coloured = all_coloured && colour;
+    for (auto at = leaf->beginIndexOn(); at; ++at) {
+      const openvdb::Vec3d p =
+          grid.indexToWorld(openvdb::Vec3d(position->get(*at)) + at.getCoord().asVec3d());
+      cloud.position.push_back({p[0], p[1], p[2]});
+      const auto row = [&](const Vectors::Ptr& from) {
+        const openvdb::Vec3f v = from->get(*at);
+        return std::array<float, 3>{v[0], v[1], v[2]};
+      };
+      if (all_normal) cloud.normal.push_back(row(normal));
+      if (!all_coloured) continue;
+      const auto [r, g, b] = row(colour);
+      cloud.colour.push_back({r, g, b, 1});
+    }
+  }
+  if (!all_normal) cloud.normal.clear();
+  if (!all_coloured) cloud.colour.clear();
+  return cloud;
+}
+
+std::string type_of(const openvdb::GridBase& grid) {
+  return grid.isType<PointGrid>() ? "points" : grid.valueType();
+}
+
+bool is_readable(const openvdb::GridBase& grid) {
+  return grid.isType<openvdb::FloatGrid>() || grid.isType<PointGrid>();
+}
+
+std::string list_of(openvdb::io::File& file, const std::string& but = "") {
+  std::string text;
+  for (auto at = file.beginName(); at != file.endName(); ++at)
+    if (at.gridName() != but)
+      text += concat(text.empty() ? "" : ", ", '"', at.gridName(), "\" (",
+                     type_of(*file.readGridMetadata(at.gridName())), ')');
+  return text;
+}
+
+/// The grid of a name, else the first that can be read and has something, else the first that can
+/// be read. @throws Error (asset) naming the grids if there is none.
+openvdb::GridBase::Ptr chosen_grid(openvdb::io::File& file, const std::string& wanted) {
+  ELASTOGEN_CHECK_ASSET(wanted.empty() || file.hasGrid(wanted), "there is no grid \"", wanted,
+                        "\" in it, only ", list_of(file));
+  openvdb::GridBase::Ptr first;
+  for (auto at = file.beginName(); at != file.endName(); ++at) {
+    if (!wanted.empty() && at.gridName() != wanted) continue;
+    if (!is_readable(*file.readGridMetadata(at.gridName()))) continue;
+    const openvdb::GridBase::Ptr grid = file.readGrid(at.gridName());
+    if (grid->activeVoxelCount() > 0) return grid;
+    if (!first) first = grid;
+  }
+  const std::string others = list_of(file);
+  ELASTOGEN_CHECK_ASSET(first,
+                        wanted.empty() ? "there is no float grid and no points in it"
+                                       : concat("the grid \"", wanted, "\" is not read"),
+                        others.empty() ? "" : ", only " + others);
+  return first;
+}
+
+Asset read_grid(const std::string& path, const std::string& wanted) {
   openvdb::initialize();
   Asset asset;
   asset.path = path;
   asset.format = "vdb";
   openvdb::io::File file(path);
   file.open(false);
-  const std::string name = float_grid_name(file, asset);
-  const auto grid = openvdb::gridPtrCast<openvdb::FloatGrid>(file.readGrid(name));
-  asset.meshes.push_back(mesh_of(*grid, concat("grid \"", name, "\": ")));
+  const openvdb::GridBase::Ptr grid = chosen_grid(file, wanted);
+  const std::string name = grid->getName(), place = concat("grid \"", name, "\": ");
+  int64_t grids = 0;
+  for (auto at = file.beginName(); at != file.endName(); ++at) ++grids;
+  if (wanted.empty())
+    add_finding(asset, "vdb-grids", grids - 1,
+                concat("grids were left out: ", list_of(file, name), "; read was \"", name, '"'));
+  if (grid->isType<PointGrid>()) {
+    const auto points = openvdb::gridPtrCast<PointGrid>(grid);
+    asset.points = points_of(*points, place);
+    note_lost_columns(asset, lost_attributes(*points));
+    return asset;
+  }
+  asset.meshes.push_back(mesh_of(*openvdb::gridPtrCast<openvdb::FloatGrid>(grid), place));
   asset.nodes.push_back({name, -1, kIdentity4, 0});
   return asset;
 }
@@ -179,9 +263,9 @@ typename Grid::Ptr make_grid(const VoxelGrid& voxels, const Vec3& place, const c
 
 }  // namespace
 
-Asset read_vdb(const std::string& path) {
+Asset read_vdb(const std::string& path, const std::string& grid) {
   try {
-    return read_grid(path);
+    return read_grid(path, grid);
   } catch (const openvdb::Exception& error) {
     throw Error(concat(path, ": OpenVDB cannot read it: ", error.what()), ErrorKind::kAsset);
   } catch (const Error& error) {

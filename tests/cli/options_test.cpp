@@ -51,6 +51,8 @@ gravity = "0, 0, -1 g0"
 file = "bunny.obj"
 h = "5 mm"
 up = "-z"
+splat_scales = "linear"
+grid = "density"
 [material]
 preset = "jelly"
 young = "30 kPa"
@@ -132,6 +134,8 @@ TEST(Options, ASceneSetsEveryOption) {
   EXPECT_EQ(o.h, 0.005);
   ASSERT_TRUE(o.up);
   EXPECT_EQ(up_name(*o.up), "-z");
+  EXPECT_EQ(o.read.splat_scales, SplatScales::kLinear);
+  EXPECT_EQ(o.read.grid, "density");
   EXPECT_EQ(o.material.law, Law::kStableNeoHookean);
   EXPECT_EQ(o.material.young, 3e4);
   EXPECT_EQ(o.material.name, "custom");
@@ -224,13 +228,13 @@ TEST(Options, TheResolvedSceneHasEveryKey) {
 TEST(Options, TheDefaultsAreThoseOfTheTable) {
   const SceneValue scene = resolved_scene(AnimateOptions{});
   for (const char* path :
-       {"asset.size",        "asset.up",         "asset.voxels",       "asset.h",
-        "gravity",           "floor.axis",       "floor.place",        "floor.friction",
-        "time.frames",       "time.fps",         "time.substeps",      "time.scheme",
-        "solver.mode",       "solver.tolerance", "solver.outer",       "solver.inner",
-        "solver.modes",      "solver.threads",   "solver.device",      "limits.max_voxels",
-        "limits.max_memory", "limits.max_time",  "output.glb_profile", "output.camera",
-        "output.image_size"}) {
+       {"asset.size",         "asset.up",          "asset.voxels",      "asset.h",
+        "asset.splat_scales", "asset.grid",        "gravity",           "floor.axis",
+        "floor.place",        "floor.friction",    "time.frames",       "time.fps",
+        "time.substeps",      "time.scheme",       "solver.mode",       "solver.tolerance",
+        "solver.outer",       "solver.inner",      "solver.modes",      "solver.threads",
+        "solver.device",      "limits.max_voxels", "limits.max_memory", "limits.max_time",
+        "output.glb_profile", "output.camera",     "output.image_size"}) {
     const std::string text = path;
     const size_t dot = text.find('.');
     const std::string table = dot == std::string::npos ? "" : text.substr(0, dot);
@@ -386,6 +390,7 @@ TEST(Options, RefusesWhatIsMissing) {
   expect_says(refusal({"-o", "a.glb"}), "INPUT");
   expect_says(refusal({"a.obj", "-o", "a.glb", "--scene", "no/such.toml"}), "no/such.toml");
   expect_says(refusal({"a.obj", "-o", "a.glb", "--up", "w"}), "--up");
+  expect_says(refusal({"a.ply", "-o", "a.glb", "--splat-scales", "ln"}), "--splat-scales");
   expect_says(refusal({"a.obj", "-o", "a.glb", "--modes", "4"}), "--modes");
   expect_says(error_of(
                   [] {

@@ -145,6 +145,11 @@ def ply_seeds() -> list[bytes]:
     seeds.append(ply_header("binary_little_endian",
                             ("vertex", 200, [f"float {n}" for n in names]))
                  + splats.astype("<f4").tobytes())
+    rgb = [n for n in names if not n.startswith("f_") and n not in ("opacity", "nx", "ny", "nz")]
+    row = np.array([0.1, 0.1, 0.05, 1, 0, 0.2, 0], "<f4").tobytes() + bytes([255, 0, 51, 7])
+    seeds.append(ply_header("binary_little_endian", ("vertex", 200, [
+        *(f"float {n}" for n in rgb), *(f"uchar {n}" for n in ("red", "green", "blue", "label"))]))
+        + b"".join(x.astype("<f4").tobytes() + row for x in points))
     limits = [f"float {end}_{n}" for end in ("min", "max")
               for n in ("x", "y", "z", "scale_x", "scale_y", "scale_z")]
     packed = [f"uint packed_{n}" for n in ("position", "rotation", "scale", "color")]
@@ -229,11 +234,30 @@ def splat_seeds() -> list[bytes]:
     return [b"".join(x.astype("<f4").tobytes() + row for x in shell(60))]
 
 
+def zstd_stored(values: bytes) -> bytes:
+    """A Zstandard frame of one block that is not packed (RFC 8878)."""
+    block = (len(values) << 3 | 1).to_bytes(3, "little")
+    return struct.pack("<IBI", 0xfd2fb528, 0xa0, len(values)) + block + values
+
+
+def spz4(degree: int, attributes: list[bytes]) -> bytes:
+    """Version 4: header, table of sizes, a stream for each attribute."""
+    streams = [zstd_stored(a) for a in attributes]
+    table = b"".join(struct.pack("<QQ", len(s), len(a)) for s, a in zip(streams, attributes))
+    head = struct.pack("<IIIBBBBI12x", 0x5053474e, 4, len(attributes[1]), degree, 12, 0,
+                       len(streams), 32)
+    return head + table + b"".join(streams)
+
+
 def spz_seeds() -> list[bytes]:
     fixed = np.rint(shell(60) * 4096).astype("<i4")
     place = b"".join(v.tobytes()[:3] for v in fixed.ravel())
     rest = bytes([250] * 60) + bytes([128] * 180) + bytes([100] * 180)
-    return [gzip.compress(struct.pack("<IIIBBBB", 0x5053474e, version, 60, degree, 12, 0, 0)
+    attributes = [place, bytes([250] * 60), bytes([128] * 180), bytes([100] * 180),
+                  bytes([128] * 240), bytes([128] * 540)]
+    new = [spz4(0, attributes[:5]), spz4(1, attributes)]
+    return new + [
+        gzip.compress(struct.pack("<IIIBBBB", 0x5053474e, version, 60, degree, 12, 0, 0)
                           + place + rest + bytes([128] * rotation * 60)
                           + bytes([128] * 60 * 3 * ((degree + 1)**2 - 1)), mtime=0)
             for version, degree, rotation in ((2, 0, 3), (3, 1, 4))]
@@ -255,8 +279,9 @@ def stream_seed() -> bytes:
     material = array(b"red") + bytes(16) + array(b"a.png")
     finding = array(b"skins") + struct.pack("<q", 1) + array(b"left out")
     one = struct.pack("<Q", 1)
+    points = b"\1" + array(bytes(48), 24) + array(bytes(24), 12) + array(bytes(32), 16)
     return (b"elastogen-asset1\0" + words(2) + struct.pack("<d", 0.01) + one + mesh + one + node
-            + one + material + one + finding)
+            + one + material + points + one + finding)
 
 
 TOML = b"""pins = ["y<5%", "sphere(0,50%,0, 3cm)"]

@@ -34,6 +34,8 @@ Asset sample() {
   asset.nodes = {{"root", -1, kIdentity4, -1}, {"child", 0, kIdentity4, 0}};
   asset.nodes[1].matrix[12] = 7;
   asset.materials.push_back({"skin", {0.1f, 0.2f, 0.3f, 0.4f}, ""});
+  asset.points = PointCloud{
+      {{1, 2, 3}, {4, 5, 1e-300}}, {{0, 0, 1}, {1, 0, 0}}, {{1, 0, 0, 1}, {0, 1, 0, 0.5f}}, {}};
   asset.findings.push_back({"skins", 3, "said"});
   return asset;
 }
@@ -55,6 +57,11 @@ TEST(AssetStream, CarriesEveryMember) {
   EXPECT_EQ(b.groups[1].material, -1);
   EXPECT_EQ(b.groups[1].corner, a.groups[1].corner);
   EXPECT_EQ(to.meshes[1].name, "empty");
+  ASSERT_TRUE(to.points);
+  EXPECT_EQ(to.points->position, from.points->position);
+  EXPECT_EQ(to.points->normal, from.points->normal);
+  EXPECT_EQ(to.points->colour, from.points->colour);
+  EXPECT_FALSE(decode_asset(encode_asset(Asset()), "a.fbx").points);
   ASSERT_EQ(to.nodes.size(), 2u);
   EXPECT_EQ(to.nodes[1].name, "child");
   EXPECT_EQ(to.nodes[1].parent, 0);

@@ -198,7 +198,7 @@ TEST(ChildReader, SaysHowTheReaderEnded) {
     options.program = script(folder, text);
     options.seconds = seconds;
     options.max_bytes = 1 << 20;
-    expect_says(error_of([&] { read_in_child(path, "fbx", options); }), path + ": " + part);
+    expect_says(error_of([&] { read_in_child(path, "fbx", "", options); }), path + ": " + part);
     EXPECT_TRUE(is_childless());
   };
   says("exec sleep 100", "reading it took more than 0.3 s", 0.3);
@@ -222,7 +222,7 @@ TEST(ChildReader, IsStartedCleanly) {
       script(folder, "echo \"$1 $2\" `cat` > '" + folder.path("said") +
                          "'; ls /proc/$$/fd | wc -l >> '" + folder.path("said") + "'");
   const std::ifstream open_here(options.program);
-  error_of([&] { read_in_child("a b.fbx", "fbx", options); });
+  error_of([&] { read_in_child("a b.fbx", "fbx", "", options); });
   std::ifstream file(folder.path("said"));
   std::string words, files;
   std::getline(file, words);
@@ -235,7 +235,7 @@ TEST(ChildReader, AReaderThatCannotBeStartedIsNamed) {
   const TempFolder folder;
   ChildOptions options;
   options.program = folder.path("no-reader");
-  expect_says(error_of([&] { read_in_child("a.fbx", "fbx", options); }),
+  expect_says(error_of([&] { read_in_child("a.fbx", "fbx", "", options); }),
               "a.fbx: " + options.program + " cannot be started: No such file");
 }
 
@@ -245,7 +245,7 @@ TEST(ChildReader, FiftyFailuresLeaveNothingOpen) {
   const int64_t before = open_files();
   for (int k = 0; k < 50; ++k) {
     options.program = k % 2 == 0 ? script(folder, "echo garbage") : folder.path("none");
-    error_of([&] { read_in_child("a.fbx", "fbx", options); });
+    error_of([&] { read_in_child("a.fbx", "fbx", "", options); });
   }
   EXPECT_EQ(open_files(), before);
   EXPECT_TRUE(is_childless());

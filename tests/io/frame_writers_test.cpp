@@ -185,6 +185,40 @@ TEST(PlyWriter, ACloudMovesWithItsNormalsAndColours) {
   EXPECT_NEAR(values_at<float>(ply.body, 40, 2)[1], 0.8 / norm, 1e-6);
 }
 
+TEST(PlyWriter, OwnColumnsComeLastAsTheyWere) {
+  const test::TempFolder folder;
+  for (const bool of_splats : {false, true}) {
+    Asset asset = of_splats ? splats(0) : cloud();
+    OwnColumns& own = of_splats ? asset.splats->own : asset.points->own;
+    own.columns = {{"label", PlyType::kInt16}, {"x", PlyType::kFloat64}};
+    for (const int k : {0, 1}) own.add(0, -7 + k), own.add(1, 0.1 + k);
+    const auto writer = AnimationWriter::create(folder.path("own.ply"), asset, kUnitScale);
+    writer->frame({.displacement = Array<double>(2, 3), .gradient = still(2)});
+    const Ply ply(folder.path("own_00000.ply"));
+    const size_t row = ply.body.size() / 2;
+    EXPECT_NE(ply.header.find("property short label\nproperty double own_x\nend_header"),
+              std::string::npos);
+    for (const size_t k : {0u, 1u}) {
+      EXPECT_EQ(values_at<int16_t>(ply.body, (k + 1) * row - 10, 1)[0], -7 + int(k));
+      EXPECT_EQ(values_at<double>(ply.body, (k + 1) * row - 8, 1)[0], 0.1 + double(k));
+    }
+  }
+}
+
+TEST(PlyWriter, PlacesFarFromTheOriginAreDoubles) {
+  const test::TempFolder folder;
+  Asset asset = splats(0);
+  asset.splats->position = {{3e7, -2e7, 1e7}, {3e7 + 1, -2e7, 1e7 + 0.125}};
+  const auto writer = AnimationWriter::create(folder.path("far.ply"), asset, kUnitScale);
+  Array<double> displacement(2, 3);
+  displacement(1, 0) = 0.015625;
+  writer->frame({.displacement = displacement, .gradient = still(2)});
+  const Ply ply(folder.path("far_00000.ply"));
+  EXPECT_NE(ply.header.find("property double x\n"), std::string::npos);
+  EXPECT_EQ(values_at<double>(ply.body, ply.body.size() / 2, 3),
+            (std::vector<double>{3e7 + 1.015625, -2e7, 1e7 + 0.125}));
+}
+
 TEST(PlyWriter, SplatsHaveTheLayoutOfTheirTrainer) {
   const test::TempFolder folder;
   const Asset asset = splats(1);

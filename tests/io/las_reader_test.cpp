@@ -116,5 +116,52 @@ TEST(LasReader, ReadsARealFileWithItsCount) {
   EXPECT_NEAR(box.extent(2), 180, 0.5);
 }
 
+/// Value of an own column of the first point.
+template <class T>
+T own_value(const OwnColumns& own, const std::string& name) {
+  size_t at = 0;
+  for (const OwnColumns::Column& column : own.columns) {
+    T value = {};
+    if (column.name == name) std::memcpy(&value, own.rows.data() + at, sizeof(T));
+    if (column.name == name) return value;
+    at += size_t(size_of(column.type));
+  }
+  ADD_FAILURE() << name;
+  return {};
+}
+
+TEST(LasReader, CarriesTheAttributesOfPoints) {
+  // by the tables of the standard: formats 0 to 5 and 6 to 10
+  std::string old = with(record_of(28, 1, 2, 3), 12, uint16_t(40000));
+  old = with(old, 14, uint8_t(3 | 5 << 3 | 1 << 6), uint8_t(9 | 2 << 5), int8_t(-20), uint8_t(77));
+  old = with(old, 18, uint16_t(1234), 5.5);
+  const Asset a = test::checked(parse_las, header_of(2, 1, 28, 2) + old + record_of(28, 9, 9, 9));
+  const OwnColumns& own = a.points->own;
+  EXPECT_EQ(own_value<uint16_t>(own, "intensity"), 40000);
+  EXPECT_EQ(own_value<uint8_t>(own, "return_number"), 3);
+  EXPECT_EQ(own_value<uint8_t>(own, "number_of_returns"), 5);
+  EXPECT_EQ(own_value<uint8_t>(own, "scan_direction"), 1);
+  EXPECT_EQ(own_value<uint8_t>(own, "edge_of_flight_line"), 0);
+  EXPECT_EQ(own_value<uint8_t>(own, "classification"), 9);
+  EXPECT_EQ(own_value<uint8_t>(own, "classification_flags"), 2);
+  EXPECT_EQ(own_value<int8_t>(own, "scan_angle"), -20);
+  EXPECT_EQ(own_value<uint8_t>(own, "user_data"), 77);
+  EXPECT_EQ(own_value<uint16_t>(own, "point_source_id"), 1234);
+  EXPECT_EQ(own_value<double>(own, "gps_time"), 5.5);
+  EXPECT_EQ(test::finding_of(a, "lost-columns"), 0);
+
+  std::string fresh = with(record_of(40, 1, 2, 3), 14, uint8_t(11 | 12 << 4), uint8_t(5 | 2 << 4),
+                           uint8_t(200), uint8_t(7), int16_t(-3000), uint16_t(8), 2.25);
+  fresh = with(fresh, 36, uint16_t(50000));
+  const Asset b = test::checked(parse_las, header_of(4, 8, 40, 2) + fresh + record_of(40, 9, 9, 9));
+  EXPECT_EQ(own_value<uint8_t>(b.points->own, "number_of_returns"), 12);
+  EXPECT_EQ(own_value<uint8_t>(b.points->own, "scanner_channel"), 2);
+  EXPECT_EQ(own_value<uint8_t>(b.points->own, "classification"), 200);
+  EXPECT_EQ(own_value<int16_t>(b.points->own, "scan_angle"), -3000);
+  EXPECT_EQ(own_value<double>(b.points->own, "gps_time"), 2.25);
+  EXPECT_EQ(own_value<uint16_t>(b.points->own, "nir"), 50000);
+  EXPECT_EQ(test::finding_of(b, "lost-columns"), 1);  // two extra bytes a point
+}
+
 }  // namespace
 }  // namespace elastogen

@@ -148,5 +148,30 @@ TEST(Lzf, RefusesWhatIsDamaged) {
   EXPECT_FALSE(lzf_unpacked(packed, size_t(1) << 40));        // more than it could give
 }
 
+TEST(PcdReader, CarriesFieldsOfItsOwn) {
+  const std::string head =
+      "VERSION .7\nFIELDS x y z intensity ring stamp pair _\nSIZE 4 4 4 4 2 8 1 1\n"
+      "TYPE F F F F U U I U\nCOUNT 1 1 1 1 1 1 2 3\nWIDTH 2\nHEIGHT 1\nPOINTS 2\n";
+  const std::string expected = test::bytes_of(0.5f, uint16_t(60000), int8_t(-1), int8_t(2), 1.5f,
+                                              uint16_t(3), int8_t(4), int8_t(-5));
+  const std::string text = "DATA ascii\n1 2 3 .5 60000 1 -1 2 0 0 0\n4 5 6 1.5 3 2 4 -5 0 0 0\n";
+  const std::string binary =
+      "DATA binary\n" +
+      test::bytes_of(1.f, 2.f, 3.f, 0.5f, uint16_t(60000), uint64_t(1), int8_t(-1), int8_t(2),
+                     uint8_t(0), uint8_t(0), uint8_t(0)) +
+      test::bytes_of(4.f, 5.f, 6.f, 1.5f, uint16_t(3), uint64_t(2), int8_t(4), int8_t(-5),
+                     uint8_t(0), uint8_t(0), uint8_t(0));
+  for (const std::string& data : {text, binary}) {
+    const Asset asset = test::checked(parse_pcd, head + data);
+    const OwnColumns& own = asset.points->own;
+    ASSERT_EQ(own.columns.size(), 4u);
+    EXPECT_EQ(own.columns[0].name, "intensity");
+    EXPECT_EQ(own.columns[3].name, "pair_1");
+    EXPECT_EQ(own.rows, expected);
+    EXPECT_EQ(test::finding_of(asset, "carried-columns"), 4);
+    EXPECT_EQ(test::finding_of(asset, "lost-columns"), 1);  // an integer of 64 bits
+  }
+}
+
 }  // namespace
 }  // namespace elastogen

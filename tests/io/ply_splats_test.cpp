@@ -7,6 +7,8 @@
 #include "io/spz_reader.hpp"
 #include "tests/io/cloud_files.hpp"
 
+#include <functional>
+
 namespace elastogen {
 namespace {
 
@@ -79,6 +81,115 @@ TEST(PlySplats, DropsAndRepairsWithAFinding) {
   EXPECT_EQ(test::finding_of(asset, "bad-splats"), 3);
   EXPECT_EQ(test::finding_of(asset, "bad-rotations"), 2);
   EXPECT_EQ(test::finding_of(asset, "bad-harmonics"), 1);
+}
+
+/// Splats over a ball of that radius by float columns; `row` gives what follows x y z.
+std::string ball_file(double radius, int count, std::initializer_list<const char*> names,
+                      const std::function<std::string(int)>& row, const char* type = "float") {
+  std::string file = concat("ply\nformat binary_little_endian 1.0\nelement vertex ", count, "\n");
+  for (const char* name : {"x", "y", "z"}) file += concat("property float ", name, "\n");
+  for (const std::string name : names)
+    file +=
+        concat("property ",
+               name.size() > 2 && name.find('_') == name.npos && name != "opacity" ? type : "float",
+               ' ', name, "\n");
+  file += "end_header\n";
+  for (int i = 0; i < count; ++i) {
+    const double z = 1 - (2 * i + 1.) / count, r = std::sqrt(1 - z * z), a = 2.399963 * i;
+    file += bytes_of(float(radius * r * std::cos(a)), float(radius * r * std::sin(a)),
+                     float(radius * z)) +
+            row(i);
+  }
+  return file;
+}
+
+const auto kAll = {"opacity", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1",
+                   "rot_2",   "rot_3",   "f_dc_0",  "f_dc_1",  "f_dc_2"};
+
+TEST(PlySplats, LinearSizesAreToldFromLogarithms) {
+  for (const double radius : {0.01, 0.5, 20., 500.})  // metres to millimetres
+    for (const int count : {300, 5000}) {
+      const float size = float(radius * std::sqrt(4 * M_PI / count));
+      for (const bool linear : {false, true}) {
+        const std::string file = ball_file(radius, count, kAll, [&](int i) {
+          const float s = size * float(1 + 0.3 * (i % 3)), a = 0.2f + 0.1f * float(i % 8);
+          const auto number = [&](float x) { return linear ? x : std::log(x); };
+          return bytes_of(linear ? a : std::log(a / (1 - a)), number(s), number(s), number(s / 3),
+                          1.f, 0.f, 0.f, 0.f, 0.f, 0.f, 0.f);
+        });
+        const Asset asset = checked(parse_ply, file);
+        EXPECT_EQ(test::finding_of(asset, "linear-splats"), linear ? count : 0)
+            << radius << ' ' << count;
+        EXPECT_NEAR(asset.splats->scale[1][0] / size, 1.3, 1e-4) << radius << ' ' << linear;
+        EXPECT_NEAR(asset.splats->opacity[1], 0.3, 1e-5);
+      }
+    }
+}
+
+TEST(PlySplats, ScalesAreWhatTheOptionSays) {
+  const std::string file = ball_file(1, 100, kAll, [](int) {
+    return bytes_of(0.5f, 0.125f, 0.25f, 0.0625f, 1.f, 0.f, 0.f, 0.f, 0.f, 0.f, 0.f);
+  });
+  const SplatCloud linear = *parse_ply(file, "f", {SplatScales::kLinear, ""}).splats;
+  EXPECT_EQ(linear.scale[0], (std::array<float, 3>{0.125f, 0.25f, 0.0625f}));
+  EXPECT_EQ(linear.opacity[0], 0.5f);
+  const Asset logs = parse_ply(file, "f", {SplatScales::kLog, ""});
+  EXPECT_FLOAT_EQ(logs.splats->scale[0][1], std::exp(0.25f));
+  EXPECT_NEAR(logs.splats->opacity[0], 1 / (1 + std::exp(-0.5)), 1e-6);
+  EXPECT_TRUE(logs.findings.empty());
+  EXPECT_EQ(splat_scales_name(splat_scales_from_name("linear")), "linear");
+  expect_says(error_of([] { splat_scales_from_name("lin"); }), "known are auto, log and linear");
+}
+
+TEST(PlySplats, ColoursStandInForHarmonicsAndOpacityIsOneWithout) {
+  const auto names = {"scale_0", "scale_1", "scale_2", "rot_0", "rot_1",
+                      "rot_2",   "rot_3",   "red",     "green", "blue"};
+  const std::string file = ball_file(
+      1, 50, names,
+      [](int) {
+        return bytes_of(-3.f, -3.f, -3.f, 1.f, 0.f, 0.f, 0.f, uint8_t(255), uint8_t(0),
+                        uint8_t(51));
+      },
+      "uchar");
+  const Asset asset = checked(parse_ply, file);
+  ASSERT_TRUE(asset.splats);
+  const double y00 = 0.5 / std::sqrt(M_PI);
+  EXPECT_NEAR(0.5 + y00 * asset.splats->harmonics[0], 1, 1e-6);
+  EXPECT_NEAR(0.5 + y00 * asset.splats->harmonics[1], 0, 1e-6);
+  EXPECT_NEAR(0.5 + y00 * asset.splats->harmonics[2], 0.2, 1e-6);
+  EXPECT_EQ(asset.splats->opacity[7], 1);
+  EXPECT_FLOAT_EQ(asset.splats->scale[7][0], std::exp(-3.f));
+  EXPECT_EQ(test::finding_of(asset, "splat-colours"), 50);
+  EXPECT_EQ(test::finding_of(asset, "splat-opacity"), 50);
+  EXPECT_TRUE(asset.splats->own.columns.empty());
+}
+
+TEST(PlySplats, RefusesByTheColumnThatIsMissing) {
+  const std::string whole = header_of(1, 0) + splat_of(1, 0, 0, {1, 0, 0, 0});
+  for (const std::string name : {"scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2",
+                                 "rot_3", "f_dc_0", "f_dc_1", "f_dc_2", "x"}) {
+    std::string file = whole;
+    file.replace(file.find("float " + name + "\n") + 6, name.size(), std::string(name.size(), 'q'));
+    expect_says(error_of([&] { checked(parse_ply, file); }), "has no number " + name);
+  }
+}
+
+TEST(PlySplats, OwnColumnsKeepTheirTypesAndValues) {
+  const std::string extra =
+      "property int label\nproperty double confidence\nproperty list uchar int ids\n";
+  std::string file = header_of(2, 0, extra);
+  for (const int k : {0, 1})
+    file +=
+        splat_of(float(k), 0, 0, {1, 0, 0, 0}) + bytes_of(2000000001 + k, 0.1 + k, uint8_t(1), 5);
+  const Asset asset = checked(parse_ply, file);
+  const OwnColumns& own = asset.splats->own;
+  ASSERT_EQ(own.columns.size(), 2u);
+  EXPECT_EQ(own.columns[0].name + own.columns[1].name, "labelconfidence");
+  EXPECT_EQ(own.rows, bytes_of(2000000001, 0.1, 2000000002, 1.1));
+  EXPECT_EQ(test::finding_of(asset, "carried-columns"), 2);
+  EXPECT_EQ(test::finding_of(asset, "lost-columns"), 1);  // a list
+  for (const Finding& finding : asset.findings)
+    expect_says(finding.text, finding.what == "carried-columns" ? "label, confidence" : "ids");
 }
 
 TEST(PlySplats, AMeshWithTheirPropertiesStaysAMesh) {

@@ -4,6 +4,7 @@
 #include "tests/io/cloud_files.hpp"
 
 #include <zlib.h>
+#include <zstd.h>
 
 namespace elastogen {
 namespace {
@@ -86,6 +87,76 @@ TEST(SpzReader, UnpacksVersion3WithEachLargestComponent) {
   }
 }
 
+std::string zstd(const std::string& bytes) {
+  std::string out(ZSTD_compressBound(bytes.size()), '\0');
+  out.resize(ZSTD_compress(out.data(), out.size(), bytes.data(), bytes.size(), 3));
+  return out;
+}
+
+/// A file of version 4: one stream an attribute, behind an extension of so many bytes.
+std::string version4(uint32_t splats, int degree, const std::vector<std::string>& attributes,
+                     uint32_t extension = 0) {
+  std::string table, streams;
+  for (const std::string& attribute : attributes) {
+    const std::string packed = zstd(attribute);
+    table += bytes_of(uint64_t(packed.size()), uint64_t(attribute.size()));
+    streams += packed;
+  }
+  return bytes_of(0x5053474eu, 4u, splats, uint8_t(degree), uint8_t(12),
+                  uint8_t(extension > 0 ? 2 : 0), uint8_t(attributes.size()), 32 + extension) +
+         std::string(12 + extension, '\0') + table + streams;
+}
+
+/// The attributes of kSplat with a rotation of version 3 and harmonics.
+std::vector<std::string> attributes_of(uint32_t rotation, const std::string& harmonics = "") {
+  std::vector<std::string> all = {kSplat.substr(0, 9), kSplat.substr(9, 1), kSplat.substr(10, 3),
+                                  kSplat.substr(13, 3), bytes_of(rotation)};
+  if (!harmonics.empty()) all.push_back(harmonics);
+  return all;
+}
+
+TEST(SpzReader, Version4HoldsWhatVersion3Does) {
+  const uint32_t word = 3u << 30 | 100u << 20 | (512u | 200u) << 10 | 300u;
+  std::string rest;
+  for (int k = 0; k < 9; ++k) rest += char(100 + k);
+  const SplatCloud three =
+      *test::checked(parse_spz, gzip(header_of(3, 1, 1) + kSplat + bytes_of(word) + rest)).splats;
+  for (const uint32_t extension : {0u, 12u}) {
+    const std::string file = version4(1, 1, attributes_of(word, rest), extension);
+    const SplatCloud four = *test::checked(parse_spz, file).splats;
+    expect_same_splat(four);
+    EXPECT_EQ(four.rotation, three.rotation);
+    EXPECT_EQ(four.harmonics, three.harmonics);
+    EXPECT_EQ(four.degree, 1);
+  }
+  const std::string plain = version4(1, 0, attributes_of(word));  // no stream of harmonics
+  expect_same_splat(*test::checked(parse_spz, plain).splats);
+  test::expect_no_cut_is_read(parse_spz, plain);
+  test::expect_any_byte_is_read_or_refused(parse_spz, plain);
+}
+
+TEST(SpzReader, RefusesAVersion4ThatCannotBe) {
+  const uint32_t word = 3u << 30;
+  const std::string good = version4(1, 0, attributes_of(word));
+  std::vector<std::string> few = attributes_of(word), longer = few;
+  few.pop_back();
+  longer[1] += "x";
+  const std::pair<std::string, std::string> cases[] = {
+      {good.substr(0, 20), "has no SPZ header of 32 bytes"},
+      {test::with(good, 4, 5u), "SPZ version 5 is not read"},
+      {version4(1, 0, few), "its splats need 5 streams, it has 4"},
+      {version4(1, 0, longer), "unpacks to 2"},
+      {good + "x", "1 bytes follow its streams"},
+      {test::with(good, 16, 31u), "its table stands at byte 31"},
+      {test::with(good, 16, 4000u), "its table stands at byte 4000"},
+      {test::with(good, 8, 0x80000000u), "claims 2147483648 splats of 20 bytes, too many"},
+      {test::with(good, 32 + 5 * 16, 0u), "a stream of its splats is damaged"},
+      {version4(1, 4, attributes_of(word)), "harmonics of degree 4 are not read"},
+  };
+  for (const auto& [bytes, message] : cases)
+    expect_says(error_of([&, &b = bytes] { test::checked(parse_spz, b); }), message);
+}
+
 TEST(SpzReader, HarmonicsAreByCoefficientThenChannel) {
   std::string rest;
   for (int k = 0; k < 45; ++k) rest += char(128 + k);
@@ -105,7 +176,7 @@ TEST(SpzReader, RefusesWhatCannotBe) {
   const std::pair<std::string, std::string> cases[] = {
       {"", "gzip stream is damaged or cut off"},
       {"PK..............", "gzip stream is damaged or cut off"},
-      {"NGSP\x04", "version 4) is not read"},
+      {"NGSP\x04", "has no SPZ header of 32 bytes"},
       {gzip(""), "has no SPZ header of 16 bytes"},
       {gzip("ply\nformat ascii 1.0\n"), "what it packs is no SPZ; unpack it with gunzip"},
       {gzip(header_of(1, 1) + kSplat), "SPZ version 1 is not read"},

@@ -122,5 +122,23 @@ TEST(XyzReader, ReadsRealFilesWithTheirCounts) {
   EXPECT_EQ(coloured.colour.size(), 101u);
 }
 
+TEST(XyzReader, CarriesColumnsOfItsOwn) {
+  const Asset named = test::checked(
+      parse_xyz, "x y z label red green blue who\n1 2 3 7 255 0 0 me\n4 5 6 -0.1 0 0 0 you\n");
+  const OwnColumns& own = named.points->own;
+  ASSERT_EQ(own.columns.size(), 1u);
+  EXPECT_EQ(own.columns[0].name, "label");
+  EXPECT_EQ(own.rows, test::bytes_of(7., -0.1));
+  EXPECT_EQ(named.points->colour.size(), 2u);
+  EXPECT_EQ(test::finding_of(named, "carried-columns"), 1);
+  EXPECT_EQ(test::finding_of(named, "lost-columns"), 1);  // words
+  const Asset plain = test::checked(parse_xyz, "1 2 3 -5\n4 5 6 0.5\nnan 0 0 9\n1 1 1 8\n");
+  EXPECT_EQ(plain.points->own.columns.at(0).name, "column_4");
+  EXPECT_EQ(plain.points->own.rows, test::bytes_of(-5., 0.5, 8.));  // without the bad point
+  const Asset pts = test::checked(parse_xyz, "2\n1 2 3 -200 255 0 0\n4 5 6 9 0 0 0\n");
+  EXPECT_EQ(pts.points->own.columns.at(0).name, "intensity");
+  EXPECT_EQ(pts.points->own.rows, test::bytes_of(-200., 9.));
+}
+
 }  // namespace
 }  // namespace elastogen

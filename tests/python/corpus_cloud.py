@@ -252,6 +252,24 @@ def bomb(begin: bytes) -> bytes:
     return b"".join(parts) + packer.flush()
 
 
+def spz4_cases(place: bytes) -> Iterator[Case]:
+    def stored(values: bytes) -> bytes:  # a Zstandard frame of one block that is not packed
+        block = (len(values) << 3 | 1).to_bytes(3, "little")
+        return struct.pack("<IBI", 0xfd2fb528, 0xa0, len(values)) + block + values
+
+    attributes = [place, b"\xf0" * COUNT, b"\x80" * 3 * COUNT, bytes([123]) * 3 * COUNT,
+                  bytes([0, 0, 0, 0xc0]) * COUNT]
+    streams = [stored(a) for a in attributes]
+    table = b"".join(struct.pack("<QQ", len(s), len(a)) for s, a in zip(streams, attributes))
+    whole = struct.pack("<4sIIBBBBI12x", b"NGSP", 4, COUNT, 0, 12, 0, 5, 32) + table
+    whole += b"".join(streams)
+    yield Case("four.spz", whole, "usable", (0,))
+    yield from cuts("four", "spz", whole)
+    for name, offset, value in (("count", 8, 2**31), ("table", 16, 2**31), ("size", 32, 2**31),
+                                ("unpacked", 40, 2**31), ("block", 32 + 80 + 9, 0xffffffff)):
+        yield Case(f"four_{name}.spz", with_bytes(whole, offset, struct.pack("<I", value)))
+
+
 def spz_cases() -> Iterator[Case]:
     def head(count: int = COUNT, version: int = 2, degree: int = 0, fraction: int = 12) -> bytes:
         return struct.pack("<4sIIBBBB", b"NGSP", version, count, degree, fraction, 0, 0)
@@ -270,6 +288,7 @@ def spz_cases() -> Iterator[Case]:
             ("other", b"LASF" + bytes(100)), ("header", head()[:10])):
         yield Case(f"{name}.spz", gzip.compress(content))
     yield Case("plain.spz", head() + body)
+    yield from spz4_cases(place)
     for k in (12, len(whole) // 2, len(whole) - 6):  # stream, stream, its sum
         yield Case(f"damaged_{k}.spz", with_bytes(whole, k, bytes([whole[k] ^ 0xFF])))
     yield Case("bomb.spz", bomb(head(50_000_000)), "too many")

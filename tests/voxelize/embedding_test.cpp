@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <numbers>
 #include <random>
 
 namespace elastogen {
@@ -25,6 +26,30 @@ Array<double> random_points(int64_t count, double lower, double upper, unsigned 
   return points;
 }
 
+/// Points up to `margin` voxels outside of the box of a grid.
+Array<double> points_around(const VoxelGrid& grid, int64_t count, double margin, unsigned seed) {
+  Box box;
+  for (int64_t n = 0; n < grid.node_count(); ++n)
+    box.add({grid.rest(n, 0), grid.rest(n, 1), grid.rest(n, 2)});
+  Array<double> points = random_points(count, 0, 1, seed);
+  for (int64_t p = 0; p < count; ++p)
+    for (int d = 0; d < 3; ++d) {
+      const double low = box.lower[d] - margin * grid.h, high = box.upper[d] + margin * grid.h;
+      points(p, d) = low + points(p, d) * (high - low);
+    }
+  return points;
+}
+
+double largest_row(const Array<double>& a, const Array<double>* minus = nullptr) {
+  double largest = 0;
+  for (int64_t n = 0; n < a.rows(); ++n) {
+    double square = 0;
+    for (int d = 0; d < 3; ++d) square += std::pow(a(n, d) - (minus ? (*minus)(n, d) : 0), 2);
+    largest = std::max(largest, std::sqrt(square));
+  }
+  return largest;
+}
+
 /// An affine map with stretch, shear and rotation.
 Vec3 affine(const double* p) {
   return {0.3 + 1.1 * p[0] - 0.4 * p[1] + 0.2 * p[2], -1 + 0.5 * p[0] + 0.9 * p[1],
@@ -33,7 +58,7 @@ Vec3 affine(const double* p) {
 
 TEST(Embedding, CarriesAffineFieldsInsideAndOutsideOfTheGrid) {
   const VoxelGrid grid = make_box(5, 9, 12, 0.2, {-0.1, 0.2, 0.3});
-  const Array<double> points = random_points(500, -2, 4, 1);
+  const Array<double> points = points_around(grid, 500, 0.999, 1);
   Array<double> x(grid.node_count(), 3), displacement(points.rows(), 3);
   for (int64_t n = 0; n < grid.node_count(); ++n) {
     const Vec3 moved = affine(grid.rest.row(n));
@@ -47,7 +72,7 @@ TEST(Embedding, CarriesAffineFieldsInsideAndOutsideOfTheGrid) {
 
 TEST(Embedding, GradientOfAnAffineFieldIsItsMatrix) {
   const VoxelGrid grid = make_box(5, 9, 12, 0.2, {-0.1, 0.2, 0.3});
-  const Array<double> points = random_points(500, -2, 4, 2);
+  const Array<double> points = points_around(grid, 500, 0.999, 2);
   Array<double> x(grid.node_count(), 3), gradient(points.rows(), 9);
   for (int64_t n = 0; n < grid.node_count(); ++n) {
     const Vec3 moved = affine(grid.rest.row(n));
@@ -68,7 +93,7 @@ TEST(Embedding, GradientIsTheDerivativeOfThePlaces) {
   Array<double> x = grid.rest;
   const Array<double> noise = random_points(grid.node_count(), -0.1, 0.1, 5);
   for (int64_t k = 0; k < x.size(); ++k) x.data()[k] += noise.data()[k];
-  const Array<double> points = random_points(200, -0.3, 1.5, 6);
+  const Array<double> points = points_around(grid, 200, 0.99, 6);
   Array<double> gradient(points.rows(), 9);
   deformation_gradient(grid, embed(grid, points), x, gradient);
   const double step = 1e-5;
@@ -84,6 +109,79 @@ TEST(Embedding, GradientIsTheDerivativeOfThePlaces) {
         ASSERT_NEAR(gradient(p, 3 * i + d),
                     (at[1](p, i) - at[0](p, i)) / (2 * step) + (i == d ? 1 : 0), 1e-8);
   }
+}
+
+/// Places of the nodes of a body under a motion.
+template <class Motion>
+Array<double> moved_nodes(const VoxelGrid& grid, const Motion& motion) {
+  Array<double> x(grid.node_count(), 3);
+  for (int64_t n = 0; n < grid.node_count(); ++n) {
+    const Vec3 place = motion(Vec3{grid.rest(n, 0), grid.rest(n, 1), grid.rest(n, 2)});
+    std::copy(place.begin(), place.end(), x.row(n));
+  }
+  return x;
+}
+
+/// Quarter turn about z, and a bar bent to a quarter of a circle of length 12.
+Vec3 quarter_turn(const Vec3& p) {
+  return {-p[1], p[0], p[2]};
+}
+Vec3 bent(const Vec3& p) {
+  const double radius = 24 / std::numbers::pi, angle = p[0] / radius, r = radius - p[1];
+  return {r * std::sin(angle), radius - r * std::cos(angle), p[2]};
+}
+
+TEST(Embedding, StraysMoveNoFartherThanTheFarthestNode) {
+  const VoxelGrid grid = make_box(12, 3, 3, 1, {0, -1.5, -1.5});
+  const double length = 12;
+  const auto shifted = [](const Vec3& p) { return Vec3{p[0] + 3, p[1] - 4, p[2] + 12}; };
+  for (const Array<double>& x :
+       {moved_nodes(grid, shifted), moved_nodes(grid, quarter_turn), moved_nodes(grid, bent)}) {
+    const double farthest = largest_row(x, &grid.rest);
+    for (const double lengths : {0.5, 1., 3., 10., 100.}) {
+      Array<double> points = random_points(300, -1, 1, 7), displacement(300, 3);
+      for (int64_t p = 0; p < 300; ++p) {  // on a cube around the body, that far from it
+        const int axis = int(p % 3);
+        const double reach = 6 + lengths * length;
+        for (int d = 0; d < 3; ++d)
+          points(p, d) =
+              (d == 0 ? 6 : 0) + reach * (d == axis ? (points(p, d) < 0 ? -1 : 1) : points(p, d));
+      }
+      deform_asset(grid, embed(grid, points), x, displacement);
+      ASSERT_LE(largest_row(displacement), farthest * (1 + 1e-12)) << lengths;
+    }
+  }
+}
+
+TEST(Embedding, StraysMoveAsTheNearestPointAndTurnWithIt) {
+  const VoxelGrid grid = make_box(12, 3, 3, 1, {0, -1.5, -1.5});
+  Array<double> points(2, 3), displacement(2, 3), gradient(2, 9);
+  points(0, 0) = 5.25, points(0, 1) = 40;
+  points(1, 0) = 5.25, points(1, 1) = 1.5;  // the nearest point of the body
+  const Embedding embedding = embed(grid, points);
+  const Array<double> x = moved_nodes(grid, quarter_turn);
+  deform_asset(grid, embedding, x, displacement);
+  deformation_gradient(grid, embedding, x, gradient);
+  const double turn[9] = {0, -1, 0, 1, 0, 0, 0, 0, 1};
+  for (int d = 0; d < 3; ++d) EXPECT_NEAR(displacement(0, d), displacement(1, d), 1e-13);
+  EXPECT_NEAR(displacement(0, 0), -1.5 - 5.25, 1e-13);
+  for (int k = 0; k < 9; ++k) EXPECT_NEAR(gradient(0, k), turn[k], 1e-13);
+}
+
+TEST(Embedding, IsContinuousInTheDistance) {
+  const VoxelGrid grid = make_box(4, 4, 4, 0.5, {});
+  const Array<double> x = moved_nodes(grid, quarter_turn);
+  const int64_t steps = 4000;
+  Array<double> points(steps, 3), displacement(steps, 3);
+  for (int64_t p = 0; p < steps; ++p) {  // 0 to 4 voxels out, at an angle
+    points(p, 0) = 2 + 2.0 * double(p) / double(steps);
+    points(p, 1) = 2 + 1.1 * double(p) / double(steps);
+    points(p, 2) = 0.7;
+  }
+  deform_asset(grid, embed(grid, points), x, displacement);
+  for (int64_t p = 1; p < steps; ++p)
+    for (int d = 0; d < 3; ++d)  // of a turn |F - I| < 2, and the fade is twice as steep at most
+      ASSERT_NEAR(displacement(p, d), displacement(p - 1, d), 8 * 2.0 / double(steps));
 }
 
 TEST(Embedding, GradientRefusesWrongShapes) {

@@ -257,6 +257,32 @@ TEST(FromSplats, TheBodyIsTheOneThatTheSplatsShow) {
   EXPECT_THROW(make_body(asset), Error);
 }
 
+TEST(FromSplats, TheSizeIsThatOfWhatTheyShow) {
+  // edge of the box of centres and one standard deviation, from how the ball is made
+  for (const float sigma : {0.03f, 0.1f, 0.25f})
+    for (const bool is_flat : {true, false})
+      for (const bool has_floaters : {false, true}) {
+        Asset asset;
+        asset.path = "splats";
+        asset.splats = sphere_splats(2000, sigma);
+        double reach = 0;
+        for (size_t i = 0; i < 2000; ++i) {
+          if (!is_flat) asset.splats->scale[i][2] = sigma;
+          const double z = asset.splats->position[i][2], thin = is_flat ? 1e-3 : sigma;
+          const double spread = std::hypot(sigma * std::sqrt(1 - z * z), thin * z);
+          reach = std::max(reach, z + spread);
+        }
+        for (int k = 0; has_floaters && k < 5; ++k) {
+          asset.splats->position.push_back({20. + k, 3, 3});
+          asset.splats->scale.push_back({sigma, sigma, sigma});
+          asset.splats->rotation.push_back({1, 0, 0, 0});
+          asset.splats->opacity.push_back(0.9f);
+        }
+        const Body body = make_body(asset, 3);
+        EXPECT_NEAR(body.surface.scale * 2 * reach / 3, 1, 0.02) << sigma << is_flat;
+      }
+}
+
 TEST(FromSplats, LargeSplatsCoverTheirArea) {
   // 20 x 20 splats a face of a cube of edge 2, but for holes that one large splat covers each:
   // wider than the largest balls

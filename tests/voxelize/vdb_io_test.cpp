@@ -7,9 +7,13 @@
 
 #include <openvdb/io/File.h>
 #include <openvdb/openvdb.h>
+#include <openvdb/points/PointAttribute.h>
+#include <openvdb/points/PointConversion.h>
 #include <openvdb/tools/LevelSetSphere.h>
 #include <openvdb/tools/LevelSetUtil.h>
 
+#include <algorithm>
+#include <fstream>
 #include <numbers>
 
 namespace elastogen {
@@ -147,7 +151,7 @@ TEST(VdbIo, RefusesWithTheGridNamed) {
     return grid;
   };
   says(openvdb::FloatGrid::create(), "no active voxel");
-  says(openvdb::Int32Grid::create(), "there is no float grid in it, only");
+  says(openvdb::Int32Grid::create(), "there is no float grid and no points in it, only");
   says(filled(4, 0), "largest value is 0");
   says(filled(4, std::numeric_limits<float>::infinity()), "largest value is inf");
   says(filled(2048, 1), "8589934592 active voxels");
@@ -161,8 +165,69 @@ TEST(VdbIo, DamagedFilesAreRefused) {
   write_vdb(folder.path("out.vdb"), layer(6));
   std::ifstream file(folder.path("out.vdb"), std::ios::binary);
   const std::string bytes{std::istreambuf_iterator<char>(file), {}};
-  for (const size_t n : {size_t(0), size_t(8), bytes.size() / 2})
-    EXPECT_FALSE(error_of([&] { read_vdb(folder.write("b.vdb", bytes.substr(0, n))); }).empty());
+  for (size_t n = 0; n + 1 < bytes.size(); n += 1 + bytes.size() / 97) {
+    const std::string path = folder.write("b.vdb", bytes.substr(0, n));
+    expect_says(error_of([&] { read_vdb(path); }), path + ": ");
+  }
+}
+
+openvdb::FloatGrid::Ptr named_ball(const char* name, float radius) {
+  const auto grid = openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(
+      radius, openvdb::Vec3f(0), 0.05f * radius);
+  grid->setName(name);
+  return grid;
+}
+
+TEST(VdbIo, TakesTheFirstGridThatHasSomethingOrTheOneThatIsNamed) {
+  openvdb::initialize();
+  const TempFolder folder;
+  const auto empty = openvdb::FloatGrid::create();
+  empty->setName("a");
+  const auto whole = openvdb::Int32Grid::create(1);
+  whole->setName("aa");
+  const std::string path = written(folder, {named_ball("c", 2), empty, whole, named_ball("b", 1)});
+  const double ball = 4 * std::numbers::pi / 3;
+  EXPECT_NEAR(welded(read_vdb(path)).volume / ball, 1, 0.02);  // b: a has nothing
+  EXPECT_NEAR(welded(read_vdb(path, "c")).volume / (8 * ball), 1, 0.02);
+  EXPECT_TRUE(read_vdb(path, "c").findings.empty());  // it was asked for
+  const Asset asset = read_vdb(path);
+  ASSERT_EQ(asset.findings.size(), 1u);
+  EXPECT_EQ(asset.findings[0].count, 3);
+  expect_says(asset.findings[0].text, "\"aa\" (int32)");
+  const std::string message = error_of([&] { read_vdb(path, "density"); });
+  expect_says(message, "there is no grid \"density\" in it, only \"a\"");
+  expect_says(message, "\"c\" (float)");
+  expect_says(error_of([&] { read_vdb(path, "a"); }), "no active voxel");
+  expect_says(error_of([&] { read_vdb(path, "aa"); }), "the grid \"aa\" is not read");
+}
+
+TEST(VdbIo, PointDataGridsAreClouds) {
+  openvdb::initialize();
+  const TempFolder folder;
+  std::vector<openvdb::Vec3R> places;
+  for (int k = 0; k < 200; ++k) places.emplace_back(0.1 * k, 5 - 0.01 * k * k, 2 + k % 7);
+  const auto transform = openvdb::math::Transform::createLinearTransform(0.5);
+  const auto grid =
+      openvdb::points::createPointDataGrid<openvdb::points::NullCodec,
+                                           openvdb::points::PointDataGrid>(places, *transform);
+  grid->setName("points");
+  openvdb::points::appendAttribute<openvdb::Vec3f>(grid->tree(), "Cd",
+                                                   openvdb::Vec3f(0.25f, 0.5f, 1));
+  openvdb::points::appendAttribute<int>(grid->tree(), "id", 7);
+  const Asset asset = read_vdb(written(folder, {grid}));
+  ASSERT_TRUE(asset.points);
+  ASSERT_EQ(asset.points->position.size(), places.size());
+  std::vector<Vec3> expected, found = asset.points->position;
+  for (const openvdb::Vec3R& p : places) expected.push_back({p[0], p[1], p[2]});
+  std::ranges::sort(expected);
+  std::ranges::sort(found);
+  for (size_t i = 0; i < found.size(); ++i)
+    for (size_t d = 0; d < 3; ++d) EXPECT_NEAR(found[i][d], expected[i][d], 1e-6);
+  EXPECT_EQ(asset.points->colour.at(9), (std::array<float, 4>{0.25f, 0.5f, 1, 1}));
+  EXPECT_TRUE(asset.points->normal.empty());
+  ASSERT_EQ(asset.findings.size(), 1u);
+  EXPECT_EQ(asset.findings[0].what, "lost-columns");
+  expect_says(asset.findings[0].text, "id");
 }
 
 TEST(VdbIo, RealFilesHaveTheirVolume) {
