@@ -5,6 +5,7 @@
 #include "core/vec3.hpp"
 #include "io/asset_check.hpp"
 #include "io/safe_file.hpp"
+#include "voxelize/vdb_check.hpp"
 
 #include <openvdb/io/File.h>
 #include <openvdb/openvdb.h>
@@ -224,6 +225,7 @@ Asset read_grid(const std::string& path, const std::string& wanted) {
   asset.format = "vdb";
   openvdb::io::File file(path);
   file.open(false);
+  check_vdb_is_whole(path);
   const openvdb::GridBase::Ptr grid = chosen_grid(file, wanted);
   const std::string name = grid->getName(), place = concat("grid \"", name, "\": ");
   int64_t grids = 0;

@@ -138,7 +138,8 @@ TEST(PlySplats, ScalesAreWhatTheOptionSays) {
   EXPECT_NEAR(logs.splats->opacity[0], 1 / (1 + std::exp(-0.5)), 1e-6);
   EXPECT_TRUE(logs.findings.empty());
   EXPECT_EQ(splat_scales_name(splat_scales_from_name("linear")), "linear");
-  expect_says(error_of([] { splat_scales_from_name("lin"); }), "known are auto, log and linear");
+  expect_says(error_of([] { splat_scales_from_name("lin"); }, ErrorKind::kUsage),
+              "known are auto, log and linear");
 }
 
 TEST(PlySplats, ColoursStandInForHarmonicsAndOpacityIsOneWithout) {

@@ -125,7 +125,7 @@ TEST(ReadAsset, SaysWhyAFileIsNotRead) {
   says(folder.write("a.e57", "ASTM-E57"), "e57 is not read; CloudCompare and PDAL");
   says(folder.write("a.laz", "???"), "laz is not read; laszip and las2las");
   says(folder.write("a.ply.gz", "\x1f\x8b"), "gzip stream is damaged");
-  says(folder.write("a.spz", "NGSP"), "version 4");
+  says(folder.write("a.spz", "NGSP"), "no SPZ header of 32 bytes");
   says(folder.write("noname", "???"), "this format is not read");
   says(folder.write("a.glb", "???"), "a.glb");
 }
