@@ -43,7 +43,7 @@ void apply_regions(const std::vector<std::string>& texts, const Asset& asset, co
 /// @param regions  whose names are the numbers.
 /// @param box      of the surface [m].
 void apply_regions(const std::vector<std::string>& texts, const fem::ElementMesh& mesh,
-                   In<int32_t> region, const std::vector<AssetMaterial>& regions, const PlacedBox& box,
-                   Scene& scene, std::vector<std::string>& warnings);
+                   In<int32_t> region, const std::vector<AssetMaterial>& regions,
+                   const PlacedBox& box, Scene& scene, std::vector<std::string>& warnings);
 
 }  // namespace elastogen

@@ -30,7 +30,8 @@ StepTime quartiles(const std::vector<double>& ms) {
 
 }  // namespace
 
-Study::Study(const StudyTask& task) : task_(task), asset_(read_asset(task.scene.input, task.scene.read)) {
+Study::Study(const StudyTask& task)
+    : task_(task), asset_(read_asset(task.scene.input, task.scene.read)) {
   stage_ = make_stage(task.scene);
 }
 

@@ -18,8 +18,8 @@ bool is_splats(const PlyHeader& header);
 /// unit. A compressed file's harmonics beyond the first are left out with a finding in the asset.
 ///
 /// Colours red, green, blue stand in for missing f_dc_* (finding splat-colours), opacity 1 for a
-/// missing one (splat-opacity). Other columns are carried (carried-columns). Sizes and opacities are
-/// taken as they are, without exponential and logistic function (linear-splats), if
+/// missing one (splat-opacity). Other columns are carried (carried-columns). Sizes and opacities
+/// are taken as they are, without exponential and logistic function (linear-splats), if
 ///
 /// - no size is negative and some are positive, all opacities that there are lie within 0 ... 1,
 /// and

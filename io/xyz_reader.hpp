@@ -15,9 +15,8 @@ namespace elastogen {
 /// number of points. Without names, three further columns of unit length in every line are normals,
 /// three within 0 ... 1 or 0 ... 255 are sRGB colours; behind a number of points and with seven
 /// columns, the fourth is an intensity. Columns of numbers that are none of these are carried under
-/// their names, else as column_4, ... (finding carried-columns), those of words are not (lost-columns).
-/// Points that are nan are left to the
-/// check.
+/// their names, else as column_4, ... (finding carried-columns), those of words are not
+/// (lost-columns). Points that are nan are left to the check.
 /// @throws Error (asset) with file and line: fewer than three numbers, a word that is no number,
 ///         another count of columns than the first point has, decimal commas, another number of
 ///         points than the first line says.

@@ -139,7 +139,8 @@ def check_sequence(folder: Path, said: dict[str, Any]) -> str:
     for file in files:
         head, body = file.read_bytes().split(b"end_header\n", 1)
         names = re.findall(rb"property (\w+) (\w+)\n", head)
-        kinds = {b"float": "<f4", b"double": "<f8", b"uchar": "u1"}
+        kinds = {b"float": "<f4", b"double": "<f8", b"char": "i1", b"uchar": "u1", b"short": "<i2",
+                 b"ushort": "<u2", b"int": "<i4", b"uint": "<u4"}
         rows = np.frombuffer(body, np.dtype([(n.decode(), kinds[k]) for k, n in names]))
         if len(rows) != said["asset"]["vertices"] or f"element vertex {len(rows)}\n".encode() not in head:
             return f"{file.name} has {len(rows)} points of {said['asset']['vertices']}"
