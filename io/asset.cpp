@@ -188,8 +188,11 @@ void settle(Surface& surface) {
   for (int d = 0; d < 3; ++d)
     farthest = std::max({farthest, std::abs(box.lower[d]), std::abs(box.upper[d])});
   if (!(farthest > kFar * longest_edge(box))) return;
+  // a multiple of a power of two that is no longer than the body: it is taken off without rounding
+  const double unit = std::exp2(std::floor(std::log2(longest_edge(box))));
   Vec3 origin;
-  for (size_t d = 0; d < 3; ++d) origin[d] = std::round((box.lower[d] + box.upper[d]) / 2);
+  for (size_t d = 0; d < 3; ++d)
+    origin[d] = unit * std::round((box.lower[d] + box.upper[d]) / 2 / unit);
   for (int64_t v = 0; v < surface.vertices.rows(); ++v)
     for (int d = 0; d < 3; ++d) surface.vertices(v, d) -= origin[size_t(d)];
   box.lower = minus(box.lower, origin);
