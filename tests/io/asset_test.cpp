@@ -141,5 +141,24 @@ TEST(Asset, TooManyInstancesAreRefusedBeforeTheyAreMade) {
   expect_says(error_of([&] { pose_surface(asset); }, ErrorKind::kResources), "more than");
 }
 
+TEST(Asset, ABodyFarFromTheOriginIsTakenToItsMiddleWithoutRounding) {
+  for (const double edge : {1.0 / 1024, 1.0, 4096.0})
+    for (const double far : {1.0, 200.0, -3e5}) {
+      Surface surface;
+      surface.vertices = Array<double>(2, 3);
+      for (int d = 0; d < 3; ++d) {
+        surface.vertices(0, d) = edge * far;
+        surface.vertices(1, d) = edge * (far + 0.75);
+      }
+      for (int v = 0; v < 2; ++v)
+        surface.box.add({surface.vertices(v, 0), surface.vertices(v, 1), surface.vertices(v, 2)});
+      settle(surface);
+      EXPECT_EQ(surface.box.origin[0] != 0, far != 1.0);
+      EXPECT_EQ(surface.vertices(0, 1) + surface.box.origin[1], edge * far);
+      EXPECT_EQ(surface.vertices(1, 2) - surface.vertices(0, 2), edge * 0.75);
+      EXPECT_LE(std::abs(surface.box.upper[0]), far == 1.0 ? 2 * edge : edge);
+    }
+}
+
 }  // namespace
 }  // namespace elastogen
