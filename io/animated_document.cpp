@@ -30,9 +30,19 @@ Json roots_of(const Json& nodes) {
   return result;
 }
 
-bool is_shown_as_triangles(const Json& primitive) {
+bool has_mode(const Json& primitive, int first, int last) {
   const int mode = primitive.value("mode", 4);
-  return mode >= 4 && mode <= 6 && primitive["attributes"].contains("POSITION");
+  return mode >= first && mode <= last && primitive["attributes"].contains("POSITION");
+}
+
+/// Primitives in the order in which the reader (io/gltf_reader.hpp) takes their vertices: those of
+/// triangles, then points and lines.
+std::vector<const Json*> in_order(const Json& primitives) {
+  std::vector<const Json*> order;
+  for (const auto& [first, last] : {std::pair(4, 6), std::pair(0, 3)})
+    for (const Json& primitive : primitives)
+      if (has_mode(primitive, first, last)) order.push_back(&primitive);
+  return order;
 }
 
 }  // namespace
@@ -43,6 +53,13 @@ AnimatedDocument::AnimatedDocument(GlbDocument base, std::vector<float> clip_tim
   for (const char* list : kLists)
     if (!json_.contains(list)) json_[list] = Json::array();
   for (const Json& node : json_["nodes"]) names_.try_emplace(node.value("name", ""), 2);
+}
+
+void AnimatedDocument::keep_meshes_of_others(const std::set<size_t>& staged) {
+  const Json& nodes = json_["nodes"];
+  for (size_t n = 0; n < nodes.size(); ++n)
+    if (nodes[n].contains("mesh") && !staged.contains(n))
+      taken_.insert(nodes[n]["mesh"].get<size_t>());
 }
 
 std::vector<size_t> AnimatedDocument::stage(size_t node, const std::vector<FrameRange>& pieces) {
@@ -127,8 +144,12 @@ void AnimatedDocument::add_root(const Matrix4& matrix) {
 
 void AnimatedDocument::write(const std::string& path) {
   if (!channels_.empty()) {
-    json_["animations"] =
+    // the first one, which is the one that many clients play
+    Json animations =
         Json::array({{{"name", "elastogen"}, {"channels", channels_}, {"samplers", samplers_}}});
+    for (Json& other : json_.value("animations", Json::array()))
+      animations.push_back(std::move(other));
+    json_["animations"] = std::move(animations);
   }
   json_["buffers"] = Json::array({{{"byteLength", bin_.size()}}});
   for (const char* list : kLists)
@@ -196,12 +217,13 @@ size_t AnimatedDocument::obstacle_material() {
   return *grey_;
 }
 
-/// Shows a mesh, or a copy of it where a staged node has it.
+/// Shows a mesh, or a copy of it without targets where another node has it.
 void AnimatedDocument::own_mesh(size_t node, size_t mesh) {
   if (!taken_.insert(mesh).second) {
     Json copy = json_["meshes"][mesh];
     for (Json& primitive : copy["primitives"]) primitive.erase("targets");
     copy.erase("weights");
+    if (copy.contains("extras") && copy["extras"].is_object()) copy["extras"].erase("targetNames");
     mesh = json_["meshes"].size();
     json_["meshes"].push_back(std::move(copy));
     taken_.insert(mesh);
@@ -330,15 +352,14 @@ void AnimatedDocument::fill_range(const MorphTargets& targets, Range& range) {
   }
 }
 
-/// The distinct POSITION accessors of a mesh's triangles in order of first use, as the reader
-/// (io/gltf_reader.hpp) puts them one after the other.
+/// The distinct POSITION accessors of a mesh in order of first use, as the reader puts them one
+/// after the other.
 std::map<size_t, AnimatedDocument::Range> AnimatedDocument::ranges_of(const Json& mesh,
                                                                       const MorphTargets& targets) {
   std::map<size_t, Range> ranges;
   int64_t first = 0;
-  for (const Json& primitive : mesh["primitives"]) {
-    if (!is_shown_as_triangles(primitive)) continue;
-    const auto accessor = primitive["attributes"]["POSITION"].get<size_t>();
+  for (const Json* primitive : in_order(mesh["primitives"])) {
+    const auto accessor = (*primitive)["attributes"]["POSITION"].get<size_t>();
     const auto [range, is_new] = ranges.try_emplace(accessor);
     if (!is_new) continue;
     range->second.first = first;
@@ -354,8 +375,10 @@ std::map<size_t, AnimatedDocument::Range> AnimatedDocument::ranges_of(const Json
 void AnimatedDocument::set_targets(Json& mesh, const MorphTargets& targets) {
   const std::map<size_t, Range> ranges = ranges_of(mesh, targets);
   for (Json& primitive : mesh["primitives"]) {
-    const Json& attributes = primitive["attributes"];
+    Json& attributes = primitive["attributes"];
     if (!attributes.contains("POSITION")) continue;
+    // tangents at rest do not fit the moved normals; clients compute their own where there are none
+    attributes.erase("TANGENT");
     const auto found = ranges.find(attributes["POSITION"].get<size_t>());
     Json list = Json::array();
     if (found != ranges.end()) {
@@ -363,7 +386,7 @@ void AnimatedDocument::set_targets(Json& mesh, const MorphTargets& targets) {
       list = found->second.targets[normals ? 1 : 0];
       if (normals && !primitive.contains("material")) primitive["material"] = default_material();
     } else {
-      // lines and points beside the triangles stay where they are
+      // of an unknown mode
       const auto count = json_["accessors"][attributes["POSITION"].get<size_t>()]["count"];
       const Json still = {{"POSITION", zeros(count.get<int64_t>())}};
       list = Json(size_t(targets.count()), still);

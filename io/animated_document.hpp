@@ -24,6 +24,10 @@ class AnimatedDocument {
 
   Json& json() { return json_; }
 
+  /// Nodes other than these keep their meshes as they are: staged ones that show such a mesh too
+  /// get copies.
+  void keep_meshes_of_others(const std::set<size_t>& staged);
+
   /// The nodes that show the mesh of a node, one for each of several pieces of the clip.
   ///
   /// It is the node itself, unless that has a matrix (which glTF forbids in nodes that an animation
@@ -91,7 +95,7 @@ class AnimatedDocument {
   std::map<int64_t, size_t> zeros_;                      // accessors of zero vectors by count
   std::optional<size_t> material_, grey_;                // default_material(), of obstacles
   std::map<std::string, int> names_;                     // of nodes, and the number tried next
-  std::set<size_t> taken_;                               // meshes that a staged node shows
+  std::set<size_t> taken_;                               // meshes that are somebody's already
 };
 
 }  // namespace elastogen

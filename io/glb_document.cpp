@@ -2,11 +2,13 @@
 #include "io/glb_document.hpp"
 
 #include "core/error.hpp"
+#include "io/gltf_animations.hpp"
 #include "io/plain_gltf.hpp"
 #include "io/safe_file.hpp"
 
 #include <nlohmann/json.hpp>
 
+#include <map>
 #include <string_view>
 
 namespace elastogen {
@@ -64,14 +66,29 @@ void embed_images(const GltfSource& source, Json& document, GlbDocument& result)
   }
 }
 
-/// Removes what would move the vertices besides the simulation.
-void remove_animations(Json& document) {
-  document.erase("animations");
-  if (document.contains("nodes")) {
-    for (Json& node : document["nodes"]) node.erase("weights");
+/// Meshes of which nobody but simulated nodes makes use.
+std::vector<size_t> simulated_meshes(const Json& document, const std::vector<AssetNode>& nodes) {
+  std::map<size_t, bool> only_simulated;
+  for (size_t n = 0; n < nodes.size(); ++n) {
+    const Json& node = document["nodes"][n];
+    if (!node.contains("mesh")) continue;
+    const bool simulated = nodes[n].mesh >= 0;
+    const auto [at, is_new] = only_simulated.try_emplace(node["mesh"].get<size_t>(), simulated);
+    if (!is_new) at->second = at->second && simulated;
   }
-  if (!document.contains("meshes")) return;
-  for (Json& mesh : document["meshes"]) {
+  std::vector<size_t> meshes;
+  for (const auto& [mesh, only] : only_simulated)
+    if (only) meshes.push_back(mesh);
+  return meshes;
+}
+
+/// Removes what would move the simulated vertices besides the simulation.
+void remove_motion(Json& document, const std::vector<AssetNode>& nodes) {
+  keep_other_animations(document, nodes);
+  for (size_t n = 0; n < nodes.size(); ++n)
+    if (nodes[n].mesh >= 0) document["nodes"][n].erase("weights");
+  for (const size_t m : simulated_meshes(document, nodes)) {
+    Json& mesh = document["meshes"][m];
     mesh.erase("weights");
     if (mesh.contains("extras") && mesh["extras"].is_object()) mesh["extras"].erase("targetNames");
     for (Json& primitive : mesh["primitives"]) primitive.erase("targets");
@@ -94,7 +111,9 @@ GlbDocument gltf_document(const Asset& asset) {
   try {
     join_buffers(source, document, result.bin);
     embed_images(source, document, result);
-    remove_animations(document);
+    ELASTOGEN_CHECK_ASSET(document.value("nodes", Json::array()).size() == asset.nodes.size(),
+                          asset.path, ": the asset file changed while it was animated");
+    remove_motion(document, asset.nodes);
   } catch (const nlohmann::json::exception& failure) {
     throw Error(asset.path + ": not valid glTF: " + failure.what(), ErrorKind::kAsset);
   }

@@ -19,8 +19,9 @@ struct GlbDocument {
 };
 
 /// The document of an asset that came from a glTF file: the file's own, with buffers and images
-/// from beside it embedded, made plain (io/plain_gltf.hpp), without its animations and morph
-/// targets. The bytes behind its other accessors and images stay as they are.
+/// from beside it embedded, made plain (io/plain_gltf.hpp), without the animations and morph
+/// targets of what is simulated (io/gltf_animations.hpp). The bytes behind its other accessors and
+/// images stay as they are.
 /// @throws Error (asset) as read_gltf_source and plain_gltf.
 GlbDocument gltf_document(const Asset& asset);
 

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <set>
 
 namespace elastogen {
 
@@ -53,6 +54,10 @@ class GlbWriter : public AnimationWriter {
     GlbDocument base = is_gltf ? gltf_document(asset_) : mesh_document(asset_);
     notes_ = std::move(base.notes);
     AnimatedDocument document(std::move(base), clip_times());
+    std::set<size_t> simulated;
+    for (const SurfaceInstance& instance : surface_.instances)
+      simulated.insert(size_t(instance.node));
+    document.keep_meshes_of_others(simulated);
     for (std::vector<size_t>& instances : touching_instances(surface_)) {
       const PieceOptions limits{tolerance(), options_.max_targets};
       add(morph_group(asset_, surface_, std::move(instances), frames_, limits), document);

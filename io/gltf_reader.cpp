@@ -4,6 +4,8 @@
 #include "core/error.hpp"
 #include "io/asset_check.hpp"
 #include "io/gltf_accessor.hpp"
+#include "io/gltf_animations.hpp"
+#include "io/gltf_hidden.hpp"
 #include "io/gltf_model.hpp"
 #include "io/gltf_nodes.hpp"
 #include "io/plain_gltf.hpp"
@@ -13,13 +15,15 @@
 #define TINYGLTF_NO_STB_IMAGE_WRITE
 #include <tiny_gltf.h>
 
+#include <algorithm>
 #include <map>
+#include <set>
 
 namespace elastogen {
 
 namespace {
 
-using nlohmann::json;
+using Json = nlohmann::ordered_json;
 
 /// Decoded vertices and corners may outnumber the bytes of the file, but not by more.
 constexpr uint64_t kMaxVertexReuse = 64;
@@ -28,7 +32,10 @@ class GltfReader {
  public:
   explicit GltfReader(const std::string& path) {
     asset_.path = path;
-    source_ = plain_gltf(read_gltf_source(path), asset_.findings);
+    GltfSource source = read_gltf_source(path);
+    channels_ = count_channels(Json::parse(source.json));
+    source_ = plain_gltf(std::move(source), asset_.findings);
+    document_ = Json::parse(source_.json);
     read_gltf_model(source_, model_);
     for (const Bytes& buffer : source_.buffers) budget_ += kMaxVertexReuse * buffer.size();
   }
@@ -51,15 +58,27 @@ class GltfReader {
     ELASTOGEN_CHECK_ASSET(condition, asset_.path, ": ", parts...);
   }
 
-  void note(const char* what, int64_t count, const char* text) {
+  void note(const char* what, int64_t count, const std::string& text) {
     add_finding(asset_, what, count, text);
   }
 
-  /// All nodes; a root of the scene stands in it without its parent, if it has one.
+  /// All nodes; a root of the scene stands in it without its parent, if it has one. Hidden nodes
+  /// show nothing.
   void read_nodes() {
     asset_.nodes = gltf_nodes(asset_.path, model_);
-    for (const int n : gltf_scene_nodes(asset_.path, model_))
-      asset_.nodes[size_t(n)].mesh = model_.nodes[size_t(n)].mesh;
+    const std::vector<char> is_hidden =
+        hidden_nodes(asset_.path, document_.value("nodes", Json::array()), model_);
+    std::vector<int> hidden;
+    for (const int n : gltf_scene_nodes(asset_.path, model_)) {
+      if (!is_hidden[size_t(n)]) {
+        asset_.nodes[size_t(n)].mesh = model_.nodes[size_t(n)].mesh;
+      } else if (model_.nodes[size_t(n)].mesh >= 0) {
+        hidden.push_back(n);
+      }
+    }
+    std::ranges::sort(hidden);
+    hidden_ = int64_t(hidden.size());
+    note("hidden", hidden_, "nodes with a mesh are hidden: " + node_names(asset_.nodes, hidden));
     for (const int root : gltf_scene_roots(asset_.path, model_))
       asset_.nodes[size_t(root)].parent = -1;
   }
@@ -79,6 +98,11 @@ class GltfReader {
   static bool is_surface(const tinygltf::Primitive& primitive) {
     return primitive.mode >= TINYGLTF_MODE_TRIANGLES &&
            primitive.mode <= TINYGLTF_MODE_TRIANGLE_FAN &&
+           primitive.attributes.contains("POSITION");
+  }
+
+  static bool is_points_or_lines(const tinygltf::Primitive& primitive) {
+    return primitive.mode >= TINYGLTF_MODE_POINTS && primitive.mode <= TINYGLTF_MODE_LINE_STRIP &&
            primitive.attributes.contains("POSITION");
   }
 
@@ -148,11 +172,24 @@ class GltfReader {
     return all;
   }
 
+  /// First vertex and count of POSITION accessors.
+  using Ranges = std::map<int, std::pair<int64_t, int64_t>>;
+
+  /// Points and lines beside triangles ride along: vertices without a triangle, behind the others.
+  void append_riders(const tinygltf::Mesh& from, Ranges& ranges, Mesh& mesh) {
+    for (const tinygltf::Primitive& primitive : from.primitives) {
+      if (!is_points_or_lines(primitive)) continue;
+      const auto [range, is_new] = ranges.try_emplace(primitive.attributes.at("POSITION"));
+      const auto first = int64_t(mesh.position.size());
+      if (is_new) range->second = {first, append_vertices(primitive, mesh)};
+    }
+  }
+
   /// Reads one mesh; counts the primitives that are no triangles.
   Mesh read_mesh(const tinygltf::Mesh& from, int64_t& skipped) {
     Mesh mesh;
     mesh.name = from.name;
-    std::map<int, std::pair<int64_t, int64_t>> ranges;  // first vertex and count of an accessor
+    Ranges ranges;
     for (size_t p = 0; p < from.primitives.size(); ++p) {
       const tinygltf::Primitive& primitive = from.primitives[p];
       if (!is_surface(primitive)) {
@@ -173,6 +210,7 @@ class GltfReader {
       add_triangles(primitive, indices, first, group.corner);
       mesh.groups.push_back(std::move(group));
     }
+    if (!mesh.groups.empty()) append_riders(from, ranges, mesh);
     const size_t drawn = mesh.position.size();
     if (!mesh.uv.empty()) mesh.uv.resize(drawn, {});
     if (!mesh.normal.empty()) mesh.normal.resize(drawn, {});
@@ -196,19 +234,41 @@ class GltfReader {
     for (AssetNode& node : asset_.nodes) {
       if (node.mesh >= 0) node.mesh = index_of[node.mesh];
     }
+    check(!asset_.meshes.empty() || hidden_ == 0,
+          "has no triangle that is shown: nothing to simulate");
     note("not-triangles", skipped, "primitives are points or lines");
+    note_tangents();
+  }
+
+  /// Primitives with tangents in the meshes that are simulated.
+  void note_tangents() {
+    std::set<int> meshes;
+    for (size_t n = 0; n < asset_.nodes.size(); ++n)
+      if (asset_.nodes[n].mesh >= 0) meshes.insert(model_.nodes[n].mesh);
+    int64_t count = 0;
+    for (const int m : meshes)
+      for (const tinygltf::Primitive& primitive : model_.meshes[size_t(m)].primitives)
+        count += primitive.attributes.contains("TANGENT");
+    note("tangents", count, "primitives have tangents");
+  }
+
+  /// The accessors of animations that the output keeps lie in their bytes.
+  void check_animations() const {
+    for (const Json& animation : document_.value("animations", Json::array())) {
+      for (const Json& sampler : animation["samplers"]) {
+        accessor_values(source_, model_, sampler["input"].get<int>());
+        accessor_values(source_, model_, sampler["output"].get<int>());
+      }
+    }
   }
 
   void note_what_is_left_out() {
-    const json document = json::parse(source_.json);
-    const json animations = document.value("animations", json::array());
-    note("animations", int64_t(animations.size()), "the file has animations of its own");
-    int64_t morphed = 0, missing = 0;
-    for (const json& mesh : document.value("meshes", json::array())) {
-      for (const json& primitive : mesh["primitives"]) morphed += primitive.contains("targets");
-    }
-    note("morph-targets", morphed, "meshes have morph targets; the base shape is used");
-    const json images = document.value("images", json::array());
+    keep_other_animations(document_, asset_.nodes);
+    note("animations", channels_ - count_channels(document_),
+         "channels of the file's animations move what is simulated");
+    check_animations();
+    int64_t missing = 0;
+    const Json images = document_.value("images", Json::array());
     check(images.is_array(), "images must be a list");
     for (size_t i = 0; i < images.size(); ++i) {
       if (!images[i].is_object() || !images[i].contains("uri")) continue;
@@ -221,9 +281,12 @@ class GltfReader {
   }
 
   GltfSource source_;
+  Json document_;  ///< of the source
   tinygltf::Model model_;
   Asset asset_;
   uint64_t budget_ = 0;
+  int64_t hidden_ = 0;    ///< nodes with a mesh
+  int64_t channels_ = 0;  ///< of animations of the file
 };
 
 }  // namespace

@@ -3,6 +3,8 @@
 
 #include "core/error.hpp"
 #include "io/gltf_accessor.hpp"
+#include "io/gltf_animations.hpp"
+#include "io/gltf_hidden.hpp"
 #include "io/gltf_model.hpp"
 #include "io/gltf_nodes.hpp"
 
@@ -33,6 +35,7 @@ class SkinPoser {
     Asset tree;
     tree.path = edit.path();
     tree.nodes = gltf_nodes(edit.path(), model);
+    invisible_ = invisible_nodes(edit.path(), edit.json["nodes"]);
     world_ = world_matrices(tree);
   }
 
@@ -207,6 +210,7 @@ class SkinPoser {
     edit_.json["meshes"][shown] = std::move(mesh);
     Json root = {{"mesh", shown}};
     if (!node.name.empty()) root["name"] = node.name;
+    if (invisible_[index]) root["extensions"]["KHR_node_visibility"]["visible"] = false;
     edit_.json["nodes"][index].erase("mesh");
     const size_t added = edit_.append("nodes", std::move(root));
     if (model_.scenes.empty()) return;
@@ -216,6 +220,7 @@ class SkinPoser {
   GltfEdit& edit_;
   const tinygltf::Model& model_;
   std::vector<Matrix4> world_;
+  std::vector<char> invisible_;
   std::map<int, Matrices> matrices_;
 };
 
@@ -247,6 +252,7 @@ void pose_skins(GltfEdit& edit, std::vector<Finding>& findings) {
   read_gltf_model(edit.current(), model);
   const int64_t count = SkinPoser(edit, model).pose_all();
   if (count == 0) return;
+  remove_joint_channels(edit.json);
   remove_skins(edit.json);
   findings.push_back({"skins", count, "skinned meshes are taken in the pose that the file shows"});
 }

@@ -121,12 +121,18 @@ json parse(const std::string& text, const std::string& path) {
 /// Extensions that plain_gltf resolves, and those that change neither geometry nor the node tree;
 /// the latter are kept as they are.
 bool is_known(const std::string& name) {
-  static const std::set<std::string> kNames = {
-      "EXT_meshopt_compression", "EXT_texture_avif",
-      "EXT_texture_webp",        "KHR_draco_mesh_compression",
-      "KHR_lights_punctual",     "KHR_mesh_quantization",
-      "KHR_texture_basisu",      "KHR_texture_transform",
-      "KHR_xmp_json_ld",         "MSFT_texture_dds"};
+  static const std::set<std::string> kNames = {"EXT_mesh_gpu_instancing",
+                                               "EXT_meshopt_compression",
+                                               "EXT_texture_avif",
+                                               "EXT_texture_webp",
+                                               "KHR_draco_mesh_compression",
+                                               "KHR_lights_punctual",
+                                               "KHR_mesh_quantization",
+                                               "KHR_node_visibility",
+                                               "KHR_texture_basisu",
+                                               "KHR_texture_transform",
+                                               "KHR_xmp_json_ld",
+                                               "MSFT_texture_dds"};
   return name.starts_with("KHR_materials_") || kNames.contains(name);
 }
 

@@ -4,8 +4,10 @@
 #include "core/error.hpp"
 #include "io/gltf_draco.hpp"
 #include "io/gltf_edit.hpp"
+#include "io/gltf_instancing.hpp"
 #include "io/gltf_meshopt.hpp"
 #include "io/gltf_model.hpp"
+#include "io/gltf_morph.hpp"
 #include "io/gltf_quantized.hpp"
 #include "io/gltf_skin.hpp"
 
@@ -22,7 +24,7 @@ void drop_extensions(GltfEdit::Json& document) {
     GltfEdit::Json left = GltfEdit::Json::array();
     for (const auto& name : document.value(list, GltfEdit::Json::array())) {
       if (name != "KHR_draco_mesh_compression" && name != "EXT_meshopt_compression" &&
-          name != "KHR_mesh_quantization")
+          name != "KHR_mesh_quantization" && name != "EXT_mesh_gpu_instancing")
         left.push_back(name);
     }
     document.erase(list);
@@ -88,7 +90,9 @@ GltfSource plain_gltf(GltfSource source, std::vector<Finding>& findings) {
     decode_meshopt(edit);
     decode_draco(edit);
     widen_quantized(edit);
+    expand_instances(edit, findings);
     free_roots(edit.json, findings);
+    bake_morph_weights(edit, findings);
     pose_skins(edit, findings);
     drop_extensions(edit.json);
     return edit.finished();

@@ -174,8 +174,10 @@ TEST_F(GlbClients, CollidersStandAndMoveInTheAssetsNumbers) {
 
 TEST_F(GlbClients, ANodeScaledToZeroIsSaid) {
   Builder builder = triangle();
-  builder.document["nodes"] = {{{"mesh", 0}}, {{"mesh", 0}, {"scale", {1, 0, 1}}}};
-  const Asset asset = read(builder);
+  builder.document["nodes"] = {{{"mesh", 0}}, {{"mesh", 0}, {"translation", {0, 0, 4}}}};
+  Asset asset = read(builder);
+  asset.format = "fbx";  // glTF nodes without extent are hidden
+  asset.nodes[1].matrix[5] = 0;
   const Surface surface = pose_surface(asset);
   const auto writer = AnimationWriter::create(out, asset, surface, {});
   for (int t = 0; t < kFrames; ++t) writer->frame({.displacement = wave(surface, t)});

@@ -138,16 +138,53 @@ TEST_F(GlbWriter, ReplacesAnimationsAndMorphTargetsOfTheSource) {
   EXPECT_LT(shown_error(file, asset, surface), 1e-6);
 }
 
-TEST_F(GlbWriter, LinesBesideTrianglesHaveAsManyTargets) {
+TEST_F(GlbWriter, LinesBesideTrianglesRideAlong) {
+  // lines before the triangles, a strip behind them, and points of the triangle's own vertices
   Builder builder = triangle();
-  const int other = builder.add_vectors({0, 0, 0, 1, 1, 1});
-  builder.add_primitive({{"attributes", {{"POSITION", other}}}, {"mode", 1}});
+  const int other = builder.add_vectors({0, 0, 0, 1, 1, 1}), third = builder.add_vectors({2, 0, 0});
+  Json& primitives = builder.document["meshes"][0]["primitives"];
+  primitives.insert(primitives.begin(), Json{{"attributes", {{"POSITION", other}}}, {"mode", 1}});
+  builder.add_primitive({{"attributes", {{"POSITION", third}}}, {"mode", 3}});
+  builder.add_primitive({{"attributes", {{"POSITION", 0}}}, {"mode", 0}});
   const Asset asset = read(builder);
-  const GlbFile file = animate(asset, pose_surface(asset), {.keyframe = true});
-  const Json& line = file.mesh_of(0)["primitives"][1];
-  for (const std::vector<double>& d :
-       file.moved(line, "POSITION", std::vector<double>(kFrames - 1, 1)))
-    EXPECT_EQ(d, (std::vector<double>{0, 0, 0}));
+  EXPECT_EQ(asset.meshes[0].position,
+            (std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0}, {1, 1, 1}, {2, 0, 0}}));
+  const Surface surface = pose_surface(asset);
+  EXPECT_EQ(surface.box.upper[0], 1);  // they do not bound the body
+  const GlbFile file = animate(asset, surface, {.keyframe = true});
+  const Array<double> expected = wave(surface, 5);
+  const std::vector<double> weight = file.weights(0)[5];
+  const std::vector<std::vector<int64_t>> vertices = {{3, 4}, {0, 1, 2}, {5}, {0, 1, 2}};
+  for (size_t p = 0; p < vertices.size(); ++p) {
+    const Rows d = file.moved(file.mesh_of(0)["primitives"][p], "POSITION", weight);
+    ASSERT_EQ(d.size(), vertices[p].size());
+    for (size_t v = 0; v < d.size(); ++v)
+      for (size_t c = 0; c < 3; ++c)
+        EXPECT_NEAR(d[v][c], expected(vertices[p][v], int(c)), 1e-6) << p;
+  }
+}
+
+TEST_F(GlbWriter, AFileOfLinesAloneIsRefused) {
+  Builder builder = triangle();
+  builder.document["meshes"][0]["primitives"][0]["mode"] = 3;
+  const Asset asset = read(builder);
+  expect_says(test::error_of([&] { pose_surface(asset); }), "no triangle");
+}
+
+TEST_F(GlbWriter, MovedPrimitivesHaveNoTangents) {
+  Builder builder = triangle();
+  builder.document["meshes"][0]["primitives"][0]["attributes"]["TANGENT"] =
+      builder.add<float>({1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1}, "VEC4", 5126, 3);
+  builder.document["nodes"].push_back(
+      {{"name", "off"},
+       {"mesh", 0},
+       {"extensions", {{"KHR_node_visibility", {{"visible", false}}}}}});
+  const Asset asset = read(builder);
+  EXPECT_EQ(asset.findings.back().what, "tangents");
+  EXPECT_EQ(asset.findings.back().count, 1);
+  const GlbFile file = animate(asset, pose_surface(asset), {});
+  EXPECT_FALSE(file.mesh_of(0)["primitives"][0]["attributes"].contains("TANGENT"));
+  EXPECT_TRUE(file.mesh_of(1)["primitives"][0]["attributes"].contains("TANGENT"));
 }
 
 TEST_F(GlbWriter, TurnsNormalsWithTheBody) {

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from glb_file import (CERTIFICATE, TRIANGLES, Document, channels, frame_count, record, require,
+from glb_file import (ANIMATION, CERTIFICATE, TRIANGLES, Document, channels, frame_count, record, require,
                       world_matrices)
 
 
@@ -39,6 +39,27 @@ def check_positions(document: Document, accessor: int, count: int | None) -> int
     return a["count"]
 
 
+def check_target(document: Document, primitive: dict[str, Any], target: dict[str, int], count: int,
+                 place: str) -> None:
+    """Attributes of the primitive, as many."""
+    names = set(primitive["attributes"])
+    require(bool(target) and set(target) <= names, f"{place}: a target has {sorted(target)}")
+    for accessor in target.values():
+        check_positions(document, accessor, count)
+
+
+def check_played_targets(document: Document, mesh: dict[str, Any], place: str) -> None:
+    """Targets that we wrote: positions and normals in floats, a weight of 0 for each at rest."""
+    require(not np.any(mesh["weights"]), place, " rests with weights that move it")
+    for primitive in mesh["primitives"]:
+        require("TANGENT" not in primitive["attributes"], place, " moves, its tangents do not")
+        for target in primitive.get("targets", []):
+            require(set(target) <= {"POSITION", "NORMAL"},
+                    f"{place}: a target has {sorted(target)}")
+            kinds = {document.items("accessors")[a]["componentType"] for a in target.values()}
+            require(kinds == {5126}, f"{place}: a target is not of floats")
+
+
 def check_primitive(document: Document, primitive: dict[str, Any], place: str) -> None:
     """Attributes and targets of one length, indices in range."""
     require("POSITION" in primitive["attributes"], place, " has no POSITION")
@@ -47,12 +68,7 @@ def check_primitive(document: Document, primitive: dict[str, Any], place: str) -
         found = document.items("accessors")[accessor]["count"]
         require(found == count, f"{place}: {name} has {found} vertices, POSITION {count}")
     for target in primitive.get("targets", []):
-        require(set(target) <= {"POSITION", "NORMAL"} and set(target) <= set(
-            primitive["attributes"]), f"{place}: a target has {sorted(target)}")
-        for accessor in target.values():
-            check_positions(document, accessor, count)
-            kind = document.items("accessors")[accessor]["componentType"]
-            require(kind == 5126, f"{place}: a target is not of floats")
+        check_target(document, primitive, target, count, place)
     if "indices" in primitive:
         indices = document.raw(primitive["indices"])
         require(indices.dtype.kind == "u" and indices.max() < count,
@@ -71,9 +87,8 @@ def check_meshes(document: Document) -> None:
         for p, primitive in enumerate(mesh["primitives"]):
             check_primitive(document, primitive, f"meshes[{m}].primitives[{p}]")
             targets = len(primitive.get("targets", []))
-            require(targets == len(mesh.get("weights", [])),
-                    f"meshes[{m}] has {len(mesh.get('weights', []))} weights, {targets} targets")
-        require(not np.any(mesh.get("weights", 0)), f"meshes[{m}] rests with weights that move it")
+            weights = len(mesh.get("weights", [0] * targets))
+            require(targets == weights, f"meshes[{m}] has {weights} weights, {targets} targets")
 
 
 def check_images(document: Document) -> None:
@@ -111,11 +126,10 @@ def check_weights(document: Document, node: int, sampler: dict[str, Any],
             ": the rest frame is moved")
 
 
-def meshes_below(document: Document, node: int) -> bool:
-    """Whether a node below this one has a mesh."""
-    nodes = document.items("nodes")
-    return any("mesh" in nodes[child] or meshes_below(document, child)
-               for child in nodes[node].get("children", []))
+def nodes_below(document: Document, node: int) -> set[int]:
+    """Children of a node, their children and so on."""
+    children = document.items("nodes")[node].get("children", [])
+    return set(children).union(*(nodes_below(document, child) for child in children))
 
 
 def check_clients(document: Document, most: int) -> None:
@@ -133,7 +147,9 @@ def check_clients(document: Document, most: int) -> None:
         mesh = document.items("meshes")[nodes[node]["mesh"]]
         require(nodes[node]["mesh"] not in taken, f"nodes[{node}] shares an animated mesh")
         taken.add(nodes[node]["mesh"])
-        require(not meshes_below(document, node), f"nodes[{node}] has meshes below it")
+        require(not any("mesh" in nodes[n] for n in nodes_below(document, node)),
+                f"nodes[{node}] has meshes below it")
+        check_played_targets(document, mesh, f"meshes[{nodes[node]['mesh']}]")
         targets = len(mesh["weights"])
         require(targets <= most, f"nodes[{node}] has {targets} targets, not {most} at most")
         extras = mesh.get("extras", {})
@@ -162,6 +178,24 @@ def check_record(document: Document) -> list[float]:
     return [t / said["fps"] for t in range(len(said["frames"]))]
 
 
+def check_other_animations(document: Document) -> None:
+    """Ours is the first one; the others move no node with a mesh of ours, nor one above it."""
+    others = [a for a in document.items("animations") if a.get("name") != ANIMATION]
+    require(document.items("animations")[-len(others):] == others or not others,
+            "our animation is not the first one")
+    ours = {node for node, path, _ in channels(document) if path == "weights"}
+    for animation in others:
+        for channel in animation["channels"]:
+            node = channel["target"].get("node", -1)
+            require(-1 <= node < len(document.items("nodes")), "an animated node is not there")
+            require(node not in ours, f"nodes[{node}] is moved by two animations")
+            require(node < 0 or not ours & nodes_below(document, node),
+                    f"a body hangs below nodes[{node}], which moves")
+            sampler = animation["samplers"][channel["sampler"]]
+            keys, rows = len(document.raw(sampler["input"])), len(document.raw(sampler["output"]))
+            require(keys > 0 and rows % keys == 0, "an animation has no row for each key")
+
+
 def check_animation(document: Document, most: int = 64) -> None:
     """All of the above. @throws GlbError naming the first place that is wrong."""
     require(document.json["asset"]["version"] == "2.0", "the version of the document is not 2.0")
@@ -173,7 +207,7 @@ def check_animation(document: Document, most: int = 64) -> None:
     found = channels(document)
     targets = [(node, path) for node, path, _ in found]
     require(len(targets) == len(set(targets)), "a node is animated twice")
-    require(len(document.items("animations")) <= 1, "there is more than one animation")
+    check_other_animations(document)
     for node, path, sampler in found:
         require(node in shown, "an animated node is not shown")
         if path == "weights":

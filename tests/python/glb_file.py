@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 COMPONENT = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 WIDTH = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
 TRIANGLES = (4, 5, 6)  # modes: list, strip, fan
+ANIMATION = "elastogen"  # the name of ours; those of cameras and lamps stay beside it
 CERTIFICATE = ("converged", "residual", "min_j")
 
 Values = NDArray[Any]
@@ -200,10 +201,13 @@ def frame_count(document: Document) -> int:
 
 
 def channels(document: Document) -> list[tuple[int, str, dict[str, Any]]]:
-    """Node, path and sampler of each channel of the animations."""
+    """Node, path and sampler of each channel: of the animation that we wrote, in files of others of
+    all."""
+    ours = record(document)
     return [(channel["target"]["node"], channel["target"]["path"],
              animation["samplers"][channel["sampler"]])
-            for animation in document.items("animations") for channel in animation["channels"]]
+            for animation in document.items("animations")
+            if not ours or animation.get("name") == ANIMATION for channel in animation["channels"]]
 
 
 def sample(document: Document, sampler: dict[str, Any], time: float) -> Values:

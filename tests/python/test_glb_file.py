@@ -61,13 +61,23 @@ def animated() -> tuple[dict[str, Any], bytes]:
     mesh["extras"] = {"targetNames": ["a", "b"]}
     document["nodes"].append({"children": [0], "translation": [1, 2, 3], "scale": [2, 2, 2]})
     document["scenes"][0]["nodes"] = [1]
-    document["animations"] = [{"channels": [{"sampler": 0, "target": {
+    document["animations"] = [{"name": "elastogen", "channels": [{"sampler": 0, "target": {
         "node": 0, "path": "weights"}}], "samplers": [{"input": times, "output": weights}]}]
     frame = {"converged": True, "residual": 1e-4, "min_j": 0.9}
     document["asset"]["extras"] = {"elastogen": {
         "generator": "g", "commit": "c", "command": "e", "fps": 2, "profile": "modal", "targets": 2,
         "pieces": 1, "max_error_m": 0.0, "normal_error_deg": 0.0, "tolerance_m": 1e-3, "frames": [dict(frame) for _ in range(3)]}}
     return document, data
+
+
+def other_animation(document: dict[str, Any], node: int, output: int = -1) -> dict[str, Any]:
+    """An animation of a node; nodes[2] is a new one without a mesh, which may move."""
+    document["nodes"].append({})
+    document["nodes"][1]["children"].append(2)
+    times = document["animations"][0]["samplers"][0]["input"]
+    return {"name": "track", "channels": [{"sampler": 0, "target": {
+        "node": node, "path": "translation"}}], "samplers": [{
+            "input": times, "output": times + (3 if output == -2 else 0)}]}
 
 
 def weights_start(document: dict[str, Any]) -> int:
@@ -167,11 +177,21 @@ class Checker(unittest.TestCase):
         for change in (
                 lambda d: d["meshes"][0]["extras"]["targetNames"].append("c"),
                 lambda d: d["meshes"][0].pop("extras"),
+                lambda d: d["animations"].append({**d["animations"][0], "name": "the same node"}),
+                lambda d: d["animations"].append(other_animation(d, node=1)),
+                lambda d: d["animations"].insert(0, other_animation(d, node=2)),
+                lambda d: d["animations"].append(other_animation(d, node=9)),
+                lambda d: d["animations"].append(other_animation(d, node=2, output=-2)),
                 lambda d: (d["nodes"].append({"mesh": 0}), d["nodes"][0].update(children=[2])),
                 lambda d: (d["nodes"].append({"mesh": 0}), d["nodes"][1]["children"].append(2),
                            d["animations"][0]["channels"].append(
                                {"sampler": 0, "target": {"node": 2, "path": "weights"}}))):
             self.fails(change)
+
+    def test_animations_of_other_nodes_may_stay(self) -> None:
+        document, data = animated()
+        document["animations"].append(other_animation(document, node=2))
+        check_animation(parse_glb(glb_bytes(document, data)))
 
     def test_values_and_chunks_are_checked(self) -> None:
         whole = glb_bytes(*animated())
