@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/asset_stages.hpp"
 
+#include "cli/piece_names.hpp"
 #include "cli/stopwatch.hpp"
 #include "io/read_asset.hpp"
 
@@ -14,6 +15,8 @@ VoxelizeOptions resolution(const AnimateOptions& options) {
   v.h = options.h;
   v.max_voxels = options.max_voxels;
   v.max_memory = options.max_memory;
+  v.part_pieces = options.part_pieces;
+  v.thickness = options.thickness;
   return v;
 }
 
@@ -32,10 +35,13 @@ AssetSummary summary_of(const Asset& asset, const Body& body, const AnimateOptio
   return summary;
 }
 
-void add_findings(const VoxelizeReport& voxels, RunReport& report) {
-  report.asset.closed = voxels.closed;
-  report.asset.findings.insert(report.asset.findings.end(), voxels.findings.begin(),
-                               voxels.findings.end());
+void take_findings(const Asset& asset, const Voxelized& voxels, Body& body, RunReport& report) {
+  body.surface.part = voxels.part;
+  report.asset.closed = voxels.report.closed;
+  std::vector<Finding>& findings = report.asset.findings;
+  findings.insert(findings.end(), voxels.report.findings.begin(), voxels.report.findings.end());
+  if (!voxels.report.gaps.empty())
+    findings.push_back(joined_pieces(asset, body.surface, voxels.report.gaps));
 }
 
 VoxelizedAsset voxelize_asset(const AnimateOptions& options, RunReport& report) {
@@ -48,7 +54,7 @@ VoxelizedAsset voxelize_asset(const AnimateOptions& options, RunReport& report) 
   if (!report.asset.size.warning.empty()) report.warnings.push_back(report.asset.size.warning);
   result.voxels = voxelize(result.body.surface, resolution(options));
   report.stage_seconds.voxelize = watch.seconds() - report.stage_seconds.read;
-  add_findings(result.voxels.report, report);
+  take_findings(result.asset, result.voxels, result.body, report);
   report.voxels = result.voxels.grid.voxel_count();
   report.nodes = result.voxels.grid.node_count();
   report.h = result.voxels.grid.h;

@@ -22,8 +22,8 @@ VoxelizeOptions resolution(const AnimateOptions& options);
 /// What the report says of an asset and its body: counts, findings, size, up.
 AssetSummary summary_of(const Asset& asset, const Body& body, const AnimateOptions& options);
 
-/// Adds what voxelising found to the asset's part of the report.
-void add_findings(const VoxelizeReport& voxels, RunReport& report);
+/// Adds what voxelising found to the asset's part of the report, and marks the body's parts.
+void take_findings(const Asset& asset, const Voxelized& voxels, Body& body, RunReport& report);
 
 /// Reads and voxelises the input; fills asset, voxels, warnings and times of the report.
 /// @throws Error as read_asset and voxelize do.

@@ -4,6 +4,7 @@
 #include "cli/picture/picture_writer.hpp"
 #include "cli/version.hpp"
 #include "io/safe_file.hpp"
+#include "voxelize/labels.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -42,7 +43,8 @@ ClipFrames::ClipFrames(const Asset& asset, const Setup& setup, const AnimateOpti
     with_gradient_ |= animation->needs_gradient();
     with_motion_ |= animation->needs_motion();
   }
-  if (!setup.tets) embedding_ = embed(setup.scene.grid, setup.body.carried);
+  if (!setup.tets)
+    embedding_ = embed(setup.scene.grid, setup.body.carried, parts_of_carried(setup.body));
 }
 
 void ClipFrames::begin(Stepper& stepper) {

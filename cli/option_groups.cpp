@@ -7,7 +7,13 @@ namespace elastogen {
 namespace {
 
 /// What a file does not say itself.
-void add_reading_options(CLI::App& app, Typed& t) {
+void add_body_options(CLI::App& app, AnimateOptions& o, Typed& t) {
+  app.add_flag("--part-pieces,!--no-part-pieces", o.part_pieces,
+               "pieces that do not touch are not joined, however near they are")
+      ->group("Scene");
+  app.add_option("--thickness", t.thickness,
+                 "of sheets and of shells of points, e.g. '2 mm'; auto: that of a voxel")
+      ->group("Scene");
   app.add_option("--splat-scales", t.splat_scales, "of splats in a PLY: auto, log or linear")
       ->group("Scene");
   app.add_option("--grid", t.grid, "grid of a .vdb by its name")->group("Scene");
@@ -71,7 +77,7 @@ void add_scene_options(CLI::App& app, AnimateOptions& o, Typed& t) {
       ->capture_default_str();
   app.add_option("--h", t.h, "voxel edge, e.g. '5 mm', instead of --voxels")->group("Scene");
   app.add_option("--size", t.size, "longest edge of the asset, e.g. '30 cm'")->group("Scene");
-  add_reading_options(app, t);
+  add_body_options(app, o, t);
   app.add_option("--up", t.up, "direction that points up: auto, x, y, z, -x, -y or -z")
       ->group("Scene")
       ->capture_default_str();
@@ -157,7 +163,7 @@ void add_resolution_options(CLI::App& app, AnimateOptions& o, Typed& t) {
   app.add_option("--voxels", o.voxels, "voxels along the longest edge")->capture_default_str();
   app.add_option("--h", t.h, "voxel edge, e.g. '5 mm', instead of --voxels");
   app.add_option("--size", t.size, "longest edge of the asset, e.g. '30 cm'");
-  add_reading_options(app, t);
+  add_body_options(app, o, t);
   app.add_option("--max-memory", t.max_memory, "budget, e.g. '8 GB'");
   app.add_option("--max-voxels", o.max_voxels, "budget")->capture_default_str();
   app.add_option("--threads", o.threads, "0: all")->capture_default_str();

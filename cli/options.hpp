@@ -54,6 +54,8 @@ struct AnimateOptions {
   double friction = 0.5;     ///< of the floor, and of colliders that name none
   int voxels = 48;           ///< along the longest edge
   double h = 0;              ///< [m], 0: from voxels
+  bool part_pieces = false;  ///< pieces that do not touch are not joined
+  double thickness = 0;      ///< of sheets and shells [m], 0: that of a voxel
   double size = 0;           ///< longest edge of the asset [m], 0: as the file has it
   ReadOptions read;          ///< what the file does not say itself
   std::optional<UpAxis> up;  ///< unset: as the file has it, else a guess

@@ -7,6 +7,7 @@
 #include "cli/progress.hpp"
 #include "cli/signals.hpp"
 #include "cli/stepper.hpp"
+#include "cli/still.hpp"
 #include "cli/stopwatch.hpp"
 #include "cli/version.hpp"
 #include "core/error.hpp"
@@ -107,9 +108,9 @@ class Clip {
                                  steps_outside_, report_.steps,
                                  (report_.outside_fit + steps_outside_ - 1) / steps_outside_));
     find_long_steps();
-    const bool still = frames_.largest_motion() < 1e-6 * setup_.longest_edge;
-    if (still && report_.frames > 0 && converged_ == report_.steps)
-      report_.warnings.push_back(nothing_moved(setup_.scene, o_));
+    std::string still = said_of_stillness(setup_, o_, frames_.largest_motion());
+    if (!still.empty() && report_.frames > 0 && converged_ == report_.steps)
+      report_.warnings.push_back(std::move(still));
   }
 
  private:

@@ -151,6 +151,8 @@ SceneValue asset_table(const AnimateOptions& o) {
   if (o.fem && is_tet_file(o.input)) return t;  // which have their own resolution
   t.set("voxels", scene_number(o.voxels));
   t.set("h", quantity(o.h, "auto"));
+  t.set("part_pieces", scene_flag(o.part_pieces));
+  t.set("thickness", quantity(o.thickness, "auto"));
   return t;
 }
 

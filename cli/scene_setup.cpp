@@ -141,8 +141,9 @@ void add_grid(const Asset& asset, const AnimateOptions& o, Setup& setup, RunRepo
   add_asset(asset, o, setup, report);
   const Surface& surface = setup.body.surface;
   Voxelized voxelized = voxelize(surface, voxelize_options(o, setup.scene.colliders, surface.box));
+  take_findings(asset, voxelized, setup.body, report);
+  setup.sheet_volume = voxelized.report.sheet_volume;
   setup.scene.grid = std::move(voxelized.grid);
-  add_findings(voxelized.report, report);
 }
 
 /// The same of tetrahedra, which take the place of the grid.
@@ -268,6 +269,10 @@ void print_setup(const Setup& setup, const AssetSummary& asset, const AnimateOpt
   for (const Material& m : scene.materials)
     fmt::print("{}: {}, E {:.4g} Pa, nu {:.4g}, rho {:.4g} kg/m^3\n", m.name, law_name(m.law),
                m.young, m.poisson, m.density);
+  if (setup.sheet_volume > 0)
+    fmt::print("sheets of {:.4g} m ({}), {:.4g} kg\n", o.thickness > 0 ? o.thickness : scene.grid.h,
+               o.thickness > 0 ? "--thickness" : "a voxel; --thickness sets it",
+               scene.materials[0].density * setup.sheet_volume);
   if (o.fem && o.fem->statics) {
     fmt::print("static equilibrium\n");
     std::fflush(stdout);
@@ -282,17 +287,6 @@ void print_setup(const Setup& setup, const AssetSummary& asset, const AnimateOpt
                100 * amplitude_kept(scene.scheme, 2 * std::numbers::pi * f * scene.dt));
   fmt::print(" of its amplitude a period\n");
   std::fflush(stdout);
-}
-
-std::string nothing_moved(const Scene& scene, const AnimateOptions& o) {
-  int64_t pinned = 0;
-  for (int64_t n = 0; n < scene.pinned.rows(); ++n) pinned += scene.pinned(n);
-  if (pinned == scene.pinned.rows()) return "nothing moved: every node is pinned";
-  if (!o.tractions.empty() || !o.moves.empty())
-    return "nothing moved: tractions and moves are too small to show";
-  if (scene.gravity == Vec3{}) return "nothing moved: no gravity and no start motion";
-  return fmt::format("nothing moved: the material ({:.3g} Pa) is too stiff for its weight to show",
-                     scene.materials[0].young);
 }
 
 }  // namespace elastogen

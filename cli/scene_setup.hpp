@@ -23,6 +23,7 @@ struct Setup {
   Array<int32_t> node_of;  ///< with tets: node of each carried point, (points, 1)
   int substeps = 1;
   double longest_edge = 0;  ///< of the asset [m]
+  double sheet_volume = 0;  ///< [m^3]
   UpAxis up;
 };
 
@@ -39,8 +40,5 @@ Setup set_up(const TetAsset& tets, const AnimateOptions& options, RunReport& rep
 
 /// What will be computed, in a few lines: size, up, grid, material, time step, numerical damping.
 void print_setup(const Setup& setup, const AssetSummary& asset, const AnimateOptions& options);
-
-/// Why an animation without motion has none.
-std::string nothing_moved(const Scene& scene, const AnimateOptions& options);
 
 }  // namespace elastogen

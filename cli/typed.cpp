@@ -99,6 +99,7 @@ void convert(const Typed& t, AnimateOptions& o) {
   if (t.has_floor) o.floor = resolve_floor(t.floor);
   if (t.h != "auto") o.h = parse_length(t.h);
   if (t.size != "auto") o.size = parse_length(t.size);
+  if (t.thickness != "auto") o.thickness = parse_length(t.thickness);
   if (t.max_memory != "none") o.max_memory = parse_memory(t.max_memory);
   if (t.max_time != "none") o.max_time = parse_time(t.max_time);
   o.up = up_from_name(t.up);
@@ -152,6 +153,8 @@ void check_paper(const SolverOptions& s) {
 void check_ranges(const Typed& t, const AnimateOptions& o) {
   ELASTOGEN_CHECK(t.h == "auto" || o.h > 0, "--h must be positive, got '", t.h, "'");
   ELASTOGEN_CHECK(t.size == "auto" || o.size > 0, "--size must be positive, got '", t.size, "'");
+  ELASTOGEN_CHECK(t.thickness == "auto" || o.thickness > 0, "--thickness must be positive, got '",
+                  t.thickness, "'");
   ELASTOGEN_CHECK(o.voxels >= 1, "--voxels must be 1 or more, got ", o.voxels);
   ELASTOGEN_CHECK(o.frames >= 0 && o.frames <= 1'000'000,
                   "--frames must lie in 0 ... 1000000, got ", o.frames);

@@ -14,7 +14,7 @@ struct Typed {
   std::string max_memory = "none", max_time = "none";
   std::vector<std::string> floor;
   bool has_floor = false;
-  std::string splat_scales = "auto", grid = "auto";
+  std::string splat_scales = "auto", grid = "auto", thickness = "auto";
   std::string up = "auto", scheme = "euler", solver = "auto", hourglass = "auto", profile = "modal";
   std::string device = "auto", energy = "auto";
   std::string camera = "three-quarter", image_size = "auto";

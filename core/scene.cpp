@@ -128,8 +128,9 @@ void variance_of_voxel(const VoxelGrid& grid, const Material& m, int64_t v, doub
   double c = (m.mu() + E / 2) / 2;
   if (count == 1) c = E / (2 * (1 - nu * nu));
   if (count >= 2) c = E / 2;
-  const double fill2 = grid.fill(v) * grid.fill(v);
-  for (int k = 0; k < 4; ++k) weight[k] = kAxes[k] & thin ? c * fill2 : c;
+  double share = grid.fill(v);  // of the edge that a member across the thin axis fills
+  if (!grid.sheet.empty() && grid.sheet(v) > 0) share = grid.sheet(v);
+  for (int k = 0; k < 4; ++k) weight[k] = kAxes[k] & thin ? c * share * share : c;
 }
 
 }  // namespace

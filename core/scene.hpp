@@ -51,7 +51,8 @@ struct Scene {
 ///
 /// s scales each material so that, where the asset has a volume, the total mass is exact;
 /// variance weights (mu + E/2)/2, E/(2(1-nu^2)) in sheets and E/2 in strips one voxel thick, there
-/// times phi^2 on the patterns that contain a thin axis (notes in docs/physics.md).
+/// times phi^2 on the patterns that contain a thin axis (notes in docs/physics.md); (t/h)^2 where
+/// the voxel holds a sheet of thickness t.
 ///
 /// @throws Error on inconsistent shapes, indices out of range, a bad material, a fill, dt or mass
 ///         that is not positive, or numbers that are not finite, with their place.

@@ -6,6 +6,8 @@
 #include "core/array.hpp"
 #include "core/base.hpp"
 
+#include <vector>
+
 namespace elastogen {
 
 /// Active voxels of edge h on the lattice origin + h (i, j, k).
@@ -26,12 +28,23 @@ struct VoxelGrid {
   Array<int32_t> piece;  ///< connected piece (voxels that share a node) of each node, (nodes, 1)
   int pieces = 0;
 
+  /// Parts that are kept apart (--part-pieces) stand apart on the lattice: a voxel of part p at
+  /// coordinate (i, j, k) lies at origin + h (i - part_shift[p], j, k). Both empty: one part.
+  Array<int32_t> part;  ///< of each voxel, (voxels, 1)
+  std::vector<int32_t> part_shift;
+
   // filled by voxelize/fill_fraction
   Array<double> fill;        ///< filled share of each voxel after the floor of 0.02, (voxels, 1)
   Array<double> shape_mean;  ///< mean of each corner's shape function over the fill, (voxels, 8),
                              ///< rows sum to 1, 1/8 in a full voxel
   double volume = 0;         ///< volume of the asset [m^3]; 0 where it has none (open sheets)
+  Array<double> sheet;       ///< thickness / h of the sheet in each voxel, 0 where there is none,
+                             ///< (voxels, 1); empty where no thickness was given
 
+  /// How far a voxel stands from its place along x [voxels].
+  int32_t shift_of(int64_t voxel) const {
+    return part.empty() ? 0 : part_shift[size_t(part(voxel))];
+  }
   int64_t voxel_count() const { return corners.rows(); }
   int64_t node_count() const { return rest.rows(); }
 };

@@ -32,10 +32,15 @@ struct AnimationFrame {
   FrameCertificate certificate = {};
 };
 
+/// Motion from which on there is something to be seen, as a share of the longest edge: a tenth of a
+/// pixel where the asset is a thousand pixels long.
+inline constexpr double kVisibleMotion = 1e-4;
+
 struct AnimationOptions {
   double fps = 30;             ///< [1/s]
   bool keyframe = false;       ///< one morph target a frame; else displacement modes
-  double modal_error = 1e-3;   ///< largest vertex error of the modes / longest edge [-]
+  double modal_error = 1e-3;   ///< largest vertex error of the modes / longest edge [-]; a tenth of
+                               ///< the motion where that is less
   int max_targets = 64;        ///< of a mesh of a GLB, 4 at least; longer clips are in pieces
   bool colliders = false;      ///< scene->colliders stand in a GLB too
   std::string generator = "";  ///< program and version

@@ -43,8 +43,11 @@ constexpr FindingKind kKinds[] = {
     {"pieces", kNote, "left as it is", ""},
 
     // what the solid is like
-    {"sheet", kWarning, "filled as layers of full voxels", "close the surface"},
+    {"sheet", kWarning, "filled as layers as thick as a voxel, or --thickness",
+     "--thickness, or close the surface"},
+    {"overlaps", kNote, "what lies in two solids is filled once, by the winding number", ""},
     {"winding-number", kWarning, "the inside is found by the winding number", "close the surface"},
+    {"joined-pieces", kWarning, "joined by the voxels between them", "--part-pieces"},
     {"loose-pieces", kWarning, "each moves by itself", "pin them, or join them in the file"},
     {"hinges", kWarning, "they turn there without stiffness", "take more --voxels"},
     {"splats", kNote, "the solid is built of the others; they move with what is nearest", ""},

@@ -44,6 +44,8 @@ class GlbWriter : public AnimationWriter {
     ELASTOGEN_CHECK(finite, "frame ", certificates_.size(),
                     " has a displacement that is not finite in single precision");
     frames_.append(displacement);
+    for (int64_t k = 0; k < displacement.size(); ++k)
+      motion_ = std::max(motion_, std::abs(displacement.data[k]));
     if (options_.colliders) see(displacement);
     certificates_.push_back(frame.certificate);
   }
@@ -85,8 +87,13 @@ class GlbWriter : public AnimationWriter {
     return std::max({surface_.box.extent(0), surface_.box.extent(1), surface_.box.extent(2)});
   }
 
-  /// Largest error of the targets that is aimed at [m]; 0 for keyframes.
-  double tolerance() const { return options_.keyframe ? 0 : options_.modal_error * longest_edge(); }
+  /// Largest error of the targets that is aimed at [m]; 0 for keyframes. A small motion is shown
+  /// all the same, if there is something to be seen.
+  double tolerance() const {
+    const double usual = options_.modal_error * longest_edge();
+    if (options_.keyframe) return 0;
+    return motion_ < kVisibleMotion * longest_edge() ? usual : std::min(usual, motion_ / 10);
+  }
 
   /// Shows the meshes of a group piece by piece.
   void add(const MorphGroup& group, AnimatedDocument& document) {
@@ -173,12 +180,14 @@ class GlbWriter : public AnimationWriter {
 
   /// What the limits of the format changed in what the user gets.
   void say_limits() {
+    if (targets_ == 0 && certificates_.size() > 1)
+      warnings_.push_back(concat(path_, " has no animation: nothing in it moves"));
     if (pieces_ > 1)
       notes_.push_back(concat(path_, ": the clip is shown in ", pieces_,
                               " pieces, nodes that are visible in turn, because ",
                               options_.max_targets,
                               " morph targets (--glb-targets) do not hold all of it"));
-    const double promised = options_.modal_error * longest_edge();
+    const double promised = options_.keyframe ? options_.modal_error * longest_edge() : tolerance();
     if (max_error_ > promised)
       warnings_.push_back(concat(path_, ": vertices are up to ", max_error_,
                                  " m from where they should be, ", promised,
@@ -192,6 +201,7 @@ class GlbWriter : public AnimationWriter {
   FrameStore frames_;
   std::vector<FrameCertificate> certificates_;
   std::vector<std::string> notes_, warnings_;
+  double motion_ = 0;                 ///< largest component of a displacement [m]
   Box seen_;                          ///< of the triangles in all frames, filled for colliders [m]
   int64_t targets_ = 0, pieces_ = 0;  ///< the most of a mesh
   double max_error_ = 0;              ///< [m]

@@ -71,6 +71,17 @@ Keys asset_keys() {
        Q::kLength,
        kPositive,
        {"auto"}},
+      {"asset", "part_pieces", T::kFlag, "false", "--part-pieces",
+       "true: pieces that do not touch are not joined, however near they are"},
+      {"asset",
+       "thickness",
+       T::kNumber,
+       "auto",
+       "--thickness",
+       "of what bounds no solid: sheets, and shells of points; auto: that of a voxel",
+       Q::kLength,
+       kPositive,
+       {"auto"}},
   };
 }
 

@@ -2,7 +2,9 @@
 #include "voxelize/cut_body.hpp"
 
 #include "core/error.hpp"
+#include "core/vec3.hpp"
 #include "voxelize/budget.hpp"
+#include "voxelize/sheets.hpp"
 #include "voxelize/slivers.hpp"
 
 #include <algorithm>
@@ -80,10 +82,71 @@ void find_fill(CutBody& body, int64_t max_voxels) {
   body.winding_number = !exact && !body.all_sheets;
 }
 
+/// Makes a prism of the triangle of a sheet, its upper face in the triangle's place.
+void make_prism(CutBody& body, size_t t) {
+  LatticeMesh& mesh = body.mesh;
+  const Coord corner = mesh.triangles[t];
+  const Vec3 area = area_vector(mesh, t);
+  const Vec3 half = scaled(area, body.thickness / (2 * norm(area)));
+  const auto first = int32_t(mesh.vertices.size());  // three above, three below
+  for (const double side : {1.0, -1.0})
+    for (const int32_t v : corner)
+      mesh.vertices.push_back(plus(mesh.vertices[size_t(v)], scaled(half, side)));
+  const auto add = [&](int32_t a, int32_t b, int32_t c) {
+    mesh.triangles.push_back({first + a, first + b, first + c});
+    body.prism_of.push_back(int32_t(t));
+  };
+  mesh.triangles[t] = {first, first + 1, first + 2};
+  add(3, 5, 4);
+  for (int32_t k = 0; k < 3; ++k) {
+    const int32_t next = (k + 1) % 3;
+    add(k, k + 3, next + 3);
+    add(k, next + 3, next);
+  }
+}
+
+/// Makes prisms of sheets that are thicker than a voxel. Those of a flat sheet share their walls,
+/// and all together have the volume area times thickness.
+void thicken(CutBody& body) {
+  std::vector<Role>& role = body.mesh.role;
+  for (size_t t = 0; t < role.size(); ++t) {
+    if (role[t] != Role::kSheet) continue;
+    role[t] = Role::kSolid;
+    if (norm(area_vector(body.mesh, t)) > 0) make_prism(body, t);
+  }
+  role.resize(body.mesh.triangles.size(), Role::kSolid);
+  if (!body.mesh.joint.empty()) body.mesh.joint.resize(role.size(), 0);
+}
+
+double area_of_sheets(const LatticeMesh& mesh) {
+  double area = 0;
+  for (size_t t = 0; t < mesh.triangles.size(); ++t)
+    if (mesh.role[t] == Role::kSheet) area += norm(area_vector(mesh, t));
+  return area;
+}
+
 }  // namespace
 
+double CutBody::layer_volume(int64_t cell) const {
+  if (!layer[cell]) return 0;
+  const double room = std::max(0.0, 1 - sum8(fill.moment.row(cell)));
+  if (thickness == 0) return room;
+  const double area = all_sheets ? sum8(cells.area.row(cell)) : cells.sheet_area[cell];
+  return std::min(room, area * thickness);
+}
+
 double CutBody::share(int64_t cell) const {
-  return layer[cell] ? 1 : sum8(fill.moment.row(cell));
+  return sum8(fill.moment.row(cell)) + layer_volume(cell);
+}
+
+void CutBody::moments(int64_t cell, double* result) const {
+  constexpr double kSomeFill = 1e-6;  // fill from which its own moments are taken
+  const double sheet = layer_volume(cell), area = sum8(cells.area.row(cell));
+  const bool some = share(cell) > kSomeFill;
+  for (int k = 0; k < 8; ++k) {
+    result[k] = some ? fill.moment(cell, k) : cells.area(cell, k);
+    if (some && sheet > 0) result[k] += area > 0 ? sheet * cells.area(cell, k) / area : sheet / 8;
+  }
 }
 
 Array<int32_t> CutBody::voxels() const {
@@ -102,21 +165,38 @@ Array<int32_t> CutBody::voxels() const {
   return coords;
 }
 
-CutBody cut_body(const Surface& surface, const VoxelizeOptions& options) {
+CutBody cut_body(const Surface& surface, const VoxelizeOptions& options,
+                 const std::optional<Lattice>& lattice) {
   check(surface);
-  const WeldedMesh welded = weld(surface);
+  CutBody body;
+  body.welded = weld(surface);
+  const WeldedMesh& welded = body.welded;
   ELASTOGEN_CHECK_ASSET(welded.triangles.rows() > 0,
                         "no triangle has an area: nothing to simulate");
   Box box;
   for (int64_t v = 0; v < welded.vertices.rows(); ++v)
     box.add({welded.vertices(v, 0), welded.vertices(v, 1), welded.vertices(v, 2)});
-  CutBody body;
-  body.lattice = choose_lattice(box, options);
+  body.lattice = lattice ? *lattice : choose_lattice(box, options);
   check_budget(welded, body.lattice.h, options);
   body.closed = welded.closed();
+  body.balanced = welded.balanced();
   body.mesh = make_lattice_mesh(welded, body.lattice);
+  body.thickness = options.thickness / body.lattice.h;
+  body.sheet_area = area_of_sheets(body.mesh);
+  const bool thick = body.thickness > 1;
+  if (thick && body.mesh.sheets > 0) thicken(body);
   body.cells = cut_surface(body.mesh);
   find_fill(body, options.max_voxels);
+  if (body.all_sheets) {
+    std::ranges::fill(body.mesh.role, Role::kSheet);
+    body.mesh.sheets = int64_t(body.mesh.triangles.size());
+    body.sheet_area = area_of_sheets(body.mesh);
+  }
+  if (body.all_sheets && thick) {
+    thicken(body);
+    body.cells = cut_surface(body.mesh);
+    find_fill(body, options.max_voxels);
+  }
   choose_voxels(body);
   return body;
 }
@@ -128,7 +208,8 @@ int64_t drop_slivers(CutBody& body) {
   std::vector<int64_t> cell;  // of each border voxel
   for (int64_t c = 0; c < body.cells.count(); ++c) {
     if (!body.kept[c]) continue;
-    fill(static_cast<int64_t>(cell.size())) = body.share(c);
+    // layers hold together what they are: they are no slivers, however thin
+    fill(static_cast<int64_t>(cell.size())) = body.layer[c] ? 1 : body.share(c);
     cell.push_back(c);
   }
   const std::vector<uint8_t> slivers = find_slivers(coords, fill);

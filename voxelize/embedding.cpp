@@ -46,27 +46,41 @@ Vec3 standing_for(const Vec3& t) {
   return near;
 }
 
+/// A tree for each part, or one of all voxels.
+std::vector<NearestVoxel> trees_of(const VoxelGrid& grid) {
+  std::vector<NearestVoxel> trees;
+  for (size_t k = 0; k < std::max<size_t>(1, grid.part_shift.size()); ++k)
+    trees.emplace_back(grid.voxel_coord, grid.part, int32_t(k));
+  return trees;
+}
+
 }  // namespace
 
-Embedding embed(const VoxelGrid& grid, In<double> points) {
+Embedding embed(const VoxelGrid& grid, In<double> points, In<int32_t> part) {
   ELASTOGEN_CHECK(points.cols == 3, "points must be (points, 3), got ", points);
   ELASTOGEN_CHECK(grid.voxel_count() > 0, "the grid has no voxels");
+  ELASTOGEN_CHECK(grid.part.empty() || part.rows == points.rows, "each of ", points.rows,
+                  " points must have a part, got ", part);
   for (int64_t i = 0; i < points.size(); ++i)
     ELASTOGEN_CHECK(std::isfinite(points.data[i]), "point ", i / 3, " is not finite");
   const BrickIndex index(grid.voxel_coord);
-  const NearestVoxel nearest(grid.voxel_coord);
+  const std::vector<NearestVoxel> nearest = trees_of(grid);
   Embedding embedding = {Array<int32_t>(points.rows), Array<double>(points.rows, 8)};
   for_each(points.rows, [&](int64_t p) {
+    const auto k = size_t(grid.part.empty() ? 0 : part(p));
+    const double shift = grid.part.empty() ? 0 : grid.part_shift[k];
     Vec3 t;
     Coord cell;
     bool on_lattice = true;
     for (int d = 0; d < 3; ++d) {
       t[d] = (points(p, d) - grid.origin[d]) / grid.h;
-      on_lattice = on_lattice && std::abs(t[d]) < kLatticeLimit;
+      on_lattice = on_lattice && std::abs(t[d] + shift) < kLatticeLimit;
       if (on_lattice) cell[d] = static_cast<int32_t>(std::floor(t[d]));
     }
+    t[0] += shift;
+    cell[0] += int32_t(shift);
     int64_t v = on_lattice ? index.find(cell) : -1;
-    if (v < 0) v = nearest.find(t);
+    if (v < 0 || (!grid.part.empty() && grid.part(v) != part(p))) v = nearest[k].find(t);
     for (int d = 0; d < 3; ++d) t[d] -= grid.voxel_coord(v, d);
     embedding.voxel(p) = static_cast<int32_t>(v);
     trilinear(standing_for(t), embedding.weights.row(p));

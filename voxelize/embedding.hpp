@@ -20,7 +20,9 @@ struct Embedding {
 /// carried exactly. From one to two voxels they fade to those at the nearest point, which they are
 /// beyond: a stray moves as what is nearest to it, hence no farther than the farthest node.
 /// @param points  [m], (points, 3), finite.
-Embedding embed(const VoxelGrid& grid, In<double> points);
+/// @param part    of each, (points), where pieces are kept apart: it takes a voxel of that part.
+/// @throws Error  where the grid has parts and the points have none.
+Embedding embed(const VoxelGrid& grid, In<double> points, In<int32_t> part = {});
 
 /// Displacement of embedded points,
 ///

@@ -45,12 +45,11 @@ double cost(const std::array<Vec3, 3>& c, const Vec3& point) {
 /// Boxes over triangles that are sorted by halves along the longest edge.
 class TriangleTree {
  public:
-  explicit TriangleTree(const Surface& surface)
-      : surface_(surface), order_(size_t(surface.triangles.rows())) {
-    std::iota(order_.begin(), order_.end(), 0);
-    const auto leaves = uint64_t((surface.triangles.rows() + kLeaf - 1) / kLeaf);
-    boxes_.resize(2 * std::bit_ceil(leaves));
-    build(0, 0, surface.triangles.rows());
+  TriangleTree(const Surface& surface, std::vector<int32_t> triangles)
+      : surface_(surface), order_(std::move(triangles)) {
+    const auto leaves = (uint64_t(order_.size()) + kLeaf - 1) / kLeaf;
+    boxes_.resize(2 * std::bit_ceil(std::max<uint64_t>(leaves, 1)));
+    build(0, 0, int64_t(order_.size()));
   }
 
   int32_t find(const Vec3& point) const {
@@ -122,6 +121,18 @@ class TriangleTree {
   std::vector<Box> boxes_;  // children of node n are 2 n + 1 and 2 n + 2
 };
 
+/// A tree for each part, or one of all triangles.
+std::vector<TriangleTree> trees_of(const Surface& surface, size_t parts) {
+  std::vector<std::vector<int32_t>> triangles(parts);
+  for (int64_t t = 0; t < surface.triangles.rows(); ++t) {
+    const int32_t part = surface.part.empty() ? 0 : surface.part(t);
+    if (part >= 0) triangles[size_t(part)].push_back(int32_t(t));
+  }
+  std::vector<TriangleTree> trees;
+  for (std::vector<int32_t>& some : triangles) trees.emplace_back(surface, std::move(some));
+  return trees;
+}
+
 }  // namespace
 
 double triangle_distance2(const Vec3 corner[3], const Vec3& point) {
@@ -144,17 +155,43 @@ double triangle_distance2(const Vec3 corner[3], const Vec3& point) {
 
 Array<int32_t> nearest_triangles(const VoxelGrid& grid, const Surface& surface) {
   ELASTOGEN_CHECK(surface.triangles.rows() > 0, "the surface has no triangle");
-  const TriangleTree tree(surface);
+  const std::vector<TriangleTree> trees =
+      trees_of(surface, std::max<size_t>(1, grid.part_shift.size()));
   Array<int32_t> nearest(grid.voxel_count());
   for_each(
       grid.voxel_count(),
       [&](int64_t v) {
         const double* lower = grid.rest.row(grid.corners(v, 0));
         const double half = grid.h / 2;
-        nearest(v) = tree.find({lower[0] + half, lower[1] + half, lower[2] + half});
+        const auto part = size_t(grid.part.empty() ? 0 : grid.part(v));
+        nearest(v) = trees[part].find({lower[0] + half, lower[1] + half, lower[2] + half});
       },
       64);
   return nearest;
+}
+
+Array<int32_t> parts_of_carried(const Body& body) {
+  const Surface& surface = body.surface;
+  if (surface.part.empty()) return {};
+  Array<int32_t> part(body.carried.rows());
+  part.fill(-1);
+  for (int64_t t = 0; body.is_asset && t < surface.triangles.rows(); ++t)
+    for (int k = 0; k < 3; ++k) {
+      int32_t& of_vertex = part(surface.triangles(t, k));
+      of_vertex = std::max(of_vertex, surface.part(t));
+    }
+  std::vector<int32_t> known;
+  for (int64_t t = 0; t < surface.triangles.rows(); ++t)
+    if (surface.part(t) >= 0) known.push_back(int32_t(t));
+  const TriangleTree tree(surface, std::move(known));
+  for_each(
+      part.rows(),
+      [&](int64_t p) {
+        const double* x = body.carried.row(p);
+        if (part(p) < 0) part(p) = surface.part(tree.find({x[0], x[1], x[2]}));
+      },
+      64);
+  return part;
 }
 
 }  // namespace elastogen

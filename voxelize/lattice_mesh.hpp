@@ -34,6 +34,7 @@ struct LatticeMesh {
   std::vector<Vec3> vertices;    ///< lattice coordinates
   std::vector<Coord> triangles;  ///< vertices of each
   std::vector<Role> role;        ///< of each
+  std::vector<uint8_t> joint;    ///< 1: bounds a solid only together with other pieces; or empty
   int64_t turned = 0;            ///< triangles that were turned
   int64_t sheets = 0;            ///< triangles of sheets
 };

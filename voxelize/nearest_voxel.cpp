@@ -27,15 +27,19 @@ Box cube(In<int32_t> coords, int64_t v) {
 
 }  // namespace
 
-NearestVoxel::NearestVoxel(In<int32_t> coords) : coords_(coords) {
+NearestVoxel::NearestVoxel(In<int32_t> coords, In<int32_t> part, int32_t wanted) : coords_(coords) {
+  const auto brick = [&](int64_t row) {
+    return Coord{coords(row, 0) >> 3, coords(row, 1) >> 3, coords(row, 2) >> 3};
+  };
   for (int64_t v = 0; v < coords.rows; ++v) {
-    const auto brick = [&](int64_t row) {
-      return Coord{coords(row, 0) >> 3, coords(row, 1) >> 3, coords(row, 2) >> 3};
-    };
-    if (v == 0 || brick(v) != brick(v - 1)) start_.push_back(v);
+    if (part.rows > 0 && part(v) != wanted) continue;
+    const bool goes_on = !bricks_.empty() && bricks_.back().second == v && brick(v) == brick(v - 1);
+    if (goes_on)
+      ++bricks_.back().second;
+    else
+      bricks_.emplace_back(v, v + 1);
   }
-  const auto bricks = static_cast<int64_t>(start_.size());
-  start_.push_back(coords.rows);
+  const auto bricks = static_cast<int64_t>(bricks_.size());
   if (bricks == 0) return;
   boxes_.resize(2 * std::bit_ceil(static_cast<uint64_t>(bricks)));
   build(0, 0, bricks);
@@ -44,7 +48,7 @@ NearestVoxel::NearestVoxel(In<int32_t> coords) : coords_(coords) {
 Box NearestVoxel::build(int64_t node, int64_t first, int64_t last) {
   Box box;
   if (last - first == 1) {
-    for (int64_t v = start_[first]; v < start_[last]; ++v) {
+    for (int64_t v = bricks_[first].first; v < bricks_[first].second; ++v) {
       const Box one = cube(coords_, v);
       box.add(one.lower);
       box.add(one.upper);
@@ -62,7 +66,7 @@ Box NearestVoxel::build(int64_t node, int64_t first, int64_t last) {
 void NearestVoxel::search(int64_t node, int64_t first, int64_t last, const Vec3& point,
                           Best& best) const {
   if (last - first == 1) {
-    for (int64_t v = start_[first]; v < start_[last]; ++v) {
+    for (int64_t v = bricks_[first].first; v < bricks_[first].second; ++v) {
       const double d = distance2(cube(coords_, v), point);
       if (d < best.distance2 || (d == best.distance2 && v < best.voxel)) best = {d, v};
     }
@@ -83,7 +87,7 @@ int64_t NearestVoxel::find(const Vec3& point) const {
   Vec3 near;
   for (int d = 0; d < 3; ++d) near[d] = std::clamp(point[d], -kFar, kFar);
   Best best = {std::numeric_limits<double>::infinity(), -1};
-  if (!boxes_.empty()) search(0, 0, static_cast<int64_t>(start_.size()) - 1, near, best);
+  if (!boxes_.empty()) search(0, 0, static_cast<int64_t>(bricks_.size()), near, best);
   return best.voxel;
 }
 

@@ -11,7 +11,9 @@ namespace elastogen {
 class NearestVoxel {
  public:
   /// @param coords  voxels in the order of a VoxelGrid, (voxels, 3); must outlive this.
-  explicit NearestVoxel(In<int32_t> coords);
+  /// @param part    of each voxel; no two of a brick differ.
+  /// @param wanted  only voxels of this part are found.
+  explicit NearestVoxel(In<int32_t> coords, In<int32_t> part = {}, int32_t wanted = 0);
 
   /// Voxel whose closed cube is nearest to a point in lattice coordinates; of several the first.
   int64_t find(const Vec3& point) const;
@@ -25,8 +27,8 @@ class NearestVoxel {
   Box build(int64_t node, int64_t first, int64_t last);
 
   Span<const int32_t> coords_;
-  std::vector<int64_t> start_;  ///< first voxel of each brick, and the count
-  std::vector<Box> boxes_;      ///< children of node n are 2 n + 1 and 2 n + 2
+  std::vector<std::pair<int64_t, int64_t>> bricks_;  ///< first voxel of each, and the end
+  std::vector<Box> boxes_;                           ///< children of node n are 2 n + 1 and 2 n + 2
 };
 
 }  // namespace elastogen

@@ -40,8 +40,10 @@ struct Piece {
   Role role(double sign) const {
     if (size() <= kSheetSize) return scrap > 0.5 * sampled ? Role::kScrap : Role::kSolid;
     if (free > 0.5 * sampled) return outside ? Role::kSheet : Role::kScrap;
-    return looks_like_sheet() && sign * bounding <= 0.5 * sampled ? Role::kSheet : Role::kSolid;
+    return looks_like_sheet() && !bounds_jointly(sign) ? Role::kSheet : Role::kSolid;
   }
+  /// Most of it bounds a solid together with other pieces.
+  bool bounds_jointly(double sign) const { return sign * bounding > 0.5 * sampled; }
 };
 
 /// Calls visit(triangle, length of its border loop) for each border edge; edges that share a
@@ -164,9 +166,13 @@ void find_sheets(LatticeMesh& mesh, const Edges& edges, const std::vector<int32_
     if (!is_closed(pieces[size_t(i)])) sample(mesh, whole, pieces[size_t(i)]);
   });
   const double sign = common_sign(pieces);
+  mesh.joint.assign(mesh.triangles.size(), 0);
   for (const Piece& piece : pieces)
     for (const int32_t t : piece.triangles)
-      if (!is_closed(piece)) mesh.role[size_t(t)] = piece.role(sign);
+      if (!is_closed(piece)) {
+        mesh.role[size_t(t)] = piece.role(sign);
+        mesh.joint[size_t(t)] = piece.bounds_jointly(sign);
+      }
   mesh.sheets = std::ranges::count(mesh.role, Role::kSheet);
 }
 

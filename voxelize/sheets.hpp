@@ -12,7 +12,7 @@ namespace elastogen {
 /// (b - a) x (c - a) / 2 of a triangle.
 Vec3 area_vector(const LatticeMesh& mesh, size_t t);
 
-/// Fills mesh.role of each triangle and counts the sheets.
+/// Fills mesh.role and mesh.joint of each triangle and counts the sheets.
 ///
 /// Pieces are triangles joined by edges of two faces. On a triangle that bounds a solid the winding
 /// number of the whole surface (the mean of both sides) is near 1/2, 3/2, ...; on one that bounds

@@ -178,6 +178,7 @@ SurfaceCells cut_surface(const LatticeMesh& mesh) {
   cells.ahead = Array<double>(count, 8);
   cells.flux = Array<double>(count, 4);
   cells.area = Array<double>(count, 8);
+  cells.sheet_area.assign(count, 0);
   cells.touched.assign(count, 0);
   cells.side.assign(count, 0);
   cells.sheet.assign(count, 0);
@@ -186,6 +187,8 @@ SurfaceCells cut_surface(const LatticeMesh& mesh) {
       for (int k = 0; k < 8; ++k) cells.ahead(c, k) += parts[i].ahead[k];
       for (int k = 0; k < 4; ++k) cells.flux(c, k) += parts[i].flux[k];
       for (int k = 0; k < 8; ++k) cells.area(c, k) += parts[i].area[k];
+      if (mesh.role[parts[i].triangle] == Role::kSheet)
+        for (int k = 0; k < 8; ++k) cells.sheet_area[c] += parts[i].area[k];
       cells.touched[c] |= parts[i].touched;
       cells.side[c] |= parts[i].side;
       cells.sheet[c] |= parts[i].touched && mesh.role[parts[i].triangle] == Role::kSheet;

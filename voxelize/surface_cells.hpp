@@ -13,14 +13,15 @@ namespace elastogen {
 /// normal:
 struct SurfaceCells {
   std::vector<Coord> coord;
-  Array<double> ahead;            ///< -int_S n_x (int_x^1 N_c dx') dA, (cells, 8)
-  Array<double> flux;             ///< -int_S n_x Y_j Z_k dA, (cells, 4), column j + 2 k
-  Array<double> area;             ///< int_S N_c dA, (cells, 8); sheets included
-  std::vector<uint8_t> touched;   ///< 1: part of the surface lies deeper inside than 1e-5
-  std::vector<uint8_t> side;      ///< bit 2 d (+1): part lies in the lower (upper) face of axis d
-  std::vector<uint8_t> sheet;     ///< 1: touched by a sheet
-  std::vector<int64_t> first;     ///< of the triangles of each cell, (cells + 1)
-  std::vector<int32_t> triangle;  ///< triangles of the cells, ascending in each
+  Array<double> ahead;             ///< -int_S n_x (int_x^1 N_c dx') dA, (cells, 8)
+  Array<double> flux;              ///< -int_S n_x Y_j Z_k dA, (cells, 4), column j + 2 k
+  Array<double> area;              ///< int_S N_c dA, (cells, 8); sheets included
+  std::vector<double> sheet_area;  ///< of sheets alone
+  std::vector<uint8_t> touched;    ///< 1: part of the surface lies deeper inside than 1e-5
+  std::vector<uint8_t> side;       ///< bit 2 d (+1): part lies in the lower (upper) face of axis d
+  std::vector<uint8_t> sheet;      ///< 1: touched by a sheet
+  std::vector<int64_t> first;      ///< of the triangles of each cell, (cells + 1)
+  std::vector<int32_t> triangle;   ///< triangles of the cells, ascending in each
 
   int64_t count() const { return static_cast<int64_t>(coord.size()); }
 };

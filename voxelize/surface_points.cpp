@@ -13,7 +13,7 @@ namespace {
 /// Points with their share of the area; halves of an edge are found again by both its triangles.
 class PointSet {
  public:
-  explicit PointSet(In<double> vertices) : area(vertices.rows, 0) {
+  explicit PointSet(In<double> vertices) : area(vertices.rows, 0), part(vertices.rows, 0) {
     position.reserve(vertices.rows);
     for (int64_t v = 0; v < vertices.rows; ++v)
       position.push_back({vertices(v, 0), vertices(v, 1), vertices(v, 2)});
@@ -22,7 +22,7 @@ class PointSet {
   double length(int64_t a, int64_t b) const { return norm(minus(position[a], position[b])); }
 
   /// Shares a triangle out to its corners, or halves it at its longest edge until that is shorter.
-  void add(std::array<int64_t, 3> corner, double longest) {
+  void add(std::array<int64_t, 3> corner, double longest, int32_t of_triangle) {
     int edge = 0;
     double size = 0;
     for (int k = 0; k < 3; ++k)
@@ -33,16 +33,20 @@ class PointSet {
     const int64_t a = corner[edge], b = corner[(edge + 1) % 3], c = corner[(edge + 2) % 3];
     if (size > longest) {
       const int64_t m = middle(a, b);
-      add({a, m, c}, longest);
-      add({m, b, c}, longest);
+      add({a, m, c}, longest, of_triangle);
+      add({m, b, c}, longest, of_triangle);
       return;
     }
     const Vec3 normal = cross(minus(position[b], position[a]), minus(position[c], position[a]));
-    for (const int64_t p : corner) area[p] += norm(normal) / 6;
+    for (const int64_t p : corner) {
+      area[p] += norm(normal) / 6;
+      part[p] = of_triangle;
+    }
   }
 
   std::vector<Vec3> position;
   std::vector<double> area;
+  std::vector<int32_t> part;  ///< of the surface
 
  private:
   int64_t middle(int64_t a, int64_t b) {
@@ -53,6 +57,7 @@ class PointSet {
     if (added) {
       position.push_back(scaled(plus(position[lower], position[upper]), 0.5));
       area.push_back(0);
+      part.push_back(0);
     }
     return place->second;
   }
@@ -71,7 +76,8 @@ SurfacePoints surface_points(const VoxelGrid& grid, const Surface& surface) {
     double longest = 0;
     for (int k = 0; k < 3; ++k)
       longest = std::max(longest, set.length(corner[k], corner[(k + 1) % 3]));
-    set.add(corner, longest > grid.h ? grid.h / 2 : grid.h);
+    const int32_t part = surface.part.empty() ? 0 : surface.part(t);
+    if (part >= 0) set.add(corner, longest > grid.h ? grid.h / 2 : grid.h, part);
   }
 
   // those that stand for a part of the surface
@@ -80,13 +86,15 @@ SurfacePoints surface_points(const VoxelGrid& grid, const Surface& surface) {
   SurfacePoints points;
   points.area = Array<double>(count);
   points.position = Array<double>(count, 3);
+  Array<int32_t> parts(count);
   int64_t p = 0;
   for (size_t i = 0; i < set.area.size(); ++i) {
     if (!(set.area[i] > 0)) continue;
     points.area(p) = set.area[i];
+    parts(p) = set.part[i];
     std::copy(set.position[i].begin(), set.position[i].end(), points.position.row(p++));
   }
-  Embedding embedding = embed(grid, points.position);
+  Embedding embedding = embed(grid, points.position, parts);
   points.voxel = std::move(embedding.voxel);
   points.weights = std::move(embedding.weights);
   return points;

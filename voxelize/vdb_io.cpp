@@ -258,7 +258,7 @@ typename Grid::Ptr make_grid(const VoxelGrid& voxels, const Vec3& place, const c
   auto accessor = grid->getAccessor();
   for (int64_t v = 0; v < voxels.voxel_count(); ++v) {
     const int32_t* c = voxels.voxel_coord.row(v);
-    accessor.setValue({c[0], c[1], c[2]}, value(v));
+    accessor.setValue({c[0] - voxels.shift_of(v), c[1], c[2]}, value(v));
   }
   return grid;
 }

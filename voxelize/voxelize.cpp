@@ -2,6 +2,7 @@
 #include "voxelize/voxelize.hpp"
 
 #include "core/error.hpp"
+#include "voxelize/apart.hpp"
 #include "voxelize/bricks.hpp"
 #include "voxelize/budget.hpp"
 #include "voxelize/cut_body.hpp"
@@ -13,7 +14,6 @@ namespace elastogen {
 namespace {
 
 constexpr double kFull = 1 - 1e-9;  // fill that counts as full
-constexpr double kSomeFill = 1e-6;  // fill from which its own means are taken
 
 /// Shape-function means of a voxel from the integrals over what fills it.
 void set_means(const double* moment, double* means) {
@@ -23,65 +23,126 @@ void set_means(const double* moment, double* means) {
 }
 
 /// Sets fill and means of the border voxels; counts them.
-void fill_border(const CutBody& body, Voxelized& result) {
-  const BrickIndex index(result.grid.voxel_coord);
+/// @param shift  of the body's voxels along x.
+void fill_border(const CutBody& body, const BrickIndex& index, int32_t shift, Voxelized& result) {
   for (int64_t c = 0; c < body.cells.count(); ++c) {
     if (!body.kept[c]) continue;
     ++result.report.border_voxels;
     const double share = body.share(c);
+    Coord at = body.cells.coord[c];
+    at[0] += shift;
+    const int64_t v = index.find(at);
+    if (!result.grid.sheet.empty() && body.layer[c]) result.grid.sheet(v) = body.thickness;
     if (share > kFull) continue;
-    const int64_t v = index.find(body.cells.coord[c]);
-    result.report.thin_voxels += share < kMinFill;
-    result.grid.fill(v) = std::max(share, kMinFill);
-    set_means(share > kSomeFill ? body.fill.moment.row(c) : body.cells.area.row(c),
-              result.grid.shape_mean.row(v));
+    // a sheet's floor is that of a full layer of it
+    const double least = kMinFill * (body.layer[c] && body.thickness > 0 ? body.thickness : 1);
+    result.report.thin_voxels += share < least;
+    result.grid.fill(v) = std::max(share, least);
+    double moment[8];
+    body.moments(c, moment);
+    set_means(moment, result.grid.shape_mean.row(v));
   }
 }
 
-/// Volume in voxels: what the surface bounds, and a full voxel for each of a sheet's.
+/// Volume in voxels, of solids and layers.
 double total_volume(const CutBody& body) {
   double volume = body.fill.volume;
-  for (int64_t c = 0; c < body.cells.count(); ++c) {
-    if (!body.kept[c] || !body.layer[c]) continue;
-    volume += 1;
-    for (int k = 0; k < 8; ++k) volume -= body.fill.moment(c, k);
-  }
+  for (int64_t c = 0; c < body.cells.count(); ++c)
+    if (body.kept[c]) volume += body.layer_volume(c);
   return volume;
 }
 
-void add_findings(const CutBody& body, VoxelizeReport& report) {
+/// Volume of the sheets [voxels].
+double sheet_volume(const CutBody& body) {
+  if (body.thickness > 0) return body.sheet_area * body.thickness;
+  double volume = 0;
+  for (int64_t c = 0; c < body.cells.count(); ++c)
+    if (body.kept[c]) volume += body.layer_volume(c);
+  return volume;
+}
+
+/// What the findings say of the surface as a whole.
+struct Shape {
+  int64_t turned, triangles;
+  bool balanced;
+};
+
+void add_findings(const Shape& shape, const std::vector<CutBody>& bodies, VoxelizeReport& report) {
   const auto add = [&](const char* what, int64_t count, const std::string& text) {
     if (count > 0) report.findings.push_back({what, count, text});
   };
-  const auto triangles = static_cast<int64_t>(body.mesh.triangles.size());
-  const int64_t turned = body.mesh.turned;
-  const int64_t sheets = body.all_sheets ? triangles : body.mesh.sheets;
-  add("turned-faces", turned,
-      concat("of ", triangles, " faces do not agree with their neighbours"));
-  add("sheet", sheets, concat("of ", triangles, " faces bound no solid"));
-  add("winding-number", report.winding_number,
-      "the surface has holes, overlaps or faces wound both ways");
+  int64_t sheets = 0;
+  for (const CutBody& body : bodies) {
+    sheets += body.mesh.sheets;
+    report.winding_number |= body.winding_number;
+  }
+  add("turned-faces", shape.turned,
+      concat("of ", shape.triangles, " faces do not agree with their neighbours"));
+  add("sheet", sheets, concat("of ", shape.triangles, " faces bound no solid"));
+  if (shape.balanced)
+    add("overlaps", report.winding_number, "closed surfaces overlap, or some are inside out");
+  else
+    add("winding-number", report.winding_number, "the surface has holes or faces wound both ways");
+}
+
+/// The grid of bodies of which the k-th stands shift[k] voxels from its place along x.
+void fill_grid(const std::vector<CutBody>& bodies, const std::vector<int32_t>& shift,
+               const VoxelizeOptions& options, Voxelized& result) {
+  const double h = bodies[0].lattice.h, cube = h * h * h;
+  std::vector<int32_t> coords;
+  for (size_t k = 0; k < bodies.size(); ++k) {
+    Array<int32_t> some = bodies[k].voxels();
+    for (int64_t v = 0; v < some.rows(); ++v) some(v, 0) += shift[k];
+    coords.insert(coords.end(), some.data(), some.data() + some.size());
+  }
+  const auto count = int64_t(coords.size() / 3);
+  check_budget(count, h, options);
+  result.grid = make_grid(In<int32_t>{coords.data(), count, 3}, h, bodies[0].lattice.origin);
+  result.grid.volume = 0;
+  if (options.thickness > 0 && options.thickness < h) result.grid.sheet = Array<double>(count);
+  const BrickIndex index(result.grid.voxel_coord);
+  for (size_t k = 0; k < bodies.size(); ++k) {
+    result.report.sheet_volume += cube * sheet_volume(bodies[k]);
+    fill_border(bodies[k], index, shift[k], result);
+    if (!bodies[k].all_sheets || bodies[k].thickness > 0)
+      result.grid.volume += cube * total_volume(bodies[k]);
+  }
+  for (int64_t v = 0; v < result.grid.voxel_count(); ++v)
+    result.report.volume += cube * result.grid.fill(v);
 }
 
 }  // namespace
 
 Voxelized voxelize(const Surface& surface, const VoxelizeOptions& options) {
-  CutBody body = cut_body(surface, options);
   Voxelized result;
   VoxelizeReport& report = result.report;
-  report.closed = body.closed;
-  report.winding_number = body.winding_number;
-  report.dropped_slivers = drop_slivers(body);
+  CutBody whole = cut_body(surface, options);
+  report.dropped_slivers = drop_slivers(whole);
+  report.closed = whole.closed;
+  const Parts parts = find_parts(whole, options.part_pieces);
+  const Shape shape = {whole.mesh.turned, int64_t(whole.mesh.triangles.size()), whole.balanced};
 
-  const double h = body.lattice.h, cube = h * h * h;
-  const Array<int32_t> coords = body.voxels();
-  check_budget(coords.rows(), h, options);
-  result.grid = make_grid(coords, h, body.lattice.origin);
-  fill_border(body, result);
-  result.grid.volume = body.all_sheets ? 0 : cube * total_volume(body);
-  for (int64_t v = 0; v < result.grid.voxel_count(); ++v)
-    report.volume += cube * result.grid.fill(v);
-  add_findings(body, report);
+  std::vector<CutBody> bodies;
+  std::vector<int32_t> shift = {0};
+  if (options.part_pieces && parts.count > 1) {
+    bodies = cut_parts(whole, parts, options);
+    report.dropped_slivers = 0;
+    for (CutBody& body : bodies) report.dropped_slivers += drop_slivers(body);
+    shift = shifts_apart(bodies);
+    result.part = part_of_triangles(surface, whole.welded, parts);
+  } else {
+    const auto source = [&](int32_t t) {
+      return whole.welded.source[size_t(whole.welded_triangle(t))];
+    };
+    for (const PartGap& gap : parts.gaps)
+      report.gaps.push_back(
+          {{source(gap.triangle[0]), source(gap.triangle[1])}, gap.distance * whole.lattice.h});
+    whole.welded = {};
+    bodies.push_back(std::move(whole));
+  }
+  fill_grid(bodies, shift, options, result);
+  if (bodies.size() > 1) set_parts(bodies, std::move(shift), result.grid);
+  add_findings(shape, bodies, report);
   for (Finding& finding : check_grid(result.grid)) report.findings.push_back(std::move(finding));
   return result;
 }

@@ -19,6 +19,14 @@ struct VoxelizeOptions {
   int64_t max_memory = 0;  ///< [bytes], 0: no limit
   /// planes that a layer of nodes should lie in (pins, floor) [m]; the first of an axis wins
   std::optional<double> align[3] = {};
+  double thickness = 0;      ///< of sheets [m], 0: that of a voxel
+  bool part_pieces = false;  ///< pieces that do not touch share no node, however near they are
+};
+
+/// Two pieces of a surface nearer than their voxels can tell.
+struct PieceGap {
+  int64_t triangle[2];  ///< of the surface, one of each, where they are nearest
+  double distance;      ///< [m]
 };
 
 struct VoxelizeReport {
@@ -28,19 +36,24 @@ struct VoxelizeReport {
   int64_t thin_voxels = 0;        ///< filled by less than the floor of 0.02
   int64_t dropped_slivers = 0;    ///< voxels of slivers.hpp, not in the grid
   double volume = 0;              ///< of the fill [m^3]
+  double sheet_volume = 0;        ///< of the sheets in it [m^3]
+  std::vector<PieceGap> gaps;     ///< of pieces that the voxels join
   std::vector<Finding> findings;  ///< hinges, several pieces, ...
 };
 
 struct Voxelized {
   VoxelGrid grid;
   VoxelizeReport report;
+  Array<int32_t> part;  ///< of each triangle of the surface, -1 if unknown; empty: one part
 };
 
 /// Voxelises a surface: every voxel inside or touched by it is active, but for slivers that hold
 /// nothing together (slivers.hpp): what lies there goes with the nearest voxel. Fill fractions and
 /// shape-function means are exact integrals where the surface bounds a solid once, and follow from
 /// the winding number (inside: |w| > 1/2) where it is open, overlaps or is badly wound; sheets
-/// become layers of full voxels. Repeats to the bit on any threads.
+/// become layers of full voxels. Pieces nearer than about a voxel are joined by common nodes,
+/// unless options.part_pieces keeps them apart: then each part (parts.hpp) is cut and filled by
+/// itself. Repeats to the bit on any threads.
 /// @throws Error (resources) before any allocation if the voxel or memory budget would be
 ///         exceeded, saying how much is needed and which h would fit; (asset) if nothing is left
 ///         to simulate.

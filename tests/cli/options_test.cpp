@@ -50,6 +50,10 @@ gravity = "0, 0, -1 g0"
 [asset]
 file = "bunny.obj"
 h = "5 mm"
+part_pieces = true
+thickness = "2 mm"
+part_pieces = true
+thickness = "2 mm"
 up = "-z"
 splat_scales = "linear"
 grid = "density"
@@ -168,7 +172,8 @@ TEST(Options, ASceneSetsEveryOption) {
   EXPECT_EQ(o.max_voxels, 1'000'000);
   EXPECT_EQ(o.max_memory, 1 << 30);
   EXPECT_EQ(o.max_time, 120);
-  EXPECT_TRUE(o.strict && o.quiet && o.keyframe && o.glb_colliders);
+  EXPECT_TRUE(o.strict && o.quiet && o.keyframe && o.glb_colliders && o.part_pieces);
+  EXPECT_EQ(o.thickness, 0.002);
   EXPECT_EQ(o.glb_targets, 100);
   EXPECT_EQ(o.outputs, (std::vector<std::string>{"a.glb", "b.glb"}));
   EXPECT_EQ(o.state + o.log + o.report, "s.h5l.jsonr.json");

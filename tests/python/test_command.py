@@ -114,7 +114,34 @@ class Usage(Command):
     def test_nothing_moved_is_a_warning_with_its_cause(self) -> None:
         done = animate(self.source, self.output, "--voxels", 8, "--frames", 1, "--pin", "all")
         self.assertEqual(done.code, 0)
-        self.assertIn("pinned", done.err)
+        self.assertIn("every node is pinned", done.err)
+        self.assertIn("out.glb has no animation", done.err)
+        held = run("simulate", self.source, "--voxels", 4, "--frames", 1, "--hold", "all: y", "-o",
+                   self.output, "--quiet")
+        self.assertIn("pulls along y, along which every node is held", held.err)
+
+    def test_a_motion_too_small_to_see_is_said_with_its_size_and_a_larger_one_is_shown(
+            self) -> None:
+        cube = write_obj(self.folder / "cube.obj", *turned_box((1, 1, 1), (0, 0, 1), 0))
+        gravity, density = 9.81, 1100
+        for young, pinned, words in ((1e8, "y<1%", "underside is held"), (1e10, "x<1%", "stiff"),
+                                     (2e6, "y<1%", "")):
+            done = animate(cube, self.output, "--voxels", 6, "--frames", 4, "--pin", pinned,
+                           "--young", young)
+            self.assertEqual(done.code, 0)
+            document = read_document(self.output)
+            glb_check.check_animation(document)
+            first, last = (local_positions(document, t)[0, 0] for t in (0, 4))
+            motion = np.abs(last - first).max()
+            sag = density * gravity / (2 * young)  # of a column of 1 m that stands
+            if words:
+                self.assertRegex(done.err, f"hardly anything moved, .*{words}")
+                self.assertEqual("stiff" in done.err, "stiff" in words)
+                self.assertLess(motion, 1e-4)
+            else:
+                self.assertNotIn("moved", done.err)
+                self.assertGreater(motion, sag / 3)
+                self.assertLess(motion, 3 * sag)
 
 
 class Resources(Command):
