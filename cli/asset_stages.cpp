@@ -40,8 +40,7 @@ void take_findings(const Asset& asset, const Voxelized& voxels, Body& body, RunR
   report.asset.closed = voxels.report.closed;
   std::vector<Finding>& findings = report.asset.findings;
   findings.insert(findings.end(), voxels.report.findings.begin(), voxels.report.findings.end());
-  if (!voxels.report.gaps.empty())
-    findings.push_back(joined_pieces(asset, body.surface, voxels.report.gaps));
+  add_joined_pieces(asset, body.surface, voxels.report.gaps, findings);
 }
 
 VoxelizedAsset voxelize_asset(const AnimateOptions& options, RunReport& report) {
@@ -52,7 +51,9 @@ VoxelizedAsset voxelize_asset(const AnimateOptions& options, RunReport& report) 
   result.body = make_body(result.asset, options.size, resolution(options));
   report.asset = summary_of(result.asset, result.body, options);
   if (!report.asset.size.warning.empty()) report.warnings.push_back(report.asset.size.warning);
-  result.voxels = voxelize(result.body.surface, resolution(options));
+  VoxelizeOptions voxel_options = resolution(options);
+  voxel_options.shell = result.body.shell;
+  result.voxels = voxelize(result.body.surface, voxel_options);
   report.stage_seconds.voxelize = watch.seconds() - report.stage_seconds.read;
   take_findings(result.asset, result.voxels, result.body, report);
   report.voxels = result.voxels.grid.voxel_count();

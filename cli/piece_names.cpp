@@ -31,7 +31,9 @@ std::string name_at(const Asset& asset, const Surface& surface, int64_t triangle
   return "";
 }
 
-Finding joined_pieces(const Asset& asset, const Surface& surface, std::span<const PieceGap> gaps) {
+void add_joined_pieces(const Asset& asset, const Surface& surface, std::span<const PieceGap> gaps,
+                       std::vector<Finding>& findings) {
+  if (gaps.empty()) return;
   std::vector<PieceGap> nearest(gaps.begin(), gaps.end());
   std::ranges::stable_sort(nearest, {}, &PieceGap::distance);
   std::string text = "pairs of pieces are nearer than voxels can tell:";
@@ -46,7 +48,7 @@ Finding joined_pieces(const Asset& asset, const Surface& surface, std::span<cons
   if (nearest.size() > kShown) text += fmt::format(" and {} more", nearest.size() - kShown);
   text += fmt::format("; voxels of {:.2g} m would part them",
                       rounded_down(nearest[0].distance / (2 * std::sqrt(3.0))));
-  return {"joined-pieces", int64_t(nearest.size()), text};
+  findings.push_back({"joined-pieces", int64_t(nearest.size()), text});
 }
 
 }  // namespace elastogen

@@ -4,6 +4,7 @@
 #include "cli/asset_stages.hpp"
 #include "cli/boundary_option.hpp"
 #include "cli/collider_option.hpp"
+#include "cli/loose_pieces.hpp"
 #include "cli/region_option.hpp"
 #include "cli/stopwatch.hpp"
 #include "core/error.hpp"
@@ -140,9 +141,16 @@ void add_grid(const Asset& asset, const AnimateOptions& o, Setup& setup, RunRepo
   setup.body = make_body(asset, o.size, resolution(o));
   add_asset(asset, o, setup, report);
   const Surface& surface = setup.body.surface;
-  Voxelized voxelized = voxelize(surface, voxelize_options(o, setup.scene.colliders, surface.box));
+  VoxelizeOptions options = voxelize_options(o, setup.scene.colliders, surface.box);
+  options.shell = setup.body.shell;
+  Voxelized voxelized = voxelize(surface, options);
   take_findings(asset, voxelized, setup.body, report);
   setup.sheet_volume = voxelized.report.sheet_volume;
+  setup.sheet_thickness = voxelized.report.sheet_thickness;
+  if (setup.body.shell > 0 && o.thickness > setup.body.shell)
+    report.warnings.push_back(fmt::format(
+        "--thickness {:.4g} m: the shell around the points is {:.4g} m thick, and no thicker",
+        o.thickness, setup.body.shell));
   setup.scene.grid = std::move(voxelized.grid);
 }
 
@@ -230,6 +238,7 @@ Setup set_up(const Asset& asset, const AnimateOptions& o, const std::vector<Mate
   if (!scene.colliders.empty()) scene.surface = surface_points(scene.grid, setup.body.surface);
   for (const Collider& collider : scene.colliders) check_clear(scene, collider);
   add_time(o, setup);
+  judge_pieces(asset, setup, o, report);
   finish_scene(scene);
   add_summary(o, scene, report);
   report.stage_seconds.setup = watch.seconds() - report.stage_seconds.voxelize;
@@ -270,8 +279,11 @@ void print_setup(const Setup& setup, const AssetSummary& asset, const AnimateOpt
     fmt::print("{}: {}, E {:.4g} Pa, nu {:.4g}, rho {:.4g} kg/m^3\n", m.name, law_name(m.law),
                m.young, m.poisson, m.density);
   if (setup.sheet_volume > 0)
-    fmt::print("sheets of {:.4g} m ({}), {:.4g} kg\n", o.thickness > 0 ? o.thickness : scene.grid.h,
-               o.thickness > 0 ? "--thickness" : "a voxel; --thickness sets it",
+    fmt::print("{} of {:.4g} m ({}), {:.4g} kg\n", setup.body.shell > 0 ? "shell" : "sheets",
+               setup.sheet_thickness,
+               setup.sheet_thickness == o.thickness ? "--thickness"
+               : setup.body.shell > 0               ? "by its points; --thickness sets it"
+                                                    : "a voxel; --thickness sets it",
                scene.materials[0].density * setup.sheet_volume);
   if (o.fem && o.fem->statics) {
     fmt::print("static equilibrium\n");

@@ -22,8 +22,8 @@ struct Setup {
   std::optional<fem::ElementMesh> tets;
   Array<int32_t> node_of;  ///< with tets: node of each carried point, (points, 1)
   int substeps = 1;
-  double longest_edge = 0;  ///< of the asset [m]
-  double sheet_volume = 0;  ///< [m^3]
+  double longest_edge = 0;                       ///< of the asset [m]
+  double sheet_volume = 0, sheet_thickness = 0;  ///< of sheets and shells [m^3], [m]
   UpAxis up;
 };
 

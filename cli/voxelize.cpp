@@ -26,11 +26,16 @@ int voxelize(const VoxelizeTask& task) {
   write_vdb(task.output, grid, voxelized.body.surface.box.origin);
   report.peak_memory_bytes = peak_memory_bytes();
   if (!o.report.empty()) write_report(o.report, report);
+  const std::vector<Finding>& findings = report.asset.findings;
+  for (const std::string& note : finding_lines(findings, Severity::kNote))
+    if (!o.quiet) fmt::print("note: {}\n", note);
+  for (const std::string& warning : finding_lines(findings, Severity::kWarning))
+    fmt::print(stderr, "warning: {}\n", warning);
   for (const std::string& warning : report.warnings) fmt::print(stderr, "warning: {}\n", warning);
   if (!o.quiet)
     fmt::print("{} voxels of {:.4g} m, {} nodes, {} piece{}, volume {:.6g} m3\nwrote {}\n",
                grid.voxel_count(), grid.h, grid.node_count(), grid.pieces,
-               grid.pieces == 1 ? "" : "s", grid.volume, task.output);
+               grid.pieces == 1 ? "" : "s", voxelized.voxels.report.volume, task.output);
   return kExitDone;
 }
 

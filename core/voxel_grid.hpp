@@ -38,7 +38,7 @@ struct VoxelGrid {
   Array<double> shape_mean;  ///< mean of each corner's shape function over the fill, (voxels, 8),
                              ///< rows sum to 1, 1/8 in a full voxel
   double volume = 0;         ///< volume of the asset [m^3]; 0 where it has none (open sheets)
-  Array<double> sheet;       ///< thickness / h of the sheet in each voxel, 0 where there is none,
+  Array<double> sheet;       ///< thickness / h of the layer in each voxel, 0 where there is none,
                              ///< (voxels, 1); empty where no thickness was given
 
   /// How far a voxel stands from its place along x [voxels].

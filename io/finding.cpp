@@ -54,7 +54,7 @@ constexpr FindingKind kKinds[] = {
     {"floaters", kWarning, "the solid is built of the others; they move with what is nearest",
      "remove them from the file"},
     {"coarse", kWarning, "the solid is built with a wider spacing", "take fewer points"},
-    {"shell", kWarning, "filled as a shell", "scan it from all sides"},
+    {"shell", kWarning, "filled as a shell", "--thickness, or scan it from all sides"},
 
     {"carried-columns", kNote, "written to .ply outputs as they are, not to others", ""},
 

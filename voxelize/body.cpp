@@ -2,6 +2,7 @@
 #include "voxelize/body.hpp"
 
 #include "core/error.hpp"
+#include "core/vec3.hpp"
 #include "voxelize/from_points.hpp"
 #include "voxelize/from_splats.hpp"
 
@@ -40,6 +41,19 @@ double grain_of(const Asset& asset, const std::vector<Vec3>& points, double size
   return std::isfinite(h) ? h / 4 : 0;
 }
 
+/// Of a shell: twice its volume over its area.
+double mean_thickness(const Surface& surface) {
+  double volume = 0, area = 0;
+  for (int64_t t = 0; t < surface.triangles.rows(); ++t) {
+    Vec3 x[3];
+    for (int k = 0; k < 3; ++k)
+      std::copy_n(surface.vertices.row(surface.triangles(t, k)), 3, x[k].begin());
+    volume += dot(x[0], cross(x[1], x[2])) / 6;
+    area += norm(cross(minus(x[1], x[0]), minus(x[2], x[0]))) / 2;
+  }
+  return 2 * volume / area;
+}
+
 /// A body with the surface of a solid, scaled to metres.
 /// @param box  whose longest edge is to be `size`.
 Body scaled_body(const Asset& asset, const PointSolid& solid, const Box& box,
@@ -68,6 +82,7 @@ Body scaled_body(const Asset& asset, const PointSolid& solid, const Box& box,
                             " is not finite once it is scaled");
     }
   body.findings = solid.findings;
+  if (solid.is_shell) body.shell = mean_thickness(surface);
   return body;
 }
 

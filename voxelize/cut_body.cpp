@@ -13,6 +13,9 @@
 namespace elastogen {
 namespace {
 
+/// Of a layer [voxel edges]: a tilted sheet has an area of up to sqrt(3) in a voxel, which must
+/// hold its volume.
+constexpr double kThickestLayer = 0.5;
 constexpr double kNoVolume[2] = {1e-6, 0.1};  // mean fill of a surface around nothing: closed, open
 
 void check(const Surface& surface) {
@@ -105,7 +108,7 @@ void make_prism(CutBody& body, size_t t) {
   }
 }
 
-/// Makes prisms of sheets that are thicker than a voxel. Those of a flat sheet share their walls,
+/// Makes prisms of sheets that are thicker than a layer. Those of a flat sheet share their walls,
 /// and all together have the volume area times thickness.
 void thicken(CutBody& body) {
   std::vector<Role>& role = body.mesh.role;
@@ -183,7 +186,7 @@ CutBody cut_body(const Surface& surface, const VoxelizeOptions& options,
   body.mesh = make_lattice_mesh(welded, body.lattice);
   body.thickness = options.thickness / body.lattice.h;
   body.sheet_area = area_of_sheets(body.mesh);
-  const bool thick = body.thickness > 1;
+  const bool thick = body.thickness > kThickestLayer;
   if (thick && body.mesh.sheets > 0) thicken(body);
   body.cells = cut_surface(body.mesh);
   find_fill(body, options.max_voxels);

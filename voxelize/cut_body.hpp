@@ -21,8 +21,8 @@ struct CutBody {
   std::vector<uint8_t> layer;   ///< 1: part of a sheet, (cells)
   double thickness = 0;         ///< of sheets [voxel edges]; 0: layers are full voxels
   double sheet_area = 0;        ///< [voxel edges^2]
-  /// Triangle of the sheet of each triangle of mesh behind those of welded: sheets thicker than a
-  /// voxel are no layers but prisms.
+  /// Triangle of the sheet of each triangle of mesh behind those of welded: thick sheets
+  /// are no layers but prisms.
   std::vector<int32_t> prism_of;
 
   /// The triangle of welded that one of mesh is, or stands for.

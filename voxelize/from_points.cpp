@@ -256,13 +256,14 @@ PointSolid solid_of_points(const std::vector<Vec3>& all, const std::string& plac
     if (factor == 1 || is_closed) closing = std::move(next), voxel = size;
     if (is_closed) break;
   }
-  const int64_t lost = int64_t(closing.lost.size());
+  const auto lost = int64_t(closing.lost.size());
   if (double(lost) > 0.01 * double(cloud.points.size()))
     solid.findings.push_back({"shell", lost,
                               concat("of ", points.size(),
                                      " points enclose nothing: there the solid is a shell of "
                                      "thickness ",
                                      double(closing.erosion) * voxel, " in the file's numbers")});
+  solid.is_shell = double(lost) > 0.9 * double(cloud.points.size());
   erode(closing);
   Mesh3 mesh = mesh_of(*closing.distance);
   ELASTOGEN_CHECK_ASSET(!mesh.triangles.empty(), place, ": its points enclose nothing");

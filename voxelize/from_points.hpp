@@ -16,6 +16,7 @@ struct PointSolid {
   Array<double> vertices;    ///< (vertices, 3)
   Array<int32_t> triangles;  ///< closed, facing outwards, (triangles, 3)
   Box box;                   ///< of the points without floaters
+  bool is_shell = false;     ///< next to all points enclose nothing
   std::vector<Finding> findings;
 };
 

@@ -277,16 +277,19 @@ Asset read_vdb(const std::string& path, const std::string& grid) {
 
 void write_vdb(const std::string& path, const VoxelGrid& grid, const Vec3& place) {
   openvdb::initialize();
-  const auto fill = make_grid<openvdb::FloatGrid>(grid, place, "fill",
-                                                  [&](int64_t v) { return float(grid.fill(v)); });
-  fill->setGridClass(openvdb::GRID_FOG_VOLUME);
-  const auto piece = make_grid<openvdb::Int32Grid>(
-      grid, place, "piece", [&](int64_t v) { return grid.piece(grid.corners(v, 0)); });
   SafeFile safe(path);
   try {
+    const auto fill = make_grid<openvdb::FloatGrid>(grid, place, "fill",
+                                                    [&](int64_t v) { return float(grid.fill(v)); });
+    fill->setGridClass(openvdb::GRID_FOG_VOLUME);
+    const auto piece = make_grid<openvdb::Int32Grid>(
+        grid, place, "piece", [&](int64_t v) { return grid.piece(grid.corners(v, 0)); });
     openvdb::io::File file(safe.temporary());
     file.write(openvdb::GridCPtrVec{fill, piece});
     file.close();
+  } catch (const openvdb::ArithmeticError&) {
+    throw Error(concat(path, ": OpenVDB holds no voxels as small as ", grid.h, " m; give --size"),
+                ErrorKind::kUsage);
   } catch (const openvdb::Exception& error) {
     throw Error(concat("cannot write ", path, ": ", error.what()), ErrorKind::kResources);
   }

@@ -99,7 +99,7 @@ void fill_grid(const std::vector<CutBody>& bodies, const std::vector<int32_t>& s
   check_budget(count, h, options);
   result.grid = make_grid(In<int32_t>{coords.data(), count, 3}, h, bodies[0].lattice.origin);
   result.grid.volume = 0;
-  if (options.thickness > 0 && options.thickness < h) result.grid.sheet = Array<double>(count);
+  if (options.thickness > 0) result.grid.sheet = Array<double>(count);
   const BrickIndex index(result.grid.voxel_coord);
   for (size_t k = 0; k < bodies.size(); ++k) {
     result.report.sheet_volume += cube * sheet_volume(bodies[k]);
@@ -109,6 +109,23 @@ void fill_grid(const std::vector<CutBody>& bodies, const std::vector<int32_t>& s
   }
   for (int64_t v = 0; v < result.grid.voxel_count(); ++v)
     result.report.volume += cube * result.grid.fill(v);
+}
+
+/// Gives a shell the thickness that is asked for, by its fill: no more than it has.
+void thin_shell(const VoxelizeOptions& options, Voxelized& result) {
+  VoxelizeReport& report = result.report;
+  report.sheet_thickness = options.shell;
+  if (options.thickness > 0 && options.thickness < options.shell) {
+    report.sheet_thickness = options.thickness;
+    const double share = options.thickness / options.shell;
+    for (int64_t v = 0; v < result.grid.voxel_count(); ++v) {
+      result.grid.fill(v) *= share;
+      result.grid.sheet(v) = std::min(1.0, options.thickness / result.grid.h);
+    }
+    result.grid.volume *= share;
+    report.volume *= share;
+  }
+  report.sheet_volume = result.grid.volume;
 }
 
 }  // namespace
@@ -141,6 +158,9 @@ Voxelized voxelize(const Surface& surface, const VoxelizeOptions& options) {
     bodies.push_back(std::move(whole));
   }
   fill_grid(bodies, shift, options, result);
+  if (report.sheet_volume > 0)
+    report.sheet_thickness = options.thickness > 0 ? options.thickness : result.grid.h;
+  if (options.shell > 0) thin_shell(options, result);
   if (bodies.size() > 1) set_parts(bodies, std::move(shift), result.grid);
   add_findings(shape, bodies, report);
   for (Finding& finding : check_grid(result.grid)) report.findings.push_back(std::move(finding));

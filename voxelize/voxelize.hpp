@@ -19,7 +19,8 @@ struct VoxelizeOptions {
   int64_t max_memory = 0;  ///< [bytes], 0: no limit
   /// planes that a layer of nodes should lie in (pins, floor) [m]; the first of an axis wins
   std::optional<double> align[3] = {};
-  double thickness = 0;      ///< of sheets [m], 0: that of a voxel
+  double thickness = 0;      ///< of sheets and shells [m], 0: that of a voxel, and of the shell
+  double shell = 0;          ///< thickness of a surface that is a shell around points [m], else 0
   bool part_pieces = false;  ///< pieces that do not touch share no node, however near they are
 };
 
@@ -36,7 +37,8 @@ struct VoxelizeReport {
   int64_t thin_voxels = 0;        ///< filled by less than the floor of 0.02
   int64_t dropped_slivers = 0;    ///< voxels of slivers.hpp, not in the grid
   double volume = 0;              ///< of the fill [m^3]
-  double sheet_volume = 0;        ///< of the sheets in it [m^3]
+  double sheet_thickness = 0;     ///< of sheets, or of the shell [m]; 0: there is none
+  double sheet_volume = 0;        ///< of them [m^3]
   std::vector<PieceGap> gaps;     ///< of pieces that the voxels join
   std::vector<Finding> findings;  ///< hinges, several pieces, ...
 };
@@ -51,7 +53,8 @@ struct Voxelized {
 /// nothing together (slivers.hpp): what lies there goes with the nearest voxel. Fill fractions and
 /// shape-function means are exact integrals where the surface bounds a solid once, and follow from
 /// the winding number (inside: |w| > 1/2) where it is open, overlaps or is badly wound; sheets
-/// become layers of full voxels. Pieces nearer than about a voxel are joined by common nodes,
+/// become layers, full voxels or as thick as options.thickness says. A shell that is to be thinner
+/// than it is has its fill scaled. Pieces nearer than about a voxel are joined by common nodes,
 /// unless options.part_pieces keeps them apart: then each part (parts.hpp) is cut and filled by
 /// itself. Repeats to the bit on any threads.
 /// @throws Error (resources) before any allocation if the voxel or memory budget would be
