@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 BINARY = os.environ["ELASTOGEN_BINARY"]
+ROUND_TRIP = os.environ.get("ELASTOGEN_ROUND_TRIP", str(Path(BINARY).parent / "round_trip"))
 CODES = {0, 2, 3, 4, 5, 6, 7, 130, 143}  # docs/user_guide.md
 
 Floats = NDArray[np.float64]
@@ -44,6 +45,13 @@ def run(*arguments: object, timeout: float = 120) -> Run:
 def animate(source: Path, output: Path, *options: object, timeout: float = 120) -> Run:
     """`elastogen animate SOURCE OPTIONS -o OUTPUT --quiet`."""
     return run("animate", source, *options, "-o", output, "--quiet", timeout=timeout)
+
+
+def round_trip(path: Path) -> str:
+    """What two libraries of others see differently in a GLB, or ""."""
+    done = subprocess.run([ROUND_TRIP, path], capture_output=True, timeout=60, check=False,
+                          text=True, errors="replace")
+    return done.stderr if done.returncode else ""
 
 
 def turned_box(edges: Sequence[float], axis: Sequence[float], degrees: float) -> tuple[

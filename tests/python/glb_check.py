@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+import gltf_rules
 from glb_file import (ANIMATION, CERTIFICATE, TRIANGLES, Document, channels, frame_count, record, require,
                       world_matrices)
 
@@ -203,6 +204,7 @@ def check_animation(document: Document, most: int = 64) -> None:
     check_accessors(document)
     check_meshes(document)
     check_images(document)
+    gltf_rules.check_rules(document)
     times, shown = check_record(document), world_matrices(document)
     found = channels(document)
     targets = [(node, path) for node, path, _ in found]

@@ -23,7 +23,7 @@ import numpy as np
 
 import glb_check
 import kept
-from command import Run, animate
+from command import Run, animate, round_trip
 from command import run as run_command
 from glb_file import Document, GlbError, frame_count, read_document, world_positions
 from point_cache import compare, longest_edge, read_pc2
@@ -125,6 +125,8 @@ def check_animated(source: Path, output: Path, frames: int) -> str:
         kept.check_kept(source, document)
     except GlbError as error:
         return f"the output is wrong: {error}"
+    if seen := round_trip(output):
+        return f"others read the output otherwise: {seen}"
     found = frame_count(document)
     if found != frames + 1:
         return f"{found} frames are in the output, not {frames + 1}"
