@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""GLB files packed by Draco and by meshopt, written by hand after the formats' specifications."""
+"""GLB files packed by Draco and by meshopt, written by hand after the formats' specifications, and
+one of a scene."""
 
 from __future__ import annotations
 
@@ -8,7 +9,7 @@ import struct
 import numpy as np
 from numpy.typing import NDArray
 
-from command import glb_bytes
+from command import glb_bytes, glb_parts, turned_box
 
 # a tetrahedron
 POSITION = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], "<f4")
@@ -39,6 +40,40 @@ def document(extension: str, packed: bool) -> dict[str, object]:
             "nodes": [{"mesh": 0}], "meshes": [{"primitives": [primitive]}],
             "accessors": accessors(packed), "extensionsUsed": [extension],
             "extensionsRequired": [extension]}
+
+
+def scene_glb() -> bytes:
+    """The box with a morph target, in three instances, hidden once; a camera has an animation."""
+    document, data = glb_parts(*turned_box((0.3, 0.2, 0.1), (1, 2, 3), 25))
+    rows = {"VEC3": [np.full((8, 3), 0.01), [[0, 0, 0], [1, 0, 0], [2, 0, 0]],
+                     [[0, 0, 0], [0, 1, 0]]],
+            "VEC4": [[[0, 0, 0, 1], [0, 0, 0.6, 0.8], [1, 0, 0, 0]]], "SCALAR": [[[0], [1]]]}
+    for kind, arrays in rows.items():
+        for array in arrays:
+            values = np.asarray(array, "<f4")
+            document["bufferViews"].append(
+                {"buffer": 0, "byteOffset": len(data), "byteLength": values.nbytes})
+            document["accessors"].append({
+                "bufferView": len(document["bufferViews"]) - 1, "componentType": 5126,
+                "count": len(values), "type": kind, "min": values.min(0).tolist(),
+                "max": values.max(0).tolist()})
+            data += values.tobytes()
+    mesh = document["meshes"][0]
+    mesh["primitives"][0]["targets"] = [{"POSITION": 2}]
+    mesh["primitives"].append(mesh["primitives"][0] | {"mode": 1})  # as lines
+    mesh["weights"] = [0.5]
+    instances = {"attributes": {"TRANSLATION": 3, "ROTATION": 5}}
+    document["nodes"] = [
+        {"mesh": 0, "weights": [1], "extensions": {"EXT_mesh_gpu_instancing": instances}},
+        {"mesh": 0, "extensions": {"KHR_node_visibility": {"visible": False}}},
+        {"camera": 0}, {"mesh": 0, "scale": [1, 0, 1]}]
+    document["scenes"] = [{"nodes": [0, 1, 2, 3]}]
+    document["cameras"] = [{"type": "perspective", "perspective": {"yfov": 1, "znear": 0.1}}]
+    document["animations"] = [{"samplers": [{"input": 6, "output": 4}], "channels": [
+        {"sampler": 0, "target": {"node": node, "path": "translation"}} for node in (0, 2)]}]
+    document["extensionsUsed"] = ["EXT_mesh_gpu_instancing", "KHR_node_visibility"]
+    document["buffers"][0]["byteLength"] = len(data)
+    return glb_bytes(document, data)
 
 
 def draco_glb() -> bytes:

@@ -20,7 +20,7 @@ os.environ.setdefault("ELASTOGEN_BINARY", "")  # command.py asks for it; nothing
 from command import (Floats, glb_bytes, glb_parts, turned_box, write_obj,  # noqa: E402
                      write_ply, write_stl)
 
-from packed_seeds import draco_glb, meshopt_glb  # noqa: E402
+from packed_seeds import draco_glb, meshopt_glb, scene_glb  # noqa: E402
 from tet_seeds import TET_WORDS, tet_seeds  # noqa: E402
 
 POSITION, FACES = turned_box((0.3, 0.12, 0.1), (1, 2, 3), 25)
@@ -62,6 +62,8 @@ WORDS = {
              "SCALAR VEC2 VEC3 VEC4 MAT4 normalized sparse values buffers buffer uri skins skin "
              "joints inverseBindMatrices matrix translation rotation scale extensions "
              "extensionsUsed extensionsRequired KHR_draco_mesh_compression "
+             "EXT_mesh_gpu_instancing TRANSLATION ROTATION SCALE KHR_node_visibility visible weights "
+             "animations channels samplers sampler target input output path "
              "EXT_meshopt_compression KHR_mesh_quantization filter OCTAHEDRAL QUATERNION "
              "EXPONENTIAL ATTRIBUTES TRIANGLES INDICES fallback images animations "
              "data:application/octet-stream;base64,").split(),
@@ -361,7 +363,7 @@ def seeds_of(harness: str) -> list[bytes]:
         "off": lambda: [b"OFF\n8 6 0\n" + "".join(
             [f"{x} {y} {z}\n" for x, y, z in POSITION] +
             [" ".join(map(str, [4, *f])) + "\n" for f in FACES]).encode()],
-        "gltf": lambda: [box, skinned_glb(), quantized_glb(), draco_glb(), meshopt_glb()],
+        "gltf": lambda: [box, skinned_glb(), quantized_glb(), draco_glb(), meshopt_glb(), scene_glb()],
         "xyz": lambda: [lines.encode(), b"120\n" + lines.encode()],
         "pcd": pcd_seeds, "las": las_seeds, "splat": splat_seeds, "spz": spz_seeds,
         "assimp": lambda: [b"\3" + X_FILE, b"\4" + AC_FILE],

@@ -6,6 +6,7 @@
 
 #include "tests/fuzz/harness.hpp"
 #include "voxelize/embedding.hpp"
+#include "voxelize/labels.hpp"
 
 #include <cmath>
 #include <cstddef>
@@ -37,8 +38,8 @@ Asset asset_of(const uint8_t* data, size_t size) {
   return asset;
 }
 
-VoxelGrid check_voxels(const Surface& surface) {
-  const Voxelized v = voxelize(surface, {.voxels = 12, .max_voxels = 20000});
+Voxelized check_voxels(const Surface& surface, const VoxelizeOptions& options) {
+  Voxelized v = voxelize(surface, options);
   require(v.grid.voxel_count() > 0, "a grid has voxels");
   for (int64_t i = 0; i < v.grid.voxel_count(); ++i) {
     require(v.grid.fill(i) > 0 && v.grid.fill(i) <= 1, "a fill lies in (0, 1]");
@@ -49,14 +50,20 @@ VoxelGrid check_voxels(const Surface& surface) {
     }
     require(std::abs(sum - 1) < 1e-9, "the means of a voxel sum to 1");
   }
-  return v.grid;
+  require(v.part.empty() == v.grid.part.empty(), "parts of triangles are parts of the grid");
+  return v;
 }
 
 void check_embedding(const VoxelGrid& grid, const Surface& surface) {
-  const Embedding embedding = embed(grid, surface.vertices);
+  Body body;
+  body.surface = surface;
+  body.carried = surface.vertices;
+  const Array<int32_t> part = parts_of_carried(body);
+  const Embedding embedding = embed(grid, surface.vertices, part);
   for (int64_t p = 0; p < embedding.voxel.rows(); ++p) {
     require(embedding.voxel(p) >= 0 && embedding.voxel(p) < grid.voxel_count(),
             "a vertex lies in a voxel");
+    require(part.empty() || grid.part(embedding.voxel(p)) == part(p), "of its part");
     double sum = 0;
     for (int c = 0; c < 8; ++c) sum += embedding.weights(p, c);
     require(std::abs(sum - 1) < 1e-9, "the weights of a vertex sum to 1");
@@ -70,8 +77,14 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace elastogen;
   if (size < 2) return 0;
   try {
-    const Surface surface = pose_surface(asset_of(data, size));
-    check_embedding(check_voxels(surface), surface);
+    Surface surface = pose_surface(asset_of(data, size));
+    VoxelizeOptions options{.voxels = 12, .max_voxels = 20000};
+    options.part_pieces = data[0] & 8;
+    if (data[0] & 16)  // up to two voxels
+      options.thickness = (1 + data[0] / 32) * surface.box.extent(0) / 48;
+    const Voxelized v = check_voxels(surface, options);
+    surface.part = v.part;
+    check_embedding(v.grid, surface);
   } catch (const Error& error) {
     const bool expected =
         error.kind() == ErrorKind::kAsset || error.kind() == ErrorKind::kResources;
