@@ -124,7 +124,7 @@ struct Surface {
   Array<double> vertices;    ///< [m], (vertices, 3)
   Array<int32_t> triangles;  ///< (triangles, 3)
   Array<int32_t> material;   ///< asset material of each triangle, -1 for none, (triangles, 1)
-  Array<int32_t> part;       ///< of each triangle where pieces are kept apart (voxelize), else empty
+  Array<int32_t> part;  ///< of each triangle where pieces are kept apart (voxelize), else empty
   std::vector<SurfaceInstance> instances;
   double scale = 1;  ///< metres per file unit that was applied (--size)
   PlacedBox box;     ///< of the vertices that triangles use [m]

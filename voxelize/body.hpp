@@ -12,7 +12,7 @@ namespace elastogen {
 struct Body {
   Surface surface;        ///< [m]; for points and splats made from them
   Array<double> carried;  ///< vertices, points or splats of the asset [m], (points, 3)
-  double shell = 0;         ///< thickness of a solid that is a shell around points [m], else 0
+  double shell = 0;       ///< thickness of a solid that is a shell around points [m], else 0
   bool is_asset = true;   ///< the surface is the asset's own: carried are its vertices
   std::vector<Finding> findings;
 };
