@@ -35,7 +35,8 @@ int voxelize(const VoxelizeTask& task) {
   if (!o.quiet)
     fmt::print("{} voxels of {:.4g} m, {} nodes, {} piece{}, volume {:.6g} m3\nwrote {}\n",
                grid.voxel_count(), grid.h, grid.node_count(), grid.pieces,
-               grid.pieces == 1 ? "" : "s", voxelized.voxels.report.volume, task.output);
+               grid.pieces == 1 ? "" : "s",
+               grid.volume > 0 ? grid.volume : voxelized.voxels.report.volume, task.output);
   return kExitDone;
 }
 

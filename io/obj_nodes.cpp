@@ -68,7 +68,7 @@ class ObjMeshes {
         if (!seen[p]) used.push_back(int32_t(p));
     }
     std::ranges::sort(used);
-    used.erase(std::ranges::unique(used).begin(), used.end());
+    used.erase(std::unique(used.begin(), used.end()), used.end());
     return used;
   }
 

@@ -8,6 +8,7 @@
 #include "io/gltf_meshopt.hpp"
 #include "io/gltf_model.hpp"
 #include "io/gltf_morph.hpp"
+#include "io/gltf_normals.hpp"
 #include "io/gltf_quantized.hpp"
 #include "io/gltf_skin.hpp"
 
@@ -94,6 +95,7 @@ GltfSource plain_gltf(GltfSource source, std::vector<Finding>& findings) {
     free_roots(edit.json, findings);
     bake_morph_weights(edit, findings);
     pose_skins(edit, findings);
+    mend_gltf_normals(edit, findings);
     drop_extensions(edit.json);
     return edit.finished();
   } catch (const nlohmann::json::exception& failure) {

@@ -30,7 +30,7 @@ std::string numbered(const char* name, size_t count) {
   return text;
 }
 
-constexpr const char* kTypeNames[] = {"char", "uchar", "short", "ushort",
+constexpr const char* kWrittenTypes[] = {"char", "uchar", "short", "ushort",
                                       "int",  "uint",  "float", "double"};
 
 class PlyWriter : public AnimationWriter {
@@ -94,7 +94,7 @@ class PlyWriter : public AnimationWriter {
     for (const OwnColumns::Column& column : own()->columns) {
       std::string name = column.name;
       while ((before + text).find(concat(' ', name, '\n')) != text.npos) name = "own_" + name;
-      text += concat("property ", kTypeNames[int(column.type)], ' ', name, '\n');
+      text += concat("property ", kWrittenTypes[int(column.type)], ' ', name, '\n');
     }
     return text;
   }

@@ -169,5 +169,41 @@ TEST_F(GltfSteps, AnimationsOfWhatIsNotSimulatedAreKept) {
   EXPECT_EQ(animations[1]["samplers"], Json::array({sampler}));
 }
 
+TEST_F(GltfSteps, NormalsGetTheLengthOneInTheOutputToo) {
+  for (const int mode : {4, 5, 6}) {
+    Builder builder = triangle();
+    Json& primitive = builder.document["meshes"][0]["primitives"][0];
+    primitive["mode"] = mode;
+    primitive["attributes"]["NORMAL"] = builder.add_vectors({0, 0.6f, 1.6f, 0, 0, 0, 0, 0, 1.005f});
+    const Asset asset = read(builder);
+    ASSERT_TRUE(finding_of(asset, "zero-normals"));
+    EXPECT_EQ(finding_of(asset, "zero-normals")->count, 1);
+    EXPECT_EQ(finding_of(asset, "long-normals")->count, 1);
+    expect_says(finding_of(asset, "long-normals")->text, "meshes[0].primitives[0]");
+    const auto& normal = asset.meshes[0].normal;
+    ASSERT_EQ(normal.size(), 3u);
+    for (const auto& n : normal) EXPECT_NEAR(std::hypot(n[0], n[1], n[2]), 1, 1e-6);
+    EXPECT_NEAR(normal[0][1] / normal[0][2], 0.375, 1e-6);
+    EXPECT_NEAR(normal[1][2], 1, 1e-6);  // of the triangle, which runs from x to y
+    const GlbFile file = animate(asset, pose_surface(asset), {});
+    const int written = file.mesh_of(0)["primitives"][0]["attributes"]["NORMAL"];
+    for (const std::vector<double>& n : file.floats(written))
+      EXPECT_NEAR(std::hypot(n[0], n[1], n[2]), 1, 1e-6);
+  }
+  Builder rounded = triangle();
+  rounded.document["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] =
+      rounded.add_vectors({0, 0, 1.005f, 0, 0, 1, 0, 0, 0.995f});
+  const Asset asset = read(rounded);
+  EXPECT_FALSE(finding_of(asset, "long-normals"));
+  EXPECT_EQ(asset.meshes[0].normal[0][2], 1.005f);
+}
+
+TEST_F(GltfSteps, RefusesNormalsThatDoNotFit) {
+  Builder builder = triangle();
+  Json& attributes = builder.document["meshes"][0]["primitives"][0]["attributes"];
+  attributes["NORMAL"] = builder.add<float>({0, 0, 0, 0, 0, 0}, "VEC2", 5126, 3);
+  expect_says(error_of([&] { read(builder); }), "meshes[0].primitives[0]");
+}
+
 }  // namespace
 }  // namespace elastogen

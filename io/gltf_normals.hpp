@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// Normals of a glTF document that are none.
+
+#pragma once
+
+#include "io/gltf_edit.hpp"
+
+namespace elastogen {
+
+/// Gives the normals of triangles the length one, for the solver and for the output. One of length
+/// zero is that of the faces around it, or (0, 0, 1). Rounding of files is neither counted nor
+/// changed: primitives whose normals are off by 1e-2 at most stay as they are.
+/// @throws Error (asset) naming the primitive whose normals do not fit its positions.
+void mend_gltf_normals(GltfEdit& edit, std::vector<Finding>& findings);
+
+}  // namespace elastogen
