@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include "io/finding.hpp"
 #include "io/gltf_edit.hpp"
 
 namespace elastogen {

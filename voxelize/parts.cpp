@@ -14,29 +14,24 @@
 namespace elastogen {
 namespace {
 
-constexpr int32_t kSeveral = -1;
-
-double box_gap2(const Box& a, const Box& b) {
-  double sum = 0;
-  for (size_t d = 0; d < 3; ++d) {
-    const double gap = std::max({a.lower[d] - b.upper[d], b.lower[d] - a.upper[d], 0.0});
-    sum += gap * gap;
-  }
-  return sum;
-}
-
 bool holds(const Box& outer, const Box& inner) {
   for (size_t d = 0; d < 3; ++d)
     if (inner.lower[d] < outer.lower[d] || inner.upper[d] > outer.upper[d]) return false;
   return true;
 }
 
+/// Triangles that are known to be of one part, while parts are found.
+struct Member {
+  std::vector<int32_t> triangles;
+  std::optional<TriangleBoxes> boxes;           ///< once they are asked
+  std::optional<WindingNumber> winding_number;  ///< of its solids, once it is asked
+};
+
 class PartFinder {
  public:
   explicit PartFinder(const CutBody& body)
       : mesh_(body.mesh), cells_(body.cells), kept_(body.kept), sets_(mesh_.triangles.size()) {
-    const double touch = body.welded.tolerance / body.lattice.h;
-    touch2_ = touch * touch;
+    touch_ = body.welded.tolerance / body.lattice.h;
     std::vector<int32_t> first(size_t(body.welded.vertices.rows()), -1);
     for (int32_t t = 0; t < int32_t(mesh_.triangles.size()); ++t) {
       const int32_t* corner = body.welded.triangles.row(body.welded_triangle(t));
@@ -50,25 +45,20 @@ class PartFinder {
 
   Parts find(bool all) {
     if (single()) return numbered();
-    boxes_.resize(mesh_.triangles.size());
-    for (size_t t = 0; t < boxes_.size(); ++t)
-      for (const Vec3& p : corners(int32_t(t))) boxes_[t].add(p);
-    visit_neighbours();
-    join_contained(all);
+    visit_neighbours([this](int64_t a, int64_t b) { join_joint(a, b); });
+    collect_members();
+    visit_neighbours([this](int64_t a, int64_t b) { note_pairs(a, b); });
+    for (auto& [pair, gap] : near_) judge(pair, gap);
+    if (all) join_contained();
     return numbered();
   }
 
  private:
-  using Pair = std::pair<int32_t, int32_t>;
+  using Pair = std::pair<int32_t, int32_t>;  // of members
 
-  /// The smallest gap of two sets, squared, and whether voxels of theirs share a node.
   struct Near {
-    PartGap gap;
-    bool joined = false;
-    void take(const Near& other) {
-      joined |= other.joined;
-      if (other.gap.distance < gap.distance) gap = other.gap;
-    }
+    bool joined = false;         ///< voxels of theirs share a node
+    std::optional<PartGap> gap;  ///< unless they are one part
   };
 
   bool single() {
@@ -84,93 +74,78 @@ class PartFinder {
             mesh_.vertices[size_t(c[2])]};
   }
 
-  /// The set of all triangles in a cell, kSeveral if there are several.
-  int32_t set_of(int64_t cell) {
-    const int32_t root = sets_.root(cells_.triangle[size_t(cells_.first[size_t(cell)])]);
-    for (int64_t i = cells_.first[size_t(cell)]; i < cells_.first[size_t(cell) + 1]; ++i)
-      if (sets_.root(cells_.triangle[size_t(i)]) != root) return kSeveral;
-    return root;
-  }
-
-  /// Compares each cell with itself and those that share a node with it.
-  void visit_neighbours() {
+  /// Calls visit(a, b) for each cell with itself and with those behind it that share a node.
+  template <class Visit>
+  void visit_neighbours(const Visit& visit) {
     const auto key = [](const Coord& c) {
       constexpr uint64_t kOffset = uint64_t{1} << 20;
       return (uint64_t(c[2]) + kOffset) << 42 | (uint64_t(c[1]) + kOffset) << 21 |
              (uint64_t(c[0]) + kOffset);
     };
-    std::unordered_map<uint64_t, int64_t> place;
-    std::vector<int32_t> set;
-    for (int64_t c = 0; c < cells_.count(); ++c) {
-      place.emplace(key(cells_.coord[size_t(c)]), c);
-      set.push_back(set_of(c));
-    }
+    if (place_.empty())
+      for (int64_t c = 0; c < cells_.count(); ++c) place_.emplace(key(cells_.coord[size_t(c)]), c);
     for (int64_t c = 0; c < cells_.count(); ++c)
-      for (int k = 13; k < 27; ++k) {  // this cell and those behind it
+      for (int k = 13; k < 27; ++k) {
         const Coord& at = cells_.coord[size_t(c)];
         const auto found =
-            place.find(key({at[0] + k % 3 - 1, at[1] + k / 3 % 3 - 1, at[2] + k / 9 - 1}));
-        if (found == place.end()) continue;
-        const int64_t other = found->second;
-        for (const int64_t cell : {c, other})
-          if (set[size_t(cell)] == kSeveral) set[size_t(cell)] = set_of(cell);
-        const bool one = set[size_t(c)] != kSeveral && set[size_t(other)] != kSeveral &&
-                         sets_.root(set[size_t(c)]) == sets_.root(set[size_t(other)]);
-        if (!one) compare(c, other);
+            place_.find(key({at[0] + k % 3 - 1, at[1] + k / 3 % 3 - 1, at[2] + k / 9 - 1}));
+        if (found != place_.end()) visit(c, found->second);
       }
   }
 
-  void compare(int64_t a, int64_t b) {
-    const bool joined = kept_[size_t(a)] && kept_[size_t(b)];
-    for (int64_t i = cells_.first[size_t(a)]; i < cells_.first[size_t(a) + 1]; ++i)
-      for (int64_t j = cells_.first[size_t(b)]; j < cells_.first[size_t(b) + 1]; ++j)
-        compare(cells_.triangle[size_t(i)], cells_.triangle[size_t(j)], joined);
+  /// Triangles that bound a solid only together are of one part where they are near.
+  void join_joint(int64_t a, int64_t b) {
+    if (mesh_.joint.empty()) return;
+    int32_t one = -1;
+    for (const int64_t c : {a, b})
+      for (int64_t i = cells_.first[size_t(c)]; i < cells_.first[size_t(c) + 1]; ++i) {
+        const int32_t t = cells_.triangle[size_t(i)];
+        if (!mesh_.joint[size_t(t)]) continue;
+        if (one < 0) one = t;
+        sets_.join(one, t, false);
+      }
   }
 
-  /// Joins two triangles that touch; keeps their distance where their voxels are joined.
-  void compare(int32_t s, int32_t t, bool joined) {
-    const int32_t root_s = sets_.root(s), root_t = sets_.root(t);
-    if (root_s == root_t) return;
-    if (!mesh_.joint.empty() && mesh_.joint[size_t(s)] && mesh_.joint[size_t(t)]) {
-      sets_.join(s, t, false);
-      return;
-    }
-    Near& near = gaps_.try_emplace(std::minmax(root_s, root_t), Near{{{s, t}, kFar}}).first->second;
-    near.joined |= joined;
-    if (box_gap2(boxes_[size_t(s)], boxes_[size_t(t)]) > near.gap.distance) return;
-    const double gap2 = triangle_gap2(corners(s).data(), corners(t).data());
-    near.take({{{s, t}, gap2}});
-    if (gap2 <= touch2_) sets_.join(s, t, false);
-  }
-
-  /// A set as it is before those within others join these.
-  struct Member {
-    Box box;
-    std::vector<int32_t> triangles;
-    std::optional<WindingNumber> winding_number;  ///< of its solids, once it is asked
-  };
-
-  std::vector<Member> members() {
-    std::vector<Member> list;
+  void collect_members() {
+    member_of_.assign(mesh_.triangles.size(), -1);
     std::vector<int32_t> number(mesh_.triangles.size(), -1);
     for (size_t t = 0; t < mesh_.triangles.size(); ++t) {
       int32_t& n = number[size_t(sets_.root(int32_t(t)))];
       if (n < 0) {
-        n = int32_t(list.size());
-        list.emplace_back();
+        n = int32_t(members_.size());
+        members_.emplace_back();
       }
-      Member& member = list[size_t(n)];
-      member.box.add(boxes_[t].lower);
-      member.box.add(boxes_[t].upper);
-      member.triangles.push_back(int32_t(t));
+      member_of_[t] = n;
+      members_[size_t(n)].triangles.push_back(int32_t(t));
     }
-    return list;
+    for (int64_t c = 0; c < cells_.count(); ++c) {
+      std::vector<int32_t>& in = members_in_.emplace_back();
+      for (int64_t i = cells_.first[size_t(c)]; i < cells_.first[size_t(c) + 1]; ++i)
+        in.push_back(member_of_[size_t(cells_.triangle[size_t(i)])]);
+      std::ranges::sort(in);
+      in.erase(std::unique(in.begin(), in.end()), in.end());
+    }
   }
 
-  bool is_within(Member& outer, const Member& inner) {
-    const int32_t first = inner.triangles[0];
-    if (!holds(outer.box, inner.box) || sets_.root(outer.triangles[0]) == sets_.root(first))
-      return false;
+  void note_pairs(int64_t a, int64_t b) {
+    const bool joined = kept_[size_t(a)] && kept_[size_t(b)];
+    for (const int32_t m : members_in_[size_t(a)])
+      for (const int32_t n : members_in_[size_t(b)])
+        if (m != n) near_[std::minmax(m, n)].joined |= joined;
+  }
+
+  const TriangleBoxes& boxes(Member& member) {
+    if (!member.boxes) {
+      std::vector<std::array<Vec3, 3>> triangles;
+      for (const int32_t t : member.triangles) triangles.push_back(corners(t));
+      member.boxes.emplace(std::move(triangles));
+    }
+    return *member.boxes;
+  }
+
+  /// Whether a part of the second one lies within the solids of the first.
+  bool is_within(Member& outer, Member& inner) {
+    if (!holds(boxes(outer).whole(), boxes(inner).whole())) return false;
     if (!outer.winding_number) {
       std::vector<WindingNumber::Triangle> solid;
       for (const int32_t t : outer.triangles) {
@@ -179,28 +154,29 @@ class PartFinder {
       }
       outer.winding_number.emplace(std::move(solid));
     }
-    return std::abs((*outer.winding_number)(corners(first)[0])) > 0.5;
+    return std::abs((*outer.winding_number)(corners(inner.triangles[0])[0])) > 0.5;
   }
 
-  /// Joins what lies within another set to it.
-  /// @param all  also where the two have no gap that was measured.
-  void join_contained(bool all) {
-    std::vector<Member> list = members();
-    std::vector<int32_t> number(mesh_.triangles.size());
-    for (size_t n = 0; n < list.size(); ++n)
-      for (const int32_t t : list[n].triangles) number[size_t(t)] = int32_t(n);
-    std::vector<Pair> pairs;
-    for (const auto& [pair, near] : gaps_) {
-      const int32_t a = number[size_t(pair.first)], b = number[size_t(pair.second)];
-      if (!all) pairs.insert(pairs.end(), {{a, b}, {b, a}});
+  /// Joins two members, or keeps their gap.
+  void judge(const Pair& pair, Near& near) {
+    Member &a = members_[size_t(pair.first)], &b = members_[size_t(pair.second)];
+    if (sets_.root(a.triangles[0]) == sets_.root(b.triangles[0])) return;
+    bool one = is_within(a, b) || is_within(b, a);
+    if (!one) {
+      const TriangleGap gap = nearest(boxes(a), boxes(b), touch_);
+      one = gap.distance <= touch_;
+      near.gap = {{a.triangles[size_t(gap.first)], b.triangles[size_t(gap.second)]}, gap.distance};
     }
-    for (int32_t a = 0; all && a < int32_t(list.size()); ++a)
-      for (int32_t b = 0; b < int32_t(list.size()); ++b)
-        if (holds(list[size_t(a)].box, list[size_t(b)].box)) pairs.emplace_back(a, b);
-    for (const auto& [a, b] : pairs) {
-      Member &outer = list[size_t(a)], &inner = list[size_t(b)];
-      if (is_within(outer, inner)) sets_.join(outer.triangles[0], inner.triangles[0], false);
-    }
+    if (one) sets_.join(a.triangles[0], b.triangles[0], false);
+  }
+
+  /// Joins what lies within another member, however far from its surface.
+  void join_contained() {
+    for (Member& outer : members_)
+      for (Member& inner : members_)
+        if (&outer != &inner && sets_.root(outer.triangles[0]) != sets_.root(inner.triangles[0]) &&
+            is_within(outer, inner))
+          sets_.join(outer.triangles[0], inner.triangles[0], false);
   }
 
   Parts numbered() {
@@ -212,26 +188,30 @@ class PartFinder {
       parts.of.push_back(n);
     }
     std::map<Pair, Near> of_parts;
-    for (const auto& [pair, near] : gaps_) {
-      const int32_t a = parts.of[size_t(near.gap.triangle[0])];
-      const int32_t b = parts.of[size_t(near.gap.triangle[1])];
-      if (a != b) of_parts.try_emplace(std::minmax(a, b), near).first->second.take(near);
+    for (const auto& [pair, near] : near_) {
+      if (!near.gap) continue;
+      const int32_t a = parts.of[size_t(near.gap->triangle[0])];
+      const int32_t b = parts.of[size_t(near.gap->triangle[1])];
+      if (a == b) continue;
+      Near& least = of_parts.try_emplace(std::minmax(a, b), near).first->second;
+      least.joined |= near.joined;
+      if (near.gap->distance < least.gap->distance) least.gap = near.gap;
     }
-    for (auto& [pair, near] : of_parts) {
-      near.gap.distance = std::sqrt(near.gap.distance);
-      if (near.joined) parts.gaps.push_back(near.gap);
-    }
+    for (const auto& [pair, near] : of_parts)
+      if (near.joined) parts.gaps.push_back(*near.gap);
     return parts;
   }
 
-  static constexpr double kFar = 12;  // squared; what lies farther apart has no common node
   const LatticeMesh& mesh_;
   const SurfaceCells& cells_;
   const std::vector<uint8_t>& kept_;
-  double touch2_ = 0;  // squared distance that counts as none
+  double touch_ = 0;  // distance that counts as none
   OrientedSets sets_;
-  std::vector<Box> boxes_;     // of the triangles
-  std::map<Pair, Near> gaps_;  // of the sets at the time
+  std::unordered_map<uint64_t, int64_t> place_;  // of the cells
+  std::vector<Member> members_;
+  std::vector<int32_t> member_of_;                // of each triangle
+  std::vector<std::vector<int32_t>> members_in_;  // each cell
+  std::map<Pair, Near> near_;                     // members with cells that share a node
 };
 
 }  // namespace

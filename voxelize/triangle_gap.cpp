@@ -5,7 +5,9 @@
 #include "voxelize/labels.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace elastogen {
 namespace {
@@ -34,6 +36,54 @@ bool pierces(const Vec3& p, const Vec3& q, const Vec3 c[3]) {
   return true;
 }
 
+double box_gap2(const Box& a, const Box& b) {
+  double sum = 0;
+  for (size_t d = 0; d < 3; ++d) {
+    const double gap = std::max({a.lower[d] - b.upper[d], b.lower[d] - a.upper[d], 0.0});
+    sum += gap * gap;
+  }
+  return sum;
+}
+
+/// Finds the nearest triangles of two trees, the nearer halves first.
+class Search {
+ public:
+  Search(const TriangleBoxes& a, const TriangleBoxes& b, double enough)
+      : a_(a), b_(b), enough2_(enough * enough) {
+    visit(0, 0);
+  }
+
+  double least2 = std::numeric_limits<double>::infinity();
+  int32_t first = 0, second = 0;  // places
+
+ private:
+  void visit(int32_t m, int32_t n) {
+    constexpr double kWorth = 0.98;  // of the squared distance: 1 % of the distance
+    const TriangleBoxes::Node &a = a_.node(m), &b = b_.node(n);
+    if (least2 <= enough2_ || box_gap2(a.box, b.box) > kWorth * least2) return;
+    if (a.right < 0 && b.right < 0) return compare(a, b);
+    const bool halve_a = b.right < 0 || (a.right >= 0 && a.last - a.first >= b.last - b.first);
+    const int32_t parts[2][2] = {{halve_a ? m + 1 : m, halve_a ? n : n + 1},
+                                 {halve_a ? a.right : m, halve_a ? n : b.right}};
+    double gap[2];
+    for (int k = 0; k < 2; ++k)
+      gap[k] = box_gap2(a_.node(parts[k][0]).box, b_.node(parts[k][1]).box);
+    const int nearer = gap[1] < gap[0];
+    for (const int k : {nearer, 1 - nearer}) visit(parts[k][0], parts[k][1]);
+  }
+
+  void compare(const TriangleBoxes::Node& a, const TriangleBoxes::Node& b) {
+    for (int32_t i = a.first; i < a.last; ++i)
+      for (int32_t j = b.first; j < b.last; ++j) {
+        const double gap2 = triangle_gap2(a_.triangle(i).data(), b_.triangle(j).data());
+        if (gap2 < least2) least2 = gap2, first = i, second = j;
+      }
+  }
+
+  const TriangleBoxes &a_, &b_;
+  double enough2_;
+};
+
 }  // namespace
 
 double triangle_gap2(const Vec3 a[3], const Vec3 b[3]) {
@@ -45,6 +95,48 @@ double triangle_gap2(const Vec3 a[3], const Vec3 b[3]) {
     for (int k = 0; k < 3; ++k) gap2 = std::min(gap2, segment_gap2(p, q, b[k], b[(k + 1) % 3]));
   }
   return gap2;
+}
+
+TriangleBoxes::TriangleBoxes(std::vector<std::array<Vec3, 3>> triangles)
+    : triangles_(std::move(triangles)), number_(triangles_.size()) {
+  std::iota(number_.begin(), number_.end(), 0);
+  build(0, int32_t(triangles_.size()));
+  std::vector<std::array<Vec3, 3>> sorted;
+  for (const int32_t n : number_) sorted.push_back(triangles_[size_t(n)]);
+  triangles_ = std::move(sorted);
+}
+
+int32_t TriangleBoxes::build(int32_t first, int32_t last) {
+  constexpr int32_t kLeaf = 4;
+  const auto n = int32_t(nodes_.size());
+  nodes_.push_back({{}, first, last, -1});
+  Box box;
+  for (int32_t i = first; i < last; ++i)
+    for (const Vec3& p : triangles_[size_t(number_[size_t(i)])]) box.add(p);
+  nodes_[size_t(n)].box = box;
+  if (last - first <= kLeaf) return n;
+  size_t axis = 0;
+  for (size_t d = 1; d < 3; ++d)
+    if (box.extent(int(d)) > box.extent(int(axis))) axis = d;
+  const auto middle = [&](int32_t t) {
+    const auto& c = triangles_[size_t(t)];
+    return c[0][axis] + c[1][axis] + c[2][axis];
+  };
+  const int32_t half = (first + last) / 2;
+  std::nth_element(number_.begin() + first, number_.begin() + half, number_.begin() + last,
+                   [&](int32_t a, int32_t b) {
+                     const double at_a = middle(a), at_b = middle(b);
+                     return at_a < at_b || (at_a == at_b && a < b);
+                   });
+  build(first, half);
+  const int32_t right = build(half, last);
+  nodes_[size_t(n)].right = right;
+  return n;
+}
+
+TriangleGap nearest(const TriangleBoxes& a, const TriangleBoxes& b, double enough) {
+  const Search search(a, b, enough);
+  return {a.number(search.first), b.number(search.second), std::sqrt(search.least2)};
 }
 
 }  // namespace elastogen
