@@ -2,6 +2,7 @@
 #include "voxelize/parts.hpp"
 
 #include "core/vec3.hpp"
+#include "voxelize/mesh_edges.hpp"
 #include "voxelize/triangle_gap.hpp"
 #include "voxelize/winding_number.hpp"
 

@@ -6,6 +6,8 @@
 #include "core/base.hpp"
 
 #include <array>
+#include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace elastogen {
@@ -26,10 +28,12 @@ class TriangleBoxes {
     int32_t first = 0, last = 0;  ///< triangles in their order here
     int32_t right = -1;           ///< second child, the first one follows; -1 for a leaf
   };
-  const Node& node(int32_t n) const { return nodes_[size_t(n)]; }
-  const std::array<Vec3, 3>& triangle(int32_t place) const { return triangles_[size_t(place)]; }
+  const Node& node(int32_t n) const { return nodes_[std::size_t(n)]; }
+  const std::array<Vec3, 3>& triangle(int32_t place) const {
+    return triangles_[std::size_t(place)];
+  }
   /// Its number in the list that the tree was made of.
-  int32_t number(int32_t place) const { return number_[size_t(place)]; }
+  int32_t number(int32_t place) const { return number_[std::size_t(place)]; }
 
  private:
   int32_t build(int32_t first, int32_t last);
