@@ -53,19 +53,20 @@ class NormalMender {
  private:
   /// @return the new accessor, -1 where the normals stay.
   int mend(const tinygltf::Primitive& primitive, const std::string& place) {
-    constexpr double kCounted = 1e-2;
+    constexpr double kCounted = 1e-2, kRounding = 5e-4;
     const int accessor = primitive.attributes.at("NORMAL");
     edit_.claim_copy(uint64_t(model_.accessors.at(size_t(accessor)).count) * 24, place);
     Array<double> rows = accessor_values(edit_.source(), model_, accessor);
     ELASTOGEN_CHECK_ASSET(rows.cols() == 3, edit_.path(), ": ", place,
                           ": its normals do not have three numbers");
-    int64_t zero = 0, counted = 0;
+    int64_t zero = 0, counted = 0, off = 0;
     std::vector<Vec3> by_area;
     for (int64_t v = 0; v < rows.rows(); ++v) {
       Vec3 n = row_of(rows, v);
       if (!finite(n)) continue;  // the check of the asset counts them
       double length = safe_norm(n);
       counted += length > 0 && std::abs(length - 1) > kCounted;
+      off += std::abs(length - 1) > kRounding;
       if (length == 0) {
         ++zero;
         if (by_area.empty()) by_area = area_normals(primitive, rows.rows(), place);
@@ -77,7 +78,7 @@ class NormalMender {
     }
     say(zero, zero_, zero_place_, place);
     say(counted, long_, long_place_, place);
-    const int result = zero + counted > 0 ? int(add(rows, place)) : -1;
+    const int result = off > 0 ? int(add(rows, place)) : -1;
     if (zero == 0) mended_[accessor] = result;
     return result;
   }

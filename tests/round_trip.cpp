@@ -62,8 +62,11 @@ Seen by_tinygltf(const std::string& path) {
       !warning.empty())
     throw std::runtime_error("tinygltf: " + error + warning);
   Seen seen;
-  for (const tinygltf::Mesh& mesh : model.meshes)
-    for (const tinygltf::Primitive& primitive : mesh.primitives) {
+  std::set<int> shown;  // assimp leaves out what no node shows
+  for (const tinygltf::Node& node : model.nodes)
+    if (node.mesh >= 0) shown.insert(node.mesh);
+  for (const int m : shown)
+    for (const tinygltf::Primitive& primitive : model.meshes.at(size_t(m)).primitives) {
       if (!is_triangles(primitive)) continue;
       const tinygltf::Accessor& position =
           model.accessors.at(size_t(primitive.attributes.at("POSITION")));

@@ -192,10 +192,14 @@ TEST_F(GltfSteps, NormalsGetTheLengthOneInTheOutputToo) {
   }
   Builder rounded = triangle();
   rounded.document["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] =
-      rounded.add_vectors({0, 0, 1.005f, 0, 0, 1, 0, 0, 0.995f});
-  const Asset asset = read(rounded);
+      rounded.add_vectors({0, 0, 1.0004f, 0, 0, 1, 0, 0, 0.9996f});
+  EXPECT_EQ(read(rounded).meshes[0].normal[0][2], 1.0004f);
+  Builder packed = triangle();
+  packed.document["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] =
+      packed.add_vectors({0, 0, 1.005f, 0, 0, 1, 0, 0, 0.995f});
+  const Asset asset = read(packed);
   EXPECT_FALSE(finding_of(asset, "long-normals"));
-  EXPECT_EQ(asset.meshes[0].normal[0][2], 1.005f);
+  EXPECT_EQ(asset.meshes[0].normal[0][2], 1);
 }
 
 TEST_F(GltfSteps, RefusesNormalsThatDoNotFit) {

@@ -143,9 +143,13 @@ def check_kept_document(source: Document, document: Document) -> None:
     for k, mesh in enumerate(source.items("meshes")):
         for p, primitive in enumerate(mesh["primitives"]):
             other = document.items("meshes")[k]["primitives"][p]
+            primitive = {**primitive, "attributes": dict(primitive["attributes"])}
             if "targets" in other:
-                primitive = {**primitive, "attributes": dict(primitive["attributes"])}
                 primitive["attributes"].pop("TANGENT", None)
+            normal = primitive["attributes"].get("NORMAL")
+            if normal is not None and (abs(np.linalg.norm(source.values(normal), axis=1) - 1)
+                                       > 5e-4).any():  # it got the length one
+                primitive["attributes"]["NORMAL"] = other["attributes"]["NORMAL"]
             for key in ("attributes", "indices", "mode"):
                 require(primitive.get(key) == other.get(key),
                         f"meshes[{k}].primitives[{p}].{key} differs")
