@@ -42,7 +42,7 @@ THROUGH_GLB = {".fbx", ".dae", ".3ds", ".glb"}  # not read here, or not where pa
 STEP = 1.2207440846057596 ** -np.arange(1.0, 4.0)
 
 # file: figure that differs, and why; a test asks that each still differs
-KNOWN = {"broken/spot_micrometres.obj": ("printed", "`voxelize` writes no voxels below 1.44e-5 m")}
+KNOWN = {"broken/spot_micrometres.obj": ("printed", "OpenVDB holds no voxels below 1.44e-5 m: `voxelize` refuses")}
 
 
 @dataclass(frozen=True)
