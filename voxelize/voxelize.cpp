@@ -137,7 +137,7 @@ Voxelized voxelize(const Surface& surface, const VoxelizeOptions& options) {
   report.dropped_slivers = drop_slivers(whole);
   report.closed = whole.closed;
   const Parts parts = find_parts(whole, options.part_pieces);
-  const Shape shape = {whole.mesh.turned, int64_t(whole.mesh.triangles.size()), whole.balanced};
+  const Shape shape = {whole.mesh.turned, whole.welded.triangles.rows(), whole.balanced};
 
   std::vector<CutBody> bodies;
   std::vector<int32_t> shift = {0};
