@@ -60,8 +60,8 @@ class Sheets(unittest.TestCase):
                 with self.subTest(thickness=thickness, voxels=voxels):
                     done, tip, mass = self.clamped(voxels, gravity, "--thickness",
                                                    f"{1000 * thickness} mm")
-                    self.assertAlmostEqual(tip / sag, 1, delta=0.02)
-                    self.assertAlmostEqual(mass / weight, 1, delta=0.02)
+                    self.assertAlmostEqual(tip / sag, 1, delta=0.001)
+                    self.assertAlmostEqual(mass / weight, 1, delta=1e-9)
                     self.assertIn(f"sheets of {thickness:g} m (--thickness), {weight:g} kg",
                                   done.out)
 
