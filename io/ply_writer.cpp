@@ -31,7 +31,7 @@ std::string numbered(const char* name, size_t count) {
 }
 
 constexpr const char* kWrittenTypes[] = {"char", "uchar", "short", "ushort",
-                                      "int",  "uint",  "float", "double"};
+                                         "int",  "uint",  "float", "double"};
 
 class PlyWriter : public AnimationWriter {
  public:
