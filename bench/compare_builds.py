@@ -144,11 +144,11 @@ def glb_of(path: Path) -> tuple[dict[str, Any], bytes]:
     document = json.loads(data[20:20 + length])
     document["asset"].pop("generator", None)
     for extras in (document.get("extras", {}), document["asset"].get("extras", {})):
-        for key in ("commit", "command"):
+        for key in ("commit", "command", "generator"):
             extras.pop(key, None)
         for inner in extras.values():
             if isinstance(inner, dict):
-                for key in ("commit", "command"):
+                for key in ("commit", "command", "generator"):
                     inner.pop(key, None)
     return document, data[20 + length:]
 

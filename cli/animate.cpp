@@ -2,8 +2,8 @@
 #include "cli/run.hpp"
 #include "cli/scene_options.hpp"
 #include "cli/signals.hpp"
-#include "cli/stopwatch.hpp"
 #include "cli/verbs.hpp"
+#include "core/stopwatch.hpp"
 #include "io/read_asset.hpp"
 #include "io/scene_file.hpp"
 
@@ -21,7 +21,7 @@ int animate(const AnimateOptions& options) {
   if (options.fem && is_tet_file(options.input)) {
     const TetAsset tets = read_tet_asset(options.input);
     RunHooks hooks;
-    hooks.set_up = [&](RunReport& report) { return set_up(tets, options, report); };
+    hooks.tets = &tets;
     return run_animation(tets.asset, options, watch.seconds(), hooks).code;
   }
   const Asset asset = read_asset(options.input, options.read);

@@ -3,10 +3,10 @@
 // the sums of the summary and the two streams that are printed to.
 #include "cli/run.hpp"
 #include "cli/signals.hpp"
-#include "cli/stopwatch.hpp"
 #include "cli/typed.hpp"
 #include "cli/verbs.hpp"
 #include "core/parallel.hpp"
+#include "core/stopwatch.hpp"
 #include "io/read_asset.hpp"
 #include "network/device.hpp"
 
@@ -84,7 +84,7 @@ class Batch {
       const std::lock_guard lock(mutex_);
       fmt::print(stderr, "warning: {}\n", of_scene(scene.file, text));
     };
-    const RunResult result = run_animation(asset, scene.options, watch.seconds(), hooks);
+    const CommandResult result = run_animation(asset, scene.options, watch.seconds(), hooks);
     take(scene, result.report, watch.seconds());
     return result.code;
   }

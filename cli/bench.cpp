@@ -4,10 +4,10 @@
 #include "cli/exit_code.hpp"
 #include "cli/study_machine.hpp"
 #include "cli/verbs.hpp"
-#include "cli/version.hpp"
 #include "core/parallel.hpp"
 #include "io/safe_file.hpp"
 #include "network/device.hpp"
+#include "scene/version.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

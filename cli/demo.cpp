@@ -20,8 +20,11 @@ AnimateOptions demo_scene(const DemoOptions& options) {
   AnimateOptions o;
   o.input = "demo";
   o.outputs = {options.folder + "/demo.glb", options.folder + "/demo.png"};
-  o.pins = {"x>97%"};  // a hand
-  o.floor = FloorOption{1, kFloor};
+  o.pins = {parse_pin("x>97%")};  // a hand
+  o.floor = FloorPlane{1, kFloor};
+  o.materials = {{"body", Law::kNeoHookean, 4e5, 0.4, 400},
+                 {"head", Law::kStableNeoHookean, 1.5e5, 0.4, 250}};
+  o.material_of = demo_regions;
   o.voxels = 36;
   o.frames = kFrames;
   o.threads = options.threads;
@@ -49,11 +52,8 @@ int demo(const DemoOptions& options) {
   const AnimateOptions scene = demo_scene(options);
   std::vector<StepReport> steps;
   RunHooks hooks;
-  hooks.materials = {{"body", Law::kNeoHookean, 4e5, 0.4, 400},
-                     {"head", Law::kStableNeoHookean, 1.5e5, 0.4, 250}};
-  hooks.regions = demo_regions;
   hooks.on_step = [&](const StepReport& r) { steps.push_back(r); };
-  const RunResult result = run_animation(asset, scene, 0, hooks);
+  const CommandResult result = run_animation(asset, scene, 0, hooks);
 
   if (!options.quiet) {
     print_certificates(steps);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cli/asset_stages.hpp"
 #include "cli/exit_code.hpp"
 #include "cli/verbs.hpp"
 #include "core/parallel.hpp"
+#include "scene/asset_stages.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cli/asset_stages.hpp"
 #include "cli/exit_code.hpp"
 #include "cli/scene_options.hpp"
 #include "cli/verbs.hpp"
@@ -8,6 +7,7 @@
 #include "io/read_asset.hpp"
 #include "io/scene_file.hpp"
 #include "io/scene_keys.hpp"
+#include "scene/asset_stages.hpp"
 #include "voxelize/budget.hpp"
 
 #include <fmt/format.h>

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/material_page.hpp"
 
-#include "cli/version.hpp"
 #include "core/error.hpp"
 #include "io/html_page.hpp"
 #include "io/html_table.hpp"
 #include "io/text_format.hpp"
 #include "network/mtl_weights.hpp"
+#include "scene/version.hpp"
 #include "training/cells.hpp"
 #include "training/fit_report.hpp"
 #include "training/net_curve.hpp"

@@ -19,7 +19,7 @@ void add_body_options(CLI::App& app, AnimateOptions& o, Typed& t) {
   app.add_option("--grid", t.grid, "grid of a .vdb by its name")->group("Scene");
 }
 
-void add_material_options(CLI::App& app, AnimateOptions& o, Typed& t) {
+void add_material_options(CLI::App& app, Typed& t) {
   app.add_option("--material", t.material, "preset: rubber, soft-rubber, jelly, foam, ...")
       ->group("Material");
   app.add_option("--law", t.law,
@@ -29,7 +29,7 @@ void add_material_options(CLI::App& app, AnimateOptions& o, Typed& t) {
   app.add_option("--young", t.young, "Young's modulus, e.g. 1e6 or '1 MPa'")->group("Material");
   app.add_option("--poisson", t.poisson, "Poisson's ratio, 0 <= nu < 0.5")->group("Material");
   app.add_option("--density", t.density, "density, e.g. 1100 or '1.1 g/cm3'")->group("Material");
-  app.add_option("--region", o.regions,
+  app.add_option("--region", t.regions,
                  "part of another material: 'y>80%: foam,young=1e5'; repeatable")
       ->group("Material")
       ->expected(1)
@@ -37,30 +37,30 @@ void add_material_options(CLI::App& app, AnimateOptions& o, Typed& t) {
 }
 
 /// Parts that are held, and what stands in the way.
-void add_constraint_options(CLI::App& app, AnimateOptions& o) {
+void add_constraint_options(CLI::App& app, Typed& t) {
   const auto add_texts = [&](const char* name, std::vector<std::string>& texts, const char* text) {
     app.add_option(name, texts, text)
         ->group("Scene")
         ->expected(1)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   };
-  add_texts("--pin", o.pins,
+  add_texts("--pin", t.pins,
             "hold a part: y<5%, z>0.2m, box(x,y,z,x,y,z), sphere(x,y,z,r), all; repeatable");
-  add_texts("--collider", o.colliders,
+  add_texts("--collider", t.colliders,
             "plane(x,y,z, nx,ny,nz), sphere(x,y,z, r) or box(x0,y0,z0, x1,y1,z1), then "
             "friction F, name NAME, path T:x,y,z; T:x,y,z; repeatable");
-  add_texts("--hold", o.holds,
+  add_texts("--hold", t.holds,
             "simulate: hold a part along some axes only: 'x<1%: x', 'all: yz'; repeatable");
-  add_texts("--traction", o.tractions,
+  add_texts("--traction", t.tractions,
             "simulate: a force [N] spread over a part of the surface: 'x>99%: 0,-10,0', or a "
             "pressure [Pa] on it: 'x>99%: 2e3'; repeatable");
-  add_texts("--move", o.moves,
+  add_texts("--move", t.moves,
             "simulate: move a part: 'x>99%: shift T:x,y,z; T:x,y,z' or 'x>99%: turn(x,y,z, "
             "ax,ay,az) T:ANGLE; T:ANGLE' about a point and an axis; repeatable");
 }
 
 void add_scene_options(CLI::App& app, AnimateOptions& o, Typed& t) {
-  add_constraint_options(app, o);
+  add_constraint_options(app, t);
   app.add_option("--gravity", t.gravity, "x,y,z [m/s^2]; default 9.81 down")->group("Scene");
   app.add_option("--velocity", t.velocity, "start velocity x,y,z [m/s]")->group("Scene");
   app.add_option("--spin", t.spin, "start spin x,y,z [rad/s] about the centre of mass")
@@ -154,7 +154,7 @@ void add_output_options(CLI::App& app, AnimateOptions& o, Typed& t) {
 
 void add_scene_groups(CLI::App& app, AnimateOptions& options, Typed& typed) {
   add_output_options(app, options, typed);
-  add_material_options(app, options, typed);
+  add_material_options(app, typed);
   add_scene_options(app, options, typed);
   add_run_options(app, options, typed);
 }

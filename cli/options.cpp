@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/options.hpp"
 
-#include "cli/boundary_option.hpp"
 #include "cli/exit_code.hpp"
 #include "cli/option_groups.hpp"
 #include "cli/scene_options.hpp"
-#include "cli/tet_asset.hpp"
-#include "cli/version.hpp"
 #include "core/error.hpp"
 #include "io/read_asset.hpp"
 #include "io/safe_file.hpp"
 #include "io/scene_file.hpp"
+#include "scene/tet_asset.hpp"
+#include "scene/version.hpp"
 
 #include <CLI/CLI.hpp>
 
@@ -84,6 +83,15 @@ void resolve(Verb& verb) {
   resolve(verb.typed, verb.scene);
 }
 
+/// @throws Error (usage) naming the first option that only finite elements know.
+void check_no_boundary(const Typed& typed, std::string_view verb) {
+  for (const auto& [option, texts] : {std::pair("--hold", &typed.holds),
+                                      {"--traction", &typed.tractions},
+                                      {"--move", &typed.moves}})
+    ELASTOGEN_CHECK(texts->empty(), verb, ": the network has no ", option, ", got '",
+                    texts->front(), "'; use simulate");
+}
+
 /// The asset's name from anywhere, so that the printed scene can be read from anywhere.
 AnimateOptions& finish_resolved(AnimateOptions& o) {
   if (o.print_resolved && !o.input.empty())
@@ -146,7 +154,7 @@ AnimateOptions take_run(Verb& verb) {
   resolve(verb);
   AnimateOptions& o = verb.scene;
   if (o.print_resolved) return finish_resolved(o);
-  if (!o.fem) check_no_boundary(o, name);
+  if (!o.fem) check_no_boundary(verb.typed, name);
   const std::string& file = verb.scene_file;
   const std::string scene = file.empty() ? "" : file + ": ";
   ELASTOGEN_CHECK(!o.input.empty(), scene, name, " needs an INPUT, or a --scene with asset.file");
@@ -279,7 +287,7 @@ void add_study(CLI::App& app, Verb& verb, StudyTask& task, StudyNames& names) {
 
 StudyTask take_study(Verb& verb, StudyTask task, const StudyNames& names) {
   resolve(verb);
-  check_no_boundary(verb.scene, "study");
+  check_no_boundary(verb.typed, "study");
   if (verb.scene.energy == EnergySource::kAuto) verb.scene.energy = EnergySource::kAnalytic;
   ELASTOGEN_CHECK(!verb.scene.input.empty(), "study needs an INPUT, or a --scene with asset.file");
   task.reference = fem::element_from_name(names.reference);

@@ -7,12 +7,7 @@
 #include "cli/bench_options.hpp"
 #include "cli/picture/picture_options.hpp"
 #include "cli/train_options.hpp"
-#include "core/scene.hpp"
-#include "core/state.hpp"
-#include "io/asset_pose.hpp"
-#include "io/read_options.hpp"
-#include "mpm_fem/fem_scene.hpp"
-#include "network/solver.hpp"
+#include "scene/description.hpp"
 
 #include <optional>
 #include <string>
@@ -20,65 +15,12 @@
 
 namespace elastogen {
 
-/// --floor: an axis-parallel plane; without a place the lowest point of the asset along up.
-struct FloorOption {
-  int axis = -1;                ///< -1: the up axis
-  std::optional<double> place;  ///< [m]
-};
-
-/// What `simulate` puts in the place of the network.
-struct FemOptions {
-  fem::Element element = fem::Element::kVoxel;
-  bool named = false;  ///< by --element; else tetrahedra of a file keep their kind
-  fem::Mass mass = fem::Mass::kLumped;
-  bool any_rounding = false;  ///< the tolerance rises above the rounding of doubles
-  bool newmark = false;       ///< instead of the time scheme
-  bool resolution = false;    ///< --voxels or --h was given: tetrahedra of a file have their own
-  bool statics = false;       ///< an equilibrium instead of time steps: one frame, one step of 1 s
-};
-
-/// What gives the stress of a material: its law, its net, or its net where one keeps the limits.
-enum class EnergySource : uint8_t { kAuto, kAnalytic, kNeural };
-
-struct AnimateOptions {
-  std::string input;
-  std::vector<std::string> outputs;                  ///< animations, each by its ending
-  Material material;                                 ///< of what no region takes
-  std::vector<std::string> pins;                     ///< selections
-  std::vector<std::string> regions;                  ///< as typed (cli/region_option.hpp)
-  std::vector<std::string> colliders;                ///< as typed (cli/collider_option.hpp)
-  std::vector<std::string> holds, tractions, moves;  ///< as typed (cli/boundary_option.hpp)
-  std::optional<Vec3> gravity;                       ///< [m/s^2]; unset: 9.81 down
-  StartMotion motion;
-  std::optional<FloorOption> floor;
-  double friction = 0.5;     ///< of the floor, and of colliders that name none
-  int voxels = 48;           ///< along the longest edge
-  double h = 0;              ///< [m], 0: from voxels
-  bool part_pieces = false;  ///< pieces that do not touch are not joined
-  double thickness = 0;      ///< of sheets and shells [m], 0: that of a voxel
-  double size = 0;           ///< longest edge of the asset [m], 0: as the file has it
-  ReadOptions read;          ///< what the file does not say itself
-  std::optional<UpAxis> up;  ///< unset: as the file has it, else a guess
-  int64_t frames = 120;
-  double fps = 30;
-  int substeps = 0;  ///< 0: auto
-  TimeScheme scheme = TimeScheme::kEuler;
-  SolverOptions solver{.device = Device::kAuto};
-  std::optional<FemOptions> fem;  ///< set: finite elements take the steps
-  EnergySource energy = EnergySource::kAuto;
-  Hourglass hourglass = Hourglass::kFull;
-  bool keyframe = false;           ///< GLB profile; else modal
-  int glb_targets = 64;            ///< most morph targets of a mesh of a GLB
-  bool glb_colliders = false;      ///< floor and colliders stand in the GLB
-  PictureOptions picture;          ///< of .png
-  std::string state, log, report;  ///< files, empty for none
-  int threads = 0;                 ///< 0: all
-  int64_t max_memory = 0;          ///< [bytes], 0: no limit
-  int64_t max_voxels = 64'000'000;
-  double max_time = 0;  ///< wall time of the steps [s], 0: no limit
-  bool strict = false, quiet = false;
+/// A run, and what the command itself does about it.
+struct AnimateOptions : RunDescription {
+  PictureOptions picture;  ///< of .png
+  bool strict = false;     ///< warnings are errors
+  bool quiet = false;
   bool print_resolved = false;  ///< the scene that results, instead of the run
-  std::string command;          ///< as typed
 };
 
 struct VoxelizeTask {

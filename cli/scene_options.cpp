@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/scene_options.hpp"
 
-#include "cli/tet_asset.hpp"
 #include "io/scene_keys.hpp"
+#include "scene/tet_asset.hpp"
 
 #include <fmt/format.h>
 
@@ -141,6 +141,14 @@ SceneValue vector(const double* x) {
   return list;
 }
 
+/// Values as they were said.
+template <class Values>
+SceneValue texts_of(const Values& values) {
+  std::vector<std::string> texts;
+  for (const auto& value : values) texts.push_back(value.text);
+  return scene_texts(texts);
+}
+
 SceneValue asset_table(const AnimateOptions& o) {
   SceneValue t;
   t.set("file", scene_text(o.input));
@@ -174,7 +182,7 @@ SceneValue motion_table(const StartMotion& motion) {
 }
 
 SceneValue floor_table(const AnimateOptions& o) {
-  const FloorOption floor = o.floor.value_or(FloorOption{});
+  const FloorPlane floor = o.floor.value_or(FloorPlane{});
   SceneValue t;
   t.set("on", scene_flag(o.floor.has_value()));
   t.set("axis", scene_text(floor.axis < 0 ? "auto" : std::string(1, char('x' + floor.axis))));
@@ -252,12 +260,12 @@ std::vector<SceneOption> scene_options(const SceneValue& scene) {
 
 SceneValue resolved_scene(const AnimateOptions& o) {
   SceneValue scene;
-  scene.set("pins", scene_texts(o.pins));
-  scene.set("regions", scene_texts(o.regions));
-  scene.set("colliders", scene_texts(o.colliders));
-  scene.set("holds", scene_texts(o.holds));
-  scene.set("tractions", scene_texts(o.tractions));
-  scene.set("moves", scene_texts(o.moves));
+  scene.set("pins", texts_of(o.pins));
+  scene.set("regions", texts_of(o.regions));
+  scene.set("colliders", texts_of(o.colliders));
+  scene.set("holds", texts_of(o.holds));
+  scene.set("tractions", texts_of(o.tractions));
+  scene.set("moves", texts_of(o.moves));
   scene.set("gravity", o.gravity ? vector(o.gravity->data()) : scene_text("auto"));
   scene.set("asset", asset_table(o));
   scene.set("material", material_table(o.material));

@@ -75,14 +75,14 @@ std::map<VoxelKey, double> fills(const Surface& surface, const Array<double>& ve
 
 Trajectory free_run(Stepper& stepper, const StartMotion& motion, int64_t steps) {
   Trajectory run;
-  run.states.push_back(stepper.start(motion));
+  stepper.begin(motion);
+  run.states.push_back(stepper.state());
   for (int64_t n = 0; n < steps; ++n) {
-    State state = run.states.back();
-    const StepReport report = stepper.step(state);
+    const StepReport report = stepper.advance();
     run.broke_off = !report.finite || report.interrupted;
     if (run.broke_off) break;
     run.reports.push_back(report);
-    run.states.push_back(std::move(state));
+    run.states.push_back(stepper.state());
   }
   return run;
 }
@@ -123,9 +123,10 @@ ErrorSeries step_errors(Stepper& stepper, const Scene& scene, const Trajectory& 
   const double size = largest_displacement(scene, reference);
   ErrorSeries series;
   for (size_t n = 0; n + 1 < reference.states.size(); ++n) {
-    State state = reference.states[n];
-    const StepReport report = stepper.step(state);
-    add(report.finite ? displacement_error(scene, state, reference.states[n + 1], size) : kInfinity,
+    stepper.begin_at(reference.states[n]);
+    const bool finite = stepper.advance().finite;
+    add(finite ? displacement_error(scene, stepper.state(), reference.states[n + 1], size)
+               : kInfinity,
         series);
   }
   return series;

@@ -3,8 +3,8 @@
 
 #pragma once
 
-#include "cli/stepper.hpp"
 #include "io/study_result.hpp"
+#include "scene/stepper.hpp"
 #include "voxelize/body.hpp"
 
 namespace elastogen {

@@ -3,9 +3,9 @@
 #include "cli/scene_options.hpp"
 #include "cli/study_machine.hpp"
 #include "cli/study_runs.hpp"
-#include "cli/version.hpp"
 #include "io/scene_file.hpp"
 #include "io/study_errors.hpp"
+#include "scene/version.hpp"
 
 #include <fmt/format.h>
 
@@ -56,7 +56,7 @@ void Study::compare_solvers() {
 void Study::compare_paper() {
   AnimateOptions scene = task_.scene;
   if (scene.hourglass == Hourglass::kFull) scene.hourglass = Hourglass::kVariance;
-  const Stage stage = make_stage(scene);
+  const StudyStage stage = make_stage(scene);
   Reference reference{"fem voxel, variance", {}};
   AnimateOptions fem = fem_options(fem::Element::kVoxel);
   add_run(reference.name, stage, fem, &reference.run);
@@ -139,7 +139,7 @@ void Study::sweep_resolution() {
   for (const int divisor : task_.resolutions) {
     AnimateOptions options = network_options(SolverMode::kNewton, 1e-4);
     options.h = fine_->setup.scene.grid.h * divisor;
-    const Stage stage = make_stage(options);
+    const StudyStage stage = make_stage(options);
     Trajectory run;
     StudyRun& entry = add_run(fmt::format("newton h={:.3g}", options.h), stage, options, &run);
     entry.discretisation_error = grid_errors(stage, run);
@@ -165,7 +165,7 @@ void Study::sweep_time_step() {
   for (const int divisor : task_.time_steps) {
     AnimateOptions options = network_options(SolverMode::kNewton, 1e-6);
     options.substeps = stage_.setup.substeps * divisor;
-    const Stage stage = make_stage(options);
+    const StudyStage stage = make_stage(options);
     Trajectory run;
     add_run(fmt::format("newton dt={:.3g}", stage.setup.scene.dt), stage, options, &run);
     run = thinned(run, size_t(divisor));

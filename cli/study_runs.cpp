@@ -3,10 +3,11 @@
 
 #include "cli/signals.hpp"
 #include "cli/study_machine.hpp"
-#include "cli/version.hpp"
+#include "cli/weights.hpp"
 #include "core/error.hpp"
 #include "io/animation_writer.hpp"
 #include "io/read_asset.hpp"
+#include "scene/version.hpp"
 
 #include <fmt/format.h>
 
@@ -35,9 +36,8 @@ Study::Study(const StudyTask& task)
   stage_ = make_stage(task.scene);
 }
 
-Stage Study::make_stage(const AnimateOptions& options) const {
-  RunReport report;
-  Stage stage{set_up(asset_, options, {}, {}, report), 0};
+StudyStage Study::make_stage(const AnimateOptions& options) const {
+  StudyStage stage{set_up(asset_, options), 0};
   stage.steps = options.frames * stage.setup.substeps;
   return stage;
 }
@@ -78,14 +78,14 @@ void Study::take_energies(const Trajectory& trajectory, StudyRun& run) const {
 
 /// Runs the scene of a stage once to warm up where it is repeated, then for its time. Finite
 /// elements run once: they take minutes, and nobody chooses them for their speed.
-StudyRun& Study::add_run(const std::string& name, const Stage& stage, const AnimateOptions& options,
+StudyRun& Study::add_run(const std::string& name, const StudyStage& stage, const AnimateOptions& options,
                          Trajectory* kept) {
   if (!options.quiet) fmt::print("{} ...\n", name);
   std::fflush(stdout);
   const Scene& scene = stage.setup.scene;
   std::vector<std::string> notes;  // none: energy is never auto here
-  const std::unique_ptr<Stepper> stepper = make_stepper(
-      stage.setup, options, [] { return pending_signal() != 0; }, notes);
+  const std::unique_ptr<Stepper> stepper =
+      make_stepper(stage.setup, options, {[] { return pending_signal() != 0; }, make_net}, notes);
   Trajectory trajectory;
   std::vector<double> ms;
   const int repeats = options.fem ? 1 : task_.repeats;
@@ -118,13 +118,13 @@ StudyRun& Study::add_run(const std::string& name, const Stage& stage, const Anim
   return run;
 }
 
-StudyErrors Study::solver_errors(const Stage& stage, const AnimateOptions& options,
+StudyErrors Study::solver_errors(const StudyStage& stage, const AnimateOptions& options,
                                  const Trajectory& run, const Reference& reference) const {
   const Scene& scene = stage.setup.scene;
   const Body& body = stage.setup.body;
   std::vector<std::string> notes;
-  const std::unique_ptr<Stepper> stepper = make_stepper(
-      stage.setup, options, [] { return false; }, notes);
+  const std::unique_ptr<Stepper> stepper =
+      make_stepper(stage.setup, options, {.make_net = make_net}, notes);
   StudyErrors errors;
   errors.reference = reference.name;
   errors.step = step_errors(*stepper, scene, reference.run);
@@ -135,7 +135,7 @@ StudyErrors Study::solver_errors(const Stage& stage, const AnimateOptions& optio
   return errors;
 }
 
-StudyErrors Study::grid_errors(const Stage& stage, const Trajectory& run) const {
+StudyErrors Study::grid_errors(const StudyStage& stage, const Trajectory& run) const {
   const Scene &scene = stage.setup.scene, &fine = fine_->setup.scene;
   StudyErrors errors;
   errors.reference = grid_reference_.name;
@@ -149,7 +149,7 @@ StudyErrors Study::grid_errors(const Stage& stage, const Trajectory& run) const 
 }
 
 /// The last frame, cut through the middle of the body along its two longest axes.
-void Study::add_overlay(const std::string& name, const Stage& stage, const Trajectory& run) {
+void Study::add_overlay(const std::string& name, const StudyStage& stage, const Trajectory& run) {
   const Surface& surface = stage.setup.body.surface;
   int across = 0;
   for (int d = 1; d < 3; ++d)
@@ -168,7 +168,7 @@ void Study::add_overlay(const std::string& name, const Stage& stage, const Traje
   result_.overlays[0].outlines.push_back({name, section(surface, vertices, across, place)});
 }
 
-void Study::write_pvd(const std::string& name, const Stage& stage, const Trajectory& run) const {
+void Study::write_pvd(const std::string& name, const StudyStage& stage, const Trajectory& run) const {
   const Scene& scene = stage.setup.scene;
   AnimationOptions options;
   options.fps = task_.scene.fps;

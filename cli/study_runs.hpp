@@ -3,13 +3,13 @@
 
 #pragma once
 
-#include "cli/scene_setup.hpp"
 #include "cli/study_compare.hpp"
+#include "scene/set_up.hpp"
 
 namespace elastogen {
 
 /// A grid of the scene with one time step.
-struct Stage {
+struct StudyStage {
   Setup setup;
   int64_t steps = 0;
 };
@@ -33,16 +33,16 @@ class Study {
   StudyResult run();
 
  private:
-  Stage make_stage(const AnimateOptions& options) const;
+  StudyStage make_stage(const AnimateOptions& options) const;
   AnimateOptions fem_options(fem::Element element) const;
   AnimateOptions network_options(SolverMode mode, double tolerance) const;
 
-  StudyRun& add_run(const std::string& name, const Stage& stage, const AnimateOptions& options,
+  StudyRun& add_run(const std::string& name, const StudyStage& stage, const AnimateOptions& options,
                     Trajectory* kept);
   void take_energies(const Trajectory& trajectory, StudyRun& run) const;
-  StudyErrors solver_errors(const Stage& stage, const AnimateOptions& options,
+  StudyErrors solver_errors(const StudyStage& stage, const AnimateOptions& options,
                             const Trajectory& run, const Reference& reference) const;
-  StudyErrors grid_errors(const Stage& stage, const Trajectory& run) const;
+  StudyErrors grid_errors(const StudyStage& stage, const Trajectory& run) const;
 
   void take_runs();
   void compare_solvers();
@@ -53,13 +53,13 @@ class Study {
   void sweep_resolution();
   void sweep_time_step();
 
-  void add_overlay(const std::string& name, const Stage& stage, const Trajectory& run);
-  void write_pvd(const std::string& name, const Stage& stage, const Trajectory& run) const;
+  void add_overlay(const std::string& name, const StudyStage& stage, const Trajectory& run);
+  void write_pvd(const std::string& name, const StudyStage& stage, const Trajectory& run) const;
 
   const StudyTask& task_;
   Asset asset_;
-  Stage stage_;                // as the scene has it
-  std::optional<Stage> fine_;  // of the reference of discretisation errors
+  StudyStage stage_;                // as the scene has it
+  std::optional<StudyStage> fine_;  // of the reference of discretisation errors
   Reference solver_reference_, grid_reference_;
   double reference_change_ = 0;  // of grid_reference_ from the grid of the scene
   StudyResult result_;

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/typed.hpp"
 
-#include "cli/boundary_option.hpp"
-#include "cli/region_option.hpp"
 #include "core/error.hpp"
 #include "io/frame_files.hpp"
 #include "io/safe_file.hpp"
@@ -43,8 +41,8 @@ Material resolve_material(const Typed& t) {
 }
 
 /// "": everything by itself; AXIS=PLACE; off.
-std::optional<FloorOption> resolve_floor(const std::vector<std::string>& typed) {
-  FloorOption floor;
+std::optional<FloorPlane> resolve_floor(const std::vector<std::string>& typed) {
+  FloorPlane floor;
   if (typed.empty() || typed[0].empty()) return floor;
   const std::string& text = typed[0];
   if (text == "off") return std::nullopt;
@@ -88,11 +86,12 @@ void resolve_scheme(const Typed& t, AnimateOptions& o) {
 
 void convert(const Typed& t, AnimateOptions& o) {
   o.material = resolve_material(t);
-  for (const std::string& pin : o.pins) parse_selection(pin);
-  for (const std::string& region : o.regions) parse_region(region);
-  for (const std::string& hold : o.holds) parse_hold(hold);
-  for (const std::string& traction : o.tractions) parse_traction(traction);
-  for (const std::string& move : o.moves) parse_move(move);
+  for (const std::string& pin : t.pins) o.pins.push_back(parse_pin(pin));
+  for (const std::string& region : t.regions) o.regions.push_back(parse_region(region));
+  for (const std::string& hold : t.holds) o.holds.push_back(parse_hold(hold));
+  for (const std::string& traction : t.tractions) o.tractions.push_back(parse_traction(traction));
+  for (const std::string& move : t.moves) o.moves.push_back(parse_move(move));
+  for (const std::string& text : t.colliders) o.colliders.push_back(parse_obstacle(text));
   if (t.gravity != "auto") o.gravity = parse_vec3(t.gravity, Quantity::kAcceleration);
   if (!t.velocity.empty()) copy(parse_vec3(t.velocity, Quantity::kSpeed), o.motion.velocity);
   if (!t.spin.empty()) copy(parse_vec3(t.spin, Quantity::kSpin), o.motion.spin);

@@ -19,6 +19,7 @@ struct Typed {
   std::string device = "auto", energy = "auto";
   std::string camera = "three-quarter", image_size = "auto";
   std::string element = "auto", mass = "lumped";  ///< of simulate
+  std::vector<std::string> pins, regions, colliders, holds, tractions, moves;
   bool no_skip = false;
 };
 

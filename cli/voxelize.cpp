@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "voxelize/voxelize.hpp"
 
-#include "cli/asset_stages.hpp"
 #include "cli/exit_code.hpp"
 #include "cli/verbs.hpp"
-#include "cli/version.hpp"
 #include "core/parallel.hpp"
+#include "scene/asset_stages.hpp"
+#include "scene/version.hpp"
 #include "voxelize/vdb_io.hpp"
 
 #include <fmt/format.h>

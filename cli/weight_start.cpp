@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/weight_start.hpp"
 
-#include "cli/weights.hpp"
 #include "diffusion/generate_weights.hpp"
 #include "diffusion/hidden_hash.hpp"
 #include "io/safe_file.hpp"
+#include "scene/nets.hpp"
 
 namespace elastogen {
 namespace {

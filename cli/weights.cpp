@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/weights.hpp"
 
-#include "cli/stopwatch.hpp"
 #include "cli/weight_start.hpp"
 #include "core/error.hpp"
+#include "core/stopwatch.hpp"
 #include "io/safe_file.hpp"
 #include "network/mtl_weights.hpp"
 #include "training/hidden_layers.hpp"
@@ -13,7 +13,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 
 namespace elastogen {
@@ -21,41 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string variable(const char* name) {
-  const char* value = std::getenv(name);
-  return value ? value : "";
-}
-
 constexpr int64_t kMostBytes = 1 << 24;
-
-/// Folder of the user's cache, "" where there is no home.
-std::string cache_folder() {
-  std::string cache = variable("XDG_CACHE_HOME");
-  if (cache.empty() && !variable("HOME").empty()) cache = variable("HOME") + "/.cache";
-  return cache.empty() ? "" : cache + "/elastogen/weights";
-}
-
-/// Path of a file in the first folder that has it, "" if none has.
-std::string find_file(const std::string& name) {
-  for (const std::string& folder : weight_folders()) {
-    const std::string path = folder + '/' + name;
-    std::error_code error;
-    if (fs::is_regular_file(path, error)) return path;
-  }
-  return "";
-}
-
-/// @throws Error for what no fit has kept its limits for (docs/materials.md).
-void check_has_net(const Material& m) {
-  ELASTOGEN_CHECK(m.poisson <= 0.499, "no net: Poisson's ratio of '", m.name, "' is ", m.poisson,
-                  ", nets are made up to 0.499");
-  const double shape = m.law.shape;
-  ELASTOGEN_CHECK(m.law.kind != Law::Kind::kOgden || (shape >= -4 && shape <= 8),
-                  "no net: the exponent of '", m.name, "' is ", shape,
-                  ", nets are made from -4 to 8");
-  ELASTOGEN_CHECK(m.law.kind != Law::Kind::kGent || shape >= 7.5, "no net: the limit of '", m.name,
-                  "' is ", shape, ", nets are made from 7.5 on");
-}
 
 /// What nets without a file are fitted on.
 struct HiddenLayers {
@@ -65,7 +30,7 @@ struct HiddenLayers {
 
 HiddenLayers hidden_layers(const FitMaterial& material) {
   const char* const name = hidden_layers_of(material);
-  const std::string path = find_file(name);
+  const std::string path = find_weight_file(name);
   ELASTOGEN_CHECK(!path.empty(), "there are no weights of ", law_text(material.terms),
                   " with Poisson ratio ", material.poisson, ", and no ", name,
                   " to fit them on in ", fmt::format("{}", fmt::join(weight_folders(), ", ")));
@@ -121,19 +86,6 @@ void keep_weights(const std::string& path, const std::string& bytes) {
 
 }  // namespace
 
-std::vector<std::string> weight_folders() {
-  std::vector<std::string> folders;
-  if (const std::string named = variable("ELASTOGEN_WEIGHTS"); !named.empty())
-    folders.push_back(named);
-  if (const std::string cache = cache_folder(); !cache.empty()) folders.push_back(cache);
-  std::error_code error;
-  const fs::path self = fs::read_symlink("/proc/self/exe", error);
-  if (!error)
-    folders.push_back((self.parent_path().parent_path() / "share/elastogen/weights").string());
-  folders.push_back(ELASTOGEN_WEIGHTS_OF_SOURCE);
-  return folders;
-}
-
 bool is_of(const TensorFile& weights, const FitMaterial& material) {
   return card_text(weights, "form") == kMtlForm &&
          card_text(weights, "law") == law_text(material.terms) &&
@@ -147,10 +99,10 @@ MadeWeights made_weights(const FitMaterial& material) {
 WeightFile weights_of(const FitMaterial& material) {
   const std::string name =
       concat(law_text(material.terms), '-', shortest_text(material.poisson), ".weights");
-  if (const std::string path = find_file(name); !path.empty())
+  if (const std::string path = find_weight_file(name); !path.empty())
     return {read_file(path, kMostBytes), path, {}};
   const HiddenLayers hidden = hidden_layers(material);
-  std::string cached = cache_folder();
+  std::string cached = weight_cache();
   if (!cached.empty()) cached += '/' + hidden.hash.substr(0, 16) + '-' + name;
   if (const auto bytes = kept_weights(cached, material)) return {*bytes, cached, {}};
   const MadeWeights made = made_on(hidden, material);
@@ -158,12 +110,7 @@ WeightFile weights_of(const FitMaterial& material) {
   return {made.bytes, name, made.report};
 }
 
-std::string find_weight_file(const std::string& name) {
-  return find_file(name);
-}
-
-std::shared_ptr<const LearnedLaw> net_of(const Material& m, Evaluation evaluation) {
-  check_has_net(m);
+std::shared_ptr<const LearnedLaw> make_net(const Material& m, Evaluation evaluation) {
   const WeightFile file = weights_of(fit_material(law_name(m.law), m.poisson));
   if (const std::optional<FitReport>& report = file.made)
     ELASTOGEN_CHECK(report->passes(), "no net: the fit to material '", m.name, "', ",
@@ -172,29 +119,6 @@ std::shared_ptr<const LearnedLaw> net_of(const Material& m, Evaluation evaluatio
                     report->stress_p99, " / ", report->stress_max, ", tangent ",
                     report->tangent_p99);
   return read_weights(file.bytes, file.place, m.law, m.poisson, evaluation);
-}
-
-LearnedLaws scene_nets(const Scene& scene, const AnimateOptions& options,
-                       std::vector<std::string>& notes) {
-  LearnedLaws nets;
-  if (options.energy == EnergySource::kAnalytic) return nets;
-  const bool asked = options.energy == EnergySource::kNeural;
-  const Evaluation evaluation =
-      asked && !options.solver.skip ? Evaluation::kNet : Evaluation::kTable;
-  for (const Material& material : scene.materials) {
-    const auto same = std::find_if(nets.begin(), nets.end(), [&](const auto& net) {
-      return net && net->law() == material.law && net->poisson() == material.poisson;
-    });
-    try {
-      nets.push_back(same != nets.end() ? *same : net_of(material, evaluation));
-    } catch (const Error& error) {
-      if (asked) throw;
-      nets.push_back(nullptr);
-      notes.push_back(concat("material '", material.name, "' is taken by its law: ", error.what()));
-    }
-  }
-  const bool none = std::all_of(nets.begin(), nets.end(), [](const auto& net) { return !net; });
-  return none ? LearnedLaws() : nets;
 }
 
 }  // namespace elastogen

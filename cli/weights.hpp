@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the weights of nets are found, how those that are nowhere are made, and those of a scene.
+// How the weights of nets that have no file are made, and where they are kept.
 
 #pragma once
 
-#include "cli/options.hpp"
 #include "core/tensor_file.hpp"
+#include "scene/nets.hpp"
 #include "training/fit_report.hpp"
 
 #include <optional>
@@ -13,16 +13,8 @@
 
 namespace elastogen {
 
-/// Folders that are looked through in turn: that of the environment variable ELASTOGEN_WEIGHTS,
-/// the user's cache (XDG_CACHE_HOME or ~/.cache, elastogen/weights), that beside an installed
-/// program, that of the sources.
-std::vector<std::string> weight_folders();
-
 /// Whether a model card is of the present formula, and of the material's law and Poisson ratio.
 bool is_of(const TensorFile& weights, const FitMaterial& material);
-
-/// Path of a file of that name in the first folder that has one, "" if none has.
-std::string find_weight_file(const std::string& name);
 
 /// A weight file that was made now.
 struct MadeWeights {
@@ -49,17 +41,10 @@ struct WeightFile {
 /// @throws Error as made_weights; (asset) for a file that cannot be read.
 WeightFile weights_of(const FitMaterial& material);
 
-/// The net of a material, of weights_of, for Poisson ratios to 0.499, exponents of Ogden from -4 to
-/// 8 and limits of Gent from 7.5 on: beyond, fits miss their limits.
-/// @throws Error as weights_of; (usage) naming the material that is beyond, or whose fit misses its
-///         limits; (asset) for a file that read_weights refuses.
-std::shared_ptr<const LearnedLaw> net_of(const Material& material, Evaluation evaluation);
-
-/// The nets of a scene's materials; none where the options ask for the laws. With energy auto a
-/// material without a net is left to its law, null, if all are there are none.
-/// @param notes  gets a sentence for each such material.
-/// @throws Error as net_of, with energy neural.
-LearnedLaws scene_nets(const Scene& scene, const AnimateOptions& options,
-                       std::vector<std::string>& notes);
+/// The net of a material, of weights_of: what runs of the command ask for nets without a file.
+/// @throws Error as weights_of; (usage) naming the material whose fit misses its limits; (asset)
+/// for
+///         a file that read_weights refuses.
+std::shared_ptr<const LearnedLaw> make_net(const Material& material, Evaluation evaluation);
 
 }  // namespace elastogen

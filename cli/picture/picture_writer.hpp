@@ -4,8 +4,8 @@
 #pragma once
 
 #include "cli/picture/scene_picture.hpp"
-#include "cli/scene_setup.hpp"
 #include "io/animation_writer.hpp"
+#include "scene/set_up.hpp"
 
 namespace elastogen {
 

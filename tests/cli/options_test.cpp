@@ -38,6 +38,14 @@ AnimateOptions simulate_options(std::vector<std::string> words) {
   return parsed_words(words).animate.value();
 }
 
+/// Values as they were typed.
+template <class Values>
+std::vector<std::string> texts_of(const Values& values) {
+  std::vector<std::string> texts;
+  for (const auto& value : values) texts.push_back(value.text);
+  return texts;
+}
+
 /// The scene that a scene file resolves to, as text.
 std::string resolved(const std::string& path, std::vector<std::string> more = {}) {
   more.insert(more.begin(), {"--scene", path, "--print-resolved"});
@@ -141,16 +149,16 @@ TEST(Options, ASceneSetsEveryOption) {
   EXPECT_EQ(o.material.law, Law::kStableNeoHookean);
   EXPECT_EQ(o.material.young, 3e4);
   EXPECT_EQ(o.material.name, "custom");
-  EXPECT_EQ(o.pins, (std::vector<std::string>{"y<5%", "box(0,0,0, 1,1,1)"}));
-  EXPECT_EQ(o.regions,
+  EXPECT_EQ(texts_of(o.pins), (std::vector<std::string>{"y<5%", "box(0,0,0, 1,1,1)"}));
+  EXPECT_EQ(texts_of(o.regions),
             (std::vector<std::string>{"material:ears: foam,density=40", "y>80%: jelly"}));
-  EXPECT_EQ(o.colliders,
+  EXPECT_EQ(texts_of(o.colliders),
             (std::vector<std::string>{
                 "box(0,-0.05,0, 1,0,1) friction 0.125 name step path 0:0,0,0; 1:0,0.5,0",
                 "plane(0,-1,0, 0,1,0)"}));
-  EXPECT_EQ(o.holds, std::vector<std::string>{"x<1%: xz"});
-  EXPECT_EQ(o.tractions, (std::vector<std::string>{"x>99%: 0,-1000,0", "z>99%: -2000"}));
-  EXPECT_EQ(o.moves, (std::vector<std::string>{"y<1%: shift 0:0,0,0; 1:0,0.5,0",
+  EXPECT_EQ(texts_of(o.holds), std::vector<std::string>{"x<1%: xz"});
+  EXPECT_EQ(texts_of(o.tractions), (std::vector<std::string>{"x>99%: 0,-1000,0", "z>99%: -2000"}));
+  EXPECT_EQ(texts_of(o.moves), (std::vector<std::string>{"y<1%: shift 0:0,0,0; 1:0,0.5,0",
                                                "y>99%: turn(0,1,0, 0,0,1) 0:0; 2:0.5"}));
   EXPECT_DOUBLE_EQ((*o.gravity)[2], -9.80665);
   EXPECT_NEAR(o.motion.spin[1], 1.5707963267948966, 1e-15);
@@ -184,7 +192,7 @@ TEST(Options, WhatIsTypedWinsOverTheScene) {
       {"other.obj", "--scene", scene, "--pin", "all", "--frames", "9", "--skip", "--no-strict",
        "--floor", "off", "--up", "auto", "--gravity", "auto", "--max-time", "none", "-o", "c.glb"});
   EXPECT_EQ(o.input, "other.obj");
-  EXPECT_EQ(o.pins, std::vector<std::string>{"all"});
+  EXPECT_EQ(texts_of(o.pins), std::vector<std::string>{"all"});
   EXPECT_EQ(o.outputs, std::vector<std::string>{"c.glb"});
   EXPECT_EQ(o.frames, 9);
   EXPECT_TRUE(o.solver.skip);

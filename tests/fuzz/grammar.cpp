@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The small languages of the command line; the first byte chooses one.
 
-#include "cli/boundary_option.hpp"
-#include "cli/collider_option.hpp"
-#include "cli/region_option.hpp"
 #include "core/material.hpp"
 #include "io/asset_pose.hpp"
 #include "io/units.hpp"
+#include "scene/boundary.hpp"
+#include "scene/material_region.hpp"
+#include "scene/obstacle.hpp"
 #include "tests/fuzz/harness.hpp"
 #include "voxelize/regions.hpp"
 
@@ -31,7 +31,7 @@ void selection(std::string_view text) {
 }
 
 void collider(std::string_view text) {
-  const Collider c = parse_collider(text, kBox, "name", 0.3);
+  const Collider c = place_obstacle(parse_obstacle(text), kBox, "name", 0.3);
   for (size_t d = 0; d < 3; ++d) {
     require_finite(c.centre[d]);
     require_finite(c.normal[d]);
@@ -51,7 +51,7 @@ void boundary(std::string_view text) {
   text.remove_prefix(1);
   if (kind == 0) parse_hold(text);
   if (kind == 1) {
-    const TractionOption traction = parse_traction(text);
+    const Traction traction = parse_traction(text);
     for (const double f : traction.force) require_finite(f);
     require_finite(traction.pressure.value_or(0));
   }

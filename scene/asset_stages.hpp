@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// The stages before a scene, for the verbs that end there: read, pose, voxelise.
+
+#pragma once
+
+#include "io/report_file.hpp"
+#include "scene/description.hpp"
+#include "voxelize/body.hpp"
+#include "voxelize/voxelize.hpp"
+
+namespace elastogen {
+
+struct VoxelizedAsset {
+  Asset asset;
+  Body body;
+  Voxelized voxels;
+};
+
+/// Resolution and limits of a run, without planes to align with.
+VoxelizeOptions resolution(const RunDescription& run);
+
+/// What a report says of an asset and its body: counts, findings, size, up.
+AssetSummary summary_of(const Asset& asset, const Body& body, const RunDescription& run);
+
+/// Adds what voxelising found to the summary, and marks the body's parts.
+void take_findings(const Asset& asset, const Voxelized& voxels, Body& body, AssetSummary& summary);
+
+/// Reads and voxelises the input; fills asset, voxels, warnings and times of the report.
+/// @throws Error as read_asset and voxelize do.
+VoxelizedAsset voxelize_asset(const RunDescription& run, RunReport& report);
+
+}  // namespace elastogen

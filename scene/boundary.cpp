@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scene/boundary.hpp"
+
+#include "core/error.hpp"
+#include "io/byte_reader.hpp"
+#include "io/units.hpp"
+
+#include <cmath>
+
+namespace elastogen {
+namespace {
+
+using Texts = std::vector<std::string_view>;
+
+struct Parts {
+  Selection selection;
+  std::string_view rest;
+};
+
+/// What stands before and after the first colon: selections have none.
+Parts parts_of(std::string_view text) {
+  const size_t colon = text.find(':');
+  ELASTOGEN_CHECK(colon != text.npos, "the colon behind the selection is missing");
+  return {parse_selection(text.substr(0, colon)), trimmed(text.substr(colon + 1))};
+}
+
+/// Runs a parser; what it throws then quotes the option and says how it reads.
+template <class Call>
+auto quoted(const char* option, std::string_view text, const char* grammar, const Call& call) {
+  try {
+    return call(parts_of(text));
+  } catch (const Error& error) {
+    throw Error(concat(option, " '", text, "': ", error.what(), " (it reads ", grammar, ')'));
+  }
+}
+
+std::vector<PathKey> parse_angles(std::string_view text, const Vec3& axis) {
+  std::vector<PathKey> path;
+  const std::string bare = without_blanks(text);
+  for (const std::string_view key : split(bare, ';')) {
+    const size_t colon = key.find(':');
+    ELASTOGEN_CHECK(colon != key.npos, "'", key, "' stands where TIME:ANGLE should");
+    const double angle = parse_angle(key.substr(colon + 1));
+    path.push_back({.time = parse_time(key.substr(0, colon)),
+                    .offset = {angle * axis[0], angle * axis[1], angle * axis[2]}});
+  }
+  return path;
+}
+
+/// What follows the word turn.
+void parse_turn(std::string_view text, Move& move) {
+  const size_t open = text.find('('), close = text.find(')');
+  ELASTOGEN_CHECK(open == 0 && close != text.npos, "a bracket of the turn is missing");
+  const std::string bare = without_blanks(text.substr(1, close - 1));
+  const Texts numbers = split(bare, ',');
+  ELASTOGEN_CHECK(numbers.size() == 6, "a turn needs 6 numbers, got ", numbers.size());
+  Vec3 axis;
+  for (size_t d = 0; d < 3; ++d) {
+    move.turn_centre[d] = parse_place(numbers[d]);
+    axis[d] = parse_number(numbers[3 + d]);
+  }
+  const double length = std::hypot(axis[0], axis[1], axis[2]);
+  ELASTOGEN_CHECK(length > 0 && std::isfinite(length), "its axis has no length");
+  for (double& a : axis) a /= length;
+  move.turns = true;
+  move.path = parse_angles(text.substr(close + 1), axis);
+}
+
+Move move_of(const Parts& parts) {
+  Move move;
+  move.selection = parts.selection;
+  constexpr std::string_view kShift = "shift", kTurn = "turn";
+  if (parts.rest.starts_with(kShift))
+    move.path = parse_path(parts.rest.substr(kShift.size()));
+  else if (parts.rest.starts_with(kTurn))
+    parse_turn(trimmed(parts.rest.substr(kTurn.size())), move);
+  else
+    throw Error("neither shift nor turn follows the selection");
+  for (size_t k = 1; k < move.path.size(); ++k)
+    ELASTOGEN_CHECK(move.path[k - 1].time < move.path[k].time, "its times must ascend");
+  return move;
+}
+
+}  // namespace
+
+std::vector<PathKey> parse_path(std::string_view text) {
+  std::vector<PathKey> path;
+  const std::string bare = without_blanks(text);
+  for (const std::string_view key : split(bare, ';')) {
+    const size_t colon = key.find(':');
+    ELASTOGEN_CHECK(colon != key.npos, "its path has '", key, "' where TIME:x,y,z should stand");
+    const auto numbers = split(key.substr(colon + 1), ',');
+    ELASTOGEN_CHECK(numbers.size() == 3, "its path needs three lengths a time, got '", key, "'");
+    PathKey k{.time = parse_time(key.substr(0, colon))};
+    for (size_t d = 0; d < 3; ++d) k.offset[d] = parse_length(numbers[d]);
+    path.push_back(k);
+  }
+  return path;
+}
+
+Pin parse_pin(std::string_view text) {
+  return {std::string(text), parse_selection(text)};
+}
+
+Hold parse_hold(std::string_view text) {
+  return quoted("--hold", text, "'SELECTION: AXES', e.g. 'x<1%: xz'", [text](const Parts& parts) {
+    Hold hold{.text = std::string(text), .selection = parts.selection};
+    ELASTOGEN_CHECK(!parts.rest.empty(), "no axis follows the selection");
+    for (const char c : parts.rest) {
+      ELASTOGEN_CHECK(c >= 'x' && c <= 'z', "'", parts.rest, "' is none of x, y, z");
+      bool& axis = hold.axes[size_t(c - 'x')];
+      ELASTOGEN_CHECK(!axis, "'", parts.rest, "' has ", c, " twice");
+      axis = true;
+    }
+    return hold;
+  });
+}
+
+Traction parse_traction(std::string_view text) {
+  return quoted("--traction", text,
+                "'SELECTION: x,y,z', a force, e.g. 'x>99%: 0,-10,0 N', or 'SELECTION: p', a "
+                "pressure, e.g. 'x>99%: 2 kPa'",
+                [text](const Parts& parts) {
+                  Traction traction{.text = std::string(text), .selection = parts.selection};
+                  if (parts.rest.find(',') == parts.rest.npos)
+                    traction.pressure = parse_pressure(parts.rest);
+                  else
+                    traction.force = parse_vec3(parts.rest, Quantity::kForce);
+                  return traction;
+                });
+}
+
+Move parse_move(std::string_view text) {
+  Move move = quoted("--move", text,
+                     "'SELECTION: shift T:x,y,z; T:x,y,z' or 'SELECTION: turn(x,y,z, ax,ay,az) "
+                     "T:ANGLE; T:ANGLE'",
+                     move_of);
+  move.text = text;
+  return move;
+}
+
+}  // namespace elastogen

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a part of the body is told: to stay, to bear a load, to move; as text and as values.
+
+#pragma once
+
+#include "core/collider.hpp"
+#include "voxelize/regions.hpp"
+
+#include <array>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace elastogen {
+
+/// Nodes that stay.
+struct Pin {
+  std::string text;  ///< as it was said, for messages; so in all of these
+  Selection selection;
+};
+
+/// Displacements that stay 0.
+struct Hold {
+  std::string text;
+  Selection selection;            ///< of nodes
+  std::array<bool, 3> axes = {};  ///< along which they are held
+};
+
+/// A dead load.
+struct Traction {
+  std::string text;
+  Selection selection;                  ///< of nodes whose faces carry it
+  Vec3 force = {};                      ///< in all [N]
+  std::optional<double> pressure = {};  ///< on each face against its normal [Pa], in place of force
+};
+
+/// A rigid motion, straight and uniform between keys, at rest before the first and after the last.
+struct Move {
+  std::string text;
+  Selection selection;  ///< of nodes
+  bool turns = false;
+  std::vector<PathKey> path;              ///< offsets [m]; of a turn rotation vectors [rad]
+  std::array<Place, 3> turn_centre = {};  ///< a point of the axis
+};
+
+/// Reads a selection (voxelize/regions.hpp). @throws Error (usage) as parse_selection.
+Pin parse_pin(std::string_view text);
+
+/// Reads 'SELECTION: AXES', AXES being x, y, z or several of them: 'x<1%: x', 'all: yz'.
+/// @throws Error (usage) naming the text and what is wrong; so do the others.
+Hold parse_hold(std::string_view text);
+
+/// Reads 'SELECTION: x,y,z [UNIT]', a force, or 'SELECTION: p [UNIT]', a pressure.
+Traction parse_traction(std::string_view text);
+
+/// Reads
+///
+///     SELECTION: shift TIME:x,y,z; TIME:x,y,z ...
+///     SELECTION: turn(PLACE x3, NUMBER x3) TIME:ANGLE; TIME:ANGLE ...
+///
+/// a turn by the right hand about the axis through a point (three places) along a vector of any
+/// length; times ascend.
+Move parse_move(std::string_view text);
+
+/// Reads TIME:x,y,z; TIME:x,y,z ..., offsets [m]. @throws Error (usage) saying what is wrong.
+std::vector<PathKey> parse_path(std::string_view text);
+
+}  // namespace elastogen

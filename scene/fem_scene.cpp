@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scene/fem_scene.hpp"
+
+#include "mpm_fem/fem/elastic_body.hpp"
+#include "mpm_fem/fem/point_location.hpp"
+#include "mpm_fem/fem/voxel_tets.hpp"
+#include "scene/fem_boundary.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace elastogen {
+namespace {
+
+bool is_tets(fem::Element element) {
+  return fem::nodes_of(element) != 8;
+}
+
+fem::ElementMesh mesh_of(const Scene& scene, fem::Element element) {
+  if (!is_tets(element)) return fem::voxel_mesh(scene, element);
+  fem::ElementMesh mesh = fem::voxel_tets(scene, fem::VoxelSplit::kSix);
+  if (element != fem::Element::kTet4) mesh = fem::quadratic(mesh);
+  mesh.element = element;
+  return mesh;
+}
+
+/// The points of the voxels' surface, carried by the tetrahedra of their voxel, or the nodes of
+/// the surface of tetrahedra.
+fem::ContactPoints contact_of(const Setup& setup, const fem::ElementMesh& mesh) {
+  const Scene& scene = setup.scene;
+  if (setup.tets) return fem::node_contact(scene, mesh, setup.node_of);
+  fem::ContactPoints points = fem::voxel_contact(scene);
+  if (!is_tets(mesh.element)) return points;
+  const int64_t per_voxel = mesh.elements.rows() / scene.grid.voxel_count();
+  const int64_t count = points.position.rows();
+  points.nodes = Array<int32_t>(count, mesh.elements.cols());
+  points.weights = Array<double>(count, mesh.elements.cols());
+  for (int64_t p = 0; p < count; ++p) {
+    const int64_t first = per_voxel * scene.surface.voxel(p);
+    const int64_t e =
+        fem::locate(mesh, first, first + per_voxel, points.position.row(p), points.weights.row(p));
+    std::copy_n(mesh.elements.row(e), mesh.elements.cols(), points.nodes.row(p));
+  }
+  return points;
+}
+
+/// Materials whose densities give the voxels' fills the mass of the scene, which is that of the
+/// asset's volume.
+std::vector<Material> materials_of(const Scene& scene) {
+  const double h3 = scene.grid.h * scene.grid.h * scene.grid.h;
+  double mass = 0, filled = 0;
+  for (int64_t n = 0; n < scene.mass.rows(); ++n) mass += scene.mass(n);
+  for (int64_t v = 0; v < scene.grid.voxel_count(); ++v)
+    filled += scene.materials[size_t(scene.material(v))].density * scene.grid.fill(v) * h3;
+  std::vector<Material> materials = scene.materials;
+  for (Material& m : materials) m.density *= mass / filled;
+  return materials;
+}
+
+fem::Scheme scheme_of(const Scene& scene, const FemOptions& options) {
+  if (options.newmark) return fem::Scheme::kNewmark;
+  return scene.scheme == TimeScheme::kBdf2 ? fem::Scheme::kBdf2 : fem::Scheme::kEuler;
+}
+
+}  // namespace
+
+fem::FemScene fem_scene(const Setup& setup, const RunDescription& run) {
+  const Scene& scene = setup.scene;
+  const FemOptions& fem = *run.fem;
+  fem::FemScene result;
+  result.mesh = setup.tets ? *setup.tets : mesh_of(scene, fem.element);
+  result.materials = setup.tets ? scene.materials : materials_of(scene);
+  result.gravity = scene.gravity;
+  add_boundary(setup, run, result);
+  result.dt = scene.dt;
+  result.scheme = scheme_of(scene, fem);
+  result.mass_kind = fem.mass;
+  const bool lumped = fem.mass == fem::Mass::kLumped;
+  if (lumped && !is_tets(result.mesh.element)) result.mass = scene.mass;
+  result.colliders = scene.colliders;
+  if (!scene.colliders.empty()) result.contact = contact_of(setup, result.mesh);
+  return result;
+}
+
+double fem_tolerance(const Setup& setup, const RunDescription& run) {
+  const double asked = run.solver.tolerance;
+  if (!run.fem->any_rounding) return asked;
+  double stiffest = 0;  // 3 K / rho
+  for (const Material& m : setup.scene.materials)
+    stiffest = std::max(stiffest, (2 * m.mu() + 3 * m.lambda()) / m.density);
+  const double rounding = 1.5 * std::exp2(-52) * stiffest / (9.81 * setup.scene.grid.h);
+  return std::clamp(8 * rounding, asked, 1e-3);
+}
+
+void describe_fem(const Setup& setup, const RunDescription& run, const fem::FemScene& scene,
+                  StateHeader& header) {
+  header.solver = "fem";
+  header.tolerance = fem_tolerance(setup, run);
+  header.element = fem::element_name(scene.mesh.element);
+  if (!run.holds.empty() || !run.moves.empty()) header.fixed = scene.fixed;
+  header.traction = scene.traction;
+  if (!scene.colliders.empty())
+    header.contact = {{"layer", scene.contact.layer}, {"slip_range", scene.contact.slip_range}};
+  if (!is_tets(scene.mesh.element)) return;
+  StateMesh& mesh = header.mesh.emplace();
+  mesh.rest = scene.mesh.rest;
+  mesh.corners = scene.mesh.elements;
+  mesh.material = scene.mesh.material;
+  mesh.mass = fem::ElasticBody(scene.mesh, scene.materials).lumped_mass();
+  mesh.pinned = pinned_nodes(setup.scene, scene.mesh);
+  mesh.contact_nodes = scene.contact.nodes;
+  mesh.contact_weights = scene.contact.weights;
+}
+
+}  // namespace elastogen

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scene/fem_stepper.hpp"
+
+#include "mpm_fem/integrators/implicit_fem.hpp"
+#include "scene/fem_boundary.hpp"
+#include "scene/fem_scene.hpp"
+
+#include <algorithm>
+
+namespace elastogen {
+namespace {
+
+/// a - b, entry by entry.
+Array<double> difference(const Array<double>& a, const Array<double>& b) {
+  Array<double> result = a;
+  for (int64_t k = 0; k < a.size(); ++k) result.data()[k] -= b.data()[k];
+  return result;
+}
+
+class FemStepper : public Stepper {
+ public:
+  FemStepper(const Setup& setup, const RunDescription& run, std::function<bool()> stop)
+      : setup_(setup),
+        run_(run),
+        stop_(std::move(stop)),
+        scene_(fem_scene(setup, run)),
+        solver_(scene_, {.tolerance = fem_tolerance(setup, run)}) {}
+
+  void begin(const StartMotion& motion) override;
+  void begin_at(const State& state) override;
+  StepReport advance() override;
+  const State& state() override { return state_; }
+  bool fits_single() const override { return elastogen::fits_single(state_.x); }
+  void carry(const CarriedPoints& points, bool with_gradient) override {
+    frames_.emplace(setup_.scene.grid, points, with_gradient);
+  }
+  int64_t start_frame() override { return frames_->make(state_.x); }
+  CarriedFrame take_frame(int64_t number) const override { return frames_->take(number); }
+  Span<const double> residual() const override { return solver_.residual(); }
+  void describe(StateHeader& header) const override {
+    describe_fem(setup_, run_, scene_, header);
+    if (run_.fem->newmark) header.scheme = "newmark";
+  }
+
+ private:
+  void show();
+
+  const Setup& setup_;
+  const RunDescription& run_;
+  std::function<bool()> stop_;
+  fem::FemScene scene_;
+  fem::ImplicitFem solver_;
+  fem::FemState fem_;  ///< what steps work on
+  State state_;        ///< the same as positions
+  std::optional<NodeFrames> frames_;
+};
+
+void FemStepper::begin(const StartMotion& motion) {
+  Scene nodes;  // only what initial_state looks at
+  nodes.grid.rest = scene_.mesh.rest;
+  nodes.mass = solver_.potential().mass().nodal();
+  nodes.pinned = pinned_nodes(setup_.scene, scene_.mesh);
+  State state = initial_state(nodes, motion);
+  for (int64_t k = 0; k < state.v.size(); ++k)
+    if (scene_.fixed.data()[k]) state.v.data()[k] = 0;
+  begin_at(state);
+}
+
+void FemStepper::begin_at(const State& state) {
+  state_ = state;
+  fem_ = {};
+  fem_.u = difference(state.x, scene_.mesh.rest);
+  fem_.v = state.v;
+  if (!state.x_before.empty()) {
+    fem_.u_before = difference(state.x_before, scene_.mesh.rest);
+    fem_.v_before = state.v_before;
+  }
+  fem_.time = state.time;
+  fem_.steps = state.steps;
+}
+
+StepReport FemStepper::advance() {
+  StepReport report;
+  report.interrupted = stop_();
+  if (report.interrupted) return report;
+  report = solver_.step(fem_);
+  if (report.finite) show();
+  return report;
+}
+
+/// Brings the positions up to date. The displacements become those of the rounded positions, so
+/// that a run that goes on from the state has the same bits.
+void FemStepper::show() {
+  std::swap(state_.x_before, state_.x);
+  std::swap(state_.v_before, state_.v);
+  const int64_t count = fem_.u.size();
+  const Array<double>& rest = scene_.mesh.rest;
+  if (state_.x.size() != count) state_.x = state_.v = Array<double>(rest.rows(), 3);
+  for (int64_t k = 0; k < count; ++k) {
+    state_.x.data()[k] = rest.data()[k] + fem_.u.data()[k];
+    fem_.u.data()[k] = state_.x.data()[k] - rest.data()[k];
+  }
+  std::copy_n(fem_.v.data(), count, state_.v.data());
+  state_.time = fem_.time;
+  state_.steps = fem_.steps;
+}
+
+}  // namespace
+
+std::unique_ptr<Stepper> make_fem_stepper(const Setup& setup, const RunDescription& run,
+                                          std::function<bool()> stop) {
+  return std::make_unique<FemStepper>(setup, run, std::move(stop));
+}
+
+}  // namespace elastogen

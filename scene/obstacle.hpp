@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// A rigid obstacle as text, as values, and as a collider once the asset's box is known.
+
+#pragma once
+
+#include "core/collider.hpp"
+#include "voxelize/regions.hpp"
+
+#include <array>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace elastogen {
+
+struct Obstacle {
+  std::string text;  ///< as it was said, for messages
+  Collider::Shape shape = Collider::Shape::kPlane;
+  std::array<Place, 3> point = {};  ///< of the plane; centre of the sphere; lower corner of the box
+  std::array<Place, 3> upper = {};  ///< corner of the box
+  Vec3 normal = {0, 1, 0};          ///< of the plane, to its free side, of length 1
+  double radius = 0;                ///< of the sphere [m]
+  std::optional<double> friction = {};  ///< Coulomb's coefficient; unset: that of the scene
+  std::string name = {};                ///< empty: by its number
+  std::vector<PathKey> path = {};       ///< offsets [m]
+};
+
+/// Reads
+///
+///     plane(PLACE x3, NUMBER x3) | sphere(PLACE x3, LENGTH) | box(PLACE x6: two corners)
+///         [friction NUMBER] [name WORD] [path TIME:x,y,z; TIME:x,y,z ...]
+///
+/// a point of the plane and a normal of any length to its free side; path keys are offsets [m] at
+/// ascending times. Blanks may stand between all parts; places are lengths or shares of the box.
+///
+/// @throws Error (usage) naming the text, what is wrong, and the grammar.
+Obstacle parse_obstacle(std::string_view text);
+
+/// The collider beside an asset.
+/// @param box             of the asset [m], which shares refer to.
+/// @param name, friction  where the obstacle has none.
+/// @throws Error (usage) naming the text where a box has no extent; as check_collider.
+Collider place_obstacle(const Obstacle& obstacle, const PlacedBox& box, const std::string& name,
+                        double friction);
+
+}  // namespace elastogen

@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scene/set_up.hpp"
+
+#include "core/error.hpp"
+#include "core/stopwatch.hpp"
+#include "core/time_scheme.hpp"
+#include "core/vec3.hpp"
+#include "io/output_findings.hpp"
+#include "mpm_fem/fem/tet_surface.hpp"
+#include "network/contact.hpp"
+#include "scene/asset_stages.hpp"
+#include "scene/fem_boundary.hpp"
+#include "scene/fem_scene.hpp"
+#include "scene/loose_pieces.hpp"
+#include "voxelize/regions.hpp"
+#include "voxelize/voxelize.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace elastogen {
+namespace {
+
+/// The free side of a floor across the up axis is up, of another one the positive side; without a
+/// place it lies where the asset begins.
+Collider make_floor(const FloorPlane& option, double friction, const UpAxis& up,
+                    const PlacedBox& box) {
+  const auto axis = size_t(option.axis < 0 ? up.axis : option.axis);
+  const double sign = int(axis) == up.axis ? up.sign : 1;
+  Vec3 normal = {};
+  normal[axis] = sign;
+  const double begin = sign > 0 ? box.lower[axis] : box.upper[axis];
+  const double place = option.place ? *option.place - box.origin[axis] : begin;
+  return half_space(normal, sign * place, friction);
+}
+
+/// The floor, then the colliders as they were named.
+std::vector<Collider> make_colliders(const RunDescription& run, const UpAxis& up,
+                                     const PlacedBox& box) {
+  std::vector<Collider> colliders;
+  if (run.floor) colliders.push_back(make_floor(*run.floor, run.friction, up, box));
+  for (size_t k = 0; k < run.colliders.size(); ++k)
+    colliders.push_back(
+        place_obstacle(run.colliders[k], box, fmt::format("collider {}", k + 1), run.friction));
+  return colliders;
+}
+
+/// Planes of pins, holds, moves and colliders, so that a layer of nodes lies in them.
+VoxelizeOptions voxelize_options(const RunDescription& run, const std::vector<Collider>& colliders,
+                                 const PlacedBox& box) {
+  VoxelizeOptions v = resolution(run);
+  std::vector<Selection> selections;
+  for (const Pin& pin : run.pins) selections.push_back(pin.selection);
+  for (const Hold& hold : run.holds) selections.push_back(hold.selection);
+  for (const Move& move : run.moves) selections.push_back(move.selection);
+  for (const Selection& selection : selections) {
+    const auto at = plane(selection, box);
+    if (at && !v.align[at->first]) v.align[at->first] = at->second;
+  }
+  for (const Collider& c : colliders)
+    for (size_t d = 0; d < 3; ++d)
+      if (c.shape == Collider::Shape::kPlane && std::abs(c.normal[d]) == 1 && !v.align[d])
+        v.align[d] = c.centre[d] + offset_at(c, 0)[d];
+  return v;
+}
+
+/// 1 for each node that an option selects, (nodes, 1); says so where there is none.
+Array<uint8_t> held_nodes(const char* option, const std::string& text, const Selection& selection,
+                          Setup& setup) {
+  const PlacedBox& box = setup.body.surface.box;
+  Array<uint8_t> selected = select_nodes(setup.scene.grid, selection, box);
+  const uint8_t* nodes = selected.data();
+  if (std::any_of(nodes, nodes + selected.rows(), [](uint8_t s) { return s != 0; }))
+    return selected;
+  const Vec3 lower = plus(box.lower, box.origin), upper = plus(box.upper, box.origin);
+  setup.warnings.push_back(fmt::format(
+      "{} '{}' holds nothing: no node of the grid lies in it; the asset spans {:.4g}..{:.4g}, "
+      "{:.4g}..{:.4g}, {:.4g}..{:.4g} m",
+      option, text, lower[0], upper[0], lower[1], upper[1], lower[2], upper[2]));
+  return selected;
+}
+
+/// Pins the scene; holds and moves are only looked at.
+void pin(const RunDescription& run, Setup& setup) {
+  Scene& scene = setup.scene;
+  scene.pinned = Array<uint8_t>(scene.grid.node_count());
+  for (const Pin& pin : run.pins) {
+    const Array<uint8_t> selected = held_nodes("--pin", pin.text, pin.selection, setup);
+    for (int64_t n = 0; n < selected.rows(); ++n) scene.pinned(n) |= selected(n);
+  }
+  for (const Hold& hold : run.holds) held_nodes("--hold", hold.text, hold.selection, setup);
+  for (const Move& move : run.moves) held_nodes("--move", move.text, move.selection, setup);
+}
+
+/// A body that begins in a collider can never be stepped.
+void check_clear(const Scene& scene, const Collider& collider) {
+  const double layer = contact_layer(scene), h = scene.grid.h;
+  const Collider core = core_of(collider, layer);
+  Proximity deepest{.distance = 1e300};
+  for (int64_t p = 0; p < scene.surface.position.rows(); ++p) {
+    const double* x = scene.surface.position.row(p);
+    const Proximity near = proximity(core, offset_at(collider, 0), {x[0], x[1], x[2]});
+    if (near.distance < deepest.distance) deepest = near;
+  }
+  const double depth = layer - deepest.distance;
+  const Vec3& n = deepest.normal;
+  if (depth < 0.2 * h) return;
+  const bool plane = collider.shape == Collider::Shape::kPlane;
+  throw Error(fmt::format(
+      "the asset begins {:.4g} m {} collider '{}'; move the collider by that along ({:.3g}, "
+      "{:.3g}, {:.3g}), or further{}",
+      depth, plane ? "below" : "inside of", collider.name, -n[0], -n[1], -n[2],
+      collider.name == "floor" ? " (--floor alone takes the lowest point)" : ""));
+}
+
+/// Steps a frame for which dt <= 1/60 s and the elastic Courant number stays at or below 50.
+int automatic_substeps(const Scene& scene, double frame_seconds) {
+  Scene probe;
+  probe.materials = scene.materials;
+  probe.grid.h = scene.grid.h;
+  probe.dt = frame_seconds;
+  const double wanted = std::max(60 * frame_seconds, courant_number(probe) / 50);
+  return int(std::clamp(std::ceil(wanted - 1e-9), 1.0, 16.0));
+}
+
+/// Size, up and colliders of a setup that has its body.
+void add_asset(const Asset& asset, const RunDescription& run, Setup& setup) {
+  setup.asset = summary_of(asset, setup.body, run);
+  if (!setup.asset.size.warning.empty()) setup.warnings.push_back(setup.asset.size.warning);
+  setup.longest_edge = setup.asset.size.longest_edge;
+  setup.up = setup.asset.up.up;
+  setup.scene.place = setup.body.surface.box.origin;
+  setup.scene.colliders = make_colliders(run, setup.up, setup.body.surface.box);
+}
+
+/// Body, grid and colliders.
+void add_grid(const Asset& asset, const RunDescription& run, Setup& setup) {
+  setup.body = make_body(asset, run.size, resolution(run));
+  add_asset(asset, run, setup);
+  const Surface& surface = setup.body.surface;
+  VoxelizeOptions options = voxelize_options(run, setup.scene.colliders, surface.box);
+  options.shell = setup.body.shell;
+  Voxelized voxelized = voxelize(surface, options);
+  take_findings(asset, voxelized, setup.body, setup.asset);
+  setup.sheet_volume = voxelized.report.sheet_volume;
+  setup.sheet_thickness = voxelized.report.sheet_thickness;
+  if (setup.body.shell > 0 && run.thickness > setup.body.shell)
+    setup.warnings.push_back(fmt::format(
+        "--thickness {:.4g} m: the shell around the points is {:.4g} m thick, and no thicker",
+        run.thickness, setup.body.shell));
+  setup.scene.grid = std::move(voxelized.grid);
+}
+
+/// The same of tetrahedra, which take the place of the grid.
+void add_tets(const TetAsset& tets, const RunDescription& run, Setup& setup) {
+  setup.body.surface = pose_surface(tets.asset, run.size);
+  setup.body.carried = setup.body.surface.vertices;
+  add_asset(tets.asset, run, setup);
+  setup.asset.closed = true;
+  if (run.fem->resolution)
+    setup.warnings.push_back(
+        concat("--voxels and --h mean nothing: ", tets.asset.path, " has tetrahedra of its own"));
+  setup.tets = tets.mesh;
+  setup.tets->element = element_of(tets, *run.fem);
+  for (int64_t n = 0; n < setup.tets->rest.rows(); ++n)
+    for (int d = 0; d < 3; ++d) {
+      double& x = setup.tets->rest(n, d);
+      x = x * setup.body.surface.scale - setup.scene.place[size_t(d)];
+    }
+  setup.node_of = tets.node_of;
+  setup.scene.grid.rest = setup.tets->rest;
+  setup.scene.grid.h = fem::mean_edge(*setup.tets);
+}
+
+/// Gravity, time step and scheme.
+void add_time(const RunDescription& run, Setup& setup) {
+  Scene& scene = setup.scene;
+  Vec3 down = {};
+  down[size_t(setup.up.axis)] = -9.81 * setup.up.sign;
+  scene.gravity = run.gravity.value_or(down);
+  setup.substeps = run.substeps > 0 ? run.substeps : automatic_substeps(scene, 1 / run.fps);
+  scene.dt = 1 / (run.fps * setup.substeps);
+  scene.scheme = run.scheme;
+  scene.hourglass = run.hourglass;
+}
+
+/// Nothing against gravity.
+bool falls_freely(const RunDescription& run, const Scene& scene) {
+  if (!run.holds.empty() || !run.moves.empty()) return false;
+  const uint8_t* pinned = scene.pinned.data();
+  const bool held = std::any_of(pinned, pinned + scene.pinned.rows(), [](uint8_t p) { return p; });
+  return !held && scene.colliders.empty() && scene.gravity != Vec3{};
+}
+
+/// The vertices of a surface, each for a third of its triangles; nothing carries them yet.
+SurfacePoints vertex_points(const Surface& surface) {
+  SurfacePoints points;
+  points.position = surface.vertices;
+  points.area = Array<double>(surface.vertices.rows());
+  for (int64_t t = 0; t < surface.triangles.rows(); ++t) {
+    Vec3 x[3];
+    for (int c = 0; c < 3; ++c)
+      std::copy_n(surface.vertices.row(surface.triangles(t, c)), 3, x[c].begin());
+    const double area = norm(cross(minus(x[1], x[0]), minus(x[2], x[0]))) / 2;
+    for (int c = 0; c < 3; ++c) points.area(surface.triangles(t, c)) += area / 3;
+  }
+  return points;
+}
+
+/// Says so where nothing holds the scene, and what its outputs cannot hold.
+void judge(const Asset& asset, const RunDescription& run, Setup& setup) {
+  if (falls_freely(run, setup.scene))
+    setup.warnings.push_back(
+        "nothing holds the asset (no --pin, no --floor, no --collider): it falls freely");
+  if (run.fem && run.fem->statics)
+    for (std::string& text : unheld_pieces(fem_scene(setup, run)))
+      setup.warnings.push_back(std::move(text));
+  for (Finding& finding : output_findings(asset, setup.body.surface, run.outputs))
+    setup.asset.findings.push_back(std::move(finding));
+}
+
+}  // namespace
+
+Setup set_up(const Asset& asset, const RunDescription& run) {
+  Setup setup;
+  Scene& scene = setup.scene;
+  const Stopwatch watch;
+  add_grid(asset, run, setup);
+  setup.voxelize_seconds = watch.seconds();
+
+  scene.materials = run.materials.empty() ? std::vector<Material>{run.material} : run.materials;
+  scene.material =
+      run.material_of ? run.material_of(scene.grid) : Array<int32_t>(scene.grid.voxel_count());
+  apply_regions(run.regions, asset, setup.body, scene, setup.warnings);
+  pin(run, setup);
+  if (!scene.colliders.empty()) scene.surface = surface_points(scene.grid, setup.body.surface);
+  for (const Collider& collider : scene.colliders) check_clear(scene, collider);
+  add_time(run, setup);
+  judge_pieces(asset, run, setup);
+  finish_scene(scene);
+  judge(asset, run, setup);
+  setup.other_seconds = watch.seconds() - setup.voxelize_seconds;
+  return setup;
+}
+
+Setup set_up(const TetAsset& tets, const RunDescription& run) {
+  Setup setup;
+  Scene& scene = setup.scene;
+  const Stopwatch watch;
+  add_tets(tets, run, setup);
+  scene.materials = {run.material};
+  scene.material = Array<int32_t>(setup.tets->elements.rows());
+  apply_regions(run.regions, *setup.tets, tets.region, tets.regions, setup.body.surface.box, scene,
+                setup.warnings);
+  setup.tets->material = scene.material;
+  pin(run, setup);
+  scene.surface = vertex_points(setup.body.surface);
+  for (const Collider& collider : scene.colliders) check_clear(scene, collider);
+  add_time(run, setup);
+  judge(tets.asset, run, setup);
+  setup.other_seconds = watch.seconds();
+  return setup;
+}
+
+void add_summary(const Setup& setup, RunReport& report) {
+  report.asset = setup.asset;
+  report.voxels = setup.scene.grid.voxel_count();
+  report.nodes = setup.scene.grid.node_count();
+  report.h = setup.scene.grid.h;
+  report.materials = setup.scene.materials;
+  report.warnings = setup.warnings;
+  report.stage_seconds.voxelize = setup.voxelize_seconds;
+  report.stage_seconds.setup = setup.other_seconds;
+}
+
+}  // namespace elastogen

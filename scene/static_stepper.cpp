@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scene/static_stepper.hpp"
+
+#include "core/stopwatch.hpp"
+#include "mpm_fem/integrators/static_fem.hpp"
+#include "scene/fem_scene.hpp"
+
+#include <fmt/format.h>
+
+namespace elastogen {
+namespace {
+
+class StaticStepper : public Stepper {
+ public:
+  StaticStepper(const Setup& setup, const RunDescription& run)
+      : setup_(setup),
+        run_(run),
+        scene_(fem_scene(setup, run)),
+        residual_(scene_.mesh.rest.rows(), 3) {}
+
+  void begin(const StartMotion&) override {
+    state_ = {};
+    state_.x = scene_.mesh.rest;
+    state_.v = Array<double>(state_.x.rows(), 3);
+  }
+  void begin_at(const State& state) override { state_ = state; }
+  StepReport advance() override;
+  const State& state() override { return state_; }
+  bool fits_single() const override { return elastogen::fits_single(state_.x); }
+  void carry(const CarriedPoints& points, bool with_gradient) override {
+    frames_.emplace(setup_.scene.grid, points, with_gradient);
+  }
+  int64_t start_frame() override { return frames_->make(state_.x); }
+  CarriedFrame take_frame(int64_t number) const override { return frames_->take(number); }
+  Span<const double> residual() const override { return residual_; }
+  void describe(StateHeader& header) const override {
+    describe_fem(setup_, run_, scene_, header);
+    header.scheme = "static";
+  }
+
+ private:
+  const Setup& setup_;
+  const RunDescription& run_;
+  fem::FemScene scene_;
+  State state_;
+  Array<double> residual_;  ///< of the last step [N], (nodes, 3)
+  std::optional<NodeFrames> frames_;
+};
+
+StepReport StaticStepper::advance() {
+  const Stopwatch watch;
+  fem::StaticResult result = fem::solve_static(scene_, {.tolerance = fem_tolerance(setup_, run_)});
+  for (int64_t k = 0; k < state_.x.size(); ++k)
+    state_.x.data()[k] = scene_.mesh.rest.data()[k] + result.u.data()[k];
+  state_.time = result.load_factor;
+  ++state_.steps;
+  residual_ = std::move(result.gradient);
+  StepReport report;
+  report.step = state_.steps;
+  report.time = state_.time;
+  report.converged = result.converged;
+  report.residual = result.residual;
+  report.outer = result.newton_steps;
+  report.inner = result.increments;
+  report.float64 = true;
+  report.min_j = result.min_j;
+  report.energy = result.energy;
+  report.ms = 1e3 * watch.seconds();
+  if (!result.converged)
+    report.refusal = fmt::format(
+        "--static: the last equilibrium found is that under a load factor of {:.4g} of 1",
+        result.load_factor);
+  return report;
+}
+
+}  // namespace
+
+std::unique_ptr<Stepper> make_static_stepper(const Setup& setup, const RunDescription& run) {
+  return std::make_unique<StaticStepper>(setup, run);
+}
+
+}  // namespace elastogen

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// Statics as a run of one step: from rest to the equilibrium.
+
+#pragma once
+
+#include "scene/stepper.hpp"
+
+namespace elastogen {
+
+/// A stepper whose one step solves the equilibrium; the time after it is the load factor that was
+/// reached. In its report outer counts Newton steps and inner load increments, and the residual is
+/// that of fem::StaticResult. Short of the full load the step is a draft that says how far it came.
+/// @throws Error as fem_scene.
+std::unique_ptr<Stepper> make_static_stepper(const Setup& setup, const RunDescription& run);
+
+}  // namespace elastogen

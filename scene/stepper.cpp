@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scene/stepper.hpp"
+
+#include "scene/fem_stepper.hpp"
+#include "scene/network_stepper.hpp"
+#include "scene/static_stepper.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace elastogen {
+
+bool fits_single(const Array<double>& positions) {
+  const auto fits = [](double value) { return std::abs(value) < kLargestSingle; };
+  return std::all_of(positions.data(), positions.data() + positions.size(), fits);
+}
+
+std::unique_ptr<Stepper> make_stepper(const Setup& setup, const RunDescription& run,
+                                      const StepperHooks& hooks, std::vector<std::string>& notes) {
+  if (run.fem && run.fem->statics) return make_static_stepper(setup, run);
+  if (run.fem) return make_fem_stepper(setup, run, hooks.stop);
+  SolverOptions solver = run.solver;
+  solver.learned = scene_nets(setup.scene, run, hooks.make_net, notes);
+  solver.interrupted = hooks.stop;
+  return make_network_stepper(setup.scene, solver);
+}
+
+}  // namespace elastogen

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: Apache-2.0
+// The network against finite elements on the same element: two implementations of one potential.
+#include "scene/stepper.hpp"
+
+#include "mpm_fem/fem/elastic_body.hpp"
+#include "scene/fem_scene.hpp"
+#include "tests/network/scenes.hpp"
+
+#include <gtest/gtest.h>
+
+namespace elastogen::test {
+namespace {
+
+constexpr int kSteps = 6;
+
+RunDescription network(double tolerance) {
+  RunDescription options;
+  options.solver.mode = SolverMode::kNewton;
+  options.energy = EnergySource::kAnalytic;
+  options.solver.tolerance = tolerance;
+  return options;
+}
+
+RunDescription finite_elements(fem::Element element) {
+  RunDescription options;
+  options.fem = FemOptions{.element = element, .mass = fem::Mass::kLumped, .newmark = false};
+  options.solver.tolerance = 1e-9;
+  return options;
+}
+
+Setup setup_of(const Scene& scene) {
+  Setup setup;
+  setup.scene = scene;
+  return setup;
+}
+
+/// Positions after some steps, each of which must converge.
+State end_of(const Scene& scene, const RunDescription& options, const StartMotion& motion) {
+  const Setup setup = setup_of(scene);
+  std::vector<std::string> notes;
+  const std::unique_ptr<Stepper> stepper = make_stepper(setup, options, {}, notes);
+  EXPECT_TRUE(notes.empty());
+  stepper->begin(motion);
+  for (int n = 0; n < kSteps; ++n) {
+    const StepReport report = stepper->advance();
+    EXPECT_TRUE(report.converged) << "step " << n << ": " << report.residual;
+  }
+  return stepper->state();
+}
+
+/// Largest distance of two states' nodes over the largest displacement.
+double difference(const Scene& scene, const State& a, const State& b) {
+  double distance = 0, displacement = 0;
+  for (int64_t k = 0; k < scene.grid.rest.size(); ++k) {
+    distance = std::max(distance, std::abs(a.x.data()[k] - b.x.data()[k]));
+    displacement = std::max(displacement, std::abs(b.x.data()[k] - scene.grid.rest.data()[k]));
+  }
+  return distance / displacement;
+}
+
+void expect_the_same(const Scene& scene, const StartMotion& motion = {}) {
+  const State fem = end_of(scene, finite_elements(fem::Element::kVoxel), motion);
+  const State net = end_of(scene, network(1e-8), motion);
+  const double apart = difference(scene, net, fem);
+  std::printf("network and finite elements are %.1e apart\n", apart);
+  EXPECT_LT(apart, 1e-7);
+}
+
+/// Random fills and shape means, two materials, pinned below.
+Scene ragged_scene(Law law, Hourglass hourglass, TimeScheme scheme) {
+  Scene scene = scene_on(ragged_grid(7, 4, 4, 0.05, 3), solid(2e5, 0.4, law));
+  scene.materials.push_back(solid(2e6, 0.3, law, 400));
+  for (int64_t v = 0; v < scene.material.rows(); ++v) scene.material(v) = int32_t(v % 2);
+  pin_below(scene, 0, -0.1);
+  scene.gravity = {1, -9.81, 2};
+  scene.hourglass = hourglass;
+  scene.scheme = scheme;
+  finish_scene(scene);
+  return scene;
+}
+
+TEST(Stepper, NetworkAndFiniteElementsAgreeForEveryLaw) {
+  for (const Law law :
+       {Law::kFixedCorotated, Law::kNeoHookean, Law::kStableNeoHookean, Law::kHencky})
+    expect_the_same(ragged_scene(law, Hourglass::kFull, TimeScheme::kEuler));
+}
+
+TEST(Stepper, NetworkAndFiniteElementsAgreeForBdf2AndWithoutTorsion) {
+  expect_the_same(ragged_scene(Law::kNeoHookean, Hourglass::kFull, TimeScheme::kBdf2));
+  expect_the_same(ragged_scene(Law::kNeoHookean, Hourglass::kVariance, TimeScheme::kEuler));
+}
+
+/// A box that falls on a rough floor which moves, under a ball.
+Scene contact_scene() {
+  Scene scene = scene_on(make_box(5, 3, 3, 0.04, {0, 0.005, 0}), solid(1e5, 0.4));
+  scene.surface = face_points(scene.grid);
+  Collider floor = half_space({0, 1, 0}, 0, 0.4), ball;
+  floor.path = {{0, {}}, {0.1, {0.01, 0.01, 0}}};
+  ball.name = "ball", ball.shape = Collider::Shape::kSphere;
+  ball.centre = {0.1, 0.2, 0.06}, ball.radius = 0.06, ball.friction = 0.2;
+  ball.path = {{0, {}}, {0.1, {0, -0.04, 0}}};
+  scene.colliders = {floor, ball};
+  scene.gravity = {0, -9.81, 0};
+  finish_scene(scene);
+  return scene;
+}
+
+TEST(Stepper, NetworkAndFiniteElementsAgreeInContactWithFriction) {
+  expect_the_same(contact_scene(), {.velocity = {0.2, -0.5, 0}, .spin = {0, 1, 0}});
+}
+
+/// Other elements see the same body and load: close, not equal.
+TEST(Stepper, OtherElementsComeNear) {
+  Scene scene = clamped_beam(12, 3, 3, 1.0 / 30, solid(3e5, 0.3));
+  const State voxel = end_of(scene, finite_elements(fem::Element::kVoxel), {});
+  for (const fem::Element element : {fem::Element::kHexBbar, fem::Element::kTet10}) {
+    const State other = end_of(scene, finite_elements(element), {});
+    ASSERT_GE(other.x.rows(), scene.grid.node_count());
+    const double apart = difference(scene, other, voxel);
+    EXPECT_LT(apart, 0.03) << fem::element_name(element);
+    EXPECT_GT(apart, 1e-5) << fem::element_name(element);
+  }
+}
+
+/// Whatever the element, a body weighs what the scene says, border voxels included.
+TEST(Stepper, EveryElementHasTheMassOfTheScene) {
+  const Scene scene = ragged_scene(Law::kNeoHookean, Hourglass::kFull, TimeScheme::kEuler);
+  double mass = 0;
+  for (int64_t n = 0; n < scene.mass.rows(); ++n) mass += scene.mass(n);
+  for (const fem::Element element :
+       {fem::Element::kVoxel, fem::Element::kHex, fem::Element::kTet4, fem::Element::kTet10})
+    for (const fem::Mass kind : {fem::Mass::kLumped, fem::Mass::kConsistent}) {
+      RunDescription options = finite_elements(element);
+      options.fem->mass = kind;
+      const fem::FemScene body = fem_scene(setup_of(scene), options);
+      const fem::ElasticBody elastic(body.mesh, body.materials);
+      const Array<double> lumped = elastic.lumped_mass();
+      double sum = 0, consistent = 0, M[100];
+      for (int64_t n = 0; n < lumped.rows(); ++n) sum += lumped(n);
+      for (int64_t e = 0; e < body.mesh.elements.rows(); ++e) {
+        elastic.element_mass(e, M);
+        const int nodes = fem::nodes_of(element);
+        for (int k = 0; k < nodes * nodes; ++k) consistent += M[k];
+      }
+      EXPECT_NEAR(sum, mass, 1e-12 * mass) << fem::element_name(element);
+      EXPECT_NEAR(consistent, mass, 1e-12 * mass) << fem::element_name(element);
+    }
+}
+
+/// Tetrahedra carry the same contact points.
+TEST(Stepper, TetrahedraRestOnAFloor) {
+  Scene scene = contact_scene();
+  for (Collider& c : scene.colliders) c.path.clear();
+  const State voxel = end_of(scene, finite_elements(fem::Element::kVoxel), {});
+  for (const fem::Element element : {fem::Element::kTet4, fem::Element::kTet10}) {
+    const fem::FemScene tets = fem_scene(setup_of(scene), finite_elements(element));
+    for (int64_t p = 0; p < tets.contact.weights.rows(); ++p) {
+      double sum = 0, place[3] = {};
+      for (int a = 0; a < tets.contact.weights.cols(); ++a) {
+        sum += tets.contact.weights(p, a);
+        for (int d = 0; d < 3; ++d)
+          place[d] += tets.contact.weights(p, a) * tets.mesh.rest(tets.contact.nodes(p, a), d);
+      }
+      EXPECT_NEAR(sum, 1, 1e-12);
+      for (int d = 0; d < 3; ++d) EXPECT_NEAR(place[d], scene.surface.position(p, d), 1e-12);
+    }
+    EXPECT_LT(difference(scene, end_of(scene, finite_elements(element), {}), voxel), 0.1);
+  }
+}
+
+}  // namespace
+}  // namespace elastogen::test
