@@ -78,8 +78,8 @@ void Study::take_energies(const Trajectory& trajectory, StudyRun& run) const {
 
 /// Runs the scene of a stage once to warm up where it is repeated, then for its time. Finite
 /// elements run once: they take minutes, and nobody chooses them for their speed.
-StudyRun& Study::add_run(const std::string& name, const StudyStage& stage, const AnimateOptions& options,
-                         Trajectory* kept) {
+StudyRun& Study::add_run(const std::string& name, const StudyStage& stage,
+                         const AnimateOptions& options, Trajectory* kept) {
   if (!options.quiet) fmt::print("{} ...\n", name);
   std::fflush(stdout);
   const Scene& scene = stage.setup.scene;
@@ -168,7 +168,8 @@ void Study::add_overlay(const std::string& name, const StudyStage& stage, const 
   result_.overlays[0].outlines.push_back({name, section(surface, vertices, across, place)});
 }
 
-void Study::write_pvd(const std::string& name, const StudyStage& stage, const Trajectory& run) const {
+void Study::write_pvd(const std::string& name, const StudyStage& stage,
+                      const Trajectory& run) const {
   const Scene& scene = stage.setup.scene;
   AnimationOptions options;
   options.fps = task_.scene.fps;

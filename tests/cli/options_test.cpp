@@ -159,7 +159,7 @@ TEST(Options, ASceneSetsEveryOption) {
   EXPECT_EQ(texts_of(o.holds), std::vector<std::string>{"x<1%: xz"});
   EXPECT_EQ(texts_of(o.tractions), (std::vector<std::string>{"x>99%: 0,-1000,0", "z>99%: -2000"}));
   EXPECT_EQ(texts_of(o.moves), (std::vector<std::string>{"y<1%: shift 0:0,0,0; 1:0,0.5,0",
-                                               "y>99%: turn(0,1,0, 0,0,1) 0:0; 2:0.5"}));
+                                                         "y>99%: turn(0,1,0, 0,0,1) 0:0; 2:0.5"}));
   EXPECT_DOUBLE_EQ((*o.gravity)[2], -9.80665);
   EXPECT_NEAR(o.motion.spin[1], 1.5707963267948966, 1e-15);
   ASSERT_TRUE(o.floor);
