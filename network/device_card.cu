@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/device_array.cuh"
+#include "core/cuda/array.cuh"
 #include "network/device.hpp"
 
 namespace elastogen::cuda {

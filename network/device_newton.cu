@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/device_reduce.cuh"
-#include "core/device_signal.cuh"
+#include "core/cuda/reduce.cuh"
+#include "core/cuda/signal.cuh"
 #include "core/line_search.hpp"
 #include "network/device_newton.hpp"
 #include "network/device_preconditioner.cuh"

@@ -6,7 +6,7 @@
 
 #pragma once
 
-#include "core/device_reduce.cuh"
+#include "core/cuda/reduce.cuh"
 #include "network/brick_rows.hpp"
 #include "network/device_bricks.cuh"
 
