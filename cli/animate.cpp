@@ -2,8 +2,8 @@
 #include "cli/run.hpp"
 #include "cli/scene_options.hpp"
 #include "cli/signals.hpp"
-#include "cli/stopwatch.hpp"
 #include "cli/verbs.hpp"
+#include "core/stopwatch.hpp"
 #include "io/read_asset.hpp"
 #include "io/scene_file.hpp"
 

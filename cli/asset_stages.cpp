@@ -2,7 +2,7 @@
 #include "cli/asset_stages.hpp"
 
 #include "cli/piece_names.hpp"
-#include "cli/stopwatch.hpp"
+#include "core/stopwatch.hpp"
 #include "io/read_asset.hpp"
 
 #include <algorithm>

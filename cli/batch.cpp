@@ -3,10 +3,10 @@
 // the sums of the summary and the two streams that are printed to.
 #include "cli/run.hpp"
 #include "cli/signals.hpp"
-#include "cli/stopwatch.hpp"
 #include "cli/typed.hpp"
 #include "cli/verbs.hpp"
 #include "core/parallel.hpp"
+#include "core/stopwatch.hpp"
 #include "io/read_asset.hpp"
 #include "network/device.hpp"
 

@@ -2,7 +2,7 @@
 #include "cli/static_stepper.hpp"
 
 #include "cli/fem_stepper.hpp"
-#include "cli/stopwatch.hpp"
+#include "core/stopwatch.hpp"
 #include "mpm_fem/integrators/static_fem.hpp"
 
 #include <fmt/format.h>

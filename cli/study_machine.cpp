@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/study_machine.hpp"
 
-#include "cli/stopwatch.hpp"
 #include "core/parallel.hpp"
+#include "core/stopwatch.hpp"
 
 #include <unistd.h>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/weights.hpp"
 
-#include "cli/stopwatch.hpp"
 #include "cli/weight_start.hpp"
 #include "core/error.hpp"
+#include "core/stopwatch.hpp"
 #include "io/safe_file.hpp"
 #include "network/mtl_weights.hpp"
 #include "training/hidden_layers.hpp"
