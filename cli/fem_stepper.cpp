@@ -8,7 +8,7 @@
 #include "mpm_fem/integrators/implicit_fem.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <limits>
 
 namespace elastogen {
 namespace {
@@ -168,10 +168,7 @@ fem::FemScene fem_scene(const Setup& setup, const AnimateOptions& options) {
 double fem_tolerance(const Setup& setup, const AnimateOptions& options) {
   const double asked = options.solver.tolerance;
   if (!options.fem->any_rounding) return asked;
-  double stiffest = 0;  // 3 K / rho
-  for (const Material& m : setup.scene.materials)
-    stiffest = std::max(stiffest, (2 * m.mu() + 3 * m.lambda()) / m.density);
-  const double rounding = 1.5 * std::exp2(-52) * stiffest / (9.81 * setup.scene.grid.h);
+  const double rounding = rounding_floor(setup.scene, std::numeric_limits<double>::epsilon());
   return std::clamp(8 * rounding, asked, 1e-3);
 }
 

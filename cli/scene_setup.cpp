@@ -6,6 +6,7 @@
 #include "cli/collider_option.hpp"
 #include "cli/loose_pieces.hpp"
 #include "cli/region_option.hpp"
+#include "core/constants.hpp"
 #include "core/error.hpp"
 #include "core/stopwatch.hpp"
 #include "core/time_scheme.hpp"
@@ -179,7 +180,7 @@ void add_tets(const TetAsset& tets, const AnimateOptions& o, Setup& setup, RunRe
 void add_time(const AnimateOptions& o, Setup& setup) {
   Scene& scene = setup.scene;
   Vec3 down = {};
-  down[size_t(setup.up.axis)] = -9.81 * setup.up.sign;
+  down[size_t(setup.up.axis)] = -kReferenceGravity * setup.up.sign;
   scene.gravity = o.gravity.value_or(down);
   setup.substeps = o.substeps > 0 ? o.substeps : automatic_substeps(scene, 1 / o.fps);
   scene.dt = 1 / (o.fps * setup.substeps);
