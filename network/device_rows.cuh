@@ -6,9 +6,9 @@
 
 #pragma once
 
+#include "core/cuda/bricks.cuh"
 #include "core/cuda/reduce.cuh"
 #include "network/brick_rows.hpp"
-#include "network/device_bricks.cuh"
 
 namespace elastogen::cuda {
 
@@ -25,7 +25,7 @@ class DeviceRows {
  public:
   /// @param level  the finest of make_stencil_levels.
   /// @throws Error (resources) where the device has no room.
-  DeviceRows(const Scene& scene, const StencilLevel& level);
+  DeviceRows(const Scene& scene, const BrickLevel& level);
 
   RowsView view() const {
     return {rows_.data(),          row_begin_.data(),   tile_begin_.data(),   tile_node_.data(),
