@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/card.hpp"
 #include "bench/timing.hpp"
-#include "core/device_array.cuh"
+#include "core/cuda/array.cuh"
 
 #include <algorithm>
 

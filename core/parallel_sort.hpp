@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // A sort on TBB. The order is that of the comparison alone where no two elements are equivalent, or
-// equivalent ones are equal: then it does not depend on the number of threads.
+// equivalent ones are equal: then it does not depend on the number of threads. The sort by keys of
+// the device is in core/cuda/sort.cuh.
 
 #pragma once
 
 #include <oneapi/tbb/parallel_sort.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <functional>
+#include <numeric>
 
 namespace elastogen {
 
@@ -19,6 +22,18 @@ void parallel_sort(Iterator begin, Iterator end, const Less& less = {}) {
 #else
   tbb::parallel_sort(begin, end, less);
 #endif
+}
+
+/// sorted[k] = keys[order[k]], rising; equal keys in the order of their places.
+/// @param keys  (n).
+/// @param sorted, order  (n), none of them keys.
+template <class Key>
+void sort_with_order(const Key* keys, int64_t n, Key* sorted, int32_t* order) {
+  std::iota(order, order + n, 0);
+  parallel_sort(order, order + n, [=](int32_t a, int32_t b) {
+    return keys[a] != keys[b] ? keys[a] < keys[b] : a < b;
+  });
+  for (int64_t k = 0; k < n; ++k) sorted[k] = keys[order[k]];
 }
 
 }  // namespace elastogen

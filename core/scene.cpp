@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/scene.hpp"
 
+#include "core/constants.hpp"
 #include "core/error.hpp"
 #include "core/parallel.hpp"
 #include "core/reduce.hpp"
 #include "core/state.hpp"
 #include "core/vec3.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -213,6 +215,13 @@ State initial_state(const Scene& scene, const StartMotion& motion) {
     }
   });
   return state;
+}
+
+double rounding_floor(const Scene& scene, double epsilon) {
+  double stiffest = 0;  // 3 K / rho
+  for (const Material& m : scene.materials)
+    stiffest = std::max(stiffest, (2 * m.mu() + 3 * m.lambda()) / m.density);
+  return 1.5 * epsilon * stiffest / (kReferenceGravity * scene.grid.h);
 }
 
 }  // namespace elastogen

@@ -58,4 +58,13 @@ struct Scene {
 ///         that is not positive, or numbers that are not finite, with their place.
 void finish_scene(Scene& scene);
 
+/// Estimate of the residual |grad Phi| / |M g_ref| that a number format leaves, by the rounding of
+/// displacements in the voxel maths:
+///
+///     1.5 epsilon 3K / (rho g_ref h)
+///
+/// of the material with the largest K / rho.
+/// @param epsilon  of the format, 2^-23 in float and 2^-52 in double.
+double rounding_floor(const Scene& scene, double epsilon);
+
 }  // namespace elastogen

@@ -2,6 +2,7 @@
 #include "diffusion/make_dataset.hpp"
 
 #include "core/error.hpp"
+#include "core/stopwatch.hpp"
 #include "diffusion/hidden_hash.hpp"
 #include "diffusion/material_family.hpp"
 #include "diffusion/material_features.hpp"
@@ -9,7 +10,6 @@
 #include "training/last_layer_fit.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <limits>
@@ -135,13 +135,12 @@ class Run {
       inside += data_.passes(tree_.order[size_t(k)]);
     }
     std::nth_element(errors.begin(), errors.begin() + fits_ / 2, errors.end());
-    const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start_;
     char line[160];
     std::snprintf(line, sizeof line,
                   "fit %6lld of %lld: median error %.2e, %lld inside all limits, %.0f ms a fit",
                   static_cast<long long>(fits_), static_cast<long long>(options_.count),
                   errors[size_t(fits_ / 2)], static_cast<long long>(inside),
-                  1e3 * passed.count() / double(fits_ - begin_));
+                  watch_.milliseconds() / double(fits_ - begin_));
     hooks_.say(line);
   }
 
@@ -177,7 +176,7 @@ class Run {
   WeightDataset data_;
   TreeOrder tree_;
   int64_t fits_ = 0, begin_ = 0;
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  Stopwatch watch_;
 };
 
 }  // namespace

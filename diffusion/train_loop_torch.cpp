@@ -2,6 +2,7 @@
 #include "diffusion/train_loop_torch.hpp"
 
 #include "core/error.hpp"
+#include "core/stopwatch.hpp"
 #include "core/tensor_file.hpp"
 #include "io/safe_file.hpp"
 
@@ -11,7 +12,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -40,14 +40,12 @@ class Loop {
 
   LoopOutcome run() {
     const int64_t begin = step_;
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     while (step_ < options_.steps && !hooks_.stopped()) {
       const double loss = descend();
       const bool last = step_ == options_.steps;
-      if (last || step_ % kStepsOfLine == 0) {
-        const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
-        say_progress(loss, 1e3 * passed.count() / double(step_ - begin));
-      }
+      if (last || step_ % kStepsOfLine == 0)
+        say_progress(loss, watch.milliseconds() / double(step_ - begin));
       if (!last && step_ % options_.checkpoint_steps == 0) save();
     }
     if (step_ < options_.steps) save();

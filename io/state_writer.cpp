@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/state_writer.hpp"
 
+#include "core/constants.hpp"
 #include "core/error.hpp"
 #include "core/scene.hpp"
 #include "io/hdf5_file.hpp"
@@ -17,8 +18,6 @@
 namespace elastogen {
 
 namespace {
-
-constexpr double kReferenceGravity = 9.81;  // g_ref of the certificate [m/s^2]
 
 std::string scheme_name(TimeScheme scheme) {
   return scheme == TimeScheme::kBdf2 ? "bdf2" : "euler";

@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The loop that every operation on voxels shares: a brick of 8x8x8 voxels gathers the values of its
-// 9x9x9 nodes into a tile, works on rows of eight voxels along x, and gives each node its sum.
-//
-// Nodes on the faces between bricks get one partial sum from each brick; these are added in the
-// order of the bricks, so every run gives the same bits on any number of threads.
+// The loop that every operation on voxels shares: in the tile of a brick (core/bricks/tiles.hpp) it
+// works on rows of eight voxels along x.
 
 #pragma once
 
+#include "core/bricks/tiles.hpp"
 #include "core/pack.hpp"
-#include "core/parallel.hpp"
 #include "core/scene.hpp"
 
 #include <cstring>
@@ -28,21 +25,14 @@ struct VoxelRow {
 
 /// Rows and tiles of a grid. The slot of a voxel is kLanes * row + lane; voxel data are stored as
 /// [row][field][lane].
-struct BrickRows {
+struct BrickRows : BrickTiles {
   Zeroed<VoxelRow> rows;
-  std::vector<int32_t> row_begin;     ///< first row of each brick, (bricks + 1)
-  Zeroed<int32_t> slot;               ///< of each voxel
-  Zeroed<int32_t> voxel;              ///< of each slot, -1 if none
-  std::vector<int32_t> tile_begin;    ///< first tile entry of each brick, (bricks + 1)
-  Zeroed<int32_t> tile_node;          ///< node of a tile entry
-  Zeroed<int16_t> tile_place;         ///< its place in the tile
-  Zeroed<int32_t> tile_part;          ///< -1: this brick alone holds the node; else its partial sum
-  std::vector<int32_t> shared_node;   ///< nodes of several bricks
-  std::vector<int32_t> shared_begin;  ///< first partial sum of each, (shared + 1)
+  std::vector<int32_t> row_begin;  ///< first row of each brick, (bricks + 1)
+  Zeroed<int32_t> slot;            ///< of each voxel
+  Zeroed<int32_t> voxel;           ///< of each slot, -1 if none
   Zeroed<double> border;  ///< moments M_0 ... M_6 of the rows with border voxels, [border][7][8]
 
   int64_t row_count() const { return int64_t(rows.size()); }
-  int64_t brick_count() const { return int64_t(row_begin.size()) - 1; }
 };
 
 /// Whether the shape means of a voxel are all 1/8; without shape means all voxels are full.
@@ -59,10 +49,6 @@ BrickRows make_brick_rows(const VoxelGrid& grid, In<int32_t> material);
 BrickRows make_brick_rows(const Scene& scene);
 
 namespace bricks {
-
-inline constexpr int kTile = 729;  ///< nodes of a tile
-inline constexpr int kLines = 81;  ///< lines of nodes along x in a tile
-inline constexpr int kTileWidth = 9;
 
 /// What one brick works on; on the stack of its task.
 template <class T>
@@ -99,14 +85,6 @@ void node_sum(const Tile<T>& tile, int place, T sum[3]) {
 
 }  // namespace bricks
 
-/// Partial sums of shared nodes; kept between calls so that a step allocates nothing.
-template <class T>
-struct BrickScratch {
-  Zeroed<T> parts;
-  explicit BrickScratch(const BrickRows& g)
-      : parts(g.shared_begin.empty() ? 0 : 3 * size_t(g.shared_begin.back())) {}
-};
-
 /// Runs `row(r, u, f, sums)` on every row: u the corner values (component, corner), f the corner
 /// results to be summed over the voxels of each node. `read(node, reference, value)` fills the
 /// three values of a node (reference is the first node of the brick), `finish(node, sum)` takes the
@@ -118,35 +96,19 @@ void for_each_row(const BrickRows& g, BrickScratch<T>& scratch, std::vector<Sums
   run_tasks(g.brick_count(), [&](int64_t b) {
     bricks::Tile<T> tile;
     std::memset(&tile, 0, sizeof tile);
-    const int32_t begin = g.tile_begin[size_t(b)], end = g.tile_begin[size_t(b + 1)];
-    for (int32_t k = begin; k < end; ++k) {
-      T value[3];
-      read(g.tile_node[size_t(k)], g.tile_node[size_t(begin)], value);
-      for (int i = 0; i < 3; ++i) tile.in[i][g.tile_place[size_t(k)]] = value[i];
-    }
+    read_tile<T>(g, b, read, [&](int place, const T value[3]) {
+      for (int i = 0; i < 3; ++i) tile.in[i][place] = value[i];
+    });
     for (int32_t r = g.row_begin[size_t(b)]; r < g.row_begin[size_t(b + 1)]; ++r) {
       Pack<T> u[3][8], f[3][8];
       bricks::read_row(tile, g.rows[size_t(r)].offset, u);
       row(r, u, f, sums[size_t(b)]);
       bricks::add_row(tile, g.rows[size_t(r)].offset, f);
     }
-    for (int32_t k = begin; k < end; ++k) {
-      T sum[3];
-      bricks::node_sum(tile, g.tile_place[size_t(k)], sum);
-      const int32_t part = g.tile_part[size_t(k)];
-      if (part < 0) {
-        finish(g.tile_node[size_t(k)], sum);
-      } else {
-        for (int i = 0; i < 3; ++i) scratch.parts[3 * size_t(part) + size_t(i)] = sum[i];
-      }
-    }
+    finish_tile(
+        g, b, [&](int place, T sum[3]) { bricks::node_sum(tile, place, sum); }, scratch, finish);
   });
-  for_each(int64_t(g.shared_node.size()), [&](int64_t s) {
-    T sum[3] = {};
-    for (int32_t p = g.shared_begin[size_t(s)]; p < g.shared_begin[size_t(s + 1)]; ++p)
-      for (int i = 0; i < 3; ++i) sum[i] += scratch.parts[3 * size_t(p) + size_t(i)];
-    finish(g.shared_node[size_t(s)], sum);
-  });
+  finish_shared(g, scratch, finish);
 }
 
 /// For kernels that sum nothing but forces.

@@ -9,18 +9,6 @@
 
 namespace elastogen {
 
-double contact_layer(const Scene& scene) {
-  return scene.grid.h / 4;
-}
-
-double slip_range(const Scene& scene) {
-  Box box;
-  const Array<double>& X = scene.surface.position;
-  for (int64_t p = 0; p < X.rows(); ++p) box.add({X(p, 0), X(p, 1), X(p, 2)});
-  const double size = std::max({box.extent(0), box.extent(1), box.extent(2), scene.grid.h});
-  return 1e-3 * std::sqrt(9.81 * size) * scene.dt;
-}
-
 Contact::Contact(const Scene& scene) : scene_(scene) {
   if (scene.colliders.empty()) return;
   const SurfacePoints& s = scene.surface;
@@ -29,7 +17,7 @@ Contact::Contact(const Scene& scene) : scene_(scene) {
   ELASTOGEN_CHECK(
       s.weights.rows() == points_ && s.area.rows() == points_ && s.position.rows() == points_,
       "the surface points' arrays differ in length");
-  lengths_ = {contact_layer(scene), slip_range(scene)};
+  lengths_ = contact_lengths(scene);
   for (const Collider& c : scene.colliders)
     walls_.push_back({{offset_at(c, 0), offset_at(c, 0)}, core_of(c, lengths_.layer)});
   const auto points = size_t(points_);
@@ -40,7 +28,7 @@ Contact::Contact(const Scene& scene) : scene_(scene) {
   stiffness_.resize(points);
   for (int64_t p = 0; p < points_; ++p) {
     const Material& m = scene.materials[size_t(scene.material(s.voxel(p)))];
-    stiffness_[size_t(p)] = s.area(p) * m.young * lengths_.layer * lengths_.layer / scene.grid.h;
+    stiffness_[size_t(p)] = contact_stiffness(s.area(p) * m.young, lengths_.layer, scene.grid.h);
   }
   stiff_place_.assign(size_t(scene.grid.node_count()), -1);
   carried_.resize(size_t(scene.grid.node_count()));

@@ -12,19 +12,12 @@
 
 #pragma once
 
+#include "core/point_contact.hpp"
 #include "core/scene.hpp"
-#include "network/contact_point.hpp"
 
 #include <vector>
 
 namespace elastogen {
-
-/// Depth dhat of the contact layer below a collider's surface, h/4 [m].
-double contact_layer(const Scene& scene);
-
-/// Slip within a step [m] up to which friction counts as sticking: a thousandth of the body's
-/// free-fall speed times dt.
-double slip_range(const Scene& scene);
 
 class Contact {
  public:

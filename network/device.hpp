@@ -3,12 +3,12 @@
 
 #pragma once
 
+#include "core/cuda/card.hpp"
 #include "core/time_scheme.hpp"
 #include "network/quasi_solver.hpp"
 #include "network/solver.hpp"
 
 #include <memory>
-#include <string>
 
 namespace elastogen {
 
@@ -26,12 +26,6 @@ struct MotionEnergy {
 };
 
 namespace cuda {
-
-/// Whether there is a device to run on; false in builds without CUDA.
-bool has_device();
-
-/// Name of the device.
-std::string device_name();
 
 /// The steps of a clip in the modes quasi, newton and paper, with the state and all that they work
 /// on in the device's memory. u is the displacement that a step works on, (nodes, 3).

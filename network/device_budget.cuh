@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "core/device_array.cuh"
+#include "core/cuda/array.cuh"
 
 #include <algorithm>
 

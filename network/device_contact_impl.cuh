@@ -4,7 +4,7 @@
 
 #pragma once
 
-#include "core/device_reduce.cuh"
+#include "core/cuda/reduce.cuh"
 #include "network/contact.hpp"
 #include "network/device_contact.hpp"
 

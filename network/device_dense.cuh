@@ -4,7 +4,7 @@
 
 #pragma once
 
-#include "core/device_array.cuh"
+#include "core/cuda/array.cuh"
 #include "network/device_stencil.cuh"
 
 namespace elastogen::cuda {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Inverses of the dense operators of the coarsest level.
-#include "core/device_inverse.cuh"
+#include "core/cuda/inverse.cuh"
 #include "network/device_dense.cuh"
 
 namespace elastogen::cuda {

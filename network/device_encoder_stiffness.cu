@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The encoder's operators with a further stiffness of some nodes: their blocks on the modes, chunk
 // by chunk, and the corrections, as in encoder.cpp.
-#include "core/device_inverse.cuh"
+#include "core/cuda/inverse.cuh"
 #include "network/device_encoder.cuh"
 
 #include <algorithm>

@@ -22,7 +22,7 @@ struct Maxima {
 template <class T>
 class LevelMaker {
  public:
-  explicit LevelMaker(const StencilLevel& bricks)
+  explicit LevelMaker(const BrickLevel& bricks)
       : bricks_(bricks), slots_(kSlots * bricks.brick_count()) {
     made.slot = DeviceArray<int32_t>(bricks.nodes.point_count());
     made.row = DeviceArray<int32_t>(slots_);
@@ -32,7 +32,7 @@ class LevelMaker {
     pinned_ = DeviceArray<uint8_t>(slots_);
   }
 
-  void take_scene(DevicePotential::Impl& potential, const StencilLevel& bricks);
+  void take_scene(DevicePotential::Impl& potential, const BrickLevel& bricks);
   void average(LevelMaker& finer);
   Maxima maxima();
   void find_lambda();
@@ -64,7 +64,7 @@ class LevelMaker {
 
 /// Fills the finest level.
 template <class T>
-void LevelMaker<T>::take_scene(DevicePotential::Impl& potential, const StencilLevel& bricks) {
+void LevelMaker<T>::take_scene(DevicePotential::Impl& potential, const BrickLevel& bricks) {
   border_ = DeviceArray<int32_t>(slots_);
   moments_ = potential.rows.border().data();
   const DeviceArray<int32_t> home(bricks.home);
@@ -281,13 +281,13 @@ int64_t row_estimate(const DevicePotential::Impl& potential) {
 
 template <class T>
 Hierarchy<T> make_hierarchy(DevicePotential& potential, int hash_bits) {
-  const std::vector<StencilLevel>& bricks = potential.impl().levels;
+  const std::vector<BrickLevel>& bricks = potential.impl().levels;
   const uint64_t bits = hash_bits < 64 ? (uint64_t{1} << hash_bits) - 1 : ~uint64_t{0};
   const bool counts = RoomCount::present() != nullptr;
   Hierarchy<T> result;
   std::unique_ptr<LevelMaker<T>> finer;
   double h = potential.terms().scene().grid.h;
-  for (const StencilLevel& level : bricks) {
+  for (const BrickLevel& level : bricks) {
     auto maker = std::make_unique<LevelMaker<T>>(level);
     if (!counts) {
       if (finer) {

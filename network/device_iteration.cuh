@@ -4,8 +4,8 @@
 
 #pragma once
 
-#include "core/device_signal.cuh"
-#include "core/device_wide.cuh"
+#include "core/cuda/signal.cuh"
+#include "core/cuda/wide.cuh"
 #include "network/device_lbfgs.cuh"
 #include "network/device_potential.hpp"
 #include "network/device_preconditioner.cuh"

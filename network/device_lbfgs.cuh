@@ -4,7 +4,7 @@
 
 #pragma once
 
-#include "core/device_array.cuh"
+#include "core/cuda/array.cuh"
 #include "network/lbfgs_products.hpp"
 
 #include <cuda_bf16.h>

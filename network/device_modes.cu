@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Compiled without fused operations, as the CPU is: the modes have its bits.
-#include "core/device_reduce.cuh"
+#include "core/cuda/reduce.cuh"
 #include "network/device_modes.cuh"
 #include "network/encoder_modes.hpp"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/device_reduce.cuh"
-#include "core/device_signal.cuh"
+#include "core/cuda/reduce.cuh"
+#include "core/cuda/signal.cuh"
 #include "core/line_search.hpp"
 #include "network/device_newton.hpp"
 #include "network/device_preconditioner.cuh"
@@ -12,7 +12,6 @@
 namespace elastogen::cuda {
 namespace {
 
-constexpr int kMostHalvings = 12;
 constexpr size_t kDoubles = 3, kFloats = 5;  // vectors
 
 /// What the host asks for.
@@ -212,28 +211,28 @@ void DeviceNewton::Impl::line_search(PotentialValue& value) {
   taken = {slope, noise};
   if (!(slope < 0)) return;
   DeviceContact* contact = potential.contact();
-  double a = 1;
-  for (int halvings = 0; halvings <= kMostHalvings; ++halvings, a /= 2) {
+  PotentialValue there;
+  const auto found = backtrack([&](double a, int halvings) {
+    const bool cut = contact && halvings == 0;
     move(a);
-    if (contact && halvings == 0) contact->cut_step(quasi.u(), trial_u.data());
+    if (cut) contact->cut_step(quasi.u(), trial_u.data());
     potential.start_evaluation<double>(trial_u.data(), trial_gradient.data());
     measure(trial_gradient);
     signal.wait();
-    if (contact && halvings == 0) a = contact->share();
-    const PotentialValue trial = potential.value();
-    const double difference = trial.total() - value.total();
-    if (!std::isfinite(difference) ||
-        !sufficient_decrease(difference, a * slope, a * numbers[0].slope, noise))
-      continue;
-    check(cudaMemcpyAsync(quasi.u(), trial_u.data(), size_t(size) * sizeof(double),
-                          cudaMemcpyDeviceToDevice, cudaStreamPerThread));
-    std::swap(gradient, trial_gradient);
-    value = trial;
-    taken.difference = difference_or_mean(difference, a * slope, a * numbers[0].slope, noise);
-    taken.share = a;
-    taken.halved = halvings > 0;
-    return;
-  }
+    if (cut) a = contact->share();
+    there = potential.value();
+    return LineTrial{.share = a,
+                     .difference = there.total() - value.total(),
+                     .slope_start = slope,
+                     .slope_end = a * numbers[0].slope,
+                     .noise = noise};
+  });
+  if (!found) return;
+  check(cudaMemcpyAsync(quasi.u(), trial_u.data(), size_t(size) * sizeof(double),
+                        cudaMemcpyDeviceToDevice, cudaStreamPerThread));
+  std::swap(gradient, trial_gradient);
+  value = there;
+  taken = {slope, noise, found->change(), found->share, found->halvings > 0};
 }
 
 DeviceNewton::DeviceNewton(DeviceQuasi& quasi) : impl_(std::make_unique<Impl>(quasi)) {}

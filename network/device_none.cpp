@@ -7,14 +7,6 @@
 
 namespace elastogen::cuda {
 
-bool has_device() {
-  return false;
-}
-
-std::string device_name() {
-  throw Error("built without CUDA", ErrorKind::kDevice);
-}
-
 std::unique_ptr<DeviceStep> make_device_step(const PotentialTerms&, const EncoderChoice&) {
   throw Error("built without CUDA", ErrorKind::kDevice);
 }

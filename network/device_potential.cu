@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/device_wide.cuh"
+#include "core/cuda/wide.cuh"
 #include "core/polar.hpp"
 #include "network/device_nodal_sums.cuh"
 #include "network/device_potential_impl.cuh"

@@ -4,7 +4,7 @@
 
 #pragma once
 
-#include "core/device_signal.cuh"
+#include "core/cuda/signal.cuh"
 #include "network/device_net.cuh"
 #include "network/device_potential.hpp"
 
@@ -171,7 +171,7 @@ struct DevicePotential::Impl {
 
   const PotentialTerms& terms;
   int64_t dense;  ///< nodes at most of a level that is solved
-  std::vector<StencilLevel> levels;
+  std::vector<BrickLevel> levels;
   DeviceRows rows;
   DeviceArray<float> weights_float, border_float;
   DeviceArray<Quaternion<double>> rotation_double;

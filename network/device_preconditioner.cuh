@@ -4,8 +4,8 @@
 
 #pragma once
 
-#include "core/device_branch.cuh"
-#include "core/device_graph.cuh"
+#include "core/cuda/branch.cuh"
+#include "core/cuda/graph.cuh"
 #include "network/device_encoder.cuh"
 #include "network/device_multigrid.cuh"
 #include "network/device_potential.hpp"

@@ -11,7 +11,6 @@ namespace elastogen::cuda {
 namespace {
 
 constexpr int kPatience = 25;  // iterations, as on the CPU
-constexpr int kMostHalvings = 12;
 
 }  // namespace
 
@@ -55,25 +54,24 @@ bool DeviceQuasi::Impl::line_search(Iteration<T>& it, PotentialValue& value, int
     contact->cut_step(u.data(), trial_u.data());
     it.take_cut_step(u.data(), trial_u.data());
   }
-  double a = 1;
-  for (int halvings = 0; halvings <= kMostHalvings; ++halvings, a /= 2) {
+  PotentialValue there;
+  const auto trial = [&](double a, int halvings) {
     if (halvings > 0) it.halve_step(u.data(), trial_u.data());
     potential.start_gradient<T>(trial_u.data(), it.trial_gradient.data());
     it.measure_trial(trial_u.data(), potential.inertia_terms());
     it.signal.wait();
     if (contact && halvings == 0) a = contact->share();
     ++evaluations;
-    const Numbers& found = it.numbers[0];
-    if (!(found.slope < 0)) return false;
-    const PotentialValue trial = potential.value();
-    const double difference = trial.total() - value.total(), slope = found.trial_slope;
-    if (std::isfinite(difference) && std::isfinite(slope) &&
-        sufficient_decrease(difference, a * found.slope, slope, noise)) {
-      value = trial;
-      return true;
-    }
-  }
-  return false;
+    there = potential.value();
+    return LineTrial{.share = a,
+                     .difference = there.total() - value.total(),
+                     .slope_start = it.numbers[0].slope,
+                     .slope_end = it.numbers[0].trial_slope,
+                     .noise = noise};
+  };
+  if (!backtrack(trial)) return false;
+  value = there;
+  return true;
 }
 
 /// @param keeps_pairs  it goes on from another precision.

@@ -18,7 +18,7 @@ static_assert(kTilePlaces <= kThreads && kSlots <= kThreads);
 
 /// The voxels that are not full, by the bricks of nodes.
 struct BorderVoxels {
-  BorderVoxels(const VoxelGrid& grid, const StencilLevel& level)
+  BorderVoxels(const VoxelGrid& grid, const BrickLevel& level)
       : masks(size_t(8 * level.brick_count())), first(size_t(level.brick_count()) + 1) {
     const BrickIndex& voxels = level.voxels;
     const auto in_bricks = [&](const auto& body) {
@@ -270,16 +270,16 @@ void fetch(const DeviceArray<typename Vector::value_type>& from, Vector& to) {
 }  // namespace
 
 struct DeviceRows::Bricks {
-  explicit Bricks(const StencilLevel& of)
+  explicit Bricks(const BrickLevel& of)
       : level(of), on_device(of), home(of.home), nodes(of.nodes.point_count()) {}
 
-  const StencilLevel& level;
+  const BrickLevel& level;
   DeviceBricks on_device;
   DeviceArray<int32_t> home;
   int64_t nodes;
 };
 
-DeviceRows::DeviceRows(const Scene& scene, const StencilLevel& level) {
+DeviceRows::DeviceRows(const Scene& scene, const BrickLevel& level) {
   if (RoomCount::present()) {
     count(make_brick_rows(scene));
     return;

@@ -1,23 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // The loop of network/brick_rows.hpp on the device: a block of threads a brick, a thread a voxel,
-// the tile in shared memory. Voxels add what they give their corners there, corner by corner (no
-// two voxels share a node as the same corner), and partial sums of shared nodes are added in the
-// order of the bricks: the same bits on every run, without atomics.
+// the tile in shared memory (core/cuda/tiles.cuh). Voxels add what they give their corners there,
+// corner by corner: no two voxels share a node as the same corner.
 
 #pragma once
 
-#include "core/device_reduce.cuh"
+#include "core/cuda/bricks.cuh"
+#include "core/cuda/tiles.cuh"
 #include "network/brick_rows.hpp"
-#include "network/device_bricks.cuh"
 
 namespace elastogen::cuda {
 
 /// The tables of BrickRows, as kernels take them.
-struct RowsView {
+struct RowsView : TilesView {
   const VoxelRow* rows;
-  const int32_t *row_begin, *tile_begin, *tile_node, *tile_part, *shared_node, *shared_begin;
-  const int16_t* tile_place;
-  int64_t bricks, shared;
+  const int32_t* row_begin;
 };
 
 /// BrickRows of a scene, and what its voxels weigh in them, made on the device.
@@ -25,12 +22,13 @@ class DeviceRows {
  public:
   /// @param level  the finest of make_stencil_levels.
   /// @throws Error (resources) where the device has no room.
-  DeviceRows(const Scene& scene, const StencilLevel& level);
+  DeviceRows(const Scene& scene, const BrickLevel& level);
 
   RowsView view() const {
-    return {rows_.data(),          row_begin_.data(),   tile_begin_.data(),   tile_node_.data(),
-            tile_part_.data(),     shared_node_.data(), shared_begin_.data(), tile_place_.data(),
-            row_begin_.size() - 1, shared_node_.size()};
+    return {{tile_begin_.data(), tile_node_.data(), tile_part_.data(), shared_node_.data(),
+             shared_begin_.data(), tile_place_.data(), row_begin_.size() - 1, shared_node_.size()},
+            rows_.data(),
+            row_begin_.data()};
   }
   int64_t bricks() const { return row_begin_.size() - 1; }
   int64_t row_count() const { return rows_.size(); }
@@ -58,20 +56,6 @@ class DeviceRows {
   int64_t parts_ = 0;
 };
 
-/// What the voxels around a node have given it. Who asks late has other loads on their way.
-template <class T>
-struct NodeSum {
-  const T* parts;  ///< of the bricks that share it, three numbers each
-  int32_t begin, end;
-  T rest[3];  ///< of the only brick, where there are no parts
-
-  __device__ void get(T sum[3]) const {
-    for (int i = 0; i < 3; ++i) sum[i] = rest[i];
-    for (int32_t p = begin; p < end; ++p)
-      for (int i = 0; i < 3; ++i) sum[i] += parts[3 * int64_t(p) + i];
-  }
-};
-
 /// finish of a loop whose voxels give their corners nothing.
 struct NoFinish {
   template <class T>
@@ -80,87 +64,12 @@ struct NoFinish {
 
 namespace bricks {
 
-inline constexpr int kThreads = kSumThreads;
-
-// A tile in shared memory has lines of kPitch numbers: rows of eight voxels that follow each other
-// along y lie in different banks, four of them in float, two in double.
-inline constexpr int kPitch = 24, kTile = ::elastogen::bricks::kLines * kPitch;
-
-/// Place there of what has another one in the tile of the CPU, or begins at it.
-__device__ inline int pitched(int place) {
-  constexpr int kWidth = ::elastogen::bricks::kTileWidth;
-  return place + place / kWidth * (kPitch - kWidth);
-}
-
 template <class Finish>
 inline constexpr bool kGives = !std::is_same_v<Finish, NoFinish>;
 
 /// Shared memory of a block: what nodes have and what they are given, (3, kTile) each.
 template <class T, class Finish>
 inline constexpr int kSharedBytes = (kGives<Finish> ? 6 : 3) * kTile* int(sizeof(T));
-
-/// Place of a voxel's corner in the tile, from that of corner 0.
-__device__ inline int corner_offset(int c) {
-  return (c & 1) + (c & 2 ? kPitch : 0) + (c & 4 ? 9 * kPitch : 0);
-}
-
-/// Nodes of a tile that a thread reads and finishes; it asks for all of them before it waits.
-inline constexpr int kNodes = (::elastogen::bricks::kTile + kThreads - 1) / kThreads;
-
-/// 0 for the numbers of a tile, 16 bytes at a time.
-template <class T>
-__device__ inline void clear_tile(T* given) {
-  static_assert(3 * kTile * sizeof(T) % sizeof(int4) == 0);
-  int4* const parts = reinterpret_cast<int4*>(given);
-  for (int k = int(threadIdx.x); k < int(3 * kTile * sizeof(T) / sizeof(int4)); k += kThreads)
-    parts[k] = int4{};
-}
-
-/// @param begin_reads  called before anything is read that kernels write.
-template <class T, class Read, class Begin>
-__device__ inline void read_tile(const RowsView& g, int32_t begin, int32_t end, const Read& read,
-                                 T* in, const Begin& begin_reads) {
-  const int64_t reference = read_early(g.tile_node + begin);
-  int32_t node[kNodes], place[kNodes];
-  T value[kNodes][3];
-#pragma unroll
-  for (int j = 0; j < kNodes; ++j) {
-    const int32_t k = begin + int32_t(threadIdx.x) + j * kThreads;
-    node[j] = k < end ? read_early(g.tile_node + k) : -1;
-    place[j] = k < end ? pitched(read_early(g.tile_place + k)) : 0;
-  }
-  begin_reads();
-#pragma unroll
-  for (int j = 0; j < kNodes; ++j)
-    if (node[j] >= 0) read(int64_t(node[j]), reference, value[j]);
-#pragma unroll
-  for (int j = 0; j < kNodes; ++j)
-    if (node[j] >= 0)
-      for (int i = 0; i < 3; ++i) in[i * kTile + place[j]] = value[j][i];
-}
-
-template <class T, class Finish>
-__device__ inline void finish_tile(const RowsView& g, int32_t begin, int32_t end,
-                                   const Finish& finish, const T* given, T* parts) {
-  int32_t node[kNodes], part[kNodes], place[kNodes];
-#pragma unroll
-  for (int j = 0; j < kNodes; ++j) {
-    const int32_t k = begin + int32_t(threadIdx.x) + j * kThreads;
-    node[j] = k < end ? g.tile_node[k] : -1;
-    part[j] = k < end ? g.tile_part[k] : 0;
-    place[j] = k < end ? pitched(g.tile_place[k]) : 0;
-  }
-#pragma unroll
-  for (int j = 0; j < kNodes; ++j) {
-    if (node[j] < 0) continue;
-    NodeSum<T> sum{nullptr, 0, 0, {}};
-    for (int i = 0; i < 3; ++i) sum.rest[i] = given[i * kTile + place[j]];
-    if (part[j] < 0)
-      finish(int64_t(node[j]), sum);
-    else
-      for (int i = 0; i < 3; ++i) parts[3 * int64_t(part[j]) + i] = sum.rest[i];
-  }
-}
 
 /// Row r, or one without voxels behind the last; before the wait and after it.
 __device__ inline VoxelRow row_at(const RowsView& g, int32_t r, int32_t end) {

@@ -4,8 +4,9 @@
 
 #pragma once
 
-#include "core/device_reduce.cuh"
-#include "network/device_bricks.cuh"
+#include "core/cuda/bricks.cuh"
+#include "core/cuda/reduce.cuh"
+#include "network/stencil_bricks.hpp"
 
 namespace elastogen::cuda {
 

@@ -4,7 +4,7 @@
 
 #pragma once
 
-#include "core/device_inverse.cuh"
+#include "core/cuda/inverse.cuh"
 #include "network/device_stencil.cuh"
 
 namespace elastogen::cuda {

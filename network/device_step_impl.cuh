@@ -4,7 +4,7 @@
 
 #pragma once
 
-#include "core/device_signal.cuh"
+#include "core/cuda/signal.cuh"
 #include "network/device.hpp"
 #include "network/device_frames.cuh"
 #include "network/device_newton.hpp"

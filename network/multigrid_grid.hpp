@@ -4,8 +4,8 @@
 
 #pragma once
 
+#include "core/bricks/index.hpp"
 #include "network/brick_rows.hpp"
-#include "voxelize/brick_index.hpp"
 
 #include <memory>
 #include <vector>

@@ -71,29 +71,25 @@ void NewtonSolver::line_search(double* u, PotentialValue& value) {
   const double noise = potential_.noise(value, std::numeric_limits<double>::epsilon());
   taken_ = {slope, noise};
   if (!(slope < 0)) return;
-  double a = 1;
-  move(a);
-  if (potential_.contact().exists()) {
-    a = potential_.contact().longest_step(u, trial_u_.data());
-    if (a < 1) move(a);
-  }
-  for (int halvings = 0; halvings <= 12; ++halvings, a /= 2) {
-    if (halvings > 0) move(a);
-    const PotentialValue trial =
-        potential_.evaluate<double>(trial_u_.data(), trial_gradient_.data());
-    const double difference = trial.total() - value.total();
-    const double slope_there = slope_of(trial_gradient_);
-    if (!std::isfinite(difference) ||
-        !sufficient_decrease(difference, a * slope, a * slope_there, noise))
-      continue;
-    std::copy(trial_u_.begin(), trial_u_.end(), u);
-    gradient_.swap(trial_gradient_);
-    value = trial;
-    taken_.difference = difference_or_mean(difference, a * slope, a * slope_there, noise);
-    taken_.share = a;
-    taken_.halved = halvings > 0;
-    return;
-  }
+  PotentialValue there;
+  const auto found = backtrack([&](double a, int halvings) {
+    move(a);
+    if (halvings == 0 && potential_.contact().exists()) {
+      a = potential_.contact().longest_step(u, trial_u_.data());
+      if (a < 1) move(a);
+    }
+    there = potential_.evaluate<double>(trial_u_.data(), trial_gradient_.data());
+    return LineTrial{.share = a,
+                     .difference = there.total() - value.total(),
+                     .slope_start = slope,
+                     .slope_end = a * slope_of(trial_gradient_),
+                     .noise = noise};
+  });
+  if (!found) return;
+  std::copy(trial_u_.begin(), trial_u_.end(), u);
+  gradient_.swap(trial_gradient_);
+  value = there;
+  taken_ = {slope, noise, found->change(), found->share, found->halvings > 0};
 }
 
 template <class P>

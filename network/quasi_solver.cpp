@@ -3,7 +3,6 @@
 
 #include "core/line_search.hpp"
 
-#include <cmath>
 #include <limits>
 
 namespace elastogen {
@@ -25,38 +24,35 @@ QuasiSolver<T>::QuasiSolver(IncrementalPotential& potential)
       work_(size_t(size_)),
       history_(size_) {}
 
-/// Halves the step until Phi falls; fills trial_u_ and trial_gradient_.
+/// Halves the step against direction_ until Phi falls; trial_u_, trial_gradient_ and value are
+/// there then. False: it never did.
 template <class T>
-typename QuasiSolver<T>::Trial QuasiSolver<T>::line_search(const double* u,
-                                                           const PotentialValue& start,
-                                                           double slope, int& evaluations) {
-  constexpr int kMostHalvings = 12;
+bool QuasiSolver<T>::line_search(const double* u, double slope, PotentialValue& value,
+                                 int& evaluations) {
+  if (!(slope < 0)) return false;
+  const double noise = potential_.noise(value, std::numeric_limits<T>::epsilon());
   const auto move = [&](double a) {
     for_each(size_,
              [&](int64_t k) { trial_u_[size_t(k)] = u[k] - a * double(direction_[size_t(k)]); });
   };
-  double a = 1;
-  move(a);
-  if (potential_.contact().exists()) {
-    a = potential_.contact().longest_step(u, trial_u_.data());
-    if (a < 1) move(a);
-  }
-  Trial trial;
-  for (; trial.halvings <= kMostHalvings; ++trial.halvings) {
-    trial.value = potential_.evaluate<T>(trial_u_.data(), trial_gradient_.data());
-    ++evaluations;
-    trial.slope = -a * dot(trial_gradient_.data(), direction_.data(), size_);
-    const double noise = potential_.noise(start, std::numeric_limits<T>::epsilon());
-    const double difference = trial.value.total() - start.total();
-    if (std::isfinite(difference) && std::isfinite(trial.slope) &&
-        sufficient_decrease(difference, a * slope, trial.slope, noise)) {
-      trial.accepted = true;
-      return trial;
-    }
-    a /= 2;
+  PotentialValue there;
+  const auto trial = [&](double a, int halvings) {
     move(a);
-  }
-  return trial;
+    if (halvings == 0 && potential_.contact().exists()) {
+      a = potential_.contact().longest_step(u, trial_u_.data());
+      if (a < 1) move(a);
+    }
+    there = potential_.evaluate<T>(trial_u_.data(), trial_gradient_.data());
+    ++evaluations;
+    return LineTrial{.share = a,
+                     .difference = there.total() - value.total(),
+                     .slope_start = slope,
+                     .slope_end = -a * dot(trial_gradient_.data(), direction_.data(), size_),
+                     .noise = noise};
+  };
+  if (!backtrack(trial)) return false;
+  value = there;
+  return true;
 }
 
 template <class T>
@@ -83,8 +79,7 @@ IterationResult QuasiSolver<T>::solve(double* u, double target, int max_outer,
     history_.direction(gradient_.data(), work_.data(), direction_.data(),
                        [&](const T* q, T* d) { first.apply(q, d); });
     const double slope = -dot(gradient_.data(), direction_.data(), size_);
-    const Trial trial = slope < 0 ? line_search(u, value, slope, result.inner) : Trial{};
-    if (!trial.accepted) {
+    if (!line_search(u, slope, value, result.inner)) {
       if (history_.count() == 0) return result;
       history_.clear();
       continue;
@@ -98,7 +93,6 @@ IterationResult QuasiSolver<T>::solve(double* u, double target, int max_outer,
     });
     history_.keep();
     gradient_.swap(trial_gradient_);
-    value = trial.value;
     ++result.outer;
   }
 }

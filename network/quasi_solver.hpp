@@ -36,13 +36,7 @@ class QuasiSolver {
                         const std::function<bool()>& interrupted);
 
  private:
-  struct Trial {
-    PotentialValue value;
-    double slope = 0;  // of Phi along the direction, at the trial
-    int halvings = 0;
-    bool accepted = false;
-  };
-  Trial line_search(const double* u, const PotentialValue& start, double slope, int& evaluations);
+  bool line_search(const double* u, double slope, PotentialValue& value, int& evaluations);
 
   IncrementalPotential& potential_;
   int64_t size_;

@@ -1,18 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Names of the modes, and the scales of a scene by which a solver chooses.
+#include "core/constants.hpp"
 #include "core/error.hpp"
 #include "core/parallel.hpp"
 #include "network/solver.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace elastogen {
-namespace {
-
-constexpr double kReferenceGravity = 9.81;  // g_ref of the certificate [m/s^2]
-
-}  // namespace
 
 std::string_view solver_name(SolverMode mode) {
   constexpr std::string_view kNames[] = {"auto", "quasi", "newton", "paper"};
@@ -44,10 +41,7 @@ double courant_number(const Scene& scene) {
 }
 
 double float_floor(const Scene& scene) {
-  double stiffest = 0;  // 3 K / rho
-  for (const Material& m : scene.materials)
-    stiffest = std::max(stiffest, (2 * m.mu() + 3 * m.lambda()) / m.density);
-  return 1.5 * std::exp2(-23) * stiffest / (kReferenceGravity * scene.grid.h);
+  return rounding_floor(scene, std::numeric_limits<float>::epsilon());
 }
 
 }  // namespace elastogen

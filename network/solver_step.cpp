@@ -1,27 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // A step: where it starts, how it ends, and what it makes of the state.
 #include "core/error.hpp"
+#include "core/stopwatch.hpp"
 #include "network/solver_impl.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 namespace elastogen {
-namespace {
-
-class Stopwatch {
- public:
-  double milliseconds() const {
-    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin_)
-        .count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
-};
-
-}  // namespace
 
 /// Phi in float64.
 double Solver::Impl::phi(const Zeroed<double>& at) {

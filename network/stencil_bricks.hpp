@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// The levels of network/multigrid.hpp as 27-point stencils on bricks of 8x8x8 nodes, as the device
-// runs them: every brick has 512 slots, x fastest, whether a node stands there or not, so that
-// places of neighbours follow from those of bricks. Nodes that see the same voxels, masses and pins
+// The levels of network/multigrid.hpp as 27-point stencils on bricks of 8x8x8 nodes
+// (core/bricks/links.hpp), as the device runs them. Nodes that see the same voxels, masses and pins
 // share one row of weights, so a uniform block needs 27 rows.
 //
-// Here is where the bricks lie, and the row of a node; what rows a scene has is found where they
+// Here is which levels there are, and the row of a node; what rows a scene has is found where they
 // are used (network/device_hierarchy.cu).
 
 #pragma once
 
+#include "core/bricks/links.hpp"
 #include "network/multigrid_element.hpp"
 #include "network/multigrid_grid.hpp"
 
@@ -16,34 +16,16 @@ namespace elastogen {
 
 namespace stencil {
 
-inline constexpr int kSlots = 512;     ///< of a brick
+using bricks::kSlots;
 inline constexpr int kComponent = 28;  ///< 27 weights, dx + 3 (dy + 3 dz), and 1 / diagonal
 inline constexpr int kRow = 3 * kComponent;
 inline constexpr int kPartial = 125;  ///< coarse nodes that the nodes of a brick give residual to
 
 }  // namespace stencil
 
-/// Where the bricks around a brick are; the number of bricks of that level where there is none.
-struct BrickLinks {
-  int32_t neighbour[27];  ///< offsets -1, 0, 1 per axis, x fastest
-  int32_t coarse[8];      ///< of the next coarser level: offsets 0, 1 from (coordinate - 1) / 2,
-                          ///< rounded down: all that the nodes around the brick have parents in
-  int32_t fine[27];       ///< of the next finer level: offsets -1, 0, 1 from twice the coordinate
-  int32_t odd;            ///< axes of odd brick coordinate as bits
-};
-
-/// Voxels and nodes of a level, and links between the bricks of its nodes.
-struct StencilLevel {
-  BrickIndex voxels, nodes;
-  std::vector<int32_t> home;      ///< brick of nodes that each brick of voxels is
-  std::vector<BrickLinks> links;  ///< (bricks of nodes); `coarse` and `fine` where such a level is
-
-  int64_t brick_count() const { return nodes.brick_count(); }
-};
-
 /// Those of Multigrid, the finest first.
 /// @param dense  dense_nodes of the scene.
-std::vector<StencilLevel> make_stencil_levels(const VoxelGrid& grid, int64_t dense);
+std::vector<BrickLevel> make_stencil_levels(const VoxelGrid& grid, int64_t dense);
 
 /// A component of a node's row: the weights of the 27 nodes around it in the level's operator,
 /// (A p)_n = sum of weight times p, in units of the level, and 1 / its diagonal, 0 where that is

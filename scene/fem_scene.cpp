@@ -7,7 +7,7 @@
 #include "scene/fem_boundary.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <limits>
 
 namespace elastogen {
 namespace {
@@ -85,10 +85,7 @@ fem::FemScene fem_scene(const Setup& setup, const RunDescription& run) {
 double fem_tolerance(const Setup& setup, const RunDescription& run) {
   const double asked = run.solver.tolerance;
   if (!run.fem->any_rounding) return asked;
-  double stiffest = 0;  // 3 K / rho
-  for (const Material& m : setup.scene.materials)
-    stiffest = std::max(stiffest, (2 * m.mu() + 3 * m.lambda()) / m.density);
-  const double rounding = 1.5 * std::exp2(-52) * stiffest / (9.81 * setup.scene.grid.h);
+  const double rounding = rounding_floor(setup.scene, std::numeric_limits<double>::epsilon());
   return std::clamp(8 * rounding, asked, 1e-3);
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scene/set_up.hpp"
 
+#include "core/constants.hpp"
 #include "core/error.hpp"
 #include "core/stopwatch.hpp"
 #include "core/time_scheme.hpp"
@@ -179,7 +180,7 @@ void add_tets(const TetAsset& tets, const RunDescription& run, Setup& setup) {
 void add_time(const RunDescription& run, Setup& setup) {
   Scene& scene = setup.scene;
   Vec3 down = {};
-  down[size_t(setup.up.axis)] = -9.81 * setup.up.sign;
+  down[size_t(setup.up.axis)] = -kReferenceGravity * setup.up.sign;
   scene.gravity = run.gravity.value_or(down);
   setup.substeps = run.substeps > 0 ? run.substeps : automatic_substeps(scene, 1 / run.fps);
   scene.dt = 1 / (run.fps * setup.substeps);

@@ -17,7 +17,7 @@ set(may_include_mpm_fem core io voxelize mpm_fem)
 set(may_include_diffusion core io network training diffusion)
 
 # libraries: what an include of them looks like, and the files that may have it
-set(libraries assimp openvdb json cli11 hdf5 tinygltf draco meshopt eigen tbb toml torch cholmod spectra images)
+set(libraries assimp openvdb json cli11 hdf5 tinygltf draco meshopt eigen tbb toml torch cholmod spectra images cub)
 set(assimp_include "<assimp/")
 set(assimp_files "^(reader/[^/]+\\.cpp|tests/round_trip\\.cpp)$")
 set(openvdb_include "<(openvdb|nanovdb)/")
@@ -46,6 +46,8 @@ set(cholmod_include "<(cholmod|Eigen/CholmodSupport)")
 set(cholmod_files "^mpm_fem/solve/sparse_direct\\.cpp$")
 set(spectra_include "<Spectra/")
 set(spectra_files "^mpm_fem/integrators/modes\\.cpp$")
+set(cub_include "<(cub|thrust)/")
+set(cub_files "^core/cuda/sort\\.cu$")
 set(images_include "<(png|jpeglib|webp)")
 set(images_files "^(reader/[^/]+\\.cpp$|tests/)")
 

@@ -3,6 +3,7 @@
 
 #include "core/error.hpp"
 #include "core/hash.hpp"
+#include "core/stopwatch.hpp"
 #include "training/fit_checkpoint.hpp"
 #include "training/fit_problem_torch.hpp"
 #include "training/soap_torch.hpp"
@@ -11,7 +12,6 @@
 #include <ATen/ATen.h>
 #include <torch/csrc/autograd/autograd.h>
 
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <numbers>
@@ -126,7 +126,7 @@ class Run {
       if (last || optimiser_.step % options_.checkpoint_steps == 0) save();
     }
     if (optimiser_.step < options_.steps) save();
-    return {weights_of_block(optimiser_.block), optimiser_.step, seconds()};
+    return {weights_of_block(optimiser_.block), optimiser_.step, watch_.seconds()};
   }
 
  private:
@@ -139,10 +139,6 @@ class Run {
                        rate);
   }
 
-  double seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
-
   void say_progress() const {
     const at::Tensor root = loss_.sqrt();
     char line[128];
@@ -150,7 +146,7 @@ class Run {
                   "step %6lld of %lld: root of the loss median %.3e worst %.3e, %.1f ms a step",
                   static_cast<long long>(optimiser_.step), static_cast<long long>(options_.steps),
                   root.median().item<double>(), root.max().item<double>(),
-                  1e3 * seconds() / double(optimiser_.step - begin_));
+                  1e3 * watch_.seconds() / double(optimiser_.step - begin_));
     hooks_.say(line);
   }
 
@@ -189,7 +185,7 @@ class Run {
   Optimiser optimiser_;
   at::Tensor loss_;
   int64_t begin_ = 0;
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  Stopwatch watch_;
 };
 
 }  // namespace

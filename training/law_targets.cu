@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/cuda_loop.cuh"
+#include "core/cuda/launch.cuh"
 #include "training/law_targets.hpp"
 
 namespace elastogen::cuda {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "voxelize/bricks.hpp"
 
+#include "core/bricks/index.hpp"
 #include "core/error.hpp"
 #include "core/parallel.hpp"
-#include "voxelize/brick_index.hpp"
 
 #include <algorithm>
 #include <cmath>

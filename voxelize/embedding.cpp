@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "voxelize/embedding.hpp"
 
+#include "core/bricks/index.hpp"
 #include "core/error.hpp"
 #include "core/parallel.hpp"
-#include "voxelize/brick_index.hpp"
 #include "voxelize/embedding_impl.hpp"
 #include "voxelize/nearest_voxel.hpp"
 

@@ -3,8 +3,8 @@
 
 #pragma once
 
+#include "core/bricks/index.hpp"
 #include "io/weld.hpp"
-#include "voxelize/brick_index.hpp"
 #include "voxelize/voxelize.hpp"
 
 namespace elastogen {

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "core/array.hpp"
-#include "voxelize/brick_index.hpp"
+#include "core/bricks/index.hpp"
 
 #include <numeric>
 #include <tuple>

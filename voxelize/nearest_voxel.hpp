@@ -4,7 +4,7 @@
 #pragma once
 
 #include "core/base.hpp"
-#include "voxelize/brick_index.hpp"
+#include "core/bricks/index.hpp"
 
 namespace elastogen {
 

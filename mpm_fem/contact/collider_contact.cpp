@@ -3,6 +3,7 @@
 
 #include "core/barrier.hpp"
 #include "core/error.hpp"
+#include "core/point_contact.hpp"
 #include "core/vec3.hpp"
 
 #include <algorithm>
@@ -12,8 +13,6 @@
 namespace elastogen::fem {
 namespace {
 
-constexpr double kGravity = 9.81;
-
 Vec3 between(const Vec3& a, const Vec3& b, double share) {
   return {a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1]), a[2] + share * (b[2] - a[2])};
 }
@@ -21,23 +20,14 @@ Vec3 between(const Vec3& a, const Vec3& b, double share) {
 /// Points of the scene's surface without what carries them and how stiff they are.
 ContactPoints points_of(const Scene& scene, int carriers) {
   const SurfacePoints& s = scene.surface;
-  const double h = scene.grid.h;
   ContactPoints points;
   points.area = s.area;
   points.position = s.position;
-  points.layer = h / 4;
+  points.layer = contact_layer(scene);
+  points.slip_range = slip_range(scene);
   points.nodes = Array<int32_t>(s.position.rows(), carriers);
   points.stiffness = Array<double>(s.position.rows());
-  Box box;
-  for (int64_t p = 0; p < s.position.rows(); ++p)
-    box.add({s.position(p, 0), s.position(p, 1), s.position(p, 2)});
-  const double size = std::max({box.extent(0), box.extent(1), box.extent(2), h});
-  points.slip_range = 1e-3 * std::sqrt(kGravity * size) * scene.dt;
   return points;
-}
-
-double stiffness(double young, const Scene& scene, const ContactPoints& points) {
-  return young * points.layer * points.layer / scene.grid.h;
 }
 
 }  // namespace
@@ -49,7 +39,7 @@ ContactPoints voxel_contact(const Scene& scene) {
   for (int64_t p = 0; p < s.voxel.rows(); ++p) {
     std::copy_n(scene.grid.corners.row(s.voxel(p)), 8, points.nodes.row(p));
     const Material& m = scene.materials[size_t(scene.material(s.voxel(p)))];
-    points.stiffness(p) = stiffness(m.young, scene, points);
+    points.stiffness(p) = contact_stiffness(m.young, points.layer, scene.grid.h);
   }
   return points;
 }
@@ -66,7 +56,7 @@ ContactPoints node_contact(const Scene& scene, const ElementMesh& mesh, In<int32
   points.weights.fill(1);
   for (int64_t p = 0; p < nodes.rows; ++p) {
     points.nodes(p) = nodes(p);
-    points.stiffness(p) = stiffness(young[size_t(nodes(p))], scene, points);
+    points.stiffness(p) = contact_stiffness(young[size_t(nodes(p))], points.layer, scene.grid.h);
   }
   return points;
 }

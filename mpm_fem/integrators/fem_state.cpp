@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mpm_fem/integrators/fem_state.hpp"
 
+#include "core/constants.hpp"
 #include "core/error.hpp"
 
 #include <cmath>
@@ -15,7 +16,6 @@ FemState rest_state(const FemScene& scene) {
 }
 
 double reference_force(const FemScene& scene, const Array<double>& nodal_mass) {
-  constexpr double kReferenceGravity = 9.81;  // [m/s^2]
   double sum = 0;
   for (int64_t n = 0; n < nodal_mass.rows(); ++n) {
     bool free = scene.fixed.empty();

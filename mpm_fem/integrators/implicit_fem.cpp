@@ -3,9 +3,9 @@
 
 #include "core/error.hpp"
 #include "core/reduce.hpp"
+#include "core/stopwatch.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 namespace elastogen::fem {
@@ -183,7 +183,7 @@ void ImplicitFem::finish(Array<double>& u, FemState& state, FemStepReport& repor
 }
 
 FemStepReport ImplicitFem::step(FemState& state) {
-  const auto clock = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   check_state(state, scene_.mesh.rest.rows());
   const int64_t inner = potential_.solver().iterations();
   begin(state);
@@ -207,8 +207,7 @@ FemStepReport ImplicitFem::step(FemState& state) {
   certify(u, report);
   if (!clear) report.finite = false, report.refusal = "a collider leaves the body no room";
   if (report.finite) finish(u, state, report);
-  const auto end = std::chrono::steady_clock::now();
-  report.ms = std::chrono::duration<double, std::milli>(end - clock).count();
+  report.ms = watch.milliseconds();
   return report;
 }
 

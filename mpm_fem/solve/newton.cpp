@@ -66,21 +66,22 @@ double Newton::longest_step() {
 bool Newton::line_search() {
   const double slope = dot(gradient_.data(), step_.data(), size_);
   if (!(slope < 0)) return false;
-  double a = longest_step();
-  for (int halvings = 0; halvings <= kMaxHalvings; ++halvings, a /= 2) {
+  NewtonValue there;
+  const auto trial = [&](double share, int halvings) {
+    const double a = halvings == 0 ? longest_step() : share;
     for_each(size_, [&](int64_t k) { trial_[size_t(k)] = x_[k] + a * step_[size_t(k)]; });
-    const NewtonValue trial = evaluate(trial_.data(), trial_gradient_);
-    const double difference = trial.value - value_.value;
-    const double end_slope = a * dot(trial_gradient_.data(), step_.data(), size_);
-    if (!std::isfinite(difference) || !std::isfinite(end_slope)) continue;
-    if (!sufficient_decrease(difference, a * slope, end_slope, value_.noise + trial.noise))
-      continue;
-    std::copy(trial_.begin(), trial_.end(), x_);
-    gradient_.swap(trial_gradient_);
-    value_ = trial;
-    return true;
-  }
-  return false;
+    there = evaluate(trial_.data(), trial_gradient_);
+    return LineTrial{.share = a,
+                     .difference = there.value - value_.value,
+                     .slope_start = slope,
+                     .slope_end = a * dot(trial_gradient_.data(), step_.data(), size_),
+                     .noise = value_.noise + there.noise};
+  };
+  if (!backtrack(trial, kMaxHalvings)) return false;
+  std::copy(trial_.begin(), trial_.end(), x_);
+  gradient_.swap(trial_gradient_);
+  value_ = there;
+  return true;
 }
 
 /// One step, exact or projected; where there is none result_.stop says why.

@@ -1,21 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scenes for whole steps on the device, and the fixture that skips where there is none.
+// Scenes for whole steps on the device.
 
 #pragma once
 
 #include "network/device.hpp"
 #include "tests/network/scenes.hpp"
-
-#include <gtest/gtest.h>
+#include "tests/support/on_card.hpp"
 
 namespace elastogen::test {
-
-class OnCard : public testing::Test {
- protected:
-  void SetUp() override {
-    if (!cuda::has_device()) GTEST_SKIP() << "there is no CUDA device here";
-  }
-};
 
 /// A clamped beam of two materials over several bricks, at Courant number 8.
 inline Scene beam_of_regions(TimeScheme scheme) {

@@ -16,7 +16,7 @@ using stencil::kSlots;
 /// The rows of all nodes of a level, one each, from what Multigrid has there.
 class Rows {
  public:
-  Rows(const MultigridLevel<double>& of, const StencilLevel& bricks)
+  Rows(const MultigridLevel<double>& of, const BrickLevel& bricks)
       : of_(of), bricks_(bricks), rows_(size_t(of.nodes * kRow)) {
     for (int64_t n = 0; n < of.nodes; ++n) {
       if (of.pinned[size_t(n)]) continue;
@@ -73,11 +73,11 @@ class Rows {
   }
 
   const MultigridLevel<double>& of_;
-  const StencilLevel& bricks_;
+  const BrickLevel& bricks_;
   std::vector<double> rows_;
 };
 
-std::vector<StencilLevel> levels_of(const Scene& scene) {
+std::vector<BrickLevel> levels_of(const Scene& scene) {
   return make_stencil_levels(scene.grid, dense_nodes(scene));
 }
 
@@ -85,7 +85,7 @@ TEST(StencilBricks, LevelsAreThoseOfTheMultigrid) {
   for (const NamedScene& named : multigrid_scenes()) {
     SCOPED_TRACE(named.name);
     const Multigrid<float> multigrid(named.scene, 1);
-    const std::vector<StencilLevel> bricks = levels_of(named.scene);
+    const std::vector<BrickLevel> bricks = levels_of(named.scene);
     ASSERT_EQ(int(bricks.size()), multigrid.level_count());
     for (size_t l = 0; l < bricks.size(); ++l) {
       const Array<int32_t> found = bricks[l].nodes.points();
@@ -105,7 +105,7 @@ TEST(StencilBricks, ProductIsThatOfTheMultigrid) {
     SCOPED_TRACE(named.name);
     const Scene& scene = named.scene;
     Multigrid<double> multigrid(scene, 1);
-    const std::vector<StencilLevel> bricks = levels_of(scene);
+    const std::vector<BrickLevel> bricks = levels_of(scene);
     for (const bool stiffened : {false, true}) {
       if (stiffened) multigrid.set_nodal_stiffness(some_stiffness(scene));
       std::vector<double> p = random_field(scene, 1, 5), expected(p.size());
@@ -121,7 +121,7 @@ TEST(StencilBricks, ProductIsThatOfTheMultigrid) {
 TEST(StencilBricks, RowsHoldTheInverseDiagonal) {
   const Scene scene = ragged_of_two_materials(19, 13, 11);
   const Multigrid<double> multigrid(scene, 1);
-  const std::vector<StencilLevel> bricks = levels_of(scene);
+  const std::vector<BrickLevel> bricks = levels_of(scene);
   for (int l = 0; l < multigrid.level_count(); ++l) {
     const MultigridLevel<double> level = multigrid.level(l);
     const Rows rows(level, bricks[size_t(l)]);
@@ -138,7 +138,7 @@ TEST(StencilBricks, RowsHoldTheInverseDiagonal) {
 TEST(StencilBricks, WeightsOfPinnedNodesAreNothing) {
   const Scene scene = ragged_of_two_materials(19, 13, 11);
   const Multigrid<double> multigrid(scene, 1);
-  const std::vector<StencilLevel> bricks = levels_of(scene);
+  const std::vector<BrickLevel> bricks = levels_of(scene);
   const MultigridLevel<double> level = multigrid.level(0);
   const Rows rows(level, bricks[0]);
   const std::vector<double> p = random_field(scene, 1, 6);
@@ -151,9 +151,9 @@ TEST(StencilBricks, WeightsOfPinnedNodesAreNothing) {
 
 TEST(StencilBricks, LinksOfTwoLevelsAreEachOthers) {
   const Scene scene = box_at({-9, -8, -1}, 40, 30, 20);
-  const std::vector<StencilLevel> levels = levels_of(scene);
+  const std::vector<BrickLevel> levels = levels_of(scene);
   ASSERT_GE(levels.size(), 2u);
-  const StencilLevel &fine = levels[0], &coarse = levels[1];
+  const BrickLevel &fine = levels[0], &coarse = levels[1];
   int links = 0;
   for (int64_t b = 0; b < coarse.brick_count(); ++b)
     for (int c = 0; c < 27; ++c) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "voxelize/bricks.hpp"
 
+#include "core/bricks/index.hpp"
 #include "core/error.hpp"
-#include "voxelize/brick_index.hpp"
 
 #include <gtest/gtest.h>
 

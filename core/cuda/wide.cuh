@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "core/device_reduce.cuh"
+#include "core/cuda/reduce.cuh"
 
 namespace elastogen::cuda {
 

@@ -4,7 +4,7 @@
 
 #pragma once
 
-#include "core/cuda_loop.cuh"
+#include "core/cuda/launch.cuh"
 #include "core/parallel.hpp"
 
 #include <cstring>
@@ -18,8 +18,8 @@ inline void synchronise() {
   check(cudaStreamSynchronize(cudaStreamPerThread));
 }
 
-/// Held while memory is freed, which waits for the whole device, and while a graph is recorded: a
-/// stream that is being recorded may not be waited for, from no thread.
+/// Held while memory is freed, which waits for the whole device, and while a graph is recorded: no
+/// thread may wait for a stream that is being recorded.
 inline std::mutex& device_wide() {
   static std::mutex mutex;
   return mutex;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "voxelize/brick_index.hpp"
+#include "core/bricks/index.hpp"
 
 #include "core/parallel.hpp"
 #include "core/parallel_sort.hpp"

@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "core/cuda_loop.cuh"
+#include "core/cuda/launch.cuh"
 
 namespace elastogen::cuda {
 

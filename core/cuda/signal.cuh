@@ -4,7 +4,7 @@
 
 #pragma once
 
-#include "core/device_pinned.cuh"
+#include "core/cuda/pinned.cuh"
 
 #include <atomic>
 

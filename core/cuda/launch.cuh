@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One thread an item, on the default stream, which is that of libtorch too.
+// Launches of kernels, one thread an item: on the stream of the thread (cudaStreamPerThread) unless
+// a Line names another.
 
 #pragma once
 
@@ -17,10 +18,11 @@ inline void check(cudaError_t error) {
   throw Error(concat("CUDA: ", cudaGetErrorString(error)), ErrorKind::kResources);
 }
 
-// In every kernel that launch() starts: the one as early as that helps (a block that ends lets the
-// next kernel start too), the other before anything is read or written but what read_early() reads.
-// What comes between them runs beside the kernels before. No __ldg in such a kernel: what it loads
-// is taken for constant, and loaded ahead of the wait.
+// Every kernel started by launch() calls let_next_start() and wait_for_before(). The first comes as
+// early as is useful; a block that exits implies it. The second comes before the first access to
+// memory that an earlier kernel writes; only read_early() may come before it. What stands above the
+// wait runs beside the kernels before. No __ldg in such a kernel: what it loads is taken for
+// constant, and loaded ahead of the wait.
 
 /// Lets the next kernel start as soon as there is room.
 __device__ inline void let_next_start() {

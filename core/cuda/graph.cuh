@@ -5,7 +5,7 @@
 
 #pragma once
 
-#include "core/device_array.cuh"
+#include "core/cuda/array.cuh"
 
 namespace elastogen::cuda {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/device_array.cuh"
-#include "network/device.hpp"
+#include "core/cuda/card.hpp"
+#include "core/cuda/launch.cuh"
 
 namespace elastogen::cuda {
 

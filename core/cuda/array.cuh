@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "core/device_pinned.cuh"
+#include "core/cuda/pinned.cuh"
 
 #include <utility>
 #include <vector>

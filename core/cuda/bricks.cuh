@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Where the bricks of a level and the points in them lie, on the device: what stands in a slot, and
-// the slots around it (network/stencil_bricks.hpp).
+// the slots around it (core/bricks/links.hpp).
 
 #pragma once
 
-#include "core/device_array.cuh"
-#include "network/stencil_bricks.hpp"
+#include "core/bricks/links.hpp"
+#include "core/cuda/array.cuh"
 
 namespace elastogen::cuda {
 
-using stencil::kSlots;
+using ::elastogen::bricks::kSlots;
 
 /// The tables of DeviceBricks, as kernels take them.
 struct BrickTables {
@@ -54,7 +54,7 @@ struct Place {
 
 class DeviceBricks {
  public:
-  explicit DeviceBricks(const StencilLevel& level)
+  explicit DeviceBricks(const BrickLevel& level)
       : links(level.links), begin(level.brick_count() + 1) {
     std::vector<int32_t> first_node(size_t(level.brick_count()) + 1), first(first_node.size());
     std::vector<uint64_t> of_nodes(size_t(8 * level.brick_count())), of_voxels(of_nodes.size());

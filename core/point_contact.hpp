@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// One point of the surface at one wall, a collider whose core the point keeps away from: energy,
-// force and stiffness of network/contact.hpp. Shared by host and device.
+// Contact of surface points with colliders: the lengths and the stiffness that every solver takes,
+// and energy, force and stiffness of one point at one wall, a collider whose core the point keeps
+// away from, as in network/contact.hpp. Shared by host and device.
 
 #pragma once
 
@@ -25,6 +26,25 @@ struct ContactLengths {
   double layer = 0;       ///< dhat
   double slip_range = 0;  ///< e of smoothed_slip
 };
+
+struct Scene;
+
+/// Depth dhat of the contact layer below a collider's surface, h/4 [m].
+double contact_layer(const Scene& scene);
+
+/// Slip within a step [m] up to which friction counts as sticking: a thousandth of the body's
+/// free-fall speed times dt, 1e-3 sqrt(g_ref L) dt, L the longest edge of the box around the points
+/// of the surface, h at least.
+double slip_range(const Scene& scene);
+
+/// Both.
+ContactLengths contact_lengths(const Scene& scene);
+
+/// What the barrier of a point is scaled by, kappa = E dhat^2 / h [N/m], so that a voxel in contact
+/// is held with a stiffness of about E h; of E times a point's area it is A kappa [J].
+inline double contact_stiffness(double young, double layer, double h) {
+  return young * layer * layer / h;
+}
 
 /// A point of the surface in a step.
 struct ContactPoint {

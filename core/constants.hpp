@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
+// Constants that solvers, scenes and reports share.
+
+#pragma once
+
+namespace elastogen {
+
+/// Gravity where none is given, g_ref of residuals, and that of a body's free-fall speed [m/s^2].
+inline constexpr double kReferenceGravity = 9.81;
+
+}  // namespace elastogen
