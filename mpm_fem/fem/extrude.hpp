@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Body-fitted meshes of boxes and of quadrilaterals extruded along z, on mapped lattices. Polygons:
 // mpm_fem/fem/extrude_polygon.hpp; curved bodies come from a mesh generator's file
-// (mpm_fem/fem/tet_reader.hpp).
+// (io/tets/tet_reader.hpp).
 
 #pragma once
 

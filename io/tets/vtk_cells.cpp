@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mpm_fem/fem/vtk_cells.hpp"
+#include "io/tets/vtk_cells.hpp"
 
 #include <algorithm>
 
-namespace elastogen::fem {
+namespace elastogen::tets {
 namespace {
 
 constexpr int64_t kTet4 = 10, kTet10 = 24;
@@ -80,4 +80,4 @@ void add_tets(const VtkCells& cells, const std::string& path, TetSoup& soup) {
                         " points, but ", cells.corners.size(), " are listed");
 }
 
-}  // namespace elastogen::fem
+}  // namespace elastogen::tets
