@@ -35,8 +35,7 @@ ElementMesh box_tets(int nx, int ny, int nz, const Vec3& lower, const Vec3& uppe
 /// @param corners  [m], counterclockwise; nx cells lie between the first two.
 /// @param element  any but kVoxel.
 /// @throws Error unless the quadrilateral is convex and counterclockwise, the thickness positive,
-/// and
-///         each count at least 1.
+///         and each count at least 1.
 ElementMesh extruded_quadrilateral(const std::array<Vec2, 4>& corners, double thickness, int nx,
                                    int ny, int nz, Element element);
 
