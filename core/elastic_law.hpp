@@ -3,9 +3,9 @@
 // H = d2psi/dsigma2. At rest psi = 0, t = 0, H = 2 mu I + lambda 1 1^T for every law.
 //
 //   fixed corotated      mu sum (s-1)^2 + lambda/2 (J-1)^2
-//   neo-Hookean          mu/2 (I-3) - mu l(J) + lambda/2 l(J)^2,   l = ln J, continued below J0 =
-//   0.1 stable neo-Hookean   mu'/2 [I-3 - ln((I+1)/4)] + lambda'/2 [(J-a)^2 - (1-a)^2]  (Smith et
-//   al.
+//   neo-Hookean          mu/2 (I-3) - mu l(J) + lambda/2 l(J)^2,   l = ln J, continued below
+//                        J0 = 0.1
+//   stable neo-Hookean   mu'/2 [I-3 - ln((I+1)/4)] + lambda'/2 [(J-a)^2 - (1-a)^2]  (Smith et al.
 //                        2018), mu' = 4 mu/3, lambda' = lambda + 5 mu/6, a = 1 + 3 mu'/(4 lambda')
 //   StVK                 mu sum e^2 + lambda/2 (sum e)^2,   e = (s^2-1)/2
 //   Hencky               the same with e = ln s, continued below s = 0.1

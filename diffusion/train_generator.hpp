@@ -2,8 +2,7 @@
 // The tasks `elastogen train autoencoder` and `train diffusion`, each in two sizes:
 //
 //   compact  whitened principal components of the last layers (weight_codec.hpp) and the denoiser
-//   of
-//            denoiser.hpp: what is shipped
+//            of denoiser.hpp: what is shipped
 //   paper    the fully connected autoencoder on all weights (autoencoder_torch.hpp) and a
 //            convolutional denoiser of its latents (denoiser_torch.hpp): what ElastoGen describes
 //

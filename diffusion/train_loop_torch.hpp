@@ -43,8 +43,7 @@ using StepLoss = std::function<at::Tensor(const Parameters& parameters, int64_t 
 
 /// On CPUs the same bits in every run with the same number of threads, resumed or not.
 /// @throws Error (usage) without parameters or steps, (asset) on a checkpoint of another identity
-/// or
-///         other sizes, (resources) when files cannot be written.
+///         or other sizes, (resources) when files cannot be written.
 LoopOutcome train_loop(const Parameters& start, const StepLoss& loss, const LoopOptions& options,
                        const FitHooks& hooks);
 

@@ -66,6 +66,9 @@ class AnimatedDocument {
     std::vector<Json> targets;  // without and with NORMAL
   };
 
+  static constexpr int kFloat = 5126, kUnsignedInt = 5125;   // types of components
+  static constexpr int kVertices = 34962, kIndices = 34963;  // targets of views
+
   bool shows_below(size_t node) const;
   std::string free_name(const std::string& wanted);
   size_t add_child(size_t node, const std::string& ending);

@@ -22,13 +22,12 @@ bool is_splats(const PlyHeader& header);
 /// are taken as they are, without exponential and logistic function (linear-splats), if
 ///
 /// - no size is negative and some are positive, all opacities that there are lie within 0 ... 1,
-/// and
+///   and
 /// - the median of the longest axes is nearer (as a ratio) to edge / sqrt(splats), the spacing on a
 ///   surface as wide as all but 2 % of the splats on each side, than that of their exponentials.
 ///
 /// @throws Error (asset): a property is missing (named), the f_rest properties are not 0, 9, 24 or
-/// 45,
-///         chunks are missing or stand behind the splats, the file ends early.
+///         45, chunks are missing or stand behind the splats, the file ends early.
 SplatCloud read_splats(const PlyHeader& header, PlyValues& values, SplatScales scales,
                        Asset& asset);
 

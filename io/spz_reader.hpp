@@ -14,8 +14,8 @@ namespace elastogen {
 /// behind them are skipped. Version 4: a plain header, extensions, a table, a Zstandard stream for
 /// each attribute.
 /// @throws Error (asset) with the file: no gzip, a damaged one or stream, another version or
-/// degree, fewer
-///         bytes than the header's count needs, a count that the file could not unpack to.
+///         degree, fewer bytes than the header's count needs, a count that the file could not
+///         unpack to.
 Asset read_spz(const std::string& path);
 
 /// The same from memory; `path` is for messages.

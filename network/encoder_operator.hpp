@@ -32,8 +32,8 @@ struct PieceModes {
 /// w = 1/24 (1/48 for xyz); the last line is the torsion term, a and b the patterns across i and j.
 ///
 /// @param stride  where not 1, an estimate of A_r / stride: of each stride-th block of 128 voxels
-/// and
-///                nodes. What all voxels have none of, as the energy of a rotation, it has none of.
+///                and nodes. What all voxels have none of, as the energy of a rotation, it has none
+///                of.
 template <class T>
 std::vector<double> reduced_rest_operator(const IncrementalPotential& potential,
                                           const PieceModes<T>& piece, int64_t stride = 1);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The incremental potential of a step, whose minimum is the next state:
 //
-//     Phi(u) = a0/(2 dt^2) sum_c m_c |u_c - uhat_c|^2 + sum_v W_v psi(F_v) + E_hourglass +
-//     E_contact,
+//     Phi(u) = a0/(2 dt^2) sum_c m_c |u_c - uhat_c|^2 + sum_v W_v psi(F_v)
+//              + E_hourglass + E_contact,
 //
 // u = x - X, and its gradient and Hessian products. The state is float64; the maths of the voxels
 // runs in T = float or double on displacements relative to a node of the voxel's brick, so that

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The trainer is a shared library of its own, because it brings libtorch, whose loading takes about
 // a second: it is opened when something is trained, by name, and has C functions only
-// (training/entry_points.hpp).
+// (diffusion/train_entry_points.hpp).
 
 #pragma once
 

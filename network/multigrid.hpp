@@ -40,8 +40,7 @@ class Multigrid {
   /// @param a0    mass factor of the time scheme.
   /// @param rows   those of the scene; made where they are not given.
   /// @param dense  nodes at most of a level that is solved; dense_nodes of the scene where it is
-  /// not
-  ///               given.
+  ///               not given.
   Multigrid(const Scene& scene, double a0, std::shared_ptr<const BrickRows> rows = {},
             std::optional<int64_t> dense = {});
   ~Multigrid();

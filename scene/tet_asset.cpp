@@ -3,7 +3,7 @@
 
 #include "core/error.hpp"
 #include "io/safe_file.hpp"
-#include "mpm_fem/fem/tet_reader.hpp"
+#include "mpm_fem/fem/tet_mesh.hpp"
 #include "mpm_fem/fem/tet_surface.hpp"
 
 #include <fmt/format.h>
@@ -37,7 +37,7 @@ Mesh surface_mesh(const fem::ElementMesh& tets, Array<int32_t>& node_of) {
   return mesh;
 }
 
-std::vector<Finding> findings_of(const fem::TetFile& file) {
+std::vector<Finding> findings_of(const tets::TetFile& file) {
   std::vector<Finding> findings;
   const auto add = [&](const char* what, int64_t count, const char* text) {
     if (count > 0) findings.push_back({what, count, text});
@@ -56,19 +56,19 @@ bool is_tet_file(const std::string& path) {
 }
 
 TetAsset read_tet_asset(const std::string& path) {
-  fem::TetFile file = fem::read_tets(path);
+  tets::TetFile file = tets::read_tets(path);
+  TetAsset tets;
+  tets.mesh = fem::take_mesh(file);
   try {
-    fem::check_mesh(file.mesh);  // quadratic tetrahedra may turn over between their corners
+    fem::check_mesh(tets.mesh);  // quadratic tetrahedra may turn over between their corners
   } catch (const Error& error) {
     throw Error(concat(path, ": ", error.what()), ErrorKind::kAsset);
   }
-  TetAsset tets;
   tets.asset.path = path;
   tets.asset.format = ending_of(path);
-  tets.asset.meshes.push_back(surface_mesh(file.mesh, tets.node_of));
+  tets.asset.meshes.push_back(surface_mesh(tets.mesh, tets.node_of));
   tets.asset.nodes.push_back({.name = "surface", .mesh = 0});
   tets.asset.findings = findings_of(file);
-  tets.mesh = std::move(file.mesh);
   tets.region = std::move(file.region);
   for (const int64_t id : file.region_ids) tets.regions.emplace_back().name = fmt::to_string(id);
   return tets;

@@ -23,7 +23,7 @@ struct TetAsset {
 bool is_tet_file(const std::string& path);
 
 /// Reads a file of tetrahedra; findings say what was turned or left out.
-/// @throws Error (asset) as fem::read_tets, and for elements that fem::check_mesh refuses.
+/// @throws Error (asset) as tets::read_tets, and for elements that fem::check_mesh refuses.
 TetAsset read_tet_asset(const std::string& path);
 
 /// The element that steps them: the file's, unless another of as many nodes is asked for.

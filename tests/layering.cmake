@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-# Fails on an include that crosses the layers core <- io <- voxelize <- {network, mpm_fem} <- cli,
+# Fails on an include that crosses the layers
+#   core <- io <- voxelize <- {network, mpm_fem} <- scene <- {cli, examples, python}
+#   network <- training <- diffusion <- cli
 # or that brings a library in where it does not belong. From the root: cmake -P tests/layering.cmake
 # Another tree: cmake -DROOT=<folder> -P tests/layering.cmake
 cmake_minimum_required(VERSION 3.25)
@@ -14,7 +16,11 @@ set(may_include_voxelize core io voxelize)
 set(may_include_reader core io voxelize reader)
 set(may_include_network core voxelize network)
 set(may_include_mpm_fem core io voxelize mpm_fem)
+set(may_include_training core io network training)
 set(may_include_diffusion core io network training diffusion)
+set(may_include_scene core io voxelize network mpm_fem scene)
+set(may_include_examples ${may_include_scene} examples)
+set(may_include_python ${may_include_scene} python)
 
 # libraries: what an include of them looks like, and the files that may have it
 set(libraries assimp openvdb json cli11 hdf5 tinygltf draco meshopt eigen tbb toml torch cholmod spectra images cub)

@@ -16,7 +16,8 @@ function(check expected_count)
 endfunction()
 
 file(REMOVE_RECURSE ${TREE})
-foreach(file core/a.hpp io/a.hpp voxelize/a.hpp network/a.hpp cli/a.hpp)
+foreach(file core/a.hpp io/a.hpp voxelize/a.hpp network/a.hpp mpm_fem/a.hpp
+             training/a.hpp diffusion/a.hpp scene/a.hpp cli/a.hpp examples/a.hpp python/a.hpp)
   file(WRITE ${TREE}/${file} "#include <vector>\n")
 endforeach()
 file(WRITE ${TREE}/core/good.cpp "#include \"core/a.hpp\"\n#include <Eigen/Core>\n")
@@ -25,6 +26,13 @@ file(WRITE ${TREE}/io/good.cpp
 file(WRITE ${TREE}/voxelize/good.cpp
      "#include \"core/a.hpp\"\n#include \"io/a.hpp\"\n#include <openvdb/openvdb.h>\n")
 file(WRITE ${TREE}/network/good.cpp "#include \"core/a.hpp\"\n#include \"voxelize/a.hpp\"\n")
+file(WRITE ${TREE}/mpm_fem/good.cpp "#include \"io/a.hpp\"\n#include \"voxelize/a.hpp\"\n")
+file(WRITE ${TREE}/training/good.cpp "#include \"io/a.hpp\"\n#include \"network/a.hpp\"\n")
+file(WRITE ${TREE}/diffusion/good.cpp "#include \"network/a.hpp\"\n#include \"training/a.hpp\"\n")
+file(WRITE ${TREE}/scene/good.cpp "#include \"mpm_fem/a.hpp\"\n#include \"network/a.hpp\"\n")
+foreach(top examples python)
+  file(WRITE ${TREE}/${top}/good.cpp "#include \"${top}/a.hpp\"\n#include \"scene/a.hpp\"\n")
+endforeach()
 file(WRITE ${TREE}/cli/options.cpp "#include \"network/a.hpp\"\n#include <CLI/CLI.hpp>\n")
 check(0)
 
@@ -37,4 +45,11 @@ file(WRITE ${TREE}/network/bad.cu
 file(WRITE ${TREE}/network/bad.hpp "#include <Eigen/Dense>\n#include \"io/a.hpp\"\n")
 file(WRITE ${TREE}/cli/bad.cpp
      "#include <CLI/CLI.hpp>\n#include <hdf5.h>\n#include <tiny_gltf.h>\n#include <nanovdb/NanoVDB.h>\n")
-check(16)
+file(WRITE ${TREE}/mpm_fem/bad.cpp "#include \"network/a.hpp\"\n#include \"scene/a.hpp\"\n")
+file(WRITE ${TREE}/training/bad.cpp "#include \"diffusion/a.hpp\"\n#include \"scene/a.hpp\"\n")
+file(WRITE ${TREE}/diffusion/bad.cpp "#include \"mpm_fem/a.hpp\"\n")
+file(WRITE ${TREE}/scene/bad.cpp
+     "#include \"cli/a.hpp\"\n#include \"diffusion/a.hpp\"\n#include <CLI/CLI.hpp>\n")
+file(WRITE ${TREE}/examples/bad.cpp "#include \"cli/a.hpp\"\n#include \"python/a.hpp\"\n")
+file(WRITE ${TREE}/python/bad.cpp "#include \"cli/a.hpp\"\n#include \"training/a.hpp\"\n")
+check(28)

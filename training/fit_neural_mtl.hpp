@@ -48,8 +48,8 @@ struct FitOutcome {
 
 /// On CPUs the same bits in every run with the same number of threads, resumed or not.
 /// @throws Error (usage) on empty lists, a start of another size and counts that are not positive,
-/// (asset) on a checkpoint
-///         of other materials or options, (resources) when files cannot be written.
+///         (asset) on a checkpoint of other materials or options, (resources) when files cannot be
+///         written.
 FitOutcome fit_neural_mtl(const std::vector<FitMaterial>& materials, const FitOptions& options,
                           const FitHooks& hooks = {});
 

@@ -20,9 +20,8 @@ inline constexpr int64_t kMaxVdbVoxels = 1 << 25;  ///< active voxels of a grid 
 /// sharp, and where it falls to 0 if it is a ramp of several voxels, as sdfToFogVolume makes them.
 /// For the reader process only: OpenVDB does not survive every damaged file.
 /// @throws Error (asset) naming the grid: no such grid (listing those that there are), an empty
-/// one,
-///         more than kMaxVdbVoxels voxels or points, a largest value that is not a positive number,
-///         no surface; a file that is cut off.
+///         one, more than kMaxVdbVoxels voxels or points, a largest value that is not a positive
+///         number, no surface; a file that is cut off.
 Asset read_vdb(const std::string& path, const std::string& grid = "");
 
 /// Writes the float grid "fill" (fog volume): the filled share of each voxel, 0 outside, at the

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Body-fitted meshes of boxes and of quadrilaterals extruded along z, on mapped lattices. Polygons:
 // mpm_fem/fem/extrude_polygon.hpp; curved bodies come from a mesh generator's file
-// (mpm_fem/fem/tet_reader.hpp).
+// (io/tets/tet_reader.hpp).
 
 #pragma once
 
@@ -35,8 +35,7 @@ ElementMesh box_tets(int nx, int ny, int nz, const Vec3& lower, const Vec3& uppe
 /// @param corners  [m], counterclockwise; nx cells lie between the first two.
 /// @param element  any but kVoxel.
 /// @throws Error unless the quadrilateral is convex and counterclockwise, the thickness positive,
-/// and
-///         each count at least 1.
+///         and each count at least 1.
 ElementMesh extruded_quadrilateral(const std::array<Vec2, 4>& corners, double thickness, int nx,
                                    int ny, int nz, Element element);
 

@@ -36,7 +36,7 @@ void add_rotated(const double pattern[8], const double* R, int d, double* row) {
     for (int i = 0; i < 3; ++i) row[3 * c + i] += R[3 * i + d] * pattern[c];
 }
 
-double dot(const double row[24], const double* u) {
+double row_times(const double row[24], const double* u) {
   double sum = 0;
   for (int k = 0; k < 24; ++k) sum += row[k] * u[k];
   return sum;
@@ -77,7 +77,7 @@ VoxelHourglass voxel_hourglass(const ElementMesh& mesh, int64_t voxel, double mu
 double hourglass_energy(const VoxelHourglass& hourglass, const double* u) {
   double sum = 0;
   for (int k = 0; k < hourglass.count; ++k) {
-    const double q = dot(hourglass.row[k], u);
+    const double q = row_times(hourglass.row[k], u);
     sum += hourglass.weight[k] * q * q;
   }
   return sum / 2;
@@ -85,7 +85,7 @@ double hourglass_energy(const VoxelHourglass& hourglass, const double* u) {
 
 void add_hourglass_gradient(const VoxelHourglass& hourglass, const double* u, double* f) {
   for (int k = 0; k < hourglass.count; ++k) {
-    const double force = hourglass.weight[k] * dot(hourglass.row[k], u);
+    const double force = hourglass.weight[k] * row_times(hourglass.row[k], u);
     for (int i = 0; i < 24; ++i) f[i] += force * hourglass.row[k][i];
   }
 }

@@ -6,8 +6,8 @@
 // implicit Euler and BDF2 with a0 and uhat of core/time_scheme.hpp, gravity within uhat, so that
 // with the voxel element and the network's masses the potential is the network's. Newmark 1/4, 1/2:
 //
-//     a0 = 4,   uhat = u + dt v + (dt^2/4) a,   a' = (4/dt^2) (u' - uhat),   v' = v + dt/2 (a +
-//     a'),
+//     a0 = 4,   uhat = u + dt v + (dt^2/4) a,
+//     a' = (4/dt^2) (u' - uhat),   v' = v + dt/2 (a + a'),
 //
 // with gravity within f. Rotations of the torsion correction are those at the start of the step.
 

@@ -4,39 +4,13 @@
 #include "cli/scene_options.hpp"
 #include "io/scene_file.hpp"
 #include "io/scene_keys.hpp"
-#include "tests/io/test_files.hpp"
+#include "tests/cli/typed_words.hpp"
 
 namespace elastogen {
 namespace {
 
-using test::error_of;
-using test::expect_says;
-using test::TempFolder;
-
-CommandLine parsed_words(std::vector<std::string> words) {
-  words.insert(words.begin(), "elastogen");
-  std::vector<const char*> argv;
-  for (const std::string& word : words) argv.push_back(word.c_str());
-  return parse_command_line(int(argv.size()), argv.data());
-}
-
-AnimateOptions animate_options(std::vector<std::string> words) {
-  words.insert(words.begin(), "animate");
-  const CommandLine line = parsed_words(words);
-  EXPECT_TRUE(line.animate);
-  return line.animate.value_or(AnimateOptions{});
-}
-
-std::string refusal(std::vector<std::string> words) {
-  words.insert(words.begin(), "animate");
-  return error_of([&] { parsed_words(words); }, ErrorKind::kUsage);
-}
-
-/// The options of simulate.
-AnimateOptions simulate_options(std::vector<std::string> words) {
-  words.insert(words.begin(), "simulate");
-  return parsed_words(words).animate.value();
-}
+using test::animate_options, test::parsed_words, test::refusal, test::simulate_options;
+using test::error_of, test::expect_says, test::TempFolder;
 
 /// Values as they were typed.
 template <class Values>

@@ -3,7 +3,7 @@
 // nodes, all of them used, and positive volumes between its corners.
 
 #include "core/vec3.hpp"
-#include "mpm_fem/fem/tet_reader.hpp"
+#include "mpm_fem/fem/tet_mesh.hpp"
 #include "mpm_fem/fem/tet_surface.hpp"
 #include "tests/fuzz/harness.hpp"
 
@@ -14,9 +14,8 @@
 namespace elastogen::fem {
 namespace {
 
-void check_mesh_of(const TetFile& file) {
+void check_mesh_of(const tets::TetFile& file, const ElementMesh& mesh) {
   using fuzz::require;
-  const ElementMesh& mesh = file.mesh;
   const int64_t count = mesh.elements.rows();
   require(count > 0 && mesh.elements.cols() == (mesh.element == Element::kTet10 ? 10 : 4),
           "there are tetrahedra");
@@ -46,14 +45,15 @@ void check_mesh_of(const TetFile& file) {
 /// The mesh as one text, or the reason why there is none.
 std::string read(std::string_view bytes) {
   try {
-    const TetFile file = parse_tets(bytes, "fuzz");
-    check_mesh_of(file);
+    tets::TetFile file = tets::parse_tets(bytes, "fuzz");
+    const ElementMesh mesh = take_mesh(file);
+    check_mesh_of(file, mesh);
     const auto text = [](const void* data, size_t size) {
       return std::string(static_cast<const char*>(data), size);
     };
     return concat(file.turned, ' ', file.skipped, ' ', file.unused, ' ',
-                  text(file.mesh.rest.data(), size_t(file.mesh.rest.size()) * 8),
-                  text(file.mesh.elements.data(), size_t(file.mesh.elements.size()) * 4));
+                  text(mesh.rest.data(), size_t(mesh.rest.size()) * 8),
+                  text(mesh.elements.data(), size_t(mesh.elements.size()) * 4));
   } catch (const Error& error) {
     fuzz::require_kind(error, ErrorKind::kAsset);
     return error.what();

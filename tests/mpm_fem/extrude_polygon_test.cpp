@@ -2,7 +2,7 @@
 #include "mpm_fem/fem/extrude_polygon.hpp"
 
 #include "tests/io/test_files.hpp"
-#include "tests/mpm_fem/tet_checks.hpp"
+#include "tests/io/tets/tet_checks.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 #include "mpm_fem/fem/extrude.hpp"
 
 #include "tests/io/test_files.hpp"
-#include "tests/mpm_fem/tet_checks.hpp"
+#include "tests/io/tets/tet_checks.hpp"
 
 #include <cmath>
 

@@ -5,7 +5,7 @@
 #include "mpm_fem/fem/extrude_polygon.hpp"
 #include "mpm_fem/fem/voxel_tets.hpp"
 #include "tests/io/test_files.hpp"
-#include "tests/mpm_fem/tet_checks.hpp"
+#include "tests/io/tets/tet_checks.hpp"
 
 #include <cmath>
 #include <map>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mpm_fem/fem/mesh_source.hpp"
+#include "io/tets/mesh_source.hpp"
 
 #include <algorithm>
 
-namespace elastogen::fem {
+namespace elastogen::tets {
 
 std::string MeshSource::place() const {
   if (binary_) return concat(name_, ": byte ", last_, ": ");
@@ -121,4 +121,4 @@ void MeshSource::skip(int64_t count, Number type, const char* what) {
   }
 }
 
-}  // namespace elastogen::fem
+}  // namespace elastogen::tets

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mpm_fem/fem/tet_reader.hpp"
+#include "io/tets/tet_reader.hpp"
 #include "tests/io/test_files.hpp"
-#include "tests/mpm_fem/tet_files.hpp"
+#include "tests/io/tets/tet_files.hpp"
 
-namespace elastogen::fem {
+namespace elastogen::tets {
 namespace {
 
 using test::error_of, test::expect_says;
@@ -42,7 +42,7 @@ TEST(MshReader, LeavesOutSectionsThatItDoesNotKnow) {
                      "$Elements\n1 1 1 1\n3 1 4 1\n7 1 2 3 4\n$EndElements\n" +
                      "$NodeData\n1\n\"T\"\n$EndNodeData",
                  "file");
-  EXPECT_EQ(file.mesh.elements.rows(), 1);
+  EXPECT_EQ(file.elements.rows(), 1);
   EXPECT_EQ(file.region_ids, std::vector<int64_t>{1});
 }
 
@@ -118,4 +118,4 @@ TEST(MshReader, RefusesBrokenBytesWithTheirPlace) {
 }
 
 }  // namespace
-}  // namespace elastogen::fem
+}  // namespace elastogen::tets

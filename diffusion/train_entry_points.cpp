@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "training/entry_points.hpp"
+#include "diffusion/train_entry_points.hpp"
 
 #include "diffusion/train_generator.hpp"
 #include "training/train_mtl.hpp"

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // VTK's XML files of unstructured grids (VTK user's guide, "VTK file formats").
 
-#include "mpm_fem/fem/vtk_cells.hpp"
-#include "mpm_fem/fem/vtu_arrays.hpp"
-#include "mpm_fem/fem/xml_scanner.hpp"
+#include "io/tets/vtk_cells.hpp"
+#include "io/tets/vtu_arrays.hpp"
+#include "io/tets/xml_scanner.hpp"
 
 #include <algorithm>
 
-namespace elastogen::fem {
+namespace elastogen::tets {
 namespace {
 
 constexpr std::string_view kPiece = "VTKFile/UnstructuredGrid/Piece";
@@ -225,4 +225,4 @@ TetSoup parse_vtu(std::string_view bytes, const std::string& path) {
   return VtuParser(bytes, path).parse();
 }
 
-}  // namespace elastogen::fem
+}  // namespace elastogen::tets

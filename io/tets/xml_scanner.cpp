@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mpm_fem/fem/xml_scanner.hpp"
+#include "io/tets/xml_scanner.hpp"
 
 #include "io/byte_reader.hpp"
 
 #include <algorithm>
 
-namespace elastogen::fem {
+namespace elastogen::tets {
 namespace {
 
 constexpr size_t kMaxDepth = 32, kMaxAttributes = 32, kMaxName = 64;
@@ -114,4 +114,4 @@ void XmlScanner::read_attributes() {
   at_ += is_empty_ ? 2 : 1;
 }
 
-}  // namespace elastogen::fem
+}  // namespace elastogen::tets

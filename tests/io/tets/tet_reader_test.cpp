@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mpm_fem/fem/tet_reader.hpp"
+#include "io/tets/tet_reader.hpp"
 
 #include "tests/io/test_files.hpp"
-#include "tests/mpm_fem/tet_checks.hpp"
-#include "tests/mpm_fem/tet_files.hpp"
+#include "tests/io/tets/tet_checks.hpp"
+#include "tests/io/tets/tet_files.hpp"
 
 #include <cmath>
 
-namespace elastogen::fem {
+namespace elastogen::tets {
 namespace {
 
 using test::all_files, test::error_of, test::expect_says, test::NamedFile, test::quadratic_tet,
@@ -20,10 +20,10 @@ std::vector<T> values_of(const Array<T>& array) {
 
 /// Whether it is the mesh of test::two_tets, whatever the regions.
 bool is_two_tets(const TetFile& file) {
-  return file.mesh.element == Element::kTet4 &&
-         values_of(file.mesh.rest) ==
+  return file.elements.cols() == 4 &&
+         values_of(file.rest) ==
              std::vector<double>{0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 1, 1.5} &&
-         values_of(file.mesh.elements) == std::vector<int32_t>{0, 1, 2, 3, 2, 1, 4, 3} &&
+         values_of(file.elements) == std::vector<int32_t>{0, 1, 2, 3, 2, 1, 4, 3} &&
          file.turned == 1 && file.skipped == 1 && file.unused == 1;
 }
 
@@ -33,8 +33,7 @@ TEST(TetReader, ReadsTheSameMeshFromEveryFormatAndEncoding) {
     EXPECT_TRUE(is_two_tets(file)) << f.name;
     EXPECT_EQ(values_of(file.region), (std::vector<int32_t>{1, 0})) << f.name;
     EXPECT_EQ(file.region_ids, (std::vector<int64_t>{7, 9})) << f.name;
-    EXPECT_EQ(file.mesh.material, Array<int32_t>(2));
-    EXPECT_GT(test::determinants(file.mesh).least, 0);
+    EXPECT_GT(test::determinants(file).least, 0);
   }
 }
 
@@ -43,16 +42,15 @@ TEST(TetReader, QuadraticTetrahedraHaveTheirNodesInTheMiddleOfTheirEdges) {
   for (const bool turned : {false, true})
     for (const NamedFile& f : all_files(quadratic_tet(turned))) {
       const TetFile file = parse_tets(f.bytes, f.name);
-      const ElementMesh& mesh = file.mesh;
-      ASSERT_EQ(mesh.element, Element::kTet10) << f.name;
-      ASSERT_EQ(mesh.elements.rows(), 1);
+      ASSERT_EQ(file.elements.cols(), 10) << f.name;
+      ASSERT_EQ(file.elements.rows(), 1);
       EXPECT_EQ(file.turned, turned);
-      EXPECT_EQ(test::tet_determinant(mesh, 0), 2 * 4 * 8);
+      EXPECT_EQ(test::tet_determinant(file, 0), 2 * 4 * 8);
       for (int k = 0; k < 6; ++k)
         for (int d = 0; d < 3; ++d)
-          EXPECT_EQ(2 * mesh.rest(mesh.elements(0, 4 + k), d),
-                    mesh.rest(mesh.elements(0, kEdges[k][0]), d) +
-                        mesh.rest(mesh.elements(0, kEdges[k][1]), d))
+          EXPECT_EQ(2 * file.rest(file.elements(0, 4 + k), d),
+                    file.rest(file.elements(0, kEdges[k][0]), d) +
+                        file.rest(file.elements(0, kEdges[k][1]), d))
               << f.name << ' ' << k;
     }
 }
@@ -104,9 +102,9 @@ TEST(TetReader, AnyByteIsReadOrRefused) {
           changed[n] = char(value);
           const std::optional<TetFile> file = read_or_refused(changed);
           if (!file) continue;
-          for (int64_t k = 0; k < file->mesh.elements.size(); ++k)
-            ASSERT_LT(uint32_t(file->mesh.elements.data()[k]), file->mesh.rest.rows());
-          ASSERT_GT(test::determinants(file->mesh).least, 0);
+          for (int64_t k = 0; k < file->elements.size(); ++k)
+            ASSERT_LT(uint32_t(file->elements.data()[k]), file->rest.rows());
+          ASSERT_GT(test::determinants(*file).least, 0);
         }
 }
 
@@ -164,18 +162,18 @@ TEST(TetReader, ReadsARealFile) {
   const std::string folder = test::assets_folder();
   if (folder.empty()) GTEST_SKIP();
   const TetFile file = read_tets(folder + "closed/bunny_tets.msh");
-  EXPECT_EQ(file.mesh.elements.rows(), 19379);
-  EXPECT_EQ(file.mesh.rest.rows(), 4670);
+  EXPECT_EQ(file.elements.rows(), 19379);
+  EXPECT_EQ(file.rest.rows(), 4670);
   EXPECT_EQ(file.unused, 0);
   Box box;
-  for (int32_t n = 0; n < 4670; ++n) box.add(test::place(file.mesh.rest, n));
+  for (int32_t n = 0; n < 4670; ++n) box.add(test::place(file.rest, n));
   EXPECT_NEAR(box.extent(0), 3.11, 5e-3);
   EXPECT_NEAR(box.extent(1), 3.08, 5e-3);
   EXPECT_NEAR(box.extent(2), 2.42, 5e-3);
-  const test::Faces faces = test::faces(file.mesh);
+  const test::Faces faces = test::faces(file);
   EXPECT_EQ(faces.wrong, 0);
   EXPECT_EQ(2 * faces.inner + faces.border, 4 * 19379);
 }
 
 }  // namespace
-}  // namespace elastogen::fem
+}  // namespace elastogen::tets

@@ -11,13 +11,13 @@
 #include <string_view>
 #include <vector>
 
-namespace elastogen::fem {
+namespace elastogen::tets {
 
 /// All positions are finite and all corners are points.
 struct TetSoup {
   std::vector<Vec3> points;      ///< [m]
   int nodes = 0;                 ///< of a tetrahedron, 4 or 10; 0 without any
-  std::vector<int32_t> corners;  ///< points in the order of ElementMesh, nodes a tetrahedron
+  std::vector<int32_t> corners;  ///< points in the order of TetFile, nodes a tetrahedron
   std::vector<int64_t> region;   ///< the file's number for the region of each tetrahedron
   int64_t skipped = 0;           ///< points, lines and faces
 
@@ -37,4 +37,4 @@ TetSoup parse_vtk(std::string_view bytes, const std::string& path);
 /// VTK's XML for unstructured grids.
 TetSoup parse_vtu(std::string_view bytes, const std::string& path);
 
-}  // namespace elastogen::fem
+}  // namespace elastogen::tets

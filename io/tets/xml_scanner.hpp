@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-namespace elastogen::fem {
+namespace elastogen::tets {
 
 class XmlScanner {
  public:
@@ -59,4 +59,4 @@ class XmlScanner {
   bool is_empty_ = false;  ///< the last tag ends its own element
 };
 
-}  // namespace elastogen::fem
+}  // namespace elastogen::tets

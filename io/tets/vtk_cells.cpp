@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mpm_fem/fem/vtk_cells.hpp"
+#include "io/tets/vtk_cells.hpp"
 
 #include <algorithm>
 
-namespace elastogen::fem {
+namespace elastogen::tets {
 namespace {
 
 constexpr int64_t kTet4 = 10, kTet10 = 24;
@@ -14,7 +14,7 @@ bool is_skipped(int64_t type) {
   return std::find(std::begin(kTypes), std::end(kTypes), type) != std::end(kTypes);
 }
 
-const char* name_of_type(int64_t type) {
+const char* cell_name(int64_t type) {
   switch (type) {
     case 11:
       return "a voxel";
@@ -70,7 +70,7 @@ void add_tets(const VtkCells& cells, const std::string& path, TetSoup& soup) {
                           cells.corners.begin() + end);
     } else {
       ELASTOGEN_CHECK_ASSET(is_skipped(type), path, ": cell ", c, " (counted from 0) is of type ",
-                            type, " (", name_of_type(type),
+                            type, " (", cell_name(type),
                             "), which is not read; only tetrahedra of 4 and 10 points are");
       ++soup.skipped;
     }
@@ -80,4 +80,4 @@ void add_tets(const VtkCells& cells, const std::string& path, TetSoup& soup) {
                         " points, but ", cells.corners.size(), " are listed");
 }
 
-}  // namespace elastogen::fem
+}  // namespace elastogen::tets

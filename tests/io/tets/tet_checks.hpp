@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// What meshes of tetrahedra owe: volumes, faces that conform, edges.
+// What tetrahedra owe that have the members `rest` and `elements`: volumes, faces that conform,
+// edges.
 
 #pragma once
 
+#include "core/array.hpp"
 #include "core/vec3.hpp"
-#include "mpm_fem/fem/element_mesh.hpp"
 
 #include <algorithm>
 #include <array>
@@ -21,7 +22,8 @@ inline Vec3 place(const Array<double>& x, int32_t node) {
 }
 
 /// Six times the volume between the corners of a tetrahedron [m^3].
-inline double tet_determinant(const fem::ElementMesh& mesh, int64_t e) {
+template <class Mesh>
+double tet_determinant(const Mesh& mesh, int64_t e) {
   const Vec3 origin = place(mesh.rest, mesh.elements(e, 0));
   const auto edge = [&](int k) { return minus(place(mesh.rest, mesh.elements(e, k)), origin); };
   return dot(edge(1), cross(edge(2), edge(3)));
@@ -32,7 +34,8 @@ struct Determinants {
   double sum = 0, least = std::numeric_limits<double>::infinity(), most = 0;
 };
 
-inline Determinants determinants(const fem::ElementMesh& mesh) {
+template <class Mesh>
+Determinants determinants(const Mesh& mesh) {
   Determinants all;
   for (int64_t e = 0; e < mesh.elements.rows(); ++e) {
     const double d = tet_determinant(mesh, e);
@@ -48,7 +51,8 @@ struct Faces {
   int64_t inner = 0, border = 0, wrong = 0;
 };
 
-inline Faces faces(const fem::ElementMesh& mesh) {
+template <class Mesh>
+Faces faces(const Mesh& mesh) {
   constexpr int kFace[4][3] = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};  // seen from outside
   std::map<std::array<int32_t, 3>, std::array<int, 2>> sides;  // how often each way round
   for (int64_t e = 0; e < mesh.elements.rows(); ++e)
@@ -72,7 +76,8 @@ inline Faces faces(const fem::ElementMesh& mesh) {
   return all;
 }
 
-inline int64_t edge_count(const fem::ElementMesh& mesh) {
+template <class Mesh>
+int64_t edge_count(const Mesh& mesh) {
   std::set<std::pair<int32_t, int32_t>> edges;
   for (int64_t e = 0; e < mesh.elements.rows(); ++e)
     for (int a = 0; a < 4; ++a)

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Gmsh's MSH format (Gmsh reference manual, "MSH file format" and "Node ordering").
 
-#include "mpm_fem/fem/mesh_source.hpp"
-#include "mpm_fem/fem/tet_soup.hpp"
+#include "io/tets/mesh_source.hpp"
+#include "io/tets/tet_soup.hpp"
 
 #include <algorithm>
 
-namespace elastogen::fem {
+namespace elastogen::tets {
 namespace {
 
 constexpr Number kInt = Number::kInt32, kSize = Number::kUint64, kDouble = Number::kFloat64;
@@ -308,4 +308,4 @@ TetSoup parse_msh(std::string_view bytes, const std::string& path) {
   return MshParser(bytes, path).parse();
 }
 
-}  // namespace elastogen::fem
+}  // namespace elastogen::tets

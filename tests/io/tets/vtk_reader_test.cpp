@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mpm_fem/fem/tet_reader.hpp"
+#include "io/tets/tet_reader.hpp"
 #include "tests/io/test_files.hpp"
-#include "tests/mpm_fem/tet_files.hpp"
+#include "tests/io/tets/tet_files.hpp"
 
-namespace elastogen::fem {
+namespace elastogen::tets {
 namespace {
 
 using test::error_of, test::expect_says;
@@ -106,4 +106,4 @@ TEST(VtkReader, RefusesBrokenBytesWithTheirPlace) {
 }
 
 }  // namespace
-}  // namespace elastogen::fem
+}  // namespace elastogen::tets

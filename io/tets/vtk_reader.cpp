@@ -2,13 +2,13 @@
 // Legacy VTK files (VTK user's guide, "VTK file formats"): lists of cells as pairs of count and
 // points, since version 5 as offsets and points.
 
-#include "mpm_fem/fem/mesh_source.hpp"
-#include "mpm_fem/fem/vtk_cells.hpp"
+#include "io/tets/mesh_source.hpp"
+#include "io/tets/vtk_cells.hpp"
 
 #include <algorithm>
 #include <cctype>
 
-namespace elastogen::fem {
+namespace elastogen::tets {
 namespace {
 
 struct VtkType {
@@ -272,4 +272,4 @@ TetSoup parse_vtk(std::string_view bytes, const std::string& path) {
   return VtkParser(bytes, path).parse();
 }
 
-}  // namespace elastogen::fem
+}  // namespace elastogen::tets

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mpm_fem/fem/tet_reader.hpp"
+#include "io/tets/tet_reader.hpp"
 #include "tests/io/test_files.hpp"
-#include "tests/mpm_fem/tet_checks.hpp"
-#include "tests/mpm_fem/tet_files.hpp"
+#include "tests/io/tets/tet_checks.hpp"
+#include "tests/io/tets/tet_files.hpp"
 
-namespace elastogen::fem {
+namespace elastogen::tets {
 namespace {
 
 using test::error_of, test::expect_says;
@@ -72,9 +72,9 @@ AQAAAACAAAAMAAAAEQAAAA==eJxjYWBg4ARidiAGAACgABU=
 </VTKFile>
 )",
       "file");
-  EXPECT_EQ(file.mesh.rest.rows(), 5);
-  EXPECT_EQ(test::place(file.mesh.rest, 4), (Vec3{1, 1, 1.5}));
-  EXPECT_EQ(test::determinants(file.mesh).sum, 3.5);  // 1 + 2.5
+  EXPECT_EQ(file.rest.rows(), 5);
+  EXPECT_EQ(test::place(file.rest, 4), (Vec3{1, 1, 1.5}));
+  EXPECT_EQ(test::determinants(file).sum, 3.5);  // 1 + 2.5
   EXPECT_EQ(file.region_ids, (std::vector<int64_t>{7, 9}));
   EXPECT_EQ(file.turned + file.skipped + file.unused, 3);
 }
@@ -84,7 +84,7 @@ TEST(VtuReader, TakesXmlAsItMayBeWritten) {
        {kFile, "<!-- > --><?a?>" + kFile, with("<Cells>", "<!-- <Cells> -->\n<Cells>"),
         with("<Points>", "<Points  a = 'x\"y>' >"), with("</Points>", "</Points >"),
         with("10</", "10<InformationKey name=\"a\" location=\"b\"/></")})
-    EXPECT_EQ(parse_tets(file, "file").mesh.elements.rows(), 1) << file;
+    EXPECT_EQ(parse_tets(file, "file").elements.rows(), 1) << file;
 }
 
 TEST(VtuReader, RefusesBrokenXml) {
@@ -169,7 +169,7 @@ TEST(VtuReader, ReadsOneArrayOfEachEncoding) {
       with_types("", inner, test::base64(header + "\n")),
       with_types("", inner, " AQ AA\nAA== Cg==\n"),  // header and bytes padded each for itself
       with_types("", outer, "", raw + "x" + header + "\n</AppendedData>")};
-  for (const std::string& file : good) EXPECT_EQ(parse_tets(file, "f").mesh.elements.rows(), 1);
+  for (const std::string& file : good) EXPECT_EQ(parse_tets(file, "f").elements.rows(), 1);
 
   const std::pair<std::string, std::string> cases[] = {
       {with_types("", inner, test::base64(header)), "fewer bytes are there than its header claims"},
@@ -216,4 +216,4 @@ TEST(VtuReader, RefusesBlocksThatUnpackToAnotherSize) {
 }
 
 }  // namespace
-}  // namespace elastogen::fem
+}  // namespace elastogen::tets

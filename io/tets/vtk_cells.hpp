@@ -3,9 +3,9 @@
 
 #pragma once
 
-#include "mpm_fem/fem/tet_soup.hpp"
+#include "io/tets/tet_soup.hpp"
 
-namespace elastogen::fem {
+namespace elastogen::tets {
 
 struct VtkCells {
   std::vector<int32_t> corners;  ///< points of the cells, one cell behind the other
@@ -21,4 +21,4 @@ void add_tets(const VtkCells& cells, const std::string& path, TetSoup& soup);
 /// Whether an array of cells says to which region they belong.
 bool is_region_name(std::string_view name);
 
-}  // namespace elastogen::fem
+}  // namespace elastogen::tets

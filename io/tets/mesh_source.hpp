@@ -6,7 +6,7 @@
 
 #include "io/byte_reader.hpp"
 
-namespace elastogen::fem {
+namespace elastogen::tets {
 
 enum class Number : uint8_t {
   kInt8,
@@ -86,4 +86,4 @@ class MeshSource {
   std::endian order_ = std::endian::little;
 };
 
-}  // namespace elastogen::fem
+}  // namespace elastogen::tets

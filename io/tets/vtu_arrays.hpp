@@ -4,9 +4,9 @@
 
 #pragma once
 
-#include "mpm_fem/fem/mesh_source.hpp"
+#include "io/tets/mesh_source.hpp"
 
-namespace elastogen::fem {
+namespace elastogen::tets {
 
 /// What a file says of all of its arrays.
 struct VtuEncoding {
@@ -32,8 +32,7 @@ struct VtuArray {
 
 /// The bytes of an array that is no text.
 /// @throws Error (asset) where they are damaged, are not there, or unpack to more than 100 times
-/// the
-///         file.
+///         the file.
 std::string decoded(const VtuArray& array, const VtuEncoding& encoding);
 
-}  // namespace elastogen::fem
+}  // namespace elastogen::tets

@@ -4,17 +4,19 @@
 
 #pragma once
 
-#include "mpm_fem/fem/element_mesh.hpp"
+#include "core/array.hpp"
 
 #include <string>
 #include <string_view>
 #include <vector>
 
-namespace elastogen::fem {
+namespace elastogen::tets {
 
 struct TetFile {
-  ElementMesh mesh;                 ///< kTet4 or kTet10; nodes and tetrahedra in the file's order,
-                                    ///< material 0
+  Array<double> rest;               ///< nodes in the file's order [m], (nodes, 3)
+  Array<int32_t> elements;          ///< nodes of each tetrahedron, (elements, 4 or 10): the corners
+                                    ///< 0 to 3 with positive volume, then the middles of the edges
+                                    ///< 01, 12, 02, 03, 13, 23
   Array<int32_t> region;            ///< index into region_ids of each tetrahedron, (elements, 1)
   std::vector<int64_t> region_ids;  ///< the file's numbers of its regions, ascending
   int64_t turned = 0;   ///< tetrahedra of negative volume, two corners of which were swapped
@@ -22,7 +24,7 @@ struct TetFile {
   int64_t unused = 0;   ///< nodes of no tetrahedron, which are left out
 };
 
-/// A mesh from the bytes of a file, whose first bytes tell the format; numbers are metres.
+/// The tetrahedra in the bytes of a file, whose first bytes tell the format; numbers are metres.
 ///
 /// MSH 2 and 4.1, text and binary: the region is the first physical group, else the entity. Legacy
 /// VTK, text and binary: UNSTRUCTURED_GRID. VTU: one piece; arrays as text, base64 or raw, inline
@@ -31,13 +33,12 @@ struct TetFile {
 ///
 /// @param path  for messages.
 /// @throws Error (asset) with file and place: a damaged or foreign file, a number that is not
-/// finite,
-///         an index out of range, elements other than tetrahedra, points, lines and faces, linear
-///         and quadratic tetrahedra together, a tetrahedron that is flat but for rounding, none at
-///         all.
+///         finite, an index out of range, elements other than tetrahedra, points, lines and faces,
+///         linear and quadratic tetrahedra together, a tetrahedron that is flat but for rounding,
+///         none at all.
 TetFile parse_tets(std::string_view bytes, const std::string& path);
 
 /// The same from a file.
 TetFile read_tets(const std::string& path);
 
-}  // namespace elastogen::fem
+}  // namespace elastogen::tets

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mpm_fem/fem/tet_reader.hpp"
+#include "io/tets/tet_reader.hpp"
 
 #include "core/vec3.hpp"
 #include "io/byte_reader.hpp"
 #include "io/safe_file.hpp"
-#include "mpm_fem/fem/tet_soup.hpp"
+#include "io/tets/tet_soup.hpp"
 
 #include <algorithm>
 
-namespace elastogen::fem {
+namespace elastogen::tets {
 namespace {
 
 TetSoup parse(std::string_view bytes, const std::string& path) {
@@ -52,17 +52,17 @@ int64_t turn_tets(TetSoup& soup, const std::string& path) {
 }
 
 /// The used points as nodes, in their order. @return how many are unused.
-int64_t take_nodes(const TetSoup& soup, ElementMesh& mesh) {
+int64_t take_nodes(const TetSoup& soup, TetFile& file) {
   std::vector<int32_t> node_of(soup.points.size(), -1);
   for (const int32_t point : soup.corners) node_of[size_t(point)] = 0;
   int32_t nodes = 0;
   for (int32_t& node : node_of)
     if (node == 0) node = nodes++;
-  mesh.rest = Array<double>(nodes, 3);
+  file.rest = Array<double>(nodes, 3);
   for (size_t p = 0; p < node_of.size(); ++p)
-    if (node_of[p] >= 0) std::copy_n(soup.points[p].begin(), 3, mesh.rest.row(node_of[p]));
-  mesh.elements = Array<int32_t>(int64_t(soup.region.size()), soup.nodes);
-  std::transform(soup.corners.begin(), soup.corners.end(), mesh.elements.data(),
+    if (node_of[p] >= 0) std::copy_n(soup.points[p].begin(), 3, file.rest.row(node_of[p]));
+  file.elements = Array<int32_t>(int64_t(soup.region.size()), soup.nodes);
+  std::transform(soup.corners.begin(), soup.corners.end(), file.elements.data(),
                  [&](int32_t point) { return node_of[size_t(point)]; });
   return int64_t(soup.points.size()) - nodes;
 }
@@ -86,9 +86,7 @@ TetFile parse_tets(std::string_view bytes, const std::string& path) {
   TetFile file;
   file.turned = turn_tets(soup, path);
   file.skipped = soup.skipped;
-  file.mesh.element = soup.nodes == 10 ? Element::kTet10 : Element::kTet4;
-  file.unused = take_nodes(soup, file.mesh);
-  file.mesh.material = Array<int32_t>(file.mesh.elements.rows());
+  file.unused = take_nodes(soup, file);
   take_regions(soup, file);
   return file;
 }
@@ -97,4 +95,4 @@ TetFile read_tets(const std::string& path) {
   return parse_tets(read_file(path), path);
 }
 
-}  // namespace elastogen::fem
+}  // namespace elastogen::tets

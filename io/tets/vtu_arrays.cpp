@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mpm_fem/fem/vtu_arrays.hpp"
+#include "io/tets/vtu_arrays.hpp"
 
 #include "io/safe_file.hpp"
 
@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <vector>
 
-namespace elastogen::fem {
+namespace elastogen::tets {
 namespace {
 
 constexpr int64_t kMaxRatio = 100;  ///< unpacked over the size of the file
@@ -117,4 +117,4 @@ std::string decoded(const VtuArray& array, const VtuEncoding& encoding) {
   return bytes.take(bytes.numbers(1, encoding)[0]);
 }
 
-}  // namespace elastogen::fem
+}  // namespace elastogen::tets

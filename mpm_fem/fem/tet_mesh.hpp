@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+// The tetrahedra of a file as finite elements.
+
+#pragma once
+
+#include "io/tets/tet_reader.hpp"
+#include "mpm_fem/fem/element_mesh.hpp"
+
+namespace elastogen::fem {
+
+/// Takes nodes and tetrahedra out of a file; what it says of regions and findings stays.
+/// @return kTet4 or kTet10, all of material 0.
+ElementMesh take_mesh(tets::TetFile& file);
+
+}  // namespace elastogen::fem
