@@ -5,6 +5,7 @@
 
 #include "cli/batch_task.hpp"
 #include "cli/bench_options.hpp"
+#include "cli/materials_options.hpp"
 #include "cli/picture/picture_options.hpp"
 #include "cli/train_options.hpp"
 #include "scene/description.hpp"
@@ -38,18 +39,6 @@ struct InspectTask {
 struct DoctorTask {
   AnimateOptions scene;
   bool json = false;
-};
-
-/// The task of `elastogen materials`.
-struct MaterialsTask {
-  enum class Action { kList, kShow, kReport, kGenerate, kFit };
-  Action action = Action::kList;
-  std::string name;               ///< preset, law, sum of laws or file that it is about
-  std::optional<double> poisson;  ///< unset: the preset's, or the verb's own
-  std::vector<std::string> laws;  ///< to fit; none: all
-  std::string output;
-  bool json = false;
-  std::string command;  ///< as typed
 };
 
 struct StudyTask {

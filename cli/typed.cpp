@@ -84,14 +84,19 @@ void resolve_scheme(const Typed& t, AnimateOptions& o) {
   o.fem->mass = fem::Mass(choice("--mass", t.mass, {"lumped", "consistent"}));
 }
 
-void convert(const Typed& t, AnimateOptions& o) {
-  o.material = resolve_material(t);
+/// What may be given many times.
+void convert_lists(const Typed& t, AnimateOptions& o) {
   for (const std::string& pin : t.pins) o.pins.push_back(parse_pin(pin));
   for (const std::string& region : t.regions) o.regions.push_back(parse_region(region));
   for (const std::string& hold : t.holds) o.holds.push_back(parse_hold(hold));
   for (const std::string& traction : t.tractions) o.tractions.push_back(parse_traction(traction));
   for (const std::string& move : t.moves) o.moves.push_back(parse_move(move));
   for (const std::string& text : t.colliders) o.colliders.push_back(parse_obstacle(text));
+}
+
+void convert(const Typed& t, AnimateOptions& o) {
+  o.material = resolve_material(t);
+  convert_lists(t, o);
   if (t.gravity != "auto") o.gravity = parse_vec3(t.gravity, Quantity::kAcceleration);
   if (!t.velocity.empty()) copy(parse_vec3(t.velocity, Quantity::kSpeed), o.motion.velocity);
   if (!t.spin.empty()) copy(parse_vec3(t.spin, Quantity::kSpin), o.motion.spin);
