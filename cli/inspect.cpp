@@ -4,6 +4,7 @@
 #include "cli/verbs.hpp"
 #include "core/parallel.hpp"
 #include "core/vec3.hpp"
+#include "io/json_text.hpp"
 #include "io/read_asset.hpp"
 #include "io/scene_file.hpp"
 #include "io/scene_keys.hpp"
@@ -143,7 +144,7 @@ int inspect(const InspectTask& task) {
   const Body body = make_body(asset, o.size, resolution(o));
   const AssetSummary summary = summary_of(asset, body, o);
   Json described = describe(asset, body, summary, cost_of(body, summary.size.longest_edge, o));
-  if (task.is_scene) described["scene"] = Json::parse(scene_json(resolved_scene(o)));
+  if (task.is_scene) described["scene"] = parsed_json(scene_json(resolved_scene(o)));
   if (task.json)
     fmt::print("{}\n", described.dump(2, ' ', false, Json::error_handler_t::replace));
   else

@@ -2,6 +2,7 @@
 #include "io/animated_document.hpp"
 
 #include "core/error.hpp"
+#include "io/json_text.hpp"
 
 #include <algorithm>
 
@@ -46,7 +47,7 @@ std::vector<const Json*> in_order(const Json& primitives) {
 }  // namespace
 
 AnimatedDocument::AnimatedDocument(GlbDocument base, std::vector<float> clip_times)
-    : bin_(std::move(base.bin)), json_(Json::parse(base.json)), clip_times_(std::move(clip_times)) {
+    : bin_(std::move(base.bin)), json_(parsed_json(base.json)), clip_times_(std::move(clip_times)) {
   // a list that comes later would move the others, and references into them would dangle
   for (const char* list : kLists)
     if (!json_.contains(list)) json_[list] = Json::array();

@@ -3,6 +3,7 @@
 
 #include "core/error.hpp"
 #include "io/gltf_animations.hpp"
+#include "io/json_text.hpp"
 #include "io/plain_gltf.hpp"
 #include "io/safe_file.hpp"
 
@@ -107,7 +108,7 @@ GlbDocument gltf_document(const Asset& asset) {
   std::vector<Finding> findings;
   const GltfSource source = plain_gltf(read_gltf_source(asset.path), findings);
   GlbDocument result;
-  Json document = Json::parse(source.json);
+  Json document = parsed_json(source.json);
   try {
     join_buffers(source, document, result.bin);
     embed_images(source, document, result);

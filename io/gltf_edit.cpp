@@ -3,6 +3,7 @@
 
 #include "core/error.hpp"
 #include "io/glb_document.hpp"
+#include "io/json_text.hpp"
 
 #include <algorithm>
 #include <array>
@@ -26,7 +27,7 @@ std::vector<float> bound(const std::vector<float>& rows, size_t width, Choose ch
 }  // namespace
 
 GltfEdit::GltfEdit(GltfSource source)
-    : json(Json::parse(source.json)), source_(std::move(source)), added_(source_.buffers.size()) {
+    : json(parsed_json(source.json)), source_(std::move(source)), added_(source_.buffers.size()) {
   file_bytes_ = source_.json.size();
   for (const Bytes& buffer : source_.buffers) file_bytes_ += buffer.size();
   source_.buffers.emplace_back();

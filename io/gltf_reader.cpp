@@ -8,6 +8,7 @@
 #include "io/gltf_hidden.hpp"
 #include "io/gltf_model.hpp"
 #include "io/gltf_nodes.hpp"
+#include "io/json_text.hpp"
 #include "io/plain_gltf.hpp"
 
 #include <nlohmann/json.hpp>
@@ -33,9 +34,9 @@ class GltfReader {
   explicit GltfReader(const std::string& path) {
     asset_.path = path;
     GltfSource source = read_gltf_source(path);
-    channels_ = count_channels(Json::parse(source.json));
+    channels_ = count_channels(parsed_json(source.json));
     source_ = plain_gltf(std::move(source), asset_.findings);
-    document_ = Json::parse(source_.json);
+    document_ = parsed_json(source_.json);
     read_gltf_model(source_, model_);
     for (const Bytes& buffer : source_.buffers) budget_ += kMaxVertexReuse * buffer.size();
   }

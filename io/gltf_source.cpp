@@ -2,6 +2,7 @@
 #include "io/gltf_source.hpp"
 
 #include "core/error.hpp"
+#include "io/json_text.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -110,7 +111,7 @@ void check_depth(const std::string& text, const std::string& path) {
 
 json parse(const std::string& text, const std::string& path) {
   try {
-    json document = json::parse(text);
+    json document = parsed_sorted_json(text);
     ELASTOGEN_CHECK_ASSET(document.is_object(), path, ": the JSON is not an object");
     return document;
   } catch (const json::exception& failure) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/error.hpp"
+#include "io/json_text.hpp"
 #include "io/safe_file.hpp"
 #include "io/study_errors.hpp"
 #include "io/study_fields.hpp"
@@ -103,7 +104,7 @@ class Decoder {
 
 StudyJson parsed(std::string_view text, const std::string& name) {
   try {
-    return StudyJson::parse(text);
+    return parsed_sorted_json(text);
   } catch (const StudyJson::exception& error) {
     throw Error(concat(name, ": is no JSON: ", error.what()), ErrorKind::kAsset);
   }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/text_format.hpp"
 
+#include "io/json_text.hpp"
+
 #include <nlohmann/json.hpp>
 
 #include <charconv>
@@ -14,7 +16,7 @@ constexpr const char* kReplacement = "\xef\xbf\xbd";  // U+FFFD
 /// The text with U+FFFD for what is not UTF-8.
 std::string valid_utf8(std::string_view text) {
   using Json = nlohmann::json;
-  return Json::parse(Json(text).dump(-1, ' ', false, Json::error_handler_t::replace));
+  return parsed_sorted_json(Json(text).dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
 template <class... Format>
