@@ -7,6 +7,7 @@
 #include "core/cuda/signal.cuh"
 #include "network/device_net.cuh"
 #include "network/device_potential.hpp"
+#include "network/stencil_bricks.hpp"
 
 #include <optional>
 

@@ -88,6 +88,10 @@ Embedding embed(const VoxelGrid& grid, In<double> points, In<int32_t> part) {
   return embedding;
 }
 
+Embedding embed(const VoxelGrid& grid, In<double> points) {
+  return embed(grid, points, {});
+}
+
 void deform_asset(const VoxelGrid& grid, const Embedding& embedding, In<double> x,
                   Out<double> displacement) {
   const int64_t points = embedding.voxel.rows();

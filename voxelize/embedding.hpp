@@ -22,7 +22,9 @@ struct Embedding {
 /// @param points  [m], (points, 3), finite.
 /// @param part    of each, (points), where pieces are kept apart: it takes a voxel of that part.
 /// @throws Error  where the grid has parts and the points have none.
-Embedding embed(const VoxelGrid& grid, In<double> points, In<int32_t> part = {});
+Embedding embed(const VoxelGrid& grid, In<double> points, In<int32_t> part);
+/// The same of a grid without parts.
+Embedding embed(const VoxelGrid& grid, In<double> points);
 
 /// Displacement of embedded points,
 ///
