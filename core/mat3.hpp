@@ -56,4 +56,16 @@ ELASTOGEN_HD inline T determinant(const Mat3<T>& A) {
          A(0, 2) * (A(1, 0) * A(2, 1) - A(1, 1) * A(2, 0));
 }
 
+/// Cofactor of A, det A A^-T: the derivative of det A.
+template <class T>
+ELASTOGEN_HD inline Mat3<T> cofactor(const Mat3<T>& A) {
+  Mat3<T> C;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      const int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
+      C(i, j) = A(i1, j1) * A(i2, j2) - A(i1, j2) * A(i2, j1);
+    }
+  return C;
+}
+
 }  // namespace elastogen

@@ -8,6 +8,7 @@
 #include "core/principal.hpp"
 #include "core/scene.hpp"
 #include "core/strain_law.hpp"
+#include "core/tangent.hpp"
 #include "network/learned_law.hpp"
 
 namespace elastogen {
@@ -163,9 +164,6 @@ template <class T>
 struct Tangent {
   T m[45];
 };
-
-/// The Hessian as it is, or its positive semi-definite part voxel by voxel.
-enum class TangentKind { kTrue, kProjected };
 
 /// Tangent of a voxel at corner displacements u; `respond(sigma, outside)` is the response of its
 /// material, with second derivatives.

@@ -76,6 +76,7 @@ ColliderContact::ColliderContact(ContactPoints points, std::vector<Collider> col
   for (const Collider& c : colliders) walls_.push_back({core_of(c, points_.layer), {}, {}, {}});
   lags_.resize(walls_.size() * size_t(count));
   start_.resize(size_t(count));
+  if (exists()) stencils_ = stencils_of(points_.nodes);
 }
 
 Vec3 ColliderContact::place(In<double> u, int64_t point) const {
@@ -161,6 +162,11 @@ double ColliderContact::energy(In<double> u) {
   return energy;
 }
 
+TermValue ColliderContact::value(In<double> u) {
+  const double touch = energy(u);
+  return {touch, touch, 0};
+}
+
 void ColliderContact::add_gradient(In<double> u, Out<double> g) {
   find_touches(u);
   for (const Touch& t : touches_) {
@@ -195,8 +201,7 @@ void ColliderContact::hessian_of(const Touch& t, double block[9]) const {
           across * ((i == j ? 1.0 : 0.0) - n[i] * n[j]) + along * t.slip[i] * t.slip[j];
 }
 
-void ColliderContact::add_hessian(
-    In<double> u, const std::function<void(int32_t, int32_t, const double[9])>& add) {
+void ColliderContact::add_hessian(In<double> u, TangentKind, SparseMatrix& H) {
   find_touches(u);
   for (const Touch& t : touches_) {
     double point[9], block[9];
@@ -205,7 +210,7 @@ void ColliderContact::add_hessian(
       for (int b = 0; b < points_.nodes.cols(); ++b) {
         const double weight = points_.weights(t.point, a) * points_.weights(t.point, b);
         for (int k = 0; k < 9; ++k) block[k] = weight * point[k];
-        add(points_.nodes(t.point, a), points_.nodes(t.point, b), block);
+        H.add_block(points_.nodes(t.point, a), points_.nodes(t.point, b), block);
       }
   }
 }

@@ -11,9 +11,7 @@
 #pragma once
 
 #include "mpm_fem/fem/element_mesh.hpp"
-
-#include <functional>
-#include <vector>
+#include "mpm_fem/solve/term.hpp"
 
 namespace elastogen::fem {
 
@@ -38,7 +36,7 @@ ContactPoints voxel_contact(const Scene& scene);
 /// @param nodes  of each point, (points, 1).
 ContactPoints node_contact(const Scene& scene, const ElementMesh& mesh, In<int32_t> nodes);
 
-class ColliderContact {
+class ColliderContact final : public Term {
  public:
   /// @throws Error where arrays differ in length or a node is not there.
   ColliderContact(ContactPoints points, std::vector<Collider> colliders, int64_t nodes);
@@ -58,15 +56,16 @@ class ColliderContact {
 
   /// [J]; infinite where a point is in the core of a collider.
   double energy(In<double> u);
-  /// Adds dE/du [N] to g, (nodes, 3).
-  void add_gradient(In<double> u, Out<double> g);
-  /// Hands on 3x3 blocks d2E/du_a du_b [N/m], row-major, of pairs of nodes (a, b).
-  void add_hessian(In<double> u,
-                   const std::function<void(int32_t a, int32_t b, const double block[9])>& add);
 
-  /// Largest share, at most 1, of the way from u to `end` on which each point keeps a tenth of its
-  /// distance all along.
-  double longest_step(In<double> u, In<double> end);
+  /// Of each point the nodes that carry it, whether it is near a collider or not.
+  const Stencils& stencils() const override { return stencils_; }
+  TermValue value(In<double> u) override;
+  void add_gradient(In<double> u, Out<double> g) override;
+  /// The same Hessian of both kinds.
+  void add_hessian(In<double> u, TangentKind kind, SparseMatrix& H) override;
+  /// The share on which each point keeps a tenth of its distance all along.
+  double longest_step(In<double> u, In<double> end) override;
+
   /// Deepest place of a point below a collider's surface [m], 0 if none.
   double deepest_overlap(In<double> u);
   /// The collider whose core a point lies in, null if none.
@@ -97,6 +96,7 @@ class ColliderContact {
   void hessian_of(const Touch& touch, double block[9]) const;
 
   ContactPoints points_;
+  Stencils stencils_;
   std::vector<Wall> walls_;
   std::vector<Lag> lags_;    // wall by wall
   std::vector<Vec3> start_;  // place of each point at the start of the step

@@ -108,7 +108,7 @@ ElementState ElasticBody::state(int64_t element, In<double> u) const {
   e.nodes = nodes_of(mesh_.element);
   e.points = weight_.cols();
   e.gradient = gradient_.row(shape);
-  e.law = {material.law, material.mu(), material.lambda()};
+  e.law = {{material.law, material.mu(), material.lambda()}};
   const double fill = fill_of(mesh_, element);
   for (int q = 0; q < e.points; ++q) e.weight[q] = fill * weight_(shape, q);
   const int32_t* nodes = mesh_.elements.row(element);
@@ -173,11 +173,12 @@ void ElasticBody::add_gradient(In<double> u, Out<double> g) const {
   });
 }
 
-void ElasticBody::element_hessian(int64_t element, In<double> u, bool projected, double* K) const {
+void ElasticBody::element_hessian(int64_t element, In<double> u, TangentKind kind,
+                                  double* K) const {
   check_nodal(u);
   const ElementState e = state(element, u);
-  if (has_mean_dilatation()) return mean_dilatation_hessian(e, projected, K);
-  pointwise_hessian(e, projected, K);
+  if (has_mean_dilatation()) return mean_dilatation_hessian(e, kind, K);
+  pointwise_hessian(e, kind, K);
   if (mesh_.element == Element::kVoxel) add_hourglass_hessian(hourglass(element), K);
 }
 

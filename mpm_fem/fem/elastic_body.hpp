@@ -41,9 +41,9 @@ class ElasticBody {
   /// Adds dE/du [N] to g, (nodes, 3).
   void add_gradient(In<double> u, Out<double> g) const;
   /// Hessian of one element [N/m], symmetric, row-major (3 n, 3 n), dof 3 corner + component.
-  /// projected: the nearest positive semi-definite one, Gauss point by Gauss point where the
+  /// kProjected: the nearest positive semi-definite one, Gauss point by Gauss point where the
   /// element is their sum, else of the element's matrix.
-  void element_hessian(int64_t element, In<double> u, bool projected, double* K) const;
+  void element_hessian(int64_t element, In<double> u, TangentKind kind, double* K) const;
 
   /// Consistent mass of one element [kg], row-major (n, n); of a partly filled voxel the fill times
   /// that of the full one.

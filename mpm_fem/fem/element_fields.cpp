@@ -9,9 +9,9 @@ namespace elastogen::fem {
 namespace {
 
 /// Adds weight P F^T/J, the stress that a law gives at F, to xx yy zz xy yz zx.
-void add_cauchy(const LawParameters<double>& law, const Mat3<double>& F, double weight,
+void add_cauchy(const ElasticLaw<double>& law, const Mat3<double>& F, double weight,
                 double* sigma) {
-  const Mat3<double> tau = times_transposed(stress(law, F), F);
+  const Mat3<double> tau = times_transposed(piola_stress(law, F), F);
   const double scale = weight / determinant(F);
   for (int i = 0; i < 3; ++i) {
     sigma[i] += scale * tau(i, i);

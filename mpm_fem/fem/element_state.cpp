@@ -1,19 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mpm_fem/fem/element_state.hpp"
 
-#include "core/principal.hpp"
-
 namespace elastogen::fem {
-
-Mat3<double> cofactor(const Mat3<double>& F) {
-  Mat3<double> C;
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) {
-      const int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
-      C(i, j) = F(i1, j1) * F(i2, j2) - F(i1, j2) * F(i2, j1);
-    }
-  return C;
-}
 
 Mat3<double> deformation_gradient(const ElementState& e, int q) {
   Mat3<double> F = identity<double>();
@@ -29,28 +17,6 @@ void add_transposed(const ElementState& e, int q, const Mat3<double>& P, double*
   for (int a = 0; a < e.nodes; ++a)
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) f[3 * a + i] += P(i, j) * g[3 * a + j];
-}
-
-double density(const LawParameters<double>& law, const Mat3<double>& F) {
-  return elastic_response<false>(law, svd3(F).sigma).psi;
-}
-
-Mat3<double> stress(const LawParameters<double>& law, const Mat3<double>& F) {
-  const Svd3<double> s = svd3(F);
-  return first_piola(s, elastic_response<false>(law, s.sigma).t);
-}
-
-void stress_gradient(const LawParameters<double>& law, const Mat3<double>& F, bool projected,
-                     double* A) {
-  const Svd3<double> s = svd3(F);
-  PrincipalHessian<double> h = principal_hessian(s.sigma, elastic_response<true>(law, s.sigma));
-  if (projected) h = positive_part(h);
-  for (int row = 0; row < 9; ++row) {
-    Mat3<double> unit{};
-    unit.m[row] = 1;
-    const Mat3<double> dP = apply(h, s, unit);
-    for (int col = 0; col < 9; ++col) A[9 * row + col] = dP.m[col];
-  }
 }
 
 void add_product(const ElementState& e, int q, const double* D, double* K) {

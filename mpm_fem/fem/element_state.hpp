@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // One displaced element, and what every element does at a quadrature point: deformation gradient,
-// its transpose on a stress, and the Hessian of the density in F.
+// its transpose on a stress, and the product with a tangent.
 
 #pragma once
 
-#include "core/elastic_law.hpp"
-#include "core/mat3.hpp"
+#include "core/constitutive.hpp"
 #include "mpm_fem/fem/shape_functions.hpp"
 
 namespace elastogen::fem {
@@ -14,30 +13,17 @@ struct ElementState {
   int nodes, points;
   const double* gradient;     ///< dN_a/dX [1/m], (points, nodes, 3)
   double weight[kMaxPoints];  ///< w_q, fill included [m^3]
-  LawParameters<double> law;
+  ElasticLaw<double> law;
   double u[kMaxDofs];  ///< displacement relative to the first node [m], (nodes, 3)
 
   const double* gradient_at(int q) const { return gradient + 3 * nodes * q; }
 };
-
-/// Cofactor of F, det F F^-T: the derivative of det F.
-Mat3<double> cofactor(const Mat3<double>& F);
 
 /// F_q = I + sum_a u_a (x) dN_a/dX.
 Mat3<double> deformation_gradient(const ElementState& e, int q);
 
 /// Adds P dN_a/dX to f, (nodes, 3): the derivative of P : F_q in u.
 void add_transposed(const ElementState& e, int q, const Mat3<double>& P, double* f);
-
-/// psi(F) [J/m^3].
-double density(const LawParameters<double>& law, const Mat3<double>& F);
-/// P = dpsi/dF [Pa].
-Mat3<double> stress(const LawParameters<double>& law, const Mat3<double>& F);
-
-/// d2psi/dF2 [Pa], row-major (9, 9) over the row-major entries of F.
-/// @param projected  with its negative eigenvalues at 0.
-void stress_gradient(const LawParameters<double>& law, const Mat3<double>& F, bool projected,
-                     double* A);
 
 /// Adds G^T D G to the upper triangle of K, row-major (3 nodes, 3 nodes), with G the map from u to
 /// F_q and D symmetric, (9, 9).

@@ -95,7 +95,7 @@ struct Stresses {
 Stresses stresses_of(const ElementState& e, const Points& p) {
   Stresses s;
   for (int q = 0; q < e.points; ++q) {
-    s.P[q] = stress(e.law, p.Fbar[q]);
+    s.P[q] = piola_stress(e.law, p.Fbar[q]);
     s.t[q] = inner(s.P[q], p.Fbar[q]);
     s.T += e.weight[q] * s.t[q];
   }
@@ -149,7 +149,7 @@ void mean_dilatation_gradients(const ElementState& e, Mat3<double>* Fbar) {
 double mean_dilatation_energy(const ElementState& e) {
   const Points p = points_of(e);
   double energy = 0;
-  for (int q = 0; q < e.points; ++q) energy += e.weight[q] * density(e.law, p.Fbar[q]);
+  for (int q = 0; q < e.points; ++q) energy += e.weight[q] * energy_density(e.law, p.Fbar[q]);
   return energy;
 }
 
@@ -164,7 +164,7 @@ void add_mean_dilatation_gradient(const ElementState& e, double* f) {
   }
 }
 
-void mean_dilatation_hessian(const ElementState& e, bool projected, double* result) {
+void mean_dilatation_hessian(const ElementState& e, TangentKind kind, double* result) {
   const Points p = points_of(e);
   const Stresses s = stresses_of(e, p);
   const int size = 3 * e.nodes;
@@ -175,7 +175,7 @@ void mean_dilatation_hessian(const ElementState& e, bool projected, double* resu
 
   for (int q = 0; q < e.points; ++q) {
     double A[81];
-    stress_gradient(e.law, p.Fbar[q], false, A);
+    piola_gradient(e.law, p.Fbar[q], TangentKind::kTrue, A);
     add_rank_one(e, q, p, s, dJ_mean, A, K);
     for (double& a : A) a *= e.weight[q] * p.r[q] * p.r[q];
     add_cofactor_gradient(p.F[q], e.weight[q] * s.kappa[q], A);
@@ -183,7 +183,7 @@ void mean_dilatation_hessian(const ElementState& e, bool projected, double* resu
   }
   K += (s.T * p.mean.second) * (dJ_mean * dJ_mean.transpose());
   mirror(size, K.data());
-  if (projected) clamp(K);
+  if (kind == TangentKind::kProjected) clamp(K);
   Eigen::Map<Matrix>(result, size, size) = K;
 }
 

@@ -32,7 +32,7 @@ double mean_dilatation_energy(const ElementState& e);
 /// Adds dE/du [N] to f, (nodes, 3).
 void add_mean_dilatation_gradient(const ElementState& e, double* f);
 /// The Hessian of E [N/m], row-major (3 nodes, 3 nodes).
-/// @param projected  with its negative eigenvalues at 0.
-void mean_dilatation_hessian(const ElementState& e, bool projected, double* K);
+/// @param kind  projected: with its negative eigenvalues at 0.
+void mean_dilatation_hessian(const ElementState& e, TangentKind kind, double* K);
 
 }  // namespace elastogen::fem

@@ -40,7 +40,8 @@ bool all_finite(const Array<double>& values) {
 ImplicitFem::ImplicitFem(const FemScene& scene, const ImplicitOptions& options)
     : scene_(scene),
       options_(options),
-      potential_(scene, options.linear),
+      terms_(scene, options.linear),
+      potential_(terms_.potential),
       reference_(reference_force(scene, potential_.mass().nodal())),
       predictor_(scene.mesh.rest.rows(), 3),
       gradient_(predictor_),
@@ -62,13 +63,13 @@ StepScheme ImplicitFem::scheme_of(const FemState& state) const {
 /// Sets the potential of the step.
 void ImplicitFem::begin(FemState& state) {
   scheme_ = scheme_of(state);
-  potential_.body().freeze_rotations(state.u);
+  terms_.body().freeze_rotations(state.u);
   const double dt = scene_.dt;
   const bool newmark = scene_.scheme == Scheme::kNewmark;
   if (newmark && state.a.empty()) start_newmark(state);
   Array<double> force = applied_force(scene_, double(state.steps + 1) * dt, 1);
   const double start = double(state.steps) * dt;
-  if (potential_.contact().exists()) potential_.contact().begin_step(state.u, start, dt);
+  if (terms_.contact.exists()) terms_.contact.begin_step(state.u, start, dt);
   const bool history = !state.u_before.empty();
   for (int64_t k = 0; k < predictor_.size(); ++k) {
     const double u = state.u.data()[k], v = state.v.data()[k];
@@ -100,7 +101,8 @@ void ImplicitFem::start_newmark(FemState& state) {
     fixed[size_t(k)] = potential_.is_fixed(k);
     state.a.data()[k] = fixed[size_t(k)] ? 0 : -gradient_.data()[k];
   }
-  SparseMatrix M = potential_.assembly().pattern();
+  SparseMatrix M = potential_.hessian();
+  std::fill(M.value.begin(), M.value.end(), 0.0);
   potential_.mass().add_to(1, M);
   fix_unknowns(fixed.data(), M, nullptr);
   LinearSolver solver(M, scene_.mesh.rest, fixed.data(), options_.linear);
@@ -125,7 +127,7 @@ Array<double> ImplicitFem::start_value(const FemState& state) {
 /// Lets the colliders go their way in the step share by share where they would cut u, and u give
 /// way to each. False: they leave it no room.
 bool ImplicitFem::pass_colliders(Array<double>& u) {
-  ColliderContact& contact = potential_.contact();
+  ColliderContact& contact = terms_.contact;
   if (!contact.exists()) return true;
   double share = 0;
   contact.stand_at(share);
@@ -148,12 +150,12 @@ void ImplicitFem::certify(const Array<double>& u, FemStepReport& report) {
   report.residual = reference_ > 0 ? size / reference_ : 0;
   report.converged = report.residual <= options_.tolerance;
   report.finite = std::isfinite(value.value) && std::isfinite(size) && all_finite(u);
-  report.energy = potential_.body().energy(u);
-  if (potential_.contact().exists()) {
-    report.energy.contact = potential_.contact().energy(u);
-    report.deepest_overlap = potential_.contact().deepest_overlap(u) / potential_.edge();
+  report.energy = terms_.body().energy(u);
+  if (terms_.contact.exists()) {
+    report.energy.contact = terms_.contact.energy(u);
+    report.deepest_overlap = terms_.contact.deepest_overlap(u) / terms_.elements.length();
   }
-  report.min_j = potential_.body().min_j(u);
+  report.min_j = terms_.body().min_j(u);
 }
 
 /// Hands displacements, velocities and accelerations to the state.

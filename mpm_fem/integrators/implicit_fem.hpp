@@ -14,8 +14,8 @@
 #pragma once
 
 #include "core/time_scheme.hpp"
+#include "mpm_fem/integrators/fem_potential.hpp"
 #include "mpm_fem/integrators/fem_state.hpp"
-#include "mpm_fem/solve/incremental_potential.hpp"
 
 namespace elastogen::fem {
 
@@ -36,7 +36,7 @@ struct FemStepReport : StepReport {
 class ImplicitFem {
  public:
   /// The scene must outlive the integrator.
-  /// @throws Error as IncrementalPotential and on a tolerance or dt that is not positive.
+  /// @throws Error as FemPotential and on a tolerance or dt that is not positive.
   explicit ImplicitFem(const FemScene& scene, const ImplicitOptions& options = {});
 
   /// Advances the state by dt. If the result is not finite the state stays as it was and the report
@@ -46,7 +46,7 @@ class ImplicitFem {
 
   /// Gradient of Phi at the last state [N], (nodes, 3), 0 at what is fixed.
   const Array<double>& residual() const { return gradient_; }
-  const IncrementalPotential& potential() const { return potential_; }
+  const Potential& potential() const { return potential_; }
 
  private:
   StepScheme scheme_of(const FemState& state) const;
@@ -59,8 +59,9 @@ class ImplicitFem {
 
   const FemScene& scene_;
   ImplicitOptions options_;
-  IncrementalPotential potential_;
-  double reference_;  // |M g_ref| [N]
+  FemPotential terms_;
+  Potential& potential_;  // of the terms
+  double reference_;      // |M g_ref| [N]
   StepScheme scheme_;
   Array<double> predictor_, gradient_, weight_;
 };

@@ -2,6 +2,7 @@
 #include "mpm_fem/integrators/modes.hpp"
 
 #include "core/error.hpp"
+#include "mpm_fem/solve/assembly.hpp"
 #include "mpm_fem/solve/mass_matrix.hpp"
 #include "mpm_fem/solve/sparse_direct.hpp"
 
@@ -65,11 +66,15 @@ Problem linearised(const FemScene& scene, const Array<double>& u) {
   const int64_t nodes = scene.mesh.rest.rows();
   ElasticBody body(scene.mesh, scene.materials);
   body.freeze_rotations(u);
-  const Assembly assembly(scene.mesh.elements, nodes);
-  const MassMatrix mass(scene, body, assembly);
-  SparseMatrix K = assembly.pattern(), M = K;
+  const MassMatrix mass(scene, body);
+  Assembly assembly(stencils_of(scene.mesh.elements), nodes);
+  SparseMatrix K = pattern_of(assembly.stencils(), nodes), M = K;
+  assembly.fit(K);
   assembly.add(
-      [&](int64_t element, double* matrix) { body.element_hessian(element, u, false, matrix); }, K);
+      [&](int64_t element, double* matrix) {
+        body.element_hessian(element, u, TangentKind::kTrue, matrix);
+      },
+      K);
   mass.add_to(1, M);
   Problem problem;
   std::vector<uint8_t> fixed(size_t(3 * nodes));

@@ -3,6 +3,7 @@
 
 #include "core/error.hpp"
 #include "core/reduce.hpp"
+#include "mpm_fem/integrators/fem_potential.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +18,10 @@ constexpr int kEasy = 8;              // Newton steps after which the next incre
 class Statics {
  public:
   Statics(const FemScene& scene, const StaticOptions& options)
-      : scene_(scene), options_(options), potential_(scene, options.linear) {
+      : scene_(scene),
+        options_(options),
+        terms_(scene, options.linear),
+        potential_(terms_.potential) {
     weight_ = Array<double>(scene.mesh.rest.rows(), 3);
     Array<double> gravity(weight_.rows(), 3);
     for (int64_t k = 0; k < gravity.size(); ++k) gravity.data()[k] = scene.gravity[size_t(k % 3)];
@@ -36,7 +40,8 @@ class Statics {
 
   const FemScene& scene_;
   const StaticOptions& options_;
-  IncrementalPotential potential_;
+  FemPotential terms_;
+  Potential& potential_;  // of the terms
   Array<double> weight_, load_;
   StaticResult result_;
   double reference_ = 0;
@@ -73,7 +78,7 @@ NewtonResult Statics::minimise(Array<double>& u) {
     const bool ended = last.stop != NewtonStop::kConverged && last.stop != NewtonStop::kRoundOff;
     if (ended || (k > 0 && last.iterations == 0)) break;
     if (scene_.mesh.element != Element::kVoxel) break;
-    potential_.body().freeze_rotations(u);
+    terms_.body().freeze_rotations(u);
   }
   last.iterations = sum.iterations;
   return last;
@@ -83,7 +88,7 @@ NewtonResult Statics::minimise(Array<double>& u) {
 bool Statics::advance(double factor) {
   set_loads(factor);
   Array<double> u = result_.u;
-  potential_.body().freeze_rotations(u);
+  terms_.body().freeze_rotations(u);
   potential_.move_fixed(with_motion(scene_, factor, u), u.data());
   const NewtonResult newton = minimise(u);
   result_.newton_steps += newton.iterations;
@@ -103,16 +108,16 @@ bool Statics::advance(double factor) {
 void Statics::finish() {
   const Array<double>& u = result_.u;
   set_loads(result_.load_factor);
-  potential_.body().freeze_rotations(u);
+  terms_.body().freeze_rotations(u);
   result_.reaction = Array<double>(u.rows(), 3);
   potential_.full_gradient(u.data(), result_.reaction.data());
-  result_.energy = potential_.body().energy(u);
+  result_.energy = terms_.body().energy(u);
   result_.gradient = result_.reaction;
   for (int64_t k = 0; k < u.size(); ++k) {
     (potential_.is_fixed(k) ? result_.gradient : result_.reaction).data()[k] = 0;
     result_.energy.gravity -= result_.load_factor * weight_.data()[k] * u.data()[k];
   }
-  result_.min_j = potential_.body().min_j(u);
+  result_.min_j = terms_.body().min_j(u);
 }
 
 StaticResult Statics::run() {

@@ -5,7 +5,7 @@
 #pragma once
 
 #include "mpm_fem/integrators/fem_state.hpp"
-#include "mpm_fem/solve/incremental_potential.hpp"
+#include "mpm_fem/solve/potential.hpp"
 
 namespace elastogen::fem {
 
@@ -39,7 +39,7 @@ struct StaticResult {
 
 /// Rotations of the voxels' torsion correction are those of the solution: they are taken anew until
 /// that changes nothing.
-/// @throws Error as IncrementalPotential and on options that are not positive.
+/// @throws Error as FemPotential and on options that are not positive.
 StaticResult solve_static(const FemScene& scene, const StaticOptions& options = {});
 
 }  // namespace elastogen::fem

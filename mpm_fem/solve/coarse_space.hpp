@@ -8,6 +8,7 @@
 
 #pragma once
 
+#include "core/array.hpp"
 #include "mpm_fem/solve/sparse_direct.hpp"
 
 namespace elastogen::fem {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mpm_fem/solve/linear_solver.hpp"
 
+#include "core/error.hpp"
 #include "core/mat3.hpp"
 
 #include <algorithm>
@@ -10,8 +11,18 @@ namespace elastogen::fem {
 LinearSolver::LinearSolver(const SparseMatrix& pattern, In<double> positions, const uint8_t* fixed,
                            const LinearOptions& options)
     : options_(options) {
-  if (pattern.entries() <= options.max_entries) direct_ = std::make_unique<SparseDirect>(pattern);
-  if (direct_ && direct_->operations() <= options.max_operations) return;
+  reset(pattern, positions, fixed);
+}
+
+void LinearSolver::reset(const SparseMatrix& pattern, In<double> positions, const uint8_t* fixed) {
+  ++analyses_;
+  rows_ = pattern.rows();
+  entries_ = pattern.entries();
+  matrix_ = nullptr;
+  coarse_.reset();
+  direct_.reset();
+  if (entries_ <= options_.max_entries) direct_ = std::make_unique<SparseDirect>(pattern);
+  if (direct_ && direct_->operations() <= options_.max_operations) return;
   direct_.reset();
   coarse_ = std::make_unique<CoarseSpace>(pattern, positions, fixed);
   inverse_.resize(size_t(3 * pattern.rows()));
@@ -38,6 +49,8 @@ bool LinearSolver::invert_blocks() {
 }
 
 bool LinearSolver::factor(const SparseMatrix& A) {
+  ELASTOGEN_CHECK(A.rows() == rows_ && A.entries() == entries_,
+                  "the matrix must have the pattern that was analysed");
   matrix_ = &A;
   if (direct_) return direct_->factor(A);
   return invert_blocks() && coarse_->factor(A);

@@ -8,14 +8,9 @@
 
 #include "core/pcg.hpp"
 #include "mpm_fem/solve/coarse_space.hpp"
+#include "mpm_fem/solve/linear_options.hpp"
 
 namespace elastogen::fem {
-
-struct LinearOptions {
-  double max_operations = 2e9;      ///< of a Cholesky factorisation, above which PCG solves
-  int64_t max_entries = 4'000'000;  ///< of a matrix, above which no ordering is tried
-  int max_iterations = 4000;        ///< of PCG
-};
 
 class LinearSolver {
  public:
@@ -24,11 +19,17 @@ class LinearSolver {
   /// @param fixed      1 where the rows of the matrices are those of the identity, 3 nodes of them
   LinearSolver(const SparseMatrix& pattern, In<double> positions, const uint8_t* fixed,
                const LinearOptions& options = {});
+  /// Without a pattern, which reset must give.
+  explicit LinearSolver(const LinearOptions& options = {}) : options_(options) {}
+
+  /// Takes another pattern; the analysis is made anew.
+  void reset(const SparseMatrix& pattern, In<double> positions, const uint8_t* fixed);
 
   bool direct() const { return direct_ != nullptr; }
 
   /// Takes a matrix, which must stay until the last solve.
   /// @return false where it is seen not to be positive definite
+  /// @throws Error unless it has the rows and entries of the pattern
   bool factor(const SparseMatrix& A);
 
   /// Solves A x = b, by PCG to |b - A x| <= tolerance |b|.
@@ -36,6 +37,7 @@ class LinearSolver {
   bool solve(const double* b, double* x, double tolerance);
 
   int64_t iterations() const { return iterations_; }  ///< of PCG, in all solves so far
+  int analyses() const { return analyses_; }          ///< of patterns so far
 
  private:
   bool invert_blocks();
@@ -47,6 +49,8 @@ class LinearSolver {
   const SparseMatrix* matrix_ = nullptr;
   PcgWork<double> work_{0};
   int64_t iterations_ = 0;
+  int64_t rows_ = -1, entries_ = -1;  // of the pattern
+  int analyses_ = 0;
 };
 
 }  // namespace elastogen::fem

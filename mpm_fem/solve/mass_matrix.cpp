@@ -3,9 +3,17 @@
 
 #include "core/error.hpp"
 #include "core/parallel.hpp"
+#include "mpm_fem/solve/assembly.hpp"
 
 namespace elastogen::fem {
 namespace {
+
+void check_positive(const Array<double>& mass) {
+  ELASTOGEN_CHECK(mass.cols() == 1, "mass must be (nodes, 1), got (", mass.rows(), ", ",
+                  mass.cols(), ")");
+  for (int64_t n = 0; n < mass.rows(); ++n)
+    ELASTOGEN_CHECK(mass(n) > 0, "mass(", n, ") must be positive, got ", mass(n));
+}
 
 void check_mass(const FemScene& scene) {
   const int64_t nodes = scene.mesh.rest.rows();
@@ -14,8 +22,7 @@ void check_mass(const FemScene& scene) {
   ELASTOGEN_CHECK(scene.mass.rows() == nodes && scene.mass.cols() == 1,
                   "mass must be (nodes, 1) with ", nodes, " nodes, got (", scene.mass.rows(), ", ",
                   scene.mass.cols(), ")");
-  for (int64_t n = 0; n < nodes; ++n)
-    ELASTOGEN_CHECK(scene.mass(n) > 0, "mass(", n, ") must be positive, got ", scene.mass(n));
+  check_positive(scene.mass);
 }
 
 /// The same (n, n) matrix for each of the three components.
@@ -29,7 +36,7 @@ void expand(const double* M, int corners, double* K) {
 
 }  // namespace
 
-MassMatrix::MassMatrix(const FemScene& scene, const ElasticBody& body, const Assembly& assembly) {
+MassMatrix::MassMatrix(const FemScene& scene, const ElasticBody& body) {
   if (!scene.mass.empty()) {
     check_mass(scene);
     nodal_ = scene.mass;
@@ -38,7 +45,10 @@ MassMatrix::MassMatrix(const FemScene& scene, const ElasticBody& body, const Ass
   nodal_ = body.lumped_mass();
   if (scene.mass_kind == Mass::kLumped) return;
   const int corners = nodes_of(scene.mesh.element);
-  matrix_ = assembly.pattern();
+  Assembly assembly(stencils_of(scene.mesh.elements), nodal_.rows());
+  stencils_ = assembly.stencils();
+  matrix_ = pattern_of(stencils_, nodal_.rows());
+  assembly.fit(matrix_);
   assembly.add(
       [&](int64_t element, double* K) {
         double M[100];
@@ -48,6 +58,10 @@ MassMatrix::MassMatrix(const FemScene& scene, const ElasticBody& body, const Ass
       matrix_);
 }
 
+MassMatrix::MassMatrix(Array<double> nodal) : nodal_(std::move(nodal)) {
+  check_positive(nodal_);
+}
+
 void MassMatrix::multiply(const double* x, double* y) const {
   if (consistent()) return fem::multiply(matrix_, x, y);
   for_each(3 * nodal_.rows(), [&](int64_t k) { y[k] = nodal_(k / 3) * x[k]; });
@@ -55,7 +69,7 @@ void MassMatrix::multiply(const double* x, double* y) const {
 
 void MassMatrix::add_to(double a, SparseMatrix& A) const {
   if (consistent())
-    for_each(A.entries(), [&](int64_t k) { A.value[size_t(k)] += a * matrix_.value[size_t(k)]; });
+    add_multiple(a, matrix_, A);
   else
     for_each(A.rows(), [&](int64_t r) { A.at(r, r) += a * nodal_(r / 3); });
 }

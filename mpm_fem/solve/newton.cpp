@@ -88,11 +88,11 @@ bool Newton::line_search() {
 bool Newton::advance() {
   const double tolerance = solve_tolerance();
   result_.stop = NewtonStop::kIndefinite;
-  for (const bool projected : {false, true}) {
-    if (!function_.step(x_, gradient_.data(), projected, tolerance, step_.data())) continue;
+  for (const TangentKind kind : {TangentKind::kTrue, TangentKind::kProjected}) {
+    if (!function_.step(x_, gradient_.data(), kind, tolerance, step_.data())) continue;
     if (line_search()) {
       ++result_.iterations;
-      result_.projected += projected;
+      result_.projected += kind == TangentKind::kProjected;
       return true;
     }
     result_.stop = NewtonStop::kLineSearch;

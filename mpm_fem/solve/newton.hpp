@@ -4,6 +4,8 @@
 
 #pragma once
 
+#include "core/tangent.hpp"
+
 #include <cstdint>
 #include <functional>
 #include <string_view>
@@ -22,7 +24,7 @@ struct NewtonFunction {
   std::function<NewtonValue(const double* x, double* gradient)> evaluate;
   /// Writes step = -H^-1 gradient, the linear system solved to a relative tolerance; false where H
   /// is not positive definite. It should not be false of the projected H.
-  std::function<bool(const double* x, const double* gradient, bool projected, double tolerance,
+  std::function<bool(const double* x, const double* gradient, TangentKind kind, double tolerance,
                      double* step)>
       step;
   /// Largest share, at most 1, of the way from x to end on which the value stays finite; empty: 1.

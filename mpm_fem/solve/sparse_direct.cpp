@@ -2,9 +2,9 @@
 #include "mpm_fem/solve/sparse_direct.hpp"
 
 #include "core/error.hpp"
+#include "mpm_fem/solve/blas_threads.hpp"
 
 #include <cholmod.h>
-#include <dlfcn.h>
 
 #include <algorithm>
 
@@ -31,13 +31,6 @@ struct SparseDirect::Impl {
 };
 
 namespace {
-
-/// Holds OpenBLAS, where that is the BLAS at hand, at one thread: the bits of its sums depend on
-/// their number. The reference BLAS has one; CHOLMOD's own loops do not sum across threads.
-void hold_blas_threads() {
-  void* const set_threads = dlsym(RTLD_DEFAULT, "openblas_set_num_threads");
-  if (set_threads) reinterpret_cast<void (*)(int)>(set_threads)(1);
-}
 
 /// Rows of a symmetric matrix as columns; CHOLMOD reads the lower triangle.
 cholmod_sparse view(const SparseMatrix& A) {

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Symmetric sparse matrices of three components a node, in compressed rows with both triangles, and
-// their assembly from element matrices.
+// Sparse matrices of three components a node, in compressed rows. Of symmetric ones both triangles
+// are kept.
 
 #pragma once
 
-#include "core/array.hpp"
-
-#include <functional>
+#include <cstdint>
 #include <vector>
 
 namespace elastogen::fem {
@@ -22,10 +20,18 @@ struct SparseMatrix {
   /// Entry of a row and column. @throws Error where the pattern has none.
   double& at(int64_t row, int64_t col);
   double at(int64_t row, int64_t col) const;
+  /// Where the columns of node b begin in each row of node a. @throws Error as at
+  int32_t block_place(int64_t a, int64_t b) const;
+  /// Adds a 3x3 block, row-major, to the rows of node a and the columns of node b.
+  /// @throws Error as at
+  void add_block(int64_t a, int64_t b, const double block[9]);
 };
 
 /// y = A x, vectors of A.rows().
 void multiply(const SparseMatrix& A, const double* x, double* y);
+
+/// A += factor B. @throws Error where B has an entry that A has not
+void add_multiple(double factor, const SparseMatrix& B, SparseMatrix& A);
 
 /// Diagonal of A, (rows).
 std::vector<double> diagonal(const SparseMatrix& A);
@@ -38,34 +44,5 @@ void fix_unknowns(const uint8_t* fixed, SparseMatrix& A, double* b);
 
 /// A without the rows and columns of the fixed unknowns.
 SparseMatrix free_part(const uint8_t* fixed, const SparseMatrix& A);
-
-/// Writes the symmetric matrix of an element, row-major (3 n, 3 n), dof 3 corner + component.
-using ElementMatrix = std::function<void(int64_t element, double* K)>;
-
-/// Sums element matrices. The pattern is made once; elements are added colour by colour, where no
-/// two of a colour share a node, so that the result does not depend on the number of threads.
-class Assembly {
- public:
-  /// @param elements  nodes of each element, (elements, n)
-  /// @throws Error where a matrix of these nodes has too many entries for 32 bits
-  Assembly(In<int32_t> elements, int64_t nodes);
-
-  /// Zero matrix of the pattern, (3 nodes, 3 nodes).
-  const SparseMatrix& pattern() const { return pattern_; }
-
-  /// A += the element matrices. A must have the pattern.
-  void add(const ElementMatrix& element_matrix, SparseMatrix& A) const;
-
- private:
-  void make_pattern(In<int32_t> elements, int64_t nodes);
-  void make_colours(In<int32_t> elements, int64_t nodes);
-
-  SparseMatrix pattern_;
-  int corners_ = 0;
-  std::vector<int32_t> nodes_;      // of the elements, (elements, corners)
-  std::vector<int32_t> place_;      // of corner b's columns in a row of a, (elements, corners^2)
-  std::vector<int32_t> by_colour_;  // elements in the order of their colours
-  std::vector<int64_t> colours_;    // first element of each in by_colour_, and the end
-};
 
 }  // namespace elastogen::fem

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/error.hpp"
+#include "mpm_fem/integrators/fem_potential.hpp"
 #include "tests/curved/curved_scene.hpp"
 #include "voxelize/embedding.hpp"
 #include "voxelize/voxelize.hpp"
@@ -68,7 +69,8 @@ StaticResult solve_by_increments(const FemScene& fem) {
 
 /// Equilibrium at full load from a displacement near it. False: it was not near enough.
 bool solve_from(const FemScene& fem, Array<double>& u) {
-  fem::IncrementalPotential potential(fem);
+  fem::FemPotential terms(fem);
+  fem::Potential& potential = terms.potential;
   potential.set_force(fem.traction);
   fem.motion(1, u);
   std::vector<double> g(size_t(u.size()));

@@ -225,20 +225,20 @@ inline Eigen::VectorXd gradient(const ElasticBody& body, const Array<double>& u)
 }
 
 inline Eigen::MatrixXd element_hessian(const ElasticBody& body, int64_t element,
-                                       const Array<double>& u, bool projected) {
+                                       const Array<double>& u, TangentKind kind) {
   const int size = 3 * fem::nodes_of(body.mesh().element);
   Eigen::MatrixXd K(size, size);
-  body.element_hessian(element, u, projected, K.data());
+  body.element_hessian(element, u, kind, K.data());
   return K;
 }
 
 /// The Hessian of the whole body.
 inline Eigen::SparseMatrix<double> hessian(const ElasticBody& body, const Array<double>& u,
-                                           bool projected = false) {
+                                           TangentKind kind = TangentKind::kTrue) {
   const Array<int32_t>& elements = body.mesh().elements;
   std::vector<Eigen::Triplet<double>> entries;
   for (int64_t e = 0; e < elements.rows(); ++e) {
-    const Eigen::MatrixXd K = element_hessian(body, e, u, projected);
+    const Eigen::MatrixXd K = element_hessian(body, e, u, kind);
     for (int row = 0; row < K.rows(); ++row)
       for (int col = 0; col < K.cols(); ++col)
         entries.emplace_back(3 * elements(e, row / 3) + row % 3, 3 * elements(e, col / 3) + col % 3,

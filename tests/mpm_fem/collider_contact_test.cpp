@@ -103,15 +103,15 @@ TEST_F(ColliderContactTest, HessianOfAPlaneIsTheSlopeOfTheGradient) {
   for (const double size : {2e-4, 1.5e-3}) {
     ColliderContact contact = begun();
     Array<double> u = moved(size);
+    SparseMatrix sparse = pattern_of(contact.stencils(), 5);
+    contact.add_hessian(u, TangentKind::kTrue, sparse);
     std::map<std::pair<int64_t, int64_t>, double> hessian;
     double largest = 0;
-    contact.add_hessian(u, [&](int32_t a, int32_t b, const double block[9]) {
-      for (int k = 0; k < 9; ++k) {
-        double& entry = hessian[{3 * a + k / 3, 3 * b + k % 3}];
-        entry += block[k];
-        largest = std::max(largest, std::abs(entry));
+    for (int64_t row = 0; row < sparse.rows(); ++row)
+      for (int32_t k = sparse.start[size_t(row)]; k < sparse.start[size_t(row) + 1]; ++k) {
+        hessian[{row, sparse.column[size_t(k)]}] = sparse.value[size_t(k)];
+        largest = std::max(largest, std::abs(sparse.value[size_t(k)]));
       }
-    });
     for (int64_t column = 0; column < u.size(); ++column) {
       constexpr double kStep = 1e-8;
       Array<double> above(5, 3), below(5, 3);

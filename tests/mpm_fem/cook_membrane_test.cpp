@@ -4,7 +4,7 @@
 // of the loaded edge: plane stress 23.967 and 25.19, extrapolated from independent elements; plane
 // strain 30.75 and 32.30, nearly incompressible 16.44 and 17.26, as other programs print them.
 #include "mpm_fem/fem/extrude.hpp"
-#include "mpm_fem/solve/incremental_potential.hpp"
+#include "mpm_fem/integrators/fem_potential.hpp"
 #include "tests/mpm_fem/scenes.hpp"
 
 #include <gtest/gtest.h>
@@ -43,11 +43,13 @@ Deflection deflection(Element element, int n, double young, double poisson, doub
   fix(scene, 0, 0, 1);
   fix(scene, 2, 0, 2);
   if (plane_strain) fix(scene, 2, 1, 2);
-  fem::IncrementalPotential potential(scene, {.max_operations = 1e12});
+  fem::FemPotential terms(scene, {.max_operations = 1e12});
+  fem::Potential& potential = terms.potential;
   potential.set_force(shear(scene.mesh, force));
   Array<double> u(scene.mesh.rest.rows(), 3), g = u, linear = u;
   potential.evaluate(u.data(), g.data());
-  EXPECT_TRUE(potential.newton_step(u.data(), g.data(), false, 0, nullptr, linear.data()));
+  EXPECT_TRUE(
+      potential.newton_step(u.data(), g.data(), TangentKind::kTrue, 0, nullptr, linear.data()));
   Deflection sum = {0, 0};
   for (int64_t k = 0; k < u.rows(); ++k) {
     const Vec3 X = rest_of(scene.mesh, k);

@@ -90,9 +90,9 @@ TEST(ElasticBody, HessiansAreSymmetricToTheBit) {
     const ElasticBody body(test::one_element(element, random), {test::solid()});
     const Array<double> u =
         test::displaced(body.mesh(), test::stretched(1.4, 1, 0.7, random), 0.05, random);
-    for (const bool projected : {false, true}) {
-      const Eigen::MatrixXd K = test::element_hessian(body, 0, u, projected);
-      EXPECT_TRUE(K == K.transpose()) << fem::element_name(element) << ' ' << projected;
+    for (const TangentKind kind : {TangentKind::kTrue, TangentKind::kProjected}) {
+      const Eigen::MatrixXd K = test::element_hessian(body, 0, u, kind);
+      EXPECT_TRUE(K == K.transpose()) << fem::element_name(element) << ' ' << int(kind);
     }
   }
 }
@@ -108,7 +108,7 @@ TEST(ElasticBody, ProjectedHessianHasNoNegativeEigenvalue) {
                        : test::displaced(body.mesh(), test::stretched_within(0.3, 1.5, random),
                                          0.05, random);
         body.freeze_rotations(u);
-        const Eigen::MatrixXd K = test::element_hessian(body, 0, u, true);
+        const Eigen::MatrixXd K = test::element_hessian(body, 0, u, TangentKind::kProjected);
         EXPECT_GE(test::eigenvalues(K)(0), -1e-13 * K.norm())
             << fem::element_name(element) << ' ' << law_name(law);
       }
@@ -121,9 +121,9 @@ TEST(ElasticBody, ProjectedHessianIsTheExactOneWhereThatIsPositive) {
       const ElasticBody body(test::one_element(element, random), {test::solid(law)});
       const Array<double> u =
           test::displaced(body.mesh(), test::stretched(1.1, 1.08, 1.05, random), 0.001, random);
-      const Eigen::MatrixXd exact = test::element_hessian(body, 0, u, false);
+      const Eigen::MatrixXd exact = test::element_hessian(body, 0, u, TangentKind::kTrue);
       ASSERT_GE(test::eigenvalues(exact)(0), -1e-13 * exact.norm()) << fem::element_name(element);
-      const Eigen::MatrixXd projected = test::element_hessian(body, 0, u, true);
+      const Eigen::MatrixXd projected = test::element_hessian(body, 0, u, TangentKind::kProjected);
       EXPECT_LE((projected - exact).norm(), 1e-13 * exact.norm())
           << fem::element_name(element) << ' ' << law_name(law);
     }
@@ -137,8 +137,8 @@ TEST(ElasticBody, ProjectedHessianOfMeanDilatationIsTheClampedOne) {
       const ElasticBody body(test::one_element(element, random), {test::solid(law)});
       const Array<double> u =
           test::displaced(body.mesh(), test::stretched(1.2, 1, 0.6, random), 0.05, random);
-      const Eigen::MatrixXd exact = test::element_hessian(body, 0, u, false);
-      const Eigen::MatrixXd projected = test::element_hessian(body, 0, u, true);
+      const Eigen::MatrixXd exact = test::element_hessian(body, 0, u, TangentKind::kTrue);
+      const Eigen::MatrixXd projected = test::element_hessian(body, 0, u, TangentKind::kProjected);
       EXPECT_LE((projected - test::clamped(exact)).norm(), 1e-13 * exact.norm());
       changed += (projected - exact).norm() > 1e-3 * exact.norm();
     }

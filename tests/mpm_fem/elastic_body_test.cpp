@@ -108,10 +108,11 @@ TEST(ElasticBody, StiffnessAtRestIsThatOfEveryLaw) {
     const ElementMesh mesh = test::one_element(element, random);
     const Array<double> rest(mesh.rest.rows(), 3);
     const Eigen::MatrixXd K =
-        test::element_hessian({mesh, {test::solid(Law::kStvk)}}, 0, rest, false);
+        test::element_hessian({mesh, {test::solid(Law::kStvk)}}, 0, rest, TangentKind::kTrue);
     for (const Law law : test::kLaws) {
       const ElasticBody body(mesh, {test::solid(law)});
-      EXPECT_LE((test::element_hessian(body, 0, rest, false) - K).norm(), 1e-13 * K.norm())
+      EXPECT_LE((test::element_hessian(body, 0, rest, TangentKind::kTrue) - K).norm(),
+                1e-13 * K.norm())
           << fem::element_name(element) << ' ' << law_name(law);
     }
   }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mpm_fem/solve/linear_solver.hpp"
 
+#include "core/error.hpp"
+#include "mpm_fem/solve/assembly.hpp"
 #include "tests/mpm_fem/scenes.hpp"
 
 #include <gtest/gtest.h>
@@ -26,10 +28,12 @@ Problem beam(Element element, int across, double poisson) {
   clamp(p.scene, 0, 0);
   const ElasticBody body(p.scene.mesh, p.scene.materials);
   const int64_t nodes = p.scene.mesh.rest.rows();
-  const Assembly assembly(p.scene.mesh.elements, nodes);
+  Assembly assembly(fem::stencils_of(p.scene.mesh.elements), nodes);
   const Array<double> u(nodes, 3), mass = body.lumped_mass();
-  p.K = assembly.pattern();
-  assembly.add([&](int64_t e, double* K) { body.element_hessian(e, u, false, K); }, p.K);
+  p.K = pattern_of(assembly.stencils(), nodes);
+  assembly.fit(p.K);
+  assembly.add([&](int64_t e, double* K) { body.element_hessian(e, u, TangentKind::kTrue, K); },
+               p.K);
   p.weight = Array<double>(nodes, 3);
   for (int64_t n = 0; n < nodes; ++n)
     if (!p.scene.fixed(n, 2)) p.weight(n, 2) = -kGravity * mass(n);
@@ -89,6 +93,25 @@ TEST(LinearSolver, SaysWhatIsNotPositiveDefinite) {
     Array<double> x(p.weight.rows(), 3);
     EXPECT_FALSE(s.factor(broken) && s.solve(p.weight.data(), x.data(), 1e-8));
     EXPECT_TRUE(s.factor(p.K) && s.solve(p.weight.data(), x.data(), 1e-8));
+  }
+}
+
+TEST(LinearSolver, TakesAnotherPatternAfterReset) {
+  for (const double operations : {0.0, 1e12}) {
+    const Problem coarse = beam(Element::kHex, 1, 0.3), fine = beam(Element::kHex, 2, 0.3);
+    LinearSolver s({.max_operations = operations});
+    EXPECT_THROW(s.factor(coarse.K), Error);  // no pattern yet
+    for (const Problem* p : {&coarse, &fine}) {
+      s.reset(p->K, p->scene.mesh.rest, p->scene.fixed.data());
+      ASSERT_TRUE(s.factor(p->K));
+      Eigen::VectorXd x(p->K.rows()), expected(x);
+      ASSERT_TRUE(s.solve(p->weight.data(), x.data(), 1e-12));
+      LinearSolver fresh = solver(*p, operations);
+      ASSERT_TRUE(fresh.factor(p->K) && fresh.solve(p->weight.data(), expected.data(), 1e-12));
+      EXPECT_EQ(x, expected);
+    }
+    EXPECT_EQ(s.analyses(), 2);
+    EXPECT_THROW(s.factor(coarse.K), Error);
   }
 }
 

@@ -34,10 +34,10 @@ NewtonResult minimise(const DenseProblem& f, Vector& x,
     const double value = f.value(view(at));
     return NewtonValue{value, 1e-15 * std::abs(value)};
   };
-  function.step = [&](const double* at, const double* gradient, bool projected, double,
+  function.step = [&](const double* at, const double* gradient, TangentKind kind, double,
                       double* step) {
     Matrix H = f.hessian(view(at));
-    if (projected) H = projected_hessian(H, 1e-3);
+    if (kind == TangentKind::kProjected) H = projected_hessian(H, 1e-3);
     const Eigen::LLT<Matrix> llt(H);
     if (!H.allFinite() || llt.info() != Eigen::Success) return false;
     Eigen::Map<Vector>(step, x.size()) = -llt.solve(view(gradient));

@@ -34,7 +34,7 @@ std::map<int, double> hold_boundary(const ElementMesh& mesh, const Eigen::Vector
 Mat3<double> virial_stress(const ElasticBody& body, int64_t element, const Eigen::VectorXd& u) {
   const ElementMesh& mesh = body.mesh();
   const Array<double> rest(mesh.rest.rows(), 3);
-  const Eigen::MatrixXd K = test::element_hessian(body, element, rest, false);
+  const Eigen::MatrixXd K = test::element_hessian(body, element, rest, TangentKind::kTrue);
   Eigen::VectorXd local(K.rows());
   for (int k = 0; k < K.rows(); ++k) local(k) = u(3 * mesh.elements(element, k / 3) + k % 3);
   const Eigen::VectorXd f = K * local;

@@ -3,6 +3,7 @@
 
 #include "core/error.hpp"
 #include "core/parallel.hpp"
+#include "mpm_fem/solve/assembly.hpp"
 #include "mpm_fem/solve/sparse_direct.hpp"
 #include "tests/mpm_fem/bodies.hpp"
 
@@ -37,8 +38,9 @@ Dense element_matrix(int64_t element, int corners, double shift) {
 }
 
 SparseMatrix assembled(const Array<int32_t>& elements, double shift) {
-  const Assembly assembly(elements, node_count(elements));
-  SparseMatrix A = assembly.pattern();
+  Assembly assembly(stencils_of(elements), node_count(elements));
+  SparseMatrix A = pattern_of(assembly.stencils(), node_count(elements));
+  assembly.fit(A);
   assembly.add(
       [&](int64_t e, double* K) {
         const Dense matrix = element_matrix(e, elements.cols(), shift);
@@ -102,18 +104,63 @@ TEST(SparseMatrix, FixedUnknownsTakeTheirValues) {
   EXPECT_EQ(to_dense(part), full(kept, kept));
 }
 
+TEST(SparseMatrix, AddsAMatrixOfFewerEntries) {
+  const Array<int32_t> elements = hexahedra(2, 1, 1);
+  SparseMatrix A = assembled(elements, 0), B = pattern_of(stencils_of({elements.data(), 1, 8}), 12);
+  for (size_t k = 0; k < B.value.size(); ++k) B.value[k] = double(k);
+  const Dense expected = to_dense(A) + 2 * to_dense(B);
+  add_multiple(2, B, A);
+  EXPECT_EQ(to_dense(A), expected);
+}
+
+TEST(SparseMatrix, PatternCouplesStencilsOfAnyLength) {
+  Stencils stencils;
+  std::vector<int32_t> many(27);
+  for (int32_t k = 0; k < 27; ++k) many[size_t(k)] = k;
+  stencils.add(many.data(), 27);
+  const int32_t pair[2] = {26, 28}, alone = 29;
+  stencils.add(pair, 2);
+  stencils.add(&alone, 1);
+  stencils.add(nullptr, 0);
+  Assembly assembly(stencils, 30);
+  SparseMatrix A = pattern_of(stencils, 30);
+  EXPECT_EQ(A.entries(), 9 * (27 * 27 + 3 + 1 + 1));  // node 27 has itself only
+  assembly.fit(A);
+  assembly.add(
+      [&](int64_t s, double* K) {
+        const int64_t width = 3 * stencils.length(s);
+        for (int64_t k = 0; k < width * width; ++k) K[k] = double(s + 1);
+      },
+      A);
+  EXPECT_EQ(A.at(0, 80), 1);
+  EXPECT_EQ(A.at(79, 78), 1 + 2);
+  EXPECT_EQ(A.at(85, 79), 2);
+  EXPECT_EQ(A.at(89, 87), 3);
+  EXPECT_EQ(A.at(81, 81), 0);
+}
+
 TEST(SparseMatrix, RejectsWhatItsDocumentationForbids) {
   const Array<int32_t> elements = hexahedra(2, 1, 1);
-  const Assembly assembly(elements, 12), smaller(hexahedra(1, 1, 1), 8);
-  SparseMatrix A = smaller.pattern();
-  EXPECT_THROW(assembly.add([](int64_t, double*) {}, A), Error);
-  EXPECT_THROW(assembly.pattern().at(0, 35), Error);
-  EXPECT_THROW(Assembly(Array<int32_t>(1, 20), 20), Error);
+  const Stencils stencils = stencils_of(elements), one = stencils_of(hexahedra(1, 1, 1));
+  Assembly assembly(stencils, 12);
+  SparseMatrix A = pattern_of(stencils, 12), smaller = pattern_of(one, 12);
+  EXPECT_THROW(assembly.add([](int64_t, double*) {}, A), Error);  // not fitted yet
+  EXPECT_THROW(assembly.fit(smaller), Error);
+  assembly.fit(A);
+  EXPECT_THROW(assembly.add([](int64_t, double*) {}, smaller), Error);
+  EXPECT_THROW(A.at(0, 35), Error);
+  const double block[9] = {};
+  EXPECT_THROW(A.add_block(0, 11, block), Error);
+  EXPECT_THROW(add_multiple(1, A, smaller), Error);
+  EXPECT_THROW(add_multiple(1, pattern_of(one, 8), A), Error);
+  EXPECT_THROW(pattern_of(stencils, 11), Error);
+  EXPECT_THROW(Assembly(stencils, 11), Error);
 }
 
 TEST(SparseMatrix, TakesNoElements) {
-  const Assembly assembly(Array<int32_t>(0, 8), 0);
-  SparseMatrix A = assembly.pattern();
+  Assembly assembly(stencils_of(Array<int32_t>(0, 8)), 0);
+  SparseMatrix A = pattern_of(assembly.stencils(), 0);
+  assembly.fit(A);
   assembly.add([](int64_t, double*) {}, A);
   EXPECT_EQ(A.rows(), 0);
 }

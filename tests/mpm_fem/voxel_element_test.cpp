@@ -112,9 +112,9 @@ TEST(VoxelElement, TwistCostsWhatIsotropicElasticityChargesForIt) {
   const Material m = test::solid(Law::kNeoHookean, 1, 0.3);
   const Array<double> rest(8, 3);
   const Eigen::MatrixXd K = test::element_hessian(
-      {full_voxel(Element::kVoxel, Hourglass::kFull, 0.7), {m}}, 0, rest, false);
+      {full_voxel(Element::kVoxel, Hourglass::kFull, 0.7), {m}}, 0, rest, TangentKind::kTrue);
   const Eigen::MatrixXd full = test::element_hessian(
-      {full_voxel(Element::kHex, Hourglass::kFull, 0.7), {m}}, 0, rest, false);
+      {full_voxel(Element::kHex, Hourglass::kFull, 0.7), {m}}, 0, rest, TangentKind::kTrue);
   Eigen::MatrixXd modes = Eigen::MatrixXd::Zero(24, 3);
   for (int c = 0; c < 8; ++c)
     for (int d = 0; d < 3; ++d) {
@@ -129,7 +129,7 @@ TEST(VoxelElement, HessianAtRestTurnsWithTheFrozenRotation) {
   Random random(3);
   const ElementMesh mesh = test::one_voxel(random, Hourglass::kFull);
   ElasticBody body(mesh, {test::solid()});
-  const Eigen::MatrixXd K = test::element_hessian(body, 0, Array<double>(8, 3), false);
+  const Eigen::MatrixXd K = test::element_hessian(body, 0, Array<double>(8, 3), TangentKind::kTrue);
   const Mat3<double> R = test::rotation(random);
   const Array<double> turned = test::displaced(mesh, R, 0, random);
   body.freeze_rotations(turned);
@@ -137,7 +137,7 @@ TEST(VoxelElement, HessianAtRestTurnsWithTheFrozenRotation) {
   for (int c = 0; c < 8; ++c)
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) Q(3 * c + i, 3 * c + j) = R(i, j);
-  const Eigen::MatrixXd H = test::element_hessian(body, 0, turned, false);
+  const Eigen::MatrixXd H = test::element_hessian(body, 0, turned, TangentKind::kTrue);
   EXPECT_LE((H - Q * K * Q.transpose()).norm(), 1e-13 * K.norm());
 }
 
@@ -194,7 +194,8 @@ TEST(VoxelElement, StiffnessAtRestIsThatOfTheNetworksElement) {
     const Array<double> rest(body.mesh().rest.rows(), 3);
     for (int64_t v = 0; v < scene.grid.voxel_count(); ++v) {
       const Eigen::MatrixXd K = test::rest_stiffness(test::voxel_data(scene, v));
-      EXPECT_LE((test::element_hessian(body, v, rest, false) - K).norm(), 1e-14 * K.norm());
+      EXPECT_LE((test::element_hessian(body, v, rest, TangentKind::kTrue) - K).norm(),
+                1e-14 * K.norm());
     }
   }
 }

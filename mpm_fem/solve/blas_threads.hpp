@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+// The threads of the BLAS that SuiteSparse calls.
+
+#pragma once
+
+namespace elastogen::fem {
+
+/// Holds OpenBLAS, where that is the BLAS at hand, at one thread: the bits of its sums depend on
+/// their number. The reference BLAS has one; SuiteSparse's own loops do not sum across threads.
+void hold_blas_threads();
+
+}  // namespace elastogen::fem

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mpm_fem/solve/potential.hpp"
+
+#include "core/error.hpp"
+#include "core/reduce.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace elastogen::fem {
+namespace {
+
+constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+constexpr double kFirstOrder = 1e-4;  // how far the system of move_fixed is solved
+
+std::vector<uint8_t> fixed_unknowns(In<uint8_t> fixed, int64_t nodes) {
+  if (fixed.size() == 0) return std::vector<uint8_t>(size_t(3 * nodes));
+  ELASTOGEN_CHECK(fixed.is(nodes, 3), "fixed must be (nodes, 3) with ", nodes, " nodes, got ",
+                  fixed);
+  return {fixed.data, fixed.data + fixed.size()};
+}
+
+}  // namespace
+
+Potential::Potential(In<double> rest, In<uint8_t> fixed, MassMatrix mass, std::vector<Term*> terms,
+                     const LinearOptions& options)
+    : rest_(rest),
+      fixed_(fixed_unknowns(fixed, rest.rows)),
+      terms_(std::move(terms)),
+      inertia_(std::move(mass)),
+      hessian_order_(terms_),
+      force_(fixed_.size()),
+      right_(force_),
+      solver_(options) {
+  ELASTOGEN_CHECK(rest.cols == 3, "positions must be (nodes, 3), got ", rest);
+  ELASTOGEN_CHECK(inertia_.mass().nodal().rows() == rest.rows, "mass must be (nodes, 1) with ",
+                  rest.rows, " nodes, got ", inertia_.mass().nodal().rows());
+  // the mass after the first term: sums are rounded in the order that they are taken in
+  hessian_order_.insert(hessian_order_.begin() + (terms_.empty() ? 0 : 1), &inertia_);
+  update_pattern();
+}
+
+void Potential::set_force(In<double> force) {
+  std::copy(force.data, force.data + unknowns(), force_.begin());
+}
+
+void Potential::set_inertia(double weight, In<double> predictor) {
+  inertia_.set(weight, predictor);
+}
+
+void Potential::full_gradient(const double* u, double* gradient) {
+  for_each(unknowns(), [&](int64_t k) { gradient[k] = -force_[size_t(k)]; });
+  const Span<double> g{gradient, rest_.rows, 3};
+  for (Term* term : terms_) term->add_gradient(nodal(u), g);
+  inertia_.add_gradient(nodal(u), g);
+}
+
+NewtonValue Potential::evaluate(const double* u, double* gradient) {
+  full_gradient(u, gradient);
+  for_each(unknowns(), [&](int64_t k) { gradient[k] = fixed_[size_t(k)] ? 0 : gradient[k]; });
+  TermValue sum;
+  const auto add = [&](const TermValue& term) {
+    sum.value += term.value;
+    sum.size += term.size;
+    sum.rounding += term.rounding;
+  };
+  for (Term* term : terms_) add(term->value(nodal(u)));
+  const double work = dot(force_.data(), u, unknowns());
+  sum.value -= work;
+  add(inertia_.value(nodal(u)));
+  sum.size += std::abs(work);
+  return {sum.value, kEpsilon * (32 * sum.size + sum.rounding)};
+}
+
+/// Makes the pattern anew where a term has other stencils than before, and the analysis of the
+/// solver where that changes the pattern.
+void Potential::update_pattern() {
+  bool same = stencils_.size() == hessian_order_.size();
+  for (size_t t = 0; same && t < stencils_.size(); ++t)
+    same = hessian_order_[t]->stencils() == stencils_[t];
+  if (same) return;
+  stencils_.clear();
+  Stencils all;
+  for (const Term* term : hessian_order_) {
+    stencils_.push_back(term->stencils());
+    all.append(stencils_.back());
+  }
+  SparseMatrix pattern = pattern_of(all, rest_.rows);
+  const bool changed = pattern.start != hessian_.start || pattern.column != hessian_.column;
+  if (changed) {
+    hessian_ = std::move(pattern);
+    solver_.reset(hessian_, rest_, fixed_.data());
+  }
+  for (Term* term : hessian_order_) term->take_pattern(hessian_);
+}
+
+/// Hessian with the rows of what is fixed still in it.
+void Potential::assemble(const double* u, TangentKind kind) {
+  update_pattern();
+  std::fill(hessian_.value.begin(), hessian_.value.end(), 0.0);
+  for (Term* term : hessian_order_) term->add_hessian(nodal(u), kind, hessian_);
+}
+
+/// Adds growing shares of the diagonal until the matrix can be factored.
+bool Potential::factor_shifted() {
+  const std::vector<double> start = diagonal(hessian_);
+  const double largest = *std::max_element(start.begin(), start.end());
+  for (double share = 1e-12; share < 1; share *= 100) {
+    for (int64_t r = 0; r < hessian_.rows(); ++r)
+      hessian_.at(r, r) = start[size_t(r)] + share * std::max(start[size_t(r)], 1e-3 * largest);
+    if (solver_.factor(hessian_)) return true;
+  }
+  return false;
+}
+
+bool Potential::newton_step(const double* u, const double* gradient, TangentKind kind,
+                            double tolerance, const double* moved, double* step) {
+  const bool projected = kind == TangentKind::kProjected;
+  assemble(u, kind);
+  for_each(unknowns(), [&](int64_t k) {
+    const double given = moved ? moved[k] : 0;
+    right_[size_t(k)] = fixed_[size_t(k)] ? given : -gradient[k];
+  });
+  fix_unknowns(fixed_.data(), hessian_, right_.data());
+  if (!solver_.factor(hessian_) && !(projected && factor_shifted())) return false;
+  return solver_.solve(right_.data(), step, tolerance) || projected;
+}
+
+double Potential::gradient_noise(const double* u) const {
+  double length = 0;
+  for (const Term* term : terms_) length = std::max(length, term->length());
+  const double square = ordered_sum(unknowns(), [&](int64_t begin, int64_t end) {
+    double sum = 0;
+    for (int64_t r = begin; r < end; ++r) {
+      if (fixed_[size_t(r)]) continue;
+      double row = 0;
+      for (int32_t k = hessian_.start[size_t(r)]; k < hessian_.start[size_t(r) + 1]; ++k)
+        row += std::abs(hessian_.value[size_t(k)]) *
+               (std::abs(u[hessian_.column[size_t(k)]]) + length);
+      sum += row * row;
+    }
+    return sum;
+  });
+  return kEpsilon * std::sqrt(square);
+}
+
+NewtonResult Potential::minimise(const NewtonOptions& options, double* u) {
+  NewtonFunction function;
+  function.unknowns = unknowns();
+  function.evaluate = [&](const double* x, double* gradient) { return evaluate(x, gradient); };
+  function.step = [&](const double* x, const double* gradient, TangentKind kind, double tolerance,
+                      double* step) {
+    return newton_step(x, gradient, kind, tolerance, nullptr, step);
+  };
+  function.longest_step = [&](const double* x, const double* end) {
+    double share = 1;
+    for (Term* term : terms_) share = std::min(share, term->longest_step(nodal(x), nodal(end)));
+    return share;
+  };
+  function.gradient_noise = [&](const double* x) { return gradient_noise(x); };
+  return fem::minimise(function, options, u);
+}
+
+void Potential::move_fixed(In<double> target, double* u) {
+  std::vector<double> gradient(force_.size()), moved(gradient), step(gradient);
+  for (size_t k = 0; k < moved.size(); ++k)
+    if (fixed_[k]) moved[k] = target.data[k] - u[k];
+  if (std::all_of(moved.begin(), moved.end(), [](double m) { return m == 0; })) return;
+  evaluate(u, gradient.data());
+  bool found = false;
+  for (const TangentKind kind : {TangentKind::kTrue, TangentKind::kProjected})
+    if (!found)
+      found = newton_step(u, gradient.data(), kind, kFirstOrder, moved.data(), step.data());
+  for (size_t k = 0; k < step.size(); ++k) {
+    if (fixed_[k]) u[k] = target.data[k];
+    if (!fixed_[k] && found) u[k] += step[k];
+  }
+}
+
+}  // namespace elastogen::fem

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+// What statics and implicit steps minimise over the displacements that are free,
+//
+//     Phi(u) = sum_t E_t(u) - f.u + a/2 (u - uhat).M (u - uhat),
+//
+// E_t the terms (elements of meshes, contact, ...), f dead loads, M the mass; statics have a = 0.
+// The pattern of the Hessian is that of the terms' stencils, and follows them where they change.
+
+#pragma once
+
+#include "mpm_fem/solve/inertia.hpp"
+#include "mpm_fem/solve/linear_solver.hpp"
+#include "mpm_fem/solve/newton.hpp"
+
+namespace elastogen::fem {
+
+class Potential {
+ public:
+  /// Terms and rest must outlive the potential.
+  /// @param rest   positions of all nodes at rest [m], (nodes, 3)
+  /// @param fixed  1 where a component's displacement is prescribed, (nodes, 3); empty: none
+  /// @param mass   of all nodes
+  /// @throws Error where these differ in length, and as pattern_of of the terms' stencils
+  Potential(In<double> rest, In<uint8_t> fixed, MassMatrix mass, std::vector<Term*> terms,
+            const LinearOptions& options = {});
+  Potential(const Potential&) = delete;
+  Potential& operator=(const Potential&) = delete;
+
+  const MassMatrix& mass() const { return inertia_.mass(); }
+  const LinearSolver& solver() const { return solver_; }
+  int64_t unknowns() const { return rest_.size(); }
+  bool is_fixed(int64_t unknown) const { return fixed_[size_t(unknown)] != 0; }
+  /// The Hessian of the last newton_step, with the rows of what is fixed as fix_unknowns leaves
+  /// them.
+  const SparseMatrix& hessian() const { return hessian_; }
+
+  void set_force(In<double> force);                       ///< f [N], (nodes, 3)
+  void set_inertia(double weight, In<double> predictor);  ///< a [1/s^2], uhat [m], (nodes, 3)
+
+  /// Phi [J] with the bound on its rounding error, eps (32 sum of the terms' sizes + sum of their
+  /// roundings). The gradient [N] is 0 at what is fixed.
+  NewtonValue evaluate(const double* u, double* gradient);
+  /// The same gradient with the forces that hold what is fixed.
+  void full_gradient(const double* u, double* gradient);
+
+  /// step = -H^-1 gradient; its fixed components are those of `moved` or, if null, 0. A projected
+  /// Hessian that is still not positive definite is shifted by a small share of its diagonal.
+  /// @return false where H is not positive definite
+  bool newton_step(const double* u, const double* gradient, TangentKind kind, double tolerance,
+                   const double* moved, double* step);
+
+  /// eps | |H| (|u| + l) |, with the Hessian of the last newton_step and the longest length l of a
+  /// term: what the rounding of u and of the stretches leaves of the gradient [N].
+  double gradient_noise(const double* u) const;
+
+  /// Moves u to a minimum of Phi.
+  NewtonResult minimise(const NewtonOptions& options, double* u);
+  /// Moves the fixed components of u to those of target, the others along with them to first order.
+  void move_fixed(In<double> target, double* u);
+
+ private:
+  In<double> nodal(const double* u) const { return {u, rest_.rows, 3}; }
+  void update_pattern();
+  void assemble(const double* u, TangentKind kind);
+  bool factor_shifted();
+
+  Span<const double> rest_;
+  std::vector<uint8_t> fixed_;
+  std::vector<Term*> terms_;
+  Inertia inertia_;
+  std::vector<Term*> hessian_order_;  // the terms and the inertia
+  std::vector<Stencils> stencils_;    // of each of these, as the pattern has them
+  std::vector<double> force_, right_;
+  SparseMatrix hessian_;
+  LinearSolver solver_;
+};
+
+}  // namespace elastogen::fem
