@@ -24,7 +24,7 @@ class FemStepper : public Stepper {
         run_(run),
         stop_(std::move(stop)),
         scene_(fem_scene(setup, run)),
-        solver_(scene_, {.tolerance = fem_tolerance(setup, run)}) {}
+        solver_(scene_, {.tolerance = fem_tolerance(setup, run), .as_positions = true}) {}
 
   void begin(const StartMotion& motion) override;
   void begin_at(const State& state) override;
@@ -88,18 +88,14 @@ StepReport FemStepper::advance() {
   return report;
 }
 
-/// Brings the positions up to date. The displacements become those of the rounded positions, so
-/// that a run that goes on from the state has the same bits.
+/// Brings the positions up to date.
 void FemStepper::show() {
   std::swap(state_.x_before, state_.x);
   std::swap(state_.v_before, state_.v);
   const int64_t count = fem_.u.size();
   const Array<double>& rest = scene_.mesh.rest;
   if (state_.x.size() != count) state_.x = state_.v = Array<double>(rest.rows(), 3);
-  for (int64_t k = 0; k < count; ++k) {
-    state_.x.data()[k] = rest.data()[k] + fem_.u.data()[k];
-    fem_.u.data()[k] = state_.x.data()[k] - rest.data()[k];
-  }
+  for (int64_t k = 0; k < count; ++k) state_.x.data()[k] = rest.data()[k] + fem_.u.data()[k];
   std::copy_n(fem_.v.data(), count, state_.v.data());
   state_.time = fem_.time;
   state_.steps = fem_.steps;

@@ -158,8 +158,21 @@ void ImplicitFem::certify(const Array<double>& u, FemStepReport& report) {
   report.min_j = terms_.body().min_j(u);
 }
 
+/// What the state gets for u.
+Array<double> ImplicitFem::handed_out(const Array<double>& u) const {
+  Array<double> handed = u;
+  if (!options_.as_positions) return handed;
+  for (int64_t k = 0; k < u.size(); ++k) {
+    const double rest = scene_.mesh.rest.data()[k], x = rest + u.data()[k];
+    handed.data()[k] = x - rest;
+  }
+  return handed;
+}
+
 /// Hands displacements, velocities and accelerations to the state.
-void ImplicitFem::finish(Array<double>& u, FemState& state, FemStepReport& report) {
+/// @param u  of the minimum, which velocities and accelerations are of.
+void ImplicitFem::finish(const Array<double>& u, Array<double> handed, FemState& state,
+                         FemStepReport& report) {
   const double dt = scene_.dt;
   Array<double> v(u.rows(), 3), Mv(u.rows(), 3);
   for (int64_t k = 0; k < u.size(); ++k) {
@@ -178,7 +191,7 @@ void ImplicitFem::finish(Array<double>& u, FemState& state, FemStepReport& repor
   report.energy.kinetic = dot(v.data(), Mv.data(), v.size()) / 2;
   state.u_before = std::move(state.u);
   state.v_before = std::move(state.v);
-  state.u = std::move(u);
+  state.u = std::move(handed);
   state.v = std::move(v);
   ++state.steps;
   state.time = double(state.steps) * dt;
@@ -206,9 +219,10 @@ FemStepReport ImplicitFem::step(FemState& state) {
   report.inner = int(potential_.solver().iterations() - inner);
   report.stop = newton.stop;
   report.floor = reference_ > 0 ? newton.noise / reference_ : 0;
-  certify(u, report);
+  Array<double> handed = handed_out(u);
+  certify(handed, report);
   if (!clear) report.finite = false, report.refusal = "a collider leaves the body no room";
-  if (report.finite) finish(u, state, report);
+  if (report.finite) finish(u, std::move(handed), state, report);
   report.ms = watch.milliseconds();
   return report;
 }

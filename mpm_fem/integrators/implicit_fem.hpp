@@ -23,6 +23,9 @@ struct ImplicitOptions {
   double tolerance = 1e-8;  ///< of |grad Phi| / |M g_ref| over the free components
   int max_newton = 100;
   LinearOptions linear = {};
+  /// Certifies and hands out the displacements that positions in double precision have,
+  /// (X + u) - X, for states that are written as positions. Velocities are those before rounding.
+  bool as_positions = false;
 };
 
 /// outer counts Newton steps, inner iterations of PCG; min_corner_j is not filled.
@@ -55,7 +58,8 @@ class ImplicitFem {
   Array<double> start_value(const FemState& state);
   bool pass_colliders(Array<double>& u);
   void certify(const Array<double>& u, FemStepReport& report);
-  void finish(Array<double>& u, FemState& state, FemStepReport& report);
+  Array<double> handed_out(const Array<double>& u) const;
+  void finish(const Array<double>& u, Array<double> handed, FemState& state, FemStepReport& report);
 
   const FemScene& scene_;
   ImplicitOptions options_;
