@@ -45,7 +45,7 @@ class GrowingArray {
     numbers_.upload(host.data(), 0, size_);
   }
   std::vector<T> download() const {
-    std::vector<T> host(size_t(size_));
+    std::vector<T> host(static_cast<size_t>(size_));
     if (!data() || size_ == 0) return host;
     check(cudaMemcpyAsync(host.data(), data(), bytes(size_), cudaMemcpyDeviceToHost,
                           cudaStreamPerThread));
