@@ -9,13 +9,13 @@
 namespace elastogen {
 namespace {
 
-constexpr int64_t kMostBytes = 1 << 28;
+constexpr int64_t kMostGenerator = 1 << 28;
 
 /// Where a fit begins; empty: at 0.
 std::vector<float> start_of(const FitMaterial& material, std::span<const float> hidden) {
   const std::string path = find_weight_file(kGenerator);
   if (path.empty()) return {};
-  const WeightGenerator generator(decode_tensors(read_file(path, kMostBytes), path), path);
+  const WeightGenerator generator(decode_tensors(read_file(path, kMostGenerator), path), path);
   if (generator.hidden() != hidden_hash(hidden)) return {};
   return generator.last_layer(material, Start::kRegression);
 }
