@@ -220,7 +220,7 @@ TEST(ChildReader, IsStartedCleanly) {
   ChildOptions options;
   options.program =
       script(folder, "echo \"$1 $2\" `cat` > '" + folder.path("said") +
-                         "'; ls /proc/$$/fd | wc -l >> '" + folder.path("said") + "'");
+                         "'; ls /proc/self/fd | wc -l >> '" + folder.path("said") + "'");
   const std::ifstream open_here(options.program);
   error_of([&] { read_in_child("a b.fbx", "fbx", "", options); });
   std::ifstream file(folder.path("said"));
@@ -228,7 +228,7 @@ TEST(ChildReader, IsStartedCleanly) {
   std::getline(file, words);
   std::getline(file, files);
   EXPECT_EQ(words, "fbx a b.fbx");
-  EXPECT_EQ(files, "4");  // 0, 1, 2 and the script itself
+  EXPECT_EQ(files, "4");  // of ls: 0, 1, 2 and the folder that it lists
 }
 
 TEST(ChildReader, AReaderThatCannotBeStartedIsNamed) {
