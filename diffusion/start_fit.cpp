@@ -2,19 +2,13 @@
 #include "diffusion/start_fit.hpp"
 
 #include "core/error.hpp"
+#include "core/stopwatch.hpp"
 #include "diffusion/weight_dataset.hpp"
 
 #include <algorithm>
-#include <chrono>
 
 namespace elastogen {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point begin) {
-  return std::chrono::duration<double>(Clock::now() - begin).count();
-}
 
 /// A last layer on its way, and when it was there.
 struct Moment {
@@ -33,12 +27,12 @@ std::vector<StartFit> fit_from(const LastLayer& layer, std::span<const float> hi
                       std::is_sorted(iterations.begin(), iterations.end()),
                   "iterations to report after must ascend from 0");
   std::vector<Moment> moments = {{{start.begin(), start.end()}, 0}};
-  const Clock::time_point begin = Clock::now();
+  const Stopwatch watch;
   const LastLayerFit last = layer.fit(material, start, [&](int done, std::span<const double> w) {
     if (std::find(iterations.begin() + 1, iterations.end(), done) != iterations.end())
-      moments.push_back({{w.begin(), w.end()}, seconds_since(begin)});
+      moments.push_back({{w.begin(), w.end()}, watch.seconds()});
   });
-  const double seconds = seconds_since(begin);
+  const double seconds = watch.seconds();
   const auto ended = last.weights.end() - kMtlLast;
   // later ones are what the fit ended with
   while (moments.size() < iterations.size())
@@ -53,9 +47,9 @@ std::vector<StartFit> fit_from(const LastLayer& layer, std::span<const float> hi
     }
     std::vector<float> weights(hidden.begin(), hidden.end());
     std::copy(fit.layer.begin(), fit.layer.end(), weights.end() - kMtlLast);
-    const Clock::time_point judging = Clock::now();
+    const Stopwatch judging;
     fit.report = fit_report(material, weights, judged);
-    fit.report_seconds = seconds_since(judging);
+    fit.report_seconds = judging.seconds();
   }
   return fits;
 }

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mpm_fem/solve/root.hpp"
 
+#include "core/line_search.hpp"
 #include "core/reduce.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace elastogen::fem {
 namespace {
@@ -31,7 +33,7 @@ class RootSearch {
   }
   double solve_tolerance() const;
   void move_trial(double share);
-  bool backtrack(double tolerance);
+  bool shorten_step(double tolerance);
   RootResult end(RootStop stop);
 
   const RootFunction& function_;
@@ -56,21 +58,27 @@ void RootSearch::move_trial(double share) {
 
 /// Goes along step_ until |r| falls by enough: the merit's slope along the step is at most
 /// -(1 - tolerance) |r|^2. False: it never did.
-bool RootSearch::backtrack(double tolerance) {
-  constexpr int kMaxHalvings = 40;
-  constexpr double kShare = 1e-4;
-  move_trial(1);
-  double a = function_.longest_step ? function_.longest_step(x_, trial_.data()) : 1;
-  for (int halvings = 0; halvings <= kMaxHalvings; ++halvings, a /= 2) {
-    move_trial(a);
-    const double size = evaluate(trial_.data(), trial_r_);
-    if (!(size <= (1 - kShare * a * (1 - tolerance)) * result_.residual)) continue;
-    std::copy(trial_.begin(), trial_.end(), x_);
-    r_.swap(trial_r_);
-    result_.residual = size;
-    return true;
-  }
-  return false;
+bool RootSearch::shorten_step(double tolerance) {
+  constexpr int kMostHalvings = 40;
+  double size = 0;
+  const auto trial = [&](double share, int halvings) {
+    move_trial(share);
+    if (halvings == 0 && function_.longest_step) {
+      share = function_.longest_step(x_, trial_.data());
+      move_trial(share);
+    }
+    size = evaluate(trial_.data(), trial_r_);
+    // no noise: |r| is compared as it is
+    return LineTrial{.share = share,
+                     .difference = size - result_.residual,
+                     .slope_start = -(1 - tolerance) * result_.residual,
+                     .noise = -std::numeric_limits<double>::infinity()};
+  };
+  if (!backtrack(trial, kMostHalvings)) return false;
+  std::copy(trial_.begin(), trial_.end(), x_);
+  r_.swap(trial_r_);
+  result_.residual = size;
+  return true;
 }
 
 /// The stop, or round-off where that explains it.
@@ -90,7 +98,7 @@ RootResult RootSearch::run() {
     if (result_.iterations == options_.max_iterations) return end(RootStop::kIterations);
     const double before = result_.residual, tolerance = solve_tolerance();
     if (!function_.step(x_, r_.data(), tolerance, step_.data())) return end(RootStop::kSingular);
-    if (!backtrack(tolerance)) return end(RootStop::kLineSearch);
+    if (!shorten_step(tolerance)) return end(RootStop::kLineSearch);
     ++result_.iterations;
     // a step that hardly helps may be the last that can
     const bool stalled = result_.residual > options_.tolerance && result_.residual > before / 2;
