@@ -361,19 +361,19 @@ TEST(ImplicitFem, RejectsWhatItsDocumentationForbids) {
   EXPECT_THROW(ImplicitFem{scene}, Error);
 }
 
-/// The equations are certified on the displacements that positions can hold: of a stiff body far
-/// from the origin, and far more often than not, these miss a tolerance that displacements meet.
+/// The equations are certified on the displacements that positions can hold. Far from the origin,
+/// 1e5 m away, these miss a tolerance that displacements by themselves meet.
 TEST(ImplicitFem, CertifiesThePositionsThatAreWritten) {
-  FemScene scene = beam(1e6);
+  FemScene scene = beam(1e7);
   for (int64_t n = 0; n < scene.mesh.rest.rows(); ++n) scene.mesh.rest(n, 1) += 1e5;
   scene.gravity = {0, 0, -9.81};
   FemState free = fem::rest_state(scene), written = free;
-  ImplicitFem by_displacements(scene, {.tolerance = 1e-6});
-  ImplicitFem by_positions(scene, {.tolerance = 1e-6, .as_positions = true});
+  ImplicitFem by_displacements(scene, {.tolerance = 1e-7});
+  ImplicitFem by_positions(scene, {.tolerance = 1e-7, .as_positions = true});
   const FemStepReport certified = by_displacements.step(free), told = by_positions.step(written);
   EXPECT_TRUE(certified.converged);
   EXPECT_FALSE(told.converged);
-  EXPECT_GT(told.residual, 100 * certified.residual);
+  EXPECT_GT(told.residual, 10 * certified.residual);
   double moved = 0;
   for (int64_t k = 0; k < written.u.size(); ++k) {
     const double rest = scene.mesh.rest.data()[k], u = written.u.data()[k];
