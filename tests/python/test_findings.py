@@ -33,7 +33,7 @@ class Findings(unittest.TestCase):
                              for path in (ROOT / folder).glob("*.cpp")
                              if not path.name.startswith("study_")))  # tables of another kind
         for name in ("tet_asset.cpp", "piece_names.cpp"):
-            made |= ids_of((ROOT / "cli" / name).read_text())
+            made |= ids_of((ROOT / "scene" / name).read_text())
         rows = [row[0] for row in table_rows()]
         self.assertEqual(len(rows), len(set(rows)))
         self.assertEqual(set(rows), made)
