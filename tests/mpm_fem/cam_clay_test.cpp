@@ -8,10 +8,10 @@
 namespace elastogen {
 namespace {
 
-using Random = std::mt19937_64;
 using test::kSnow;
+using test::Random;
 
-std::string message(const SnowYield& yield) {
+std::string snow_message(const SnowYield& yield) {
   try {
     cam_clay<double>(test::solid(), yield);
   } catch (const Error& error) {
@@ -22,7 +22,7 @@ std::string message(const SnowYield& yield) {
 
 /// (1 + 2 beta) q^2 + M^2 (p + beta p0)(p - p0) over the largest of the second term.
 template <int d>
-double yield_function(const double tau[3], double p0) {
+double snow_yield(const double tau[3], double p0) {
   const auto parts = test::parts<d>(tau);
   const double p = -parts.trace / d, half = (1 + kSnow.cohesion) * p0 / 2;
   const double q2 = (6 - d) / 2.0 * parts.size * parts.size;
@@ -33,7 +33,7 @@ double yield_function(const double tau[3], double p0) {
 
 /// Beside the tips J stays and the point is on the ellipse, for large strains too.
 template <int d>
-void ellipse() {
+void snow_ellipse() {
   const auto law = cam_clay<double, d>(test::solid(), kSnow);
   Random random(1);
   int cases[3] = {};  // tip, side, inside
@@ -41,7 +41,7 @@ void ellipse() {
     const auto e = test::random_strain<d>(k % 2 ? 0.1 : 0.02, random);
     const Returned<double> r = test::returned(law, e);
     const auto y = law.ellipse({});
-    const double value = yield_function<d>(r.tau, kSnow.pressure);
+    const double value = snow_yield<d>(r.tau, kSnow.pressure);
     EXPECT_LT(value, 1e-13);
     const bool tip = e.trace < y.compressed || e.trace > y.opened;
     const bool side = !tip && test::distance<d>(r.e, e.e) > 0;
@@ -57,8 +57,8 @@ void ellipse() {
 }
 
 TEST(CamClay, ShearFallsToTheEllipseAndKeepsTheVolume) {
-  ellipse<2>();
-  ellipse<3>();
+  snow_ellipse<2>();
+  snow_ellipse<3>();
 }
 
 TEST(CamClay, StressInsideIsTheGradientOfTheEnergy) {
@@ -107,7 +107,7 @@ TEST(CamClay, TornApartItBearsItsTensileStrengthAndSoftens) {
 
 /// Sheared, snow hardens at pressures above the ellipse's centre, softens below, and stays at it.
 template <int d>
-void shear() {
+void sheared_snow() {
   const auto law = cam_clay<double, d>(test::solid(), kSnow);
   Random random(3);
   const double centre = kSnow.pressure * (1 - kSnow.cohesion) / 2;
@@ -134,8 +134,8 @@ void shear() {
 }
 
 TEST(CamClay, ShearHardensOrSoftensBesideTheCriticalState) {
-  shear<2>();
-  shear<3>();
+  sheared_snow<2>();
+  sheared_snow<3>();
 }
 
 TEST(CamClay, DensestSnowIsHalfWayToWhatTheElasticityBears) {
@@ -146,7 +146,7 @@ TEST(CamClay, DensestSnowIsHalfWayToWhatTheElasticityBears) {
 }
 
 template <int d>
-void borders() {
+void snow_borders() {
   const auto law = cam_clay<double, d>(test::solid(), kSnow);
   const auto y = law.ellipse({});
   Random random(4);
@@ -171,18 +171,18 @@ void borders() {
 }
 
 TEST(CamClay, TangentIsRightOnBothSidesOfEveryBorder) {
-  borders<2>();
-  borders<3>();
+  snow_borders<2>();
+  snow_borders<3>();
 }
 
 TEST(CamClay, RejectsWhatIsNoSnow) {
-  EXPECT_EQ(message({.slope = 0}), "the slope of the critical state must be positive, got 0");
-  EXPECT_EQ(message({.cohesion = -1}), "the cohesion must not be negative, got -1");
-  EXPECT_EQ(message({.hardening = 0}), "the hardening must be positive, got 0");
-  EXPECT_NE(message({.pressure = 0.4}).find("the yield pressure must lie between "),
+  EXPECT_EQ(snow_message({.slope = 0}), "the slope of the critical state must be positive, got 0");
+  EXPECT_EQ(snow_message({.cohesion = -1}), "the cohesion must not be negative, got -1");
+  EXPECT_EQ(snow_message({.hardening = 0}), "the hardening must be positive, got 0");
+  EXPECT_NE(snow_message({.pressure = 0.4}).find("the yield pressure must lie between "),
             std::string::npos);
-  EXPECT_NE(message({.pressure = 0}).find(" Pa, got 0"), std::string::npos);
-  EXPECT_EQ(message(kSnow), "");
+  EXPECT_NE(snow_message({.pressure = 0}).find(" Pa, got 0"), std::string::npos);
+  EXPECT_EQ(snow_message(kSnow), "");
 }
 
 }  // namespace

@@ -13,9 +13,9 @@
 namespace elastogen {
 namespace {
 
-using Random = std::mt19937_64;
+using test::Random;
 
-std::string message(const SandYield& yield) {
+std::string sand_message(const SandYield& yield) {
   try {
     drucker_prager<double>(test::solid(), yield);
   } catch (const Error& error) {
@@ -25,7 +25,7 @@ std::string message(const SandYield& yield) {
 }
 
 template <int d>
-void cone() {
+void sand_cone() {
   const auto law = drucker_prager<double, d>(test::solid(), test::kSand);
   const double alpha = cone_slope(test::kSand.friction), tip = d * d * law.bulk * law.cohesion;
   Random random(1);
@@ -51,8 +51,8 @@ void cone() {
 }
 
 TEST(DruckerPrager, FlowKeepsTheVolumeAndEndsOnTheCone) {
-  cone<2>();
-  cone<3>();
+  sand_cone<2>();
+  sand_cone<3>();
 }
 
 /// Mohr and Coulomb: with ratio (1 + sin)/(1 - sin) of the principal stresses the plane that slides
@@ -119,7 +119,7 @@ TEST(DruckerPrager, WhatOpensHasToCloseBeforeItBears) {
 }
 
 template <int d>
-void borders() {
+void sand_borders() {
   const auto law = drucker_prager<double, d>(test::solid(), test::kSand);
   Random random(2);
   const double tip = d * law.cohesion, trace = tip - 0.02;
@@ -136,8 +136,8 @@ void borders() {
 }
 
 TEST(DruckerPrager, TangentIsRightOnBothSidesOfEveryBorder) {
-  borders<2>();
-  borders<3>();
+  sand_borders<2>();
+  sand_borders<3>();
 }
 
 TEST(DruckerPrager, TangentOnTheConeIsNotSymmetric) {
@@ -148,10 +148,12 @@ TEST(DruckerPrager, TangentOnTheConeIsNotSymmetric) {
 }
 
 TEST(DruckerPrager, RejectsWhatIsNoSand) {
-  EXPECT_EQ(message({.friction = 1.6}), "the friction angle must lie in [0, pi/2), got 1.6 rad");
-  EXPECT_EQ(message({.friction = -0.1}), "the friction angle must lie in [0, pi/2), got -0.1 rad");
-  EXPECT_EQ(message({.cohesion = -1}), "the cohesion must not be negative, got -1");
-  EXPECT_EQ(message({}), "");
+  EXPECT_EQ(sand_message({.friction = 1.6}),
+            "the friction angle must lie in [0, pi/2), got 1.6 rad");
+  EXPECT_EQ(sand_message({.friction = -0.1}),
+            "the friction angle must lie in [0, pi/2), got -0.1 rad");
+  EXPECT_EQ(sand_message({.cohesion = -1}), "the cohesion must not be negative, got -1");
+  EXPECT_EQ(sand_message({}), "");
 }
 
 }  // namespace

@@ -31,7 +31,7 @@ void for_each_potential(const Visit& visit) {
 
 /// Stretches with log strains within `size` of 0, largest first as singular values are.
 template <int d>
-std::array<double, 3> stretches(double size, Random& random) {
+std::array<double, 3> sorted_stretches(double size, Random& random) {
   const auto e = test::random_strain<d>(size, random);
   std::array<double, 3> s = {std::exp(e.e[0]), std::exp(e.e[1]), d == 3 ? std::exp(e.e[2]) : 1};
   std::sort(s.begin(), s.begin() + d, std::greater<>());
@@ -39,12 +39,12 @@ std::array<double, 3> stretches(double size, Random& random) {
 }
 
 template <int d>
-void gradient() {
+void frozen_gradient() {
   for_each_potential<double, d>([](const char* name, const auto& potential, const auto& law) {
     Random random(1);
     double most = 0;
     for (int k = 0; k < 5000; ++k) {
-      auto s = stretches<d>(k % 2 ? 0.1 : 0.02, random);
+      auto s = sorted_stretches<d>(k % 2 ? 0.1 : 0.02, random);
       if (k % 10 == 0) s[1] = s[0];
       if (k % 50 == 0) s[d - 1] = s[0];
       const auto frozen = potential.frozen(s.data(), {});
@@ -58,8 +58,8 @@ void gradient() {
 
 /// In every branch, at equal stretches too.
 TEST(FrozenPotential, GradientWhereItWasFrozenIsTheStressOfTheLaw) {
-  gradient<2>();
-  gradient<3>();
+  frozen_gradient<2>();
+  frozen_gradient<3>();
 }
 
 /// With what has to close before sand bears.
@@ -68,7 +68,7 @@ TEST(FrozenPotential, SandRemembersItsOpening) {
   const FrozenDruckerPrager<double> potential = {law};
   Random random(2);
   for (int k = 0; k < 1000; ++k) {
-    const auto s = stretches<3>(0.1, random);
+    const auto s = sorted_stretches<3>(0.1, random);
     const Response<double> r =
         potential.response<false>(s.data(), potential.frozen(s.data(), {0.05}));
     const NonsymmetricResponse<double> exact = law.response<false>(s.data(), {0.05});
@@ -78,12 +78,12 @@ TEST(FrozenPotential, SandRemembersItsOpening) {
 
 /// Away from where it was frozen, in stretches: t = dpsi/ds, H = dt/ds.
 template <int d>
-void derivatives() {
+void frozen_derivatives() {
   for_each_potential<double, d>([](const char* name, const auto& potential, const auto&) {
     Random random(3);
     for (int k = 0; k < 500; ++k) {
-      const auto frozen = potential.frozen(stretches<d>(0.06, random).data(), {});
-      const auto s = stretches<d>(0.06, random);
+      const auto frozen = potential.frozen(sorted_stretches<d>(0.06, random).data(), {});
+      const auto s = sorted_stretches<d>(0.06, random);
       const Response<double> r = potential.template response<true>(s.data(), frozen);
       for (int j = 0; j < d; ++j) {
         constexpr double kStep = 1e-7;
@@ -102,18 +102,18 @@ void derivatives() {
 }
 
 TEST(FrozenPotential, StressIsItsGradientAndTheTangentItsHessian) {
-  derivatives<2>();
-  derivatives<3>();
+  frozen_derivatives<2>();
+  frozen_derivatives<3>();
 }
 
 /// Convex in log strain: psi(b) >= psi(a) + tau(a).(b - a).
 template <int d>
-void convex() {
+void frozen_convexity() {
   for_each_potential<double, d>([](const char* name, const auto& potential, const auto&) {
     if constexpr (requires { potential.template returned<false>({}, {}); }) {
       Random random(4);
       for (int k = 0; k < 3000; ++k) {
-        const auto frozen = potential.frozen(stretches<d>(0.1, random).data(), {});
+        const auto frozen = potential.frozen(sorted_stretches<d>(0.1, random).data(), {});
         const auto a = test::random_strain<d>(0.2, random), b = test::random_strain<d>(0.2, random);
         const Returned<double> from = potential.template returned<false>(a, frozen);
         double plane = from.psi;
@@ -125,15 +125,15 @@ void convex() {
 }
 
 TEST(FrozenPotential, SandAndSnowAreConvexInLogStrain) {
-  convex<2>();
-  convex<3>();
+  frozen_convexity<2>();
+  frozen_convexity<3>();
 }
 
 TEST(FrozenPotential, EnergyTurnsWithTheBody) {
   for_each_potential<double, 3>([](const char* name, const auto& potential, const auto&) {
     Random random(5);
     for (int k = 0; k < 50; ++k) {
-      const auto frozen = potential.frozen(stretches<3>(0.1, random).data(), {});
+      const auto frozen = potential.frozen(sorted_stretches<3>(0.1, random).data(), {});
       const Mat3<double> F = test::stretched_within(0.9, 1.1, random);
       const Mat3<double> Q = test::rotation(random), R = test::rotation(random);
       EXPECT_NEAR(energy_density(potential, times_transposed(Q * F, R), frozen),
@@ -149,7 +149,7 @@ TEST(FrozenPotential, QuadraticOfMetalHasItsTangent) {
   const FrozenQuadratic<VonMises<double>> potential = {law};
   Random random(6);
   for (int k = 0; k < 500; ++k) {
-    const auto s = stretches<3>(0.1, random);
+    const auto s = sorted_stretches<3>(0.1, random);
     const Response<double> r = potential.response<true>(s.data(), potential.frozen(s.data(), {}));
     const Response<double> exact = law.response<true>(s.data(), {});
     for (int i = 0; i < 3; ++i) EXPECT_NEAR(r.t[i], exact.t[i], 1e-14);
@@ -158,7 +158,7 @@ TEST(FrozenPotential, QuadraticOfMetalHasItsTangent) {
 }
 
 template <class T, int d>
-void extremes() {
+void frozen_extremes() {
   const T values[] = {T(1e4), 1, T(0.1), T(1e-3), 0, T(-0.5)};
   for_each_potential<T, d>([&](const char* name, const auto& potential, const auto&) {
     for (const T a : values)
@@ -176,10 +176,10 @@ void extremes() {
 }
 
 TEST(FrozenPotential, ExtremeStretchesStayFinite) {
-  extremes<float, 2>();
-  extremes<float, 3>();
-  extremes<double, 2>();
-  extremes<double, 3>();
+  frozen_extremes<float, 2>();
+  frozen_extremes<float, 3>();
+  frozen_extremes<double, 2>();
+  frozen_extremes<double, 3>();
 }
 
 }  // namespace

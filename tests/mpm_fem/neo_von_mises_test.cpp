@@ -8,11 +8,11 @@
 namespace elastogen {
 namespace {
 
-using Random = std::mt19937_64;
+using test::Random;
 
 /// |dev tau| at most the radius after the flow, and that where there was any; the volume stays.
 template <int d, class Law>
-void surface(const Law& law, double radius, double hardening) {
+void neo_surface(const Law& law, double radius, double hardening) {
   Random random(1);
   int flowed = 0;
   for (int k = 0; k < 3000; ++k) {
@@ -35,9 +35,9 @@ TEST(NeoVonMises, FlowKeepsTheVolumeAndEndsOnTheGrownSurface) {
     const MetalYield yield = {.stress = 0.02, .hardening = hardening};
     const auto flat = neo_von_mises<double, 2>(test::solid(), yield);
     const auto line = neo_von_mises<double>(test::solid(), yield);
-    surface<2>(flat, flat.radius, flat.hardening);
-    surface<3>(line, line.radius, line.hardening);
-    surface<3>(AssociativeNeoVonMises<double>{line}, line.radius, line.hardening);
+    neo_surface<2>(flat, flat.radius, flat.hardening);
+    neo_surface<3>(line, line.radius, line.hardening);
+    neo_surface<3>(AssociativeNeoVonMises<double>{line}, line.radius, line.hardening);
   }
 }
 
@@ -75,7 +75,7 @@ TEST(NeoVonMises, PotentialInTwoDimensionsIsItsClosedForm) {
 
 /// With potentials: stress their gradient, tangent symmetric and convex.
 template <int d, class Law>
-void potential(const Law& law) {
+void neo_potential(const Law& law) {
   Random random(4);
   for (int k = 0; k < 1000; ++k) {
     const auto e = test::random_strain<d>(0.4, random);
@@ -93,8 +93,8 @@ void potential(const Law& law) {
 TEST(NeoVonMises, AssociatedFlowHasAConvexPotential) {
   for (const double hardening : {0.0, 0.1}) {
     const MetalYield yield = {.stress = 0.02, .hardening = hardening};
-    potential<2>(neo_von_mises<double, 2>(test::solid(), yield));
-    potential<3>(AssociativeNeoVonMises<double>{neo_von_mises<double>(test::solid(), yield)});
+    neo_potential<2>(neo_von_mises<double, 2>(test::solid(), yield));
+    neo_potential<3>(AssociativeNeoVonMises<double>{neo_von_mises<double>(test::solid(), yield)});
   }
 }
 
@@ -154,7 +154,7 @@ TEST(NeoVonMises, BelowYieldItIsTheNeoHookeanLaw) {
 }
 
 template <int d, class Law>
-void borders(const Law& law, const NeoVonMises<double, d>& metal) {
+void neo_borders(const Law& law, const NeoVonMises<double, d>& metal) {
   Random random(7);
   for (int k = 0; k < 20; ++k) {
     const auto e = test::strain_along(test::random_strain<d>(0.1, random), 0.03, 0.2);
@@ -169,9 +169,9 @@ void borders(const Law& law, const NeoVonMises<double, d>& metal) {
 TEST(NeoVonMises, TangentIsRightOnBothSidesOfYield) {
   const auto flat = neo_von_mises<double, 2>(test::solid(), test::kMetal);
   const auto line = neo_von_mises<double>(test::solid(), test::kMetal);
-  borders<2>(flat, flat);
-  borders<3>(line, line);
-  borders<3>(AssociativeNeoVonMises<double>{line}, line);
+  neo_borders<2>(flat, flat);
+  neo_borders<3>(line, line);
+  neo_borders<3>(AssociativeNeoVonMises<double>{line}, line);
 }
 
 TEST(NeoVonMises, RejectsWhatIsNoMetal) {

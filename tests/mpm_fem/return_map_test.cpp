@@ -14,7 +14,7 @@ namespace {
 using test::Random;
 
 template <int d>
-void tangents() {
+void map_tangents() {
   test::for_each_map<double, d>([](const char* name, const auto& law) {
     Random random(1);
     double most = 0;
@@ -25,12 +25,12 @@ void tangents() {
 }
 
 TEST(ReturnMap, TangentIsTheSlopeOfTheStress) {
-  tangents<2>();
-  tangents<3>();
+  map_tangents<2>();
+  map_tangents<3>();
 }
 
 template <int d>
-void twice() {
+void mapped_twice() {
   test::for_each_map<double, d>([](const char* name, const auto& law) {
     Random random(2);
     double strain = 0, stress = 0;
@@ -53,12 +53,12 @@ void twice() {
 
 /// The strain stays, and its elastic stress is the stress that the map gave.
 TEST(ReturnMap, WhatItLeavesItLeavesAgain) {
-  twice<2>();
-  twice<3>();
+  mapped_twice<2>();
+  mapped_twice<3>();
 }
 
 template <int d>
-void floats() {
+void mapped_floats() {
   test::for_each_map<float, d>([](const char* name, const auto& low) {
     test::for_each_map<double, d>([&](const char* other, const auto& law) {
       if constexpr (
@@ -79,12 +79,12 @@ void floats() {
 }
 
 TEST(ReturnMap, InFloatTheStressIsTheSame) {
-  floats<2>();
-  floats<3>();
+  mapped_floats<2>();
+  mapped_floats<3>();
 }
 
 template <class T, int d>
-void extremes() {
+void mapped_extremes() {
   const T values[] = {T(1e4),  T(30),    T(1 + 1e-7), 1,        T(0.1),
                       T(1e-3), T(1e-30), 0,           T(-0.01), T(-0.5)};
   test::for_each_map<T, d>([&](const char* name, const auto& law) {
@@ -111,10 +111,10 @@ void extremes() {
 }
 
 TEST(ReturnMap, ExtremeStretchesStayFinite) {
-  extremes<float, 2>();
-  extremes<float, 3>();
-  extremes<double, 2>();
-  extremes<double, 3>();
+  mapped_extremes<float, 2>();
+  mapped_extremes<float, 3>();
+  mapped_extremes<double, 2>();
+  mapped_extremes<double, 3>();
 }
 
 /// Apart, equal, nearly equal, all equal, inverted; inside and beyond what yields.
@@ -156,7 +156,7 @@ TEST(ReturnMap, TurnsWithTheBody) {
 }
 
 template <int d>
-void works() {
+void map_work() {
   test::for_each_map<double, d>([](const char* name, const auto& law) {
     if constexpr (!requires { law.slope; }) {  // snow's flow is not associated
       Random random(6);
@@ -172,8 +172,8 @@ void works() {
 }
 
 TEST(ReturnMap, FlowTakesWork) {
-  works<2>();
-  works<3>();
+  map_work<2>();
+  map_work<3>();
 }
 
 TEST(ReturnMap, StretchesComeBackFromTheirLogarithms) {

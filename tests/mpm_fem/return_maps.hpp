@@ -7,8 +7,7 @@
 #include "mpm_fem/materials/cam_clay_map.hpp"
 #include "mpm_fem/materials/drucker_prager.hpp"
 #include "mpm_fem/materials/von_mises.hpp"
-
-#include <random>
+#include "tests/support/matrices.hpp"
 
 namespace elastogen::test {
 
@@ -41,7 +40,7 @@ void for_each_map(const Visit& visit) {
 
 /// A strain with entries within `size` of 0.
 template <int d>
-HenckyStrain<double, d> random_strain(double size, std::mt19937_64& random) {
+HenckyStrain<double, d> random_strain(double size, Random& random) {
   std::uniform_real_distribution<double> in(-size, size);
   const double e[3] = {in(random), in(random), d == 3 ? in(random) : 0};
   return split_strain<d>(e);

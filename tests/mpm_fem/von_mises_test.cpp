@@ -9,9 +9,9 @@
 namespace elastogen {
 namespace {
 
-using Random = std::mt19937_64;
+using test::Random;
 
-std::string message(const Material& material, const MetalYield& yield) {
+std::string metal_message(const Material& material, const MetalYield& yield) {
   try {
     von_mises<double>(material, yield);
   } catch (const Error& error) {
@@ -22,7 +22,7 @@ std::string message(const Material& material, const MetalYield& yield) {
 
 /// The stress of a bar that is pulled to log strain `most` in steps, free at its sides.
 template <int d, class Law>
-double bar(const Law& law, double most, int steps) {
+double pulled_bar(const Law& law, double most, int steps) {
   double s[3] = {1, 1, 1};
   typename Law::History history;
   double stress = 0;
@@ -43,25 +43,26 @@ double bar(const Law& law, double most, int steps) {
 
 /// sigma_Y + H eps_p with eps_p the strain but for sigma/E_d.
 template <int d>
-void uniaxial() {
+void metal_bar() {
   const double modulus = d == 3 ? 1 : 1 / (1 - 0.09), yield = 0.02, H = 0.1;
   const auto law = von_mises<double, d>(test::solid(), {yield, H});
   const double below = 0.9 * yield / modulus, above = 4 * yield / modulus;
-  EXPECT_NEAR((bar<d>(law, below, 3)), 0.9 * yield, 1e-13);
+  EXPECT_NEAR((pulled_bar<d>(law, below, 3)), 0.9 * yield, 1e-13);
   const double stress = yield + modulus * H / (modulus + H) * (above - yield / modulus);
   for (const int steps : {1, 2, 7})
-    EXPECT_NEAR((bar<d>(law, above, steps)), stress, 1e-13) << steps;
+    EXPECT_NEAR((pulled_bar<d>(law, above, steps)), stress, 1e-13) << steps;
   EXPECT_NEAR(stress, yield + H * (above - stress / modulus), 1e-13);
-  EXPECT_NEAR((bar<d>(von_mises<double, d>(test::solid(), {yield, 0}), above, 3)), yield, 1e-13);
+  EXPECT_NEAR((pulled_bar<d>(von_mises<double, d>(test::solid(), {yield, 0}), above, 3)), yield,
+              1e-13);
 }
 
 TEST(VonMises, ABarYieldsAtItsStressAndHardensWithItsSlope) {
-  uniaxial<2>();
-  uniaxial<3>();
+  metal_bar<2>();
+  metal_bar<3>();
 }
 
 template <int d>
-void surface() {
+void metal_surface() {
   const auto law = von_mises<double, d>(test::solid(), test::kMetal);
   Random random(1);
   int flowed = 0;
@@ -83,13 +84,13 @@ void surface() {
 }
 
 TEST(VonMises, FlowKeepsTheVolumeAndEndsOnTheGrownSurface) {
-  surface<2>();
-  surface<3>();
+  metal_surface<2>();
+  metal_surface<3>();
 }
 
 /// Li, Li, Jiang 2022 (ECI): mu a^2, beyond a_Y = radius/(2 mu) the tangent's parabola.
 template <int d>
-void potential() {
+void metal_potential() {
   const auto law = von_mises<double, d>(test::solid(), test::kMetal);
   const double mu = law.mu, H = law.hardening, start = law.radius / (2 * mu);
   Random random(2);
@@ -108,12 +109,12 @@ void potential() {
 }
 
 TEST(VonMises, StressIsTheGradientOfThePublishedPotential) {
-  potential<2>();
-  potential<3>();
+  metal_potential<2>();
+  metal_potential<3>();
 }
 
 template <int d>
-void borders() {
+void metal_borders() {
   const auto law = von_mises<double, d>(test::solid(), test::kMetal);
   Random random(3);
   const double start = law.radius / (2 * law.mu);
@@ -125,8 +126,8 @@ void borders() {
 }
 
 TEST(VonMises, TangentIsRightOnBothSidesOfYield) {
-  borders<2>();
-  borders<3>();
+  metal_borders<2>();
+  metal_borders<3>();
 }
 
 TEST(VonMises, BelowYieldItIsHenckysLaw) {
@@ -139,6 +140,17 @@ TEST(VonMises, BelowYieldItIsHenckysLaw) {
     for (int i = 0; i < 3; ++i) EXPECT_NEAR(r.t[i], exact.t[i], 1e-12 * std::abs(exact.t[2]));
     for (int i = 0; i < 6; ++i) EXPECT_NEAR(r.H[i], exact.H[i], 1e-12 * std::abs(exact.H[2]));
   }
+}
+
+/// Sheared on and on at constant volume it bears sigma_Y/sqrt(3), in two dimensions sigma_Y/2.
+TEST(VonMises, ShearBearsTheStressOfABarOverRootThree) {
+  const auto law = von_mises<double>(test::solid(), {.stress = 0.02});
+  const auto flat = von_mises<double, 2>(test::solid(), {.stress = 0.02});
+  const double s[3] = {1.25, 0.8, 1};
+  const Returned<double> r = test::returned(law, hencky_strain<3>(s)),
+                         f = test::returned(flat, hencky_strain<2>(s));
+  EXPECT_NEAR((r.tau[0] - r.tau[1]) / 2, 0.02 / std::sqrt(3.0), 1e-15);
+  EXPECT_NEAR((f.tau[0] - f.tau[1]) / 2, 0.02 / 2, 1e-15);
 }
 
 /// Flow fills the third direction, where plane strain as a whole has none; in two dimensions it has
@@ -158,13 +170,14 @@ TEST(VonMises, PlaneStrainIsTheLawInThreeDimensionsAndIntrinsicTwoIsNot) {
 }
 
 TEST(VonMises, RejectsWhatIsNoMetal) {
-  EXPECT_EQ(message(test::solid(), {.stress = 0}), "the yield stress must be positive, got 0 Pa");
-  EXPECT_EQ(message(test::solid(), {.stress = 1, .hardening = -2}),
+  EXPECT_EQ(metal_message(test::solid(), {.stress = 0}),
+            "the yield stress must be positive, got 0 Pa");
+  EXPECT_EQ(metal_message(test::solid(), {.stress = 1, .hardening = -2}),
             "the hardening must not be negative, got -2 Pa");
   Material soft = test::solid();
   soft.young = -1;
-  EXPECT_NE(message(soft, {}).find("Young's modulus must be positive"), std::string::npos);
-  EXPECT_EQ(message(test::solid(), {}), "");
+  EXPECT_NE(metal_message(soft, {}).find("Young's modulus must be positive"), std::string::npos);
+  EXPECT_EQ(metal_message(test::solid(), {}), "");
 }
 
 }  // namespace
