@@ -18,16 +18,23 @@ struct NonsymmetricResponse {
 
 /// Response in stretches from that in e = ln s: tau = dpsi/de is Kirchhoff's stress, D_e = dtau/de,
 ///
-///     t_i = tau_i/s_i,   dt_i/ds_j = (D_e,ij - delta_ij tau_i)/(s_i s_j).
+///     t_i = tau_i/s_i,   dt_i/ds_j = (D_e,ij - delta_ij tau_i)/(s_i s_j),
+///
+/// and below s = 0.1, where e is law::continued_log, what that has instead of 1/s and -1/s^2.
 template <class T>
 ELASTOGEN_HD inline NonsymmetricResponse<T> from_log_strain(const T s[3], const T& psi,
                                                             const T tau[3], const Mat3<T>& D_e) {
   NonsymmetricResponse<T> r;
+  T first[3], second[3];
+  for (int i = 0; i < 3; ++i) {
+    const law::Logarithm<T> l = law::continued_log(T(s[i] - 1));
+    first[i] = l.first, second[i] = l.second;
+  }
   r.psi = psi;
   for (int i = 0; i < 3; ++i) {
-    r.t[i] = tau[i] / s[i];
-    for (int j = 0; j < 3; ++j)
-      r.D(i, j) = (i == j ? D_e(i, j) - tau[i] : D_e(i, j)) / (s[i] * s[j]);
+    r.t[i] = tau[i] * first[i];
+    for (int j = 0; j < 3; ++j) r.D(i, j) = D_e(i, j) * first[i] * first[j];
+    r.D(i, i) += tau[i] * second[i];
   }
   return r;
 }

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the return maps of isotropic plasticity share. In the first d principal directions the
+// Hencky strain e = ln s of the elastic trial splits into trace t and deviator a n, |n| = 1; a map
+// gives from it the elastic strain after the step and Kirchhoff's stress tau with D = dtau/de. With
+// d = 3 also plane strain; with d = 2 stretch and stress out of the plane, the third, take no part.
+
+#pragma once
+
+#include "core/nonsymmetric_response.hpp"
+
+#include <limits>
+
+namespace elastogen {
+
+/// e = (trace/d) 1 + size n; n = 0 where the deviator is.
+template <class T, int d>
+struct HenckyStrain {
+  T e[3] = {}, n[3] = {}, trace = 0, size = 0;
+};
+
+/// Where a map leaves a point. What has an energy has it per unit of volume before any flow.
+template <class T>
+struct Returned {
+  T e[3] = {};     ///< elastic Hencky strain
+  T psi = 0;       ///< [J/m^3]
+  T tau[3] = {};   ///< principal Kirchhoff stress [Pa]
+  Mat3<T> D = {};  ///< dtau/de [Pa]; filled only if asked for
+};
+
+/// tau = mean 1 + shear n of laws that see trace and size alone, with both derivatives of each.
+template <class T>
+struct RadialStress {
+  T mean, mean_trace, mean_size, shear, shear_trace, shear_size;
+};
+
+template <int d, class T>
+ELASTOGEN_HD inline HenckyStrain<T, d> split_strain(const T e[3]) {
+  HenckyStrain<T, d> r;
+  for (int i = 0; i < d; ++i) r.e[i] = e[i], r.trace += e[i];
+  for (int i = 0; i < d; ++i) r.n[i] = e[i] - r.trace / d, r.size += r.n[i] * r.n[i];
+  r.size = square_root(r.size);
+  for (int i = 0; i < d; ++i) r.n[i] = r.size > 0 ? r.n[i] / r.size : T(0);
+  return r;
+}
+
+/// Of stretches s; below 0.1 the logarithm goes on as in the elastic laws.
+template <int d, class T>
+ELASTOGEN_HD inline HenckyStrain<T, d> hencky_strain(const T s[3]) {
+  T e[3] = {};
+  for (int i = 0; i < d; ++i) e[i] = law::continued_log(T(s[i] - 1)).value;
+  return split_strain<d>(e);
+}
+
+/// Writes the stretches whose Hencky strains are `after`; those that stay are left to the bit.
+template <int d, class T>
+ELASTOGEN_HD inline void set_stretches(const HenckyStrain<T, d>& before, const T after[3], T s[3]) {
+  constexpr T kStart = T(0.1), kLogStart = T(-2.302585092994045684);
+  for (int i = 0; i < d; ++i) {
+    if (after[i] == before.e[i]) continue;
+    const T below = after[i] - kLogStart;  // = x - x^2/2 in x = s/0.1 - 1
+    s[i] = below > 0 ? exponential(after[i]) : kStart * (2 - square_root(1 - 2 * below));
+  }
+}
+
+/// The strain (trace/d) 1 + size n.
+template <int d, class T>
+ELASTOGEN_HD inline void set_strain(const T& trace, const T& size, const T n[3], T e[3]) {
+  for (int i = 0; i < d; ++i) e[i] = trace / d + size * n[i];
+}
+
+/// tau and
+/// D = mean_t 1 1^T + mean_a 1 n^T + shear_t n 1^T + shear_a n n^T + shear/a (I - 1 1^T/d - n n^T).
+template <bool kTangent, int d, class T>
+ELASTOGEN_HD inline void set_stress(const HenckyStrain<T, d>& e, const RadialStress<T>& r,
+                                    Returned<T>& out) {
+  for (int i = 0; i < d; ++i) out.tau[i] = r.mean + r.shear * e.n[i];
+  if constexpr (kTangent) {
+    const T secant = e.size > 0 ? r.shear / e.size : r.shear_size;
+    for (int i = 0; i < d; ++i)
+      for (int j = 0; j < d; ++j) {
+        const T nn = e.n[i] * e.n[j];
+        out.D(i, j) = r.mean_trace + r.mean_size * e.n[j] + r.shear_trace * e.n[i] +
+                      r.shear_size * nn + secant * ((i == j) - T(1) / d - nn);
+      }
+  }
+}
+
+/// The response in stretches.
+template <class T>
+ELASTOGEN_HD inline NonsymmetricResponse<T> in_stretches(const T s[3], const Returned<T>& r) {
+  return from_log_strain(s, r.psi, r.tau, r.D);
+}
+
+/// The same of a map that has a potential, psi.
+template <class T>
+ELASTOGEN_HD inline Response<T> symmetric_in_stretches(const T s[3], const Returned<T>& r) {
+  const NonsymmetricResponse<T> full = in_stretches(s, r);
+  Response<T> response;
+  response.psi = full.psi;
+  for (int i = 0; i < 3; ++i) {
+    response.t[i] = full.t[i];
+    response.H[i] = full.D(i, i);
+    response.H[3 + i] = (full.D(i, (i + 1) % 3) + full.D((i + 1) % 3, i)) / 2;
+  }
+  return response;
+}
+
+template <class T>
+struct ValueAndSlope {
+  T value, slope;
+};
+
+/// The root of an increasing function that has one in [lower, upper]: Newton's steps from x, halves
+/// of the bracket where they leave it.
+/// @param f  f(x) gives ValueAndSlope
+template <class T, class F>
+ELASTOGEN_HD inline T increasing_root(const F& f, T lower, T upper, T x) {
+  constexpr int kMost = 80;
+  constexpr T kLast = 4 * std::numeric_limits<T>::epsilon();
+  for (int k = 0; k < kMost; ++k) {
+    const ValueAndSlope<T> r = f(x);
+    if (r.value == 0) break;
+    (r.value < 0 ? lower : upper) = x;
+    T next = x - r.value / r.slope;
+    if (!(next >= lower && next <= upper)) next = lower + (upper - lower) / 2;
+    const bool is_last = absolute(T(next - x)) <= kLast * next;
+    x = next;
+    if (is_last) break;
+  }
+  return x;
+}
+
+}  // namespace elastogen
