@@ -13,7 +13,7 @@ using test::Random;
 
 std::string snow_message(const SnowYield& yield) {
   try {
-    cam_clay<double>(test::solid(), yield);
+    cam_clay<double>(test::plastic_solid(), yield);
   } catch (const Error& error) {
     return error.what();
   }
@@ -34,7 +34,7 @@ double snow_yield(const double tau[3], double p0) {
 /// Beside the tips J stays and the point is on the ellipse, for large strains too.
 template <int d>
 void snow_ellipse() {
-  const auto law = cam_clay<double, d>(test::solid(), kSnow);
+  const auto law = cam_clay<double, d>(test::plastic_solid(), kSnow);
   Random random(1);
   int cases[3] = {};  // tip, side, inside
   for (int k = 0; k < 10000; ++k) {
@@ -62,8 +62,8 @@ TEST(CamClay, ShearFallsToTheEllipseAndKeepsTheVolume) {
 }
 
 TEST(CamClay, StressInsideIsTheGradientOfTheEnergy) {
-  const auto flat = cam_clay<double, 2>(test::solid(), kSnow);
-  const auto law = cam_clay<double>(test::solid(), kSnow);
+  const auto flat = cam_clay<double, 2>(test::plastic_solid(), kSnow);
+  const auto law = cam_clay<double>(test::plastic_solid(), kSnow);
   Random random(2);
   for (int k = 0; k < 200; ++k) {
     EXPECT_LT(test::gradient_error(flat, test::random_strain<2>(0.003, random)), 1e-10);
@@ -74,7 +74,7 @@ TEST(CamClay, StressInsideIsTheGradientOfTheEnergy) {
 /// p = -k (J^2 - 1)/2 up to p0; beyond, p0 = k (1e-5 + sinh(-xi a)) with a fallen by ln J - ln J_e;
 /// on the way back elastic from the J_e that is left.
 TEST(CamClay, PressedAndReleasedItFollowsTheClosedForm) {
-  const auto law = cam_clay<double>(test::solid(), kSnow);
+  const auto law = cam_clay<double>(test::plastic_solid(), kSnow);
   const double bulk = law.bulk, start = -std::asinh(kSnow.pressure / bulk - 1e-5);
   CamClay<double>::History history;
   double s[3] = {1, 1, 1}, a = start, trace = 0;  // trace: ln J of the elastic part
@@ -95,7 +95,7 @@ TEST(CamClay, PressedAndReleasedItFollowsTheClosedForm) {
 }
 
 TEST(CamClay, TornApartItBearsItsTensileStrengthAndSoftens) {
-  const auto law = cam_clay<double>(test::solid(), kSnow);
+  const auto law = cam_clay<double>(test::plastic_solid(), kSnow);
   double s[3] = {1.2, 1.1, 1.15};
   const Returned<double> r = test::returned(law, hencky_strain<3>(s));
   for (const double t : r.tau) EXPECT_NEAR(t, kSnow.cohesion * kSnow.pressure, 1e-15);
@@ -108,7 +108,7 @@ TEST(CamClay, TornApartItBearsItsTensileStrengthAndSoftens) {
 /// Sheared, snow hardens at pressures above the ellipse's centre, softens below, and stays at it.
 template <int d>
 void sheared_snow() {
-  const auto law = cam_clay<double, d>(test::solid(), kSnow);
+  const auto law = cam_clay<double, d>(test::plastic_solid(), kSnow);
   Random random(3);
   const double centre = kSnow.pressure * (1 - kSnow.cohesion) / 2;
   for (const double away : {-0.01, 0.0, 0.01}) {
@@ -139,7 +139,7 @@ TEST(CamClay, ShearHardensOrSoftensBesideTheCriticalState) {
 }
 
 TEST(CamClay, DensestSnowIsHalfWayToWhatTheElasticityBears) {
-  const auto law = cam_clay<double>(test::solid(), kSnow);
+  const auto law = cam_clay<double>(test::plastic_solid(), kSnow);
   const auto y = law.ellipse({-1e3});
   EXPECT_NEAR(y.pressure, 0.45001 * law.bulk, 1e-6);
   EXPECT_TRUE(std::isfinite(y.compressed));
@@ -147,7 +147,7 @@ TEST(CamClay, DensestSnowIsHalfWayToWhatTheElasticityBears) {
 
 template <int d>
 void snow_borders() {
-  const auto law = cam_clay<double, d>(test::solid(), kSnow);
+  const auto law = cam_clay<double, d>(test::plastic_solid(), kSnow);
   const auto y = law.ellipse({});
   Random random(4);
   for (const double trace : {y.compressed / 2, 0.0, y.opened / 2}) {

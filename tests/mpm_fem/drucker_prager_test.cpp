@@ -17,7 +17,7 @@ using test::Random;
 
 std::string sand_message(const SandYield& yield) {
   try {
-    drucker_prager<double>(test::solid(), yield);
+    drucker_prager<double>(test::plastic_solid(), yield);
   } catch (const Error& error) {
     return error.what();
   }
@@ -26,7 +26,7 @@ std::string sand_message(const SandYield& yield) {
 
 template <int d>
 void sand_cone() {
-  const auto law = drucker_prager<double, d>(test::solid(), test::kSand);
+  const auto law = drucker_prager<double, d>(test::plastic_solid(), test::kSand);
   const double alpha = cone_slope(test::kSand.friction), tip = d * d * law.bulk * law.cohesion;
   Random random(1);
   int cases[3] = {};  // tip, cone, inside
@@ -59,7 +59,7 @@ TEST(DruckerPrager, FlowKeepsTheVolumeAndEndsOnTheCone) {
 /// bears tan(friction) times its pressure.
 TEST(DruckerPrager, TriaxialCompressionBearsTheTangentOfItsAngle) {
   for (const double friction : {0.3, 0.5, 0.7}) {
-    const auto law = drucker_prager<double>(test::solid(), {.friction = friction});
+    const auto law = drucker_prager<double>(test::plastic_solid(), {.friction = friction});
     const double s[3] = {1.02, 1.02, 0.9};
     const Returned<double> r = test::returned(law, hencky_strain<3>(s));
     const double centre = -(r.tau[0] + r.tau[2]) / 2, radius = (r.tau[0] - r.tau[2]) / 2;
@@ -72,7 +72,7 @@ TEST(DruckerPrager, TriaxialCompressionBearsTheTangentOfItsAngle) {
 /// bears the sine of the angle in the plane times its pressure, and the worst plane the tangent.
 TEST(DruckerPrager, SteadyShearBearsTheSineOfTheAngleInThePlane) {
   const double friction = 0.5, sine = std::sqrt(2.0) * cone_slope(friction);
-  const auto law = drucker_prager<double, 2>(test::solid(), {.friction = friction});
+  const auto law = drucker_prager<double, 2>(test::plastic_solid(), {.friction = friction});
   EXPECT_NEAR(std::asin(std::sqrt(2.0) * cone_slope(std::numbers::pi / 6)) * 180 / std::numbers::pi,
               27.5, 0.05);
   // symmetric b = F F^T of the plane, turned and stretched by increments of shear
@@ -100,7 +100,7 @@ TEST(DruckerPrager, SteadyShearBearsTheSineOfTheAngleInThePlane) {
 TEST(DruckerPrager, WhatOpensHasToCloseBeforeItBears) {
   for (const bool keeps : {true, false}) {
     const auto law =
-        drucker_prager<double>(test::solid(), {.friction = 0.5, .keeps_volume = keeps});
+        drucker_prager<double>(test::plastic_solid(), {.friction = 0.5, .keeps_volume = keeps});
     DruckerPrager<double>::History history;
     double s[3] = {std::exp(0.05), std::exp(0.03), std::exp(0.02)};
     law.commit(s, history);
@@ -120,7 +120,7 @@ TEST(DruckerPrager, WhatOpensHasToCloseBeforeItBears) {
 
 template <int d>
 void sand_borders() {
-  const auto law = drucker_prager<double, d>(test::solid(), test::kSand);
+  const auto law = drucker_prager<double, d>(test::plastic_solid(), test::kSand);
   Random random(2);
   const double tip = d * law.cohesion, trace = tip - 0.02;
   const double start = 0.02 * law.friction / (2 * law.mu);
@@ -141,7 +141,7 @@ TEST(DruckerPrager, TangentIsRightOnBothSidesOfEveryBorder) {
 }
 
 TEST(DruckerPrager, TangentOnTheConeIsNotSymmetric) {
-  const auto law = drucker_prager<double>(test::solid(), {.friction = 0.5});
+  const auto law = drucker_prager<double>(test::plastic_solid(), {.friction = 0.5});
   const double e[3] = {0.05, -0.02, -0.06};
   const Mat3<double> D = test::returned(law, split_strain<3>(e)).D;
   EXPECT_GT(std::abs(D(0, 2) - D(2, 0)), 0.1 * test::largest(D));

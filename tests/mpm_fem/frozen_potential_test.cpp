@@ -21,8 +21,8 @@ using test::Random;
 /// visit(name, potential, law) with the frozen potentials in d dimensions.
 template <class T, int d, class Visit>
 void for_each_potential(const Visit& visit) {
-  const auto sand = drucker_prager<T, d>(test::solid(), kSand);
-  const auto snow = cam_clay<T, d>(test::solid(), kSnow);
+  const auto sand = drucker_prager<T, d>(test::plastic_solid(), kSand);
+  const auto snow = cam_clay<T, d>(test::plastic_solid(), kSnow);
   visit("sand", FrozenDruckerPrager<T, d>{sand}, sand);
   visit("snow", FrozenCamClay<T, d>{snow}, snow);
   visit("quadratic of sand", FrozenQuadratic<DruckerPrager<T, d>, d>{sand}, sand);
@@ -64,7 +64,7 @@ TEST(FrozenPotential, GradientWhereItWasFrozenIsTheStressOfTheLaw) {
 
 /// With what has to close before sand bears.
 TEST(FrozenPotential, SandRemembersItsOpening) {
-  const auto law = drucker_prager<double>(test::solid(), kSand);
+  const auto law = drucker_prager<double>(test::plastic_solid(), kSand);
   const FrozenDruckerPrager<double> potential = {law};
   Random random(2);
   for (int k = 0; k < 1000; ++k) {
@@ -145,7 +145,7 @@ TEST(FrozenPotential, EnergyTurnsWithTheBody) {
 
 /// Of a law with a convex potential the quadratic has its tangent as well as its stress.
 TEST(FrozenPotential, QuadraticOfMetalHasItsTangent) {
-  const auto law = von_mises<double>(test::solid(), test::kMetal);
+  const auto law = von_mises<double>(test::plastic_solid(), test::kMetal);
   const FrozenQuadratic<VonMises<double>> potential = {law};
   Random random(6);
   for (int k = 0; k < 500; ++k) {

@@ -33,8 +33,8 @@ void neo_surface(const Law& law, double radius, double hardening) {
 TEST(NeoVonMises, FlowKeepsTheVolumeAndEndsOnTheGrownSurface) {
   for (const double hardening : {0.0, 0.1}) {
     const MetalYield yield = {.stress = 0.02, .hardening = hardening};
-    const auto flat = neo_von_mises<double, 2>(test::solid(), yield);
-    const auto line = neo_von_mises<double>(test::solid(), yield);
+    const auto flat = neo_von_mises<double, 2>(test::plastic_solid(), yield);
+    const auto line = neo_von_mises<double>(test::plastic_solid(), yield);
     neo_surface<2>(flat, flat.radius, flat.hardening);
     neo_surface<3>(line, line.radius, line.hardening);
     neo_surface<3>(AssociativeNeoVonMises<double>{line}, line.radius, line.hardening);
@@ -43,8 +43,9 @@ TEST(NeoVonMises, FlowKeepsTheVolumeAndEndsOnTheGrownSurface) {
 
 /// In two dimensions without hardening sqrt(2) mu J sinh(sqrt(2) s) = radius.
 TEST(NeoVonMises, ClosedFormInTwoDimensionsIsTheLimitOfTheRoot) {
-  const auto closed = neo_von_mises<double, 2>(test::solid(), {.stress = 0.02});
-  const auto root = neo_von_mises<double, 2>(test::solid(), {.stress = 0.02, .hardening = 1e-30});
+  const auto closed = neo_von_mises<double, 2>(test::plastic_solid(), {.stress = 0.02});
+  const auto root =
+      neo_von_mises<double, 2>(test::plastic_solid(), {.stress = 0.02, .hardening = 1e-30});
   Random random(2);
   for (int k = 0; k < 1000; ++k) {
     const auto e = test::random_strain<2>(0.5, random);
@@ -60,7 +61,7 @@ TEST(NeoVonMises, ClosedFormInTwoDimensionsIsTheLimitOfTheRoot) {
 
 /// mu (sqrt(J^2 + kappa^2) - 1 - t) + lambda t^2/2 + radius (a - s), kappa = radius/(sqrt(2) mu).
 TEST(NeoVonMises, PotentialInTwoDimensionsIsItsClosedForm) {
-  const auto law = neo_von_mises<double, 2>(test::solid(), {.stress = 0.02});
+  const auto law = neo_von_mises<double, 2>(test::plastic_solid(), {.stress = 0.02});
   const double mu = law.mu, kappa = law.radius / (std::sqrt(2.0) * mu);
   Random random(3);
   for (int k = 0; k < 1000; ++k) {
@@ -93,15 +94,17 @@ void neo_potential(const Law& law) {
 TEST(NeoVonMises, AssociatedFlowHasAConvexPotential) {
   for (const double hardening : {0.0, 0.1}) {
     const MetalYield yield = {.stress = 0.02, .hardening = hardening};
-    neo_potential<2>(neo_von_mises<double, 2>(test::solid(), yield));
-    neo_potential<3>(AssociativeNeoVonMises<double>{neo_von_mises<double>(test::solid(), yield)});
+    neo_potential<2>(neo_von_mises<double, 2>(test::plastic_solid(), yield));
+    neo_potential<3>(
+        AssociativeNeoVonMises<double>{neo_von_mises<double>(test::plastic_solid(), yield)});
   }
 }
 
 /// No flow of the same volume leaves less than the map's: psi is the least of what is minimised.
 TEST(NeoVonMises, AssociatedFlowMinimisesEnergyAndWork) {
-  const AssociativeNeoVonMises<double> law = {neo_von_mises<double>(test::solid(), test::kMetal)};
-  const auto rigid = neo_von_mises<double>(test::solid(), {.stress = 1e9});
+  const AssociativeNeoVonMises<double> law = {
+      neo_von_mises<double>(test::plastic_solid(), test::kMetal)};
+  const auto rigid = neo_von_mises<double>(test::plastic_solid(), {.stress = 1e9});
   Random random(5);
   for (int k = 0; k < 300; ++k) {
     const auto e = test::random_strain<3>(0.3, random);
@@ -120,7 +123,8 @@ TEST(NeoVonMises, AssociatedFlowMinimisesEnergyAndWork) {
 
 /// The line's map is not integrable in three dimensions, but nearly.
 TEST(NeoVonMises, LineAndAssociatedFlowDifferByHundredths) {
-  const auto line = neo_von_mises<double>(test::solid(), {.stress = 0.0471});  // radius 0.1 mu
+  const auto line =
+      neo_von_mises<double>(test::plastic_solid(), {.stress = 0.0471});  // radius 0.1 mu
   const AssociativeNeoVonMises<double> law = {line};
   Random random(6);
   double strain = 0, skew = 0;
@@ -137,9 +141,9 @@ TEST(NeoVonMises, LineAndAssociatedFlowDifferByHundredths) {
 }
 
 TEST(NeoVonMises, BelowYieldItIsTheNeoHookeanLaw) {
-  const auto law = neo_von_mises<double>(test::solid(), {.stress = 1e9});
-  const LawParameters<double> elastic = {Law::kNeoHookean, test::solid().mu(),
-                                         test::solid().lambda()};
+  const auto law = neo_von_mises<double>(test::plastic_solid(), {.stress = 1e9});
+  const LawParameters<double> elastic = {Law::kNeoHookean, test::plastic_solid().mu(),
+                                         test::plastic_solid().lambda()};
   for (const double least : {0.999, 0.8, 0.3}) {
     const double s[3] = {1.3, 1.1, least};
     const NonsymmetricResponse<double> r = law.response<true>(s, {});
@@ -167,15 +171,15 @@ void neo_borders(const Law& law, const NeoVonMises<double, d>& metal) {
 }
 
 TEST(NeoVonMises, TangentIsRightOnBothSidesOfYield) {
-  const auto flat = neo_von_mises<double, 2>(test::solid(), test::kMetal);
-  const auto line = neo_von_mises<double>(test::solid(), test::kMetal);
+  const auto flat = neo_von_mises<double, 2>(test::plastic_solid(), test::kMetal);
+  const auto line = neo_von_mises<double>(test::plastic_solid(), test::kMetal);
   neo_borders<2>(flat, flat);
   neo_borders<3>(line, line);
   neo_borders<3>(AssociativeNeoVonMises<double>{line}, line);
 }
 
 TEST(NeoVonMises, RejectsWhatIsNoMetal) {
-  EXPECT_THROW(neo_von_mises<double>(test::solid(), {.stress = 0}), Error);
+  EXPECT_THROW(neo_von_mises<double>(test::plastic_solid(), {.stress = 0}), Error);
 }
 
 }  // namespace

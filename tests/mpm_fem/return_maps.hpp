@@ -13,7 +13,7 @@ namespace elastogen::test {
 
 /// E = 1 Pa, nu = 0.3; metal that yields at 0.02 Pa, sand with cohesion, snow with tips at strains of
 /// about 0.03.
-inline Material solid() {
+inline Material plastic_solid() {
   Material m;
   m.young = 1, m.poisson = 0.3;
   return m;
@@ -26,15 +26,16 @@ inline constexpr SnowYield kSnow = {
 /// visit(law) with all laws over T in d dimensions.
 template <class T, int d, class Visit>
 void for_each_map(const Visit& visit) {
-  visit("von Mises", von_mises<T, d>(solid(), kMetal));
-  visit("Drucker-Prager", drucker_prager<T, d>(solid(), kSand));
-  visit("Cam-Clay", cam_clay<T, d>(solid(), kSnow));
-  visit("neo-Hookean von Mises", neo_von_mises<T, d>(solid(), kMetal));
-  visit("without hardening", neo_von_mises<T, d>(solid(), {.stress = 0.02}));
+  visit("von Mises", von_mises<T, d>(plastic_solid(), kMetal));
+  visit("Drucker-Prager", drucker_prager<T, d>(plastic_solid(), kSand));
+  visit("Cam-Clay", cam_clay<T, d>(plastic_solid(), kSnow));
+  visit("neo-Hookean von Mises", neo_von_mises<T, d>(plastic_solid(), kMetal));
+  visit("without hardening", neo_von_mises<T, d>(plastic_solid(), {.stress = 0.02}));
   if constexpr (d == 3) {
     using Law = AssociativeNeoVonMises<T>;
-    visit("associative", Law{neo_von_mises<T>(solid(), kMetal)});
-    visit("associative without hardening", Law{neo_von_mises<T>(solid(), {.stress = 0.02})});
+    visit("associative", Law{neo_von_mises<T>(plastic_solid(), kMetal)});
+    visit("associative without hardening",
+          Law{neo_von_mises<T>(plastic_solid(), {.stress = 0.02})});
   }
 }
 
@@ -84,7 +85,7 @@ double tangent_error(const Law& law, const HenckyStrain<double, d>& e,
     for (int i = 0; i < d; ++i)
       most = std::fmax(most, std::abs((above.tau[i] - below.tau[i]) / (2 * step) - D(i, j)));
   }
-  return most / std::fmax(largest(D), solid().mu());
+  return most / std::fmax(largest(D), plastic_solid().mu());
 }
 
 /// The largest difference of tau from central differences of psi [Pa].

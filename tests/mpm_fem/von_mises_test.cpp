@@ -45,15 +45,15 @@ double pulled_bar(const Law& law, double most, int steps) {
 template <int d>
 void metal_bar() {
   const double modulus = d == 3 ? 1 : 1 / (1 - 0.09), yield = 0.02, H = 0.1;
-  const auto law = von_mises<double, d>(test::solid(), {yield, H});
+  const auto law = von_mises<double, d>(test::plastic_solid(), {yield, H});
   const double below = 0.9 * yield / modulus, above = 4 * yield / modulus;
   EXPECT_NEAR((pulled_bar<d>(law, below, 3)), 0.9 * yield, 1e-13);
   const double stress = yield + modulus * H / (modulus + H) * (above - yield / modulus);
   for (const int steps : {1, 2, 7})
     EXPECT_NEAR((pulled_bar<d>(law, above, steps)), stress, 1e-13) << steps;
   EXPECT_NEAR(stress, yield + H * (above - stress / modulus), 1e-13);
-  EXPECT_NEAR((pulled_bar<d>(von_mises<double, d>(test::solid(), {yield, 0}), above, 3)), yield,
-              1e-13);
+  EXPECT_NEAR((pulled_bar<d>(von_mises<double, d>(test::plastic_solid(), {yield, 0}), above, 3)),
+              yield, 1e-13);
 }
 
 TEST(VonMises, ABarYieldsAtItsStressAndHardensWithItsSlope) {
@@ -63,7 +63,7 @@ TEST(VonMises, ABarYieldsAtItsStressAndHardensWithItsSlope) {
 
 template <int d>
 void metal_surface() {
-  const auto law = von_mises<double, d>(test::solid(), test::kMetal);
+  const auto law = von_mises<double, d>(test::plastic_solid(), test::kMetal);
   Random random(1);
   int flowed = 0;
   for (int k = 0; k < 3000; ++k) {
@@ -91,7 +91,7 @@ TEST(VonMises, FlowKeepsTheVolumeAndEndsOnTheGrownSurface) {
 /// Li, Li, Jiang 2022 (ECI): mu a^2, beyond a_Y = radius/(2 mu) the tangent's parabola.
 template <int d>
 void metal_potential() {
-  const auto law = von_mises<double, d>(test::solid(), test::kMetal);
+  const auto law = von_mises<double, d>(test::plastic_solid(), test::kMetal);
   const double mu = law.mu, H = law.hardening, start = law.radius / (2 * mu);
   Random random(2);
   for (int k = 0; k < 1000; ++k) {
@@ -115,7 +115,7 @@ TEST(VonMises, StressIsTheGradientOfThePublishedPotential) {
 
 template <int d>
 void metal_borders() {
-  const auto law = von_mises<double, d>(test::solid(), test::kMetal);
+  const auto law = von_mises<double, d>(test::plastic_solid(), test::kMetal);
   Random random(3);
   const double start = law.radius / (2 * law.mu);
   for (const double size : {0.0, start - 1e-6, start + 1e-6})
@@ -131,8 +131,9 @@ TEST(VonMises, TangentIsRightOnBothSidesOfYield) {
 }
 
 TEST(VonMises, BelowYieldItIsHenckysLaw) {
-  const auto law = von_mises<double>(test::solid(), {.stress = 1e9});
-  const LawParameters<double> hencky = {Law::kHencky, test::solid().mu(), test::solid().lambda()};
+  const auto law = von_mises<double>(test::plastic_solid(), {.stress = 1e9});
+  const LawParameters<double> hencky = {Law::kHencky, test::plastic_solid().mu(),
+                                        test::plastic_solid().lambda()};
   for (const double least : {0.8, 0.05, -0.2}) {
     const double s[3] = {1.3, 1.1, least};
     const Response<double> r = law.response<true>(s, {}), exact = elastic_response<true>(hencky, s);
@@ -144,8 +145,8 @@ TEST(VonMises, BelowYieldItIsHenckysLaw) {
 
 /// Sheared on and on at constant volume it bears sigma_Y/sqrt(3), in two dimensions sigma_Y/2.
 TEST(VonMises, ShearBearsTheStressOfABarOverRootThree) {
-  const auto law = von_mises<double>(test::solid(), {.stress = 0.02});
-  const auto flat = von_mises<double, 2>(test::solid(), {.stress = 0.02});
+  const auto law = von_mises<double>(test::plastic_solid(), {.stress = 0.02});
+  const auto flat = von_mises<double, 2>(test::plastic_solid(), {.stress = 0.02});
   const double s[3] = {1.25, 0.8, 1};
   const Returned<double> r = test::returned(law, hencky_strain<3>(s)),
                          f = test::returned(flat, hencky_strain<2>(s));
@@ -156,7 +157,7 @@ TEST(VonMises, ShearBearsTheStressOfABarOverRootThree) {
 /// Flow fills the third direction, where plane strain as a whole has none; in two dimensions it has
 /// no place to.
 TEST(VonMises, PlaneStrainIsTheLawInThreeDimensionsAndIntrinsicTwoIsNot) {
-  const auto law = von_mises<double>(test::solid(), {.stress = 0.02});
+  const auto law = von_mises<double>(test::plastic_solid(), {.stress = 0.02});
   double s[3] = {1.2, 0.9, 1};
   VonMises<double>::History history;
   law.commit(s, history);
@@ -164,20 +165,20 @@ TEST(VonMises, PlaneStrainIsTheLawInThreeDimensionsAndIntrinsicTwoIsNot) {
   EXPECT_NEAR(s[0] * s[1] * s[2], 1.2 * 0.9, 1e-15);
   double flat[3] = {1.2, 0.9, 1};
   VonMises<double, 2>::History flow;
-  von_mises<double, 2>(test::solid(), {.stress = 0.02}).commit(flat, flow);
+  von_mises<double, 2>(test::plastic_solid(), {.stress = 0.02}).commit(flat, flow);
   EXPECT_EQ(flat[2], 1);
   EXPECT_NEAR(flat[0] * flat[1], 1.2 * 0.9, 1e-15);
 }
 
 TEST(VonMises, RejectsWhatIsNoMetal) {
-  EXPECT_EQ(metal_message(test::solid(), {.stress = 0}),
+  EXPECT_EQ(metal_message(test::plastic_solid(), {.stress = 0}),
             "the yield stress must be positive, got 0 Pa");
-  EXPECT_EQ(metal_message(test::solid(), {.stress = 1, .hardening = -2}),
+  EXPECT_EQ(metal_message(test::plastic_solid(), {.stress = 1, .hardening = -2}),
             "the hardening must not be negative, got -2 Pa");
-  Material soft = test::solid();
+  Material soft = test::plastic_solid();
   soft.young = -1;
   EXPECT_NE(metal_message(soft, {}).find("Young's modulus must be positive"), std::string::npos);
-  EXPECT_EQ(metal_message(test::solid(), {}), "");
+  EXPECT_EQ(metal_message(test::plastic_solid(), {}), "");
 }
 
 }  // namespace
