@@ -4,6 +4,7 @@
 #include "mpm_fem/integrators/implicit_fem.hpp"
 #include "scene/fem_boundary.hpp"
 #include "scene/fem_scene.hpp"
+#include "scene/host_stepper.hpp"
 
 #include <algorithm>
 
@@ -17,10 +18,11 @@ Array<double> difference(const Array<double>& a, const Array<double>& b) {
   return result;
 }
 
-class FemStepper : public Stepper {
+class FemStepper : public HostStepper {
  public:
   FemStepper(const Setup& setup, const RunDescription& run, std::function<bool()> stop)
-      : setup_(setup),
+      : HostStepper(setup.scene.grid),
+        setup_(setup),
         run_(run),
         stop_(std::move(stop)),
         scene_(fem_scene(setup, run)),
@@ -29,13 +31,6 @@ class FemStepper : public Stepper {
   void begin(const StartMotion& motion) override;
   void begin_at(const State& state) override;
   StepReport advance() override;
-  const State& state() override { return state_; }
-  bool fits_single() const override { return elastogen::fits_single(state_.x); }
-  void carry(const CarriedPoints& points, bool with_gradient) override {
-    frames_.emplace(setup_.scene.grid, points, with_gradient);
-  }
-  int64_t start_frame() override { return frames_->make(state_.x); }
-  CarriedFrame take_frame(int64_t number) const override { return frames_->take(number); }
   Span<const double> residual() const override { return solver_.residual(); }
   void describe(StateHeader& header) const override {
     describe_fem(setup_, run_, scene_, header);
@@ -50,9 +45,7 @@ class FemStepper : public Stepper {
   std::function<bool()> stop_;
   fem::FemScene scene_;
   fem::ImplicitFem solver_;
-  fem::FemState fem_;  ///< what steps work on
-  State state_;        ///< the same as positions
-  std::optional<NodeFrames> frames_;
+  fem::FemState fem_;  ///< what steps work on; state_ is the same as positions
 };
 
 void FemStepper::begin(const StartMotion& motion) {
@@ -67,7 +60,7 @@ void FemStepper::begin(const StartMotion& motion) {
 }
 
 void FemStepper::begin_at(const State& state) {
-  state_ = state;
+  HostStepper::begin_at(state);
   fem_ = {};
   fem_.u = difference(state.x, scene_.mesh.rest);
   fem_.v = state.v;

@@ -2,6 +2,7 @@
 #include "scene/network_stepper.hpp"
 
 #include "network/contact.hpp"
+#include "scene/host_stepper.hpp"
 
 namespace elastogen {
 namespace {
@@ -18,86 +19,80 @@ StateNet state_net(const LearnedLaw& net) {
 }
 
 /// What both machines share.
-class NetworkStepper : public Stepper {
- public:
-  NetworkStepper(const Scene& scene, const SolverOptions& options, std::unique_ptr<Solver> solver)
-      : scene_(scene),
-        nets_(options.learned),
-        tolerance_(options.tolerance),
-        solver_(std::move(solver)) {}
+struct Network {
+  const Scene& scene;
+  LearnedLaws nets;
+  double tolerance;
+  std::unique_ptr<Solver> solver;
 
-  void begin(const StartMotion& motion) override { begin_at(initial_state(scene_, motion)); }
-  Span<const double> residual() const override { return solver_->residual(); }
-  std::string device() const override { return solver_->device(); }
-
-  void describe(StateHeader& header) const override {
-    header.solver = solver_name(solver_->mode());
-    header.tolerance = tolerance_;
-    for (const auto& net : nets_) header.nets.push_back(net ? state_net(*net) : StateNet());
-    if (!nets_.empty()) header.energy = "neural";
-    if (!scene_.colliders.empty())
-      header.contact = {{"layer", contact_layer(scene_)}, {"slip_range", slip_range(scene_)}};
+  void describe(StateHeader& header) const {
+    header.solver = solver_name(solver->mode());
+    header.tolerance = tolerance;
+    for (const auto& net : nets) header.nets.push_back(net ? state_net(*net) : StateNet());
+    if (!nets.empty()) header.energy = "neural";
+    if (!scene.colliders.empty())
+      header.contact = {{"layer", contact_layer(scene)}, {"slip_range", slip_range(scene)}};
   }
-
- protected:
-  const Scene& scene_;
-  LearnedLaws nets_;
-  double tolerance_;
-  std::unique_ptr<Solver> solver_;
 };
 
-/// Its state lies here, and steps work on it in place.
-class CpuStepper : public NetworkStepper {
+/// Steps work on the state in place.
+class CpuStepper : public HostStepper {
  public:
-  using NetworkStepper::NetworkStepper;
+  explicit CpuStepper(Network network)
+      : HostStepper(network.scene.grid), network_(std::move(network)) {}
 
-  void begin_at(const State& state) override { state_ = state; }
-  StepReport advance() override { return solver_->step(state_); }
-  const State& state() override { return state_; }
-  bool fits_single() const override { return elastogen::fits_single(state_.x); }
-  void carry(const CarriedPoints& points, bool with_gradient) override {
-    frames_.emplace(scene_.grid, points, with_gradient);
+  void begin(const StartMotion& motion) override {
+    begin_at(initial_state(network_.scene, motion));
   }
-  int64_t start_frame() override { return frames_->make(state_.x); }
-  CarriedFrame take_frame(int64_t number) const override { return frames_->take(number); }
+  StepReport advance() override { return network_.solver->step(state_); }
+  Span<const double> residual() const override { return network_.solver->residual(); }
+  void describe(StateHeader& header) const override { network_.describe(header); }
 
  private:
-  State state_;
-  std::optional<NodeFrames> frames_;
+  Network network_;
 };
 
-/// Its state stays on the card, where frames are made too.
-class CardStepper : public NetworkStepper {
+/// The state stays on the card, where frames are made too.
+class CardStepper : public Stepper {
  public:
-  using NetworkStepper::NetworkStepper;
+  explicit CardStepper(Network network) : network_(std::move(network)) {}
 
+  void begin(const StartMotion& motion) override {
+    begin_at(initial_state(network_.scene, motion));
+  }
   void begin_at(const State& state) override {
     state_ = state;
-    solver_->begin(state);
+    network_.solver->begin(state);
   }
-  StepReport advance() override { return solver_->advance(); }
+  StepReport advance() override { return network_.solver->advance(); }
   const State& state() override {
-    solver_->read(state_);
+    network_.solver->read(state_);
     return state_;
   }
-  bool fits_single() const override { return solver_->reach() < kLargestSingle; }
+  bool fits_single() const override { return network_.solver->reach() < kLargestSingle; }
   void carry(const CarriedPoints& points, bool with_gradient) override {
-    solver_->carry(points.embedding, with_gradient);
+    network_.solver->carry(points.embedding, with_gradient);
   }
-  int64_t start_frame() override { return solver_->start_frame(); }
-  CarriedFrame take_frame(int64_t number) const override { return solver_->take_frame(number); }
+  int64_t start_frame() override { return network_.solver->start_frame(); }
+  CarriedFrame take_frame(int64_t number) const override {
+    return network_.solver->take_frame(number);
+  }
+  Span<const double> residual() const override { return network_.solver->residual(); }
+  std::string device() const override { return network_.solver->device(); }
+  void describe(StateHeader& header) const override { network_.describe(header); }
 
  private:
+  Network network_;
   State state_;  ///< as it was read last
 };
 
 }  // namespace
 
 std::unique_ptr<Stepper> make_network_stepper(const Scene& scene, const SolverOptions& options) {
-  auto solver = std::make_unique<Solver>(scene, options);
-  if (solver->device() == "cpu")
-    return std::make_unique<CpuStepper>(scene, options, std::move(solver));
-  return std::make_unique<CardStepper>(scene, options, std::move(solver));
+  Network network = {scene, options.learned, options.tolerance,
+                     std::make_unique<Solver>(scene, options)};
+  if (network.solver->device() == "cpu") return std::make_unique<CpuStepper>(std::move(network));
+  return std::make_unique<CardStepper>(std::move(network));
 }
 
 }  // namespace elastogen

@@ -4,16 +4,18 @@
 #include "core/stopwatch.hpp"
 #include "mpm_fem/integrators/static_fem.hpp"
 #include "scene/fem_scene.hpp"
+#include "scene/host_stepper.hpp"
 
 #include <fmt/format.h>
 
 namespace elastogen {
 namespace {
 
-class StaticStepper : public Stepper {
+class StaticStepper : public HostStepper {
  public:
   StaticStepper(const Setup& setup, const RunDescription& run)
-      : setup_(setup),
+      : HostStepper(setup.scene.grid),
+        setup_(setup),
         run_(run),
         scene_(fem_scene(setup, run)),
         residual_(scene_.mesh.rest.rows(), 3) {}
@@ -23,15 +25,7 @@ class StaticStepper : public Stepper {
     state_.x = scene_.mesh.rest;
     state_.v = Array<double>(state_.x.rows(), 3);
   }
-  void begin_at(const State& state) override { state_ = state; }
   StepReport advance() override;
-  const State& state() override { return state_; }
-  bool fits_single() const override { return elastogen::fits_single(state_.x); }
-  void carry(const CarriedPoints& points, bool with_gradient) override {
-    frames_.emplace(setup_.scene.grid, points, with_gradient);
-  }
-  int64_t start_frame() override { return frames_->make(state_.x); }
-  CarriedFrame take_frame(int64_t number) const override { return frames_->take(number); }
   Span<const double> residual() const override { return residual_; }
   void describe(StateHeader& header) const override {
     describe_fem(setup_, run_, scene_, header);
@@ -42,9 +36,7 @@ class StaticStepper : public Stepper {
   const Setup& setup_;
   const RunDescription& run_;
   fem::FemScene scene_;
-  State state_;
   Array<double> residual_;  ///< of the last step [N], (nodes, 3)
-  std::optional<NodeFrames> frames_;
 };
 
 StepReport StaticStepper::advance() {

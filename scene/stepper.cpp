@@ -5,15 +5,7 @@
 #include "scene/network_stepper.hpp"
 #include "scene/static_stepper.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 namespace elastogen {
-
-bool fits_single(const Array<double>& positions) {
-  const auto fits = [](double value) { return std::abs(value) < kLargestSingle; };
-  return std::all_of(positions.data(), positions.data() + positions.size(), fits);
-}
 
 std::unique_ptr<Stepper> make_stepper(const Setup& setup, const RunDescription& run,
                                       const StepperHooks& hooks, std::vector<std::string>& notes) {

@@ -51,9 +51,6 @@ class Stepper {
 /// The largest position that single precision holds with room to spare [m].
 inline constexpr double kLargestSingle = 1e37;
 
-/// Whether all of an array are smaller than that.
-bool fits_single(const Array<double>& positions);
-
 /// What a run asks for beside its description.
 struct StepperHooks {
   std::function<bool()> stop = [] { return false; };  ///< polled in steps; true gives one up

@@ -15,7 +15,7 @@ namespace elastogen {
 template <class T>
 struct AssociativeNeoVonMises {
   using Real = T;
-  using History = typename NeoVonMises<T, 3>::History;
+  using History = FlowHistory<T>;
   NeoVonMises<T, 3> line;  ///< the same metal, whose map is the first guess
 
   /// What is minimised; its derivatives along u = delta/|delta| and v across it, so that what the
@@ -120,13 +120,7 @@ struct AssociativeNeoVonMises {
     return symmetric_in_stretches(s, returned<kTangent>(hencky_strain<3>(s), history));
   }
 
-  ELASTOGEN_HD void commit(T s[3], History& history) const {
-    const HenckyStrain<T, 3> e = hencky_strain<3>(s);
-    const Returned<T> r = returned<false>(e, history);
-    const T delta[3] = {e.e[0] - r.e[0], e.e[1] - r.e[1], e.e[2] - r.e[2]};
-    set_stretches(e, r.e, s);
-    history.flow += split_strain<3>(delta).size;
-  }
+  ELASTOGEN_HD void commit(T s[3], History& history) const { commit_flow<3>(*this, s, history); }
 };
 
 }  // namespace elastogen

@@ -6,7 +6,7 @@
 
 #pragma once
 
-#include "mpm_fem/materials/return_map.hpp"
+#include "mpm_fem/materials/metal.hpp"
 #include "mpm_fem/materials/yield.hpp"
 
 namespace elastogen {
@@ -14,9 +14,7 @@ namespace elastogen {
 template <class T, int d = 3>
 struct VonMises {
   using Real = T;
-  struct History {
-    T flow = 0;  ///< sum of |plastic strain increment| [-]
-  };
+  using History = FlowHistory<T>;
   T mu, bulk;           ///< [Pa]
   T radius, hardening;  ///< |dev tau| <= radius + hardening flow [Pa]
 
@@ -42,12 +40,7 @@ struct VonMises {
     return symmetric_in_stretches(s, returned<kTangent>(hencky_strain<d>(s), history));
   }
 
-  ELASTOGEN_HD void commit(T s[3], History& history) const {
-    const HenckyStrain<T, d> e = hencky_strain<d>(s);
-    const Returned<T> r = returned<false>(e, history);
-    set_stretches(e, r.e, s);
-    history.flow += e.size - split_strain<d>(r.e).size;
-  }
+  ELASTOGEN_HD void commit(T s[3], History& history) const { commit_flow<d>(*this, s, history); }
 };
 
 /// @throws Error as check_yield.

@@ -100,6 +100,23 @@ struct TwoBars {
   }
 };
 
+/// The bars with their spring attached, as one potential.
+struct JoinedBars {
+  TwoBars bars;
+  ElasticTerm first, second;
+  Spring spring;
+  Potential potential;
+
+  JoinedBars(Element element, bool clamped)
+      : bars(element, clamped),
+        first(bars.first.mesh, bars.first.materials),
+        second(bars.second.mesh, bars.second.materials, int32_t(bars.first.mesh.rest.rows())),
+        spring(bars.rest, bars.end, bars.start, TwoBars::kSpring),
+        potential(bars.rest, bars.fixed, MassMatrix(bars.mass()), {&first, &second, &spring}) {
+    spring.attach();
+  }
+};
+
 /// Displacement of a node of a body under small forces on it, by a static solution of its own.
 Eigen::Matrix3d compliance(FemScene scene, int64_t node) {
   constexpr double kForce = 1e-4;
@@ -116,13 +133,10 @@ Eigen::Matrix3d compliance(FemScene scene, int64_t node) {
 
 TEST(Potential, TwoBodiesJoinedByASpringGiveWayByTheirCompliances) {
   for (const Element element : {Element::kHex, Element::kTet4}) {
-    TwoBars bars(element, true);
+    JoinedBars joined(element, true);
+    const TwoBars& bars = joined.bars;
+    Potential& potential = joined.potential;
     const auto nodes = int32_t(bars.first.mesh.rest.rows());
-    ElasticTerm first(bars.first.mesh, bars.first.materials);
-    ElasticTerm second(bars.second.mesh, bars.second.materials, nodes);
-    Spring spring(bars.rest, bars.end, bars.start, TwoBars::kSpring);
-    spring.attach();
-    Potential potential(bars.rest, bars.fixed, MassMatrix(bars.mass()), {&first, &second, &spring});
     Array<double> u(bars.rest.rows(), 3);
     EXPECT_EQ(potential.minimise({.tolerance = 1e-9}, u.data()).stop, NewtonStop::kConverged);
 
@@ -141,12 +155,9 @@ TEST(Potential, TwoBodiesJoinedByASpringGiveWayByTheirCompliances) {
 }
 
 TEST(Potential, AFreePairKeepsItsMomenta) {
-  TwoBars bars(Element::kHex, false);
-  ElasticTerm first(bars.first.mesh, bars.first.materials);
-  ElasticTerm second(bars.second.mesh, bars.second.materials, int32_t(bars.first.mesh.rest.rows()));
-  Spring spring(bars.rest, bars.end, bars.start, TwoBars::kSpring);
-  spring.attach();
-  Potential potential(bars.rest, {}, MassMatrix(bars.mass()), {&first, &second, &spring});
+  JoinedBars joined(Element::kHex, false);
+  const TwoBars& bars = joined.bars;
+  Potential& potential = joined.potential;
   Random random(8);
   std::normal_distribution<double> normal(0, 0.02);
   Array<double> ahead(bars.rest.rows(), 3), u = ahead;
@@ -180,12 +191,9 @@ TEST(Potential, AFreePairKeepsItsMomenta) {
 }
 
 TEST(Potential, GradientIsTheSlopeOfTheSumOfItsTerms) {
-  TwoBars bars(Element::kHex, false);
-  ElasticTerm first(bars.first.mesh, bars.first.materials);
-  ElasticTerm second(bars.second.mesh, bars.second.materials, int32_t(bars.first.mesh.rest.rows()));
-  Spring spring(bars.rest, bars.end, bars.start, TwoBars::kSpring);
-  spring.attach();
-  Potential potential(bars.rest, {}, MassMatrix(bars.mass()), {&first, &second, &spring});
+  JoinedBars joined(Element::kHex, false);
+  const TwoBars& bars = joined.bars;
+  Potential& potential = joined.potential;
   Random random(9);
   std::normal_distribution<double> normal(0, 0.01);
   Array<double> u(bars.rest.rows(), 3), ahead = u, force = u, along = u, g = u, unused = u;
