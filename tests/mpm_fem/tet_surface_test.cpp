@@ -15,7 +15,7 @@ namespace {
 
 using test::error_of, test::expect_says;
 
-const std::vector<Vec2> kL = {{0, 0}, {4, 0}, {4, 1}, {1, 1}, {1, 3}, {0, 3}};  // area 6
+const std::vector<Vec2> kEll = {{0, 0}, {4, 0}, {4, 1}, {1, 1}, {1, 3}, {0, 3}};  // area 6
 
 /// Volume that triangles bound, positive where they are seen counterclockwise from outside [m^3].
 double enclosed(const ElementMesh& mesh, const Array<int32_t>& triangles) {
@@ -41,7 +41,7 @@ int64_t open_edges(const Array<int32_t>& triangles) {
 
 TEST(TetSurface, IsClosedAndSeenFromOutside) {
   for (const Element element : {Element::kTet4, Element::kTet10}) {
-    const ElementMesh mesh = extruded_polygon(kL, 0.5, 1, 2, element);
+    const ElementMesh mesh = extruded_polygon(kEll, 0.5, 1, 2, element);
     const Array<int32_t> triangles = outer_triangles(mesh);
     const int64_t faces = 2 * 16 + 2 * 12 * 2;  // bottom and top, two a side of a prism
     EXPECT_EQ(triangles.rows(), faces * (element == Element::kTet4 ? 1 : 4));
