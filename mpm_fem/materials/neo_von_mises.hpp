@@ -109,9 +109,14 @@ struct NeoVonMises {
     return r;
   }
 
+  /// In the plane psi is a potential of tau.
   template <bool kTangent>
-  ELASTOGEN_HD NonsymmetricResponse<T> response(const T s[3], const History& history) const {
-    return in_stretches(s, returned<kTangent>(hencky_strain<d>(s), history));
+  ELASTOGEN_HD auto response(const T s[3], const History& history) const {
+    const Returned<T> r = returned<kTangent>(hencky_strain<d>(s), history);
+    if constexpr (d == 2)
+      return symmetric_in_stretches(s, r);
+    else
+      return in_stretches(s, r);
   }
 
   ELASTOGEN_HD void commit(T s[3], History& history) const { commit_flow<d>(*this, s, history); }
