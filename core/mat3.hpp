@@ -68,4 +68,27 @@ ELASTOGEN_HD inline Mat3<T> cofactor(const Mat3<T>& A) {
   return C;
 }
 
+/// A^-1; not finite where det A is 0.
+template <class T>
+ELASTOGEN_HD inline Mat3<T> inverse(const Mat3<T>& A) {
+  const Mat3<T> C = cofactor(A);
+  const T J = determinant(A);
+  Mat3<T> R;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) R(i, j) = C(j, i) / J;
+  return R;
+}
+
+/// A as it lies in memory.
+template <class T>
+ELASTOGEN_HD inline Mat3<T> load_matrix(const T* from) {
+  Mat3<T> A;
+  for (int k = 0; k < 9; ++k) A.m[k] = from[k];
+  return A;
+}
+template <class T>
+ELASTOGEN_HD inline void store_matrix(const Mat3<T>& A, T* to) {
+  for (int k = 0; k < 9; ++k) to[k] = A.m[k];
+}
+
 }  // namespace elastogen

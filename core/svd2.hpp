@@ -21,7 +21,8 @@ ELASTOGEN_HD inline Svd3<T> plane_svd(const Mat3<T>& F) {
   const T q = std::hypot(e, h), r = std::hypot(f, g);
   const T turn = q > 0 ? std::atan2(h, e) : T(0), mirror = r > 0 ? std::atan2(g, f) : T(0);
   const T left = (turn + mirror) / 2, right = (mirror - turn) / 2;
-  Svd3<T> s{.U = identity<T>(), .V = identity<T>()};
+  Svd3<T> s;
+  s.U = s.V = identity<T>();
   s.U(0, 0) = s.U(1, 1) = std::cos(left), s.U(1, 0) = std::sin(left), s.U(0, 1) = -s.U(1, 0);
   s.V(0, 0) = s.V(1, 1) = std::cos(right), s.V(1, 0) = std::sin(right), s.V(0, 1) = -s.V(1, 0);
   s.sigma[0] = q + r, s.sigma[1] = q - r, s.sigma[2] = F(2, 2);

@@ -17,7 +17,7 @@ namespace elastogen {
 /// cam_clay.hpp, whatever `elastic` says; of metal with Law::kNeoHookean that one.
 struct Solid {
   Material elastic;
-  std::variant<std::monostate, MetalYield, SandYield, SnowYield> yield;
+  std::variant<std::monostate, MetalYield, SandYield, SnowYield> yield = {};
 
   bool is_plastic() const { return yield.index() != 0; }
 };

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// Implicit steps of the material point method: Euler's, with plastic flow and contact within the
+// equations (mpm_equations.hpp), solved by Newton's method on their true residual.
+
+#pragma once
+
+#include "core/report.hpp"
+#include "mpm_fem/integrators/mpm_equations.hpp"
+#include "mpm_fem/solve/root.hpp"
+
+namespace elastogen::mpm {
+
+struct ImplicitMpmOptions {
+  double tolerance = 1e-3;  ///< of |r| / |M g_ref|_{M^-1}
+  int max_newton = 40;
+  int max_iterations = 400;  ///< of GMRES in a solve
+};
+
+/// outer counts Newton steps, inner iterations of GMRES.
+struct MpmStepReport : StepReport {
+  fem::RootStop stop = fem::RootStop::kConverged;
+};
+
+template <int d>
+class ImplicitMpm {
+ public:
+  /// The scene must outlive it.
+  explicit ImplicitMpm(const MpmScene& scene, const ImplicitMpmOptions& options = {});
+
+  /// Advances by scene.dt from `time` [s]. If the result is not finite the particles stay as they
+  /// were and the report says so.
+  MpmStepReport step(double time, Particles& particles);
+
+ private:
+  fem::RootResult solve(std::vector<double>& y);
+  void finish(const std::vector<double>& y, Particles& particles);
+
+  const MpmScene& scene_;
+  ImplicitMpmOptions options_;
+  MpmEquations<d> equations_;
+  GmresWork<double> work_{0};
+  int64_t iterations_ = 0;
+};
+
+extern template class ImplicitMpm<2>;
+extern template class ImplicitMpm<3>;
+
+}  // namespace elastogen::mpm

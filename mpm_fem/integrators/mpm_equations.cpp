@@ -1,0 +1,320 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mpm_fem/integrators/mpm_equations.hpp"
+
+#include "core/constants.hpp"
+#include "core/svd2.hpp"
+#include "mpm_fem/mpm/volume_share.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <limits>
+
+namespace elastogen::mpm {
+namespace {
+
+Mat3<double> deformation(const Mat3<double>& gradient, const Particles& p, int64_t k) {
+  Mat3<double> now = gradient;
+  for (int a = 0; a < 3; ++a) now(a, a) += 1;
+  return now * load_matrix(p.F.row(k));
+}
+
+PrincipalHessian<double, Mat3<double>> full(const PrincipalHessian<double, Mat3<double>>& h) {
+  return h;
+}
+PrincipalHessian<double, Mat3<double>> full(const PrincipalHessian<double>& h) {
+  PrincipalHessian<double, Mat3<double>> r;
+  r.A = {h.A.m[0], h.A.m[3], h.A.m[5], h.A.m[3], h.A.m[1], h.A.m[4], h.A.m[5], h.A.m[4], h.A.m[2]};
+  for (int i = 0; i < 3; ++i) r.twist[i] = h.twist[i], r.flip[i] = h.flip[i];
+  return r;
+}
+
+void scale(double factor, PrincipalHessian<double, Mat3<double>>& h) {
+  for (double& a : h.A.m) a *= factor;
+  for (int i = 0; i < 3; ++i) h.twist[i] *= factor, h.flip[i] *= factor;
+}
+
+/// The block of one node, with z = (Fe V)^T grad w: U M U^T,
+/// M_kk = A_kk z_k^2 + sum_j (flip + twist)/2 z_j^2, M_lk = (A_lk + (flip - twist)/2) z_k z_l.
+Mat3<double> node_block(const PrincipalHessian<double>& h, const Svd3<double>& frame,
+                        const double g[3]) {
+  double z[3];
+  for (int i = 0; i < 3; ++i)
+    z[i] = frame.V(0, i) * g[0] + frame.V(1, i) * g[1] + frame.V(2, i) * g[2];
+  Mat3<double> M;
+  for (int i = 0; i < 3; ++i) M(i, i) = h.A.m[i] * z[i] * z[i];
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3;
+    const double sum = (h.flip[i] + h.twist[i]) / 2, difference = (h.flip[i] - h.twist[i]) / 2;
+    M(i, i) += sum * z[j] * z[j];
+    M(j, j) += sum * z[i] * z[i];
+    M(i, j) = M(j, i) = (h.A.m[3 + i] + difference) * z[i] * z[j];
+  }
+  return times_transposed(frame.U * M, frame.U);
+}
+
+}  // namespace
+
+template <int d>
+MpmEquations<d>::MpmEquations(const MpmScene& scene) : scene_(scene), grid_(scene.h) {
+  check_scene(scene);
+  for (const Solid& solid : scene.solids) laws_.push_back(point_law<d>(solid));
+}
+
+template <int d>
+void MpmEquations<d>::begin(const Particles& particles, double time, double dt) {
+  particles_ = &particles;
+  dt_ = dt;
+  grid_.update(particles.x);
+  start_ = particles_to_grid<d>(grid_, particles, scratch_);
+  walls_.begin(grid_, scene_.walls, time, dt);
+  wall_tangent_.resize(size_t(walls_.count()));
+  root_mass_.resize(size_t(grid_.nodes()));
+  inverse_root_.resize(root_mass_.size());
+  double total = 0;
+  for (size_t i = 0; i < root_mass_.size(); ++i) {
+    const double m = start_.mass(int64_t(i));
+    total += m;
+    root_mass_[i] = std::sqrt(m);
+    inverse_root_[i] = m > 0 ? 1 / root_mass_[i] : 0;
+  }
+  reference_ = kReferenceGravity * std::sqrt(total);
+  u_ = force_ = Array<double>(grid_.nodes(), 3);
+  r0_.assign(size_t(unknowns()), 0);
+}
+
+template <int d>
+void MpmEquations<d>::predict(double* y) const {
+  std::vector<double> free(r0_.size());
+  for_each(grid_.nodes(), [&](int64_t i) {
+    for (int a = 0; a < d; ++a) {
+      const double u = dt_ * start_.velocity(i, a) + dt_ * dt_ * scene_.gravity[size_t(a)];
+      free[size_t(3 * i + a)] = root_mass_[size_t(i)] * u;
+    }
+  });
+  apply_walls(free.data(), y);
+}
+
+template <int d>
+void MpmEquations<d>::motion(const double* y, Out<double> u) const {
+  for_each(grid_.nodes(), [&](int64_t i) {
+    for (int a = 0; a < 3; ++a) u(i, a) = inverse_root_[size_t(i)] * y[3 * i + a];
+  });
+}
+
+/// result = M^1/2 Pi(M^-1/2 free).
+template <int d>
+void MpmEquations<d>::apply_walls(const double* free, double* result) const {
+  std::copy(free, free + unknowns(), result);
+  for_each(walls_.count(), [&](int64_t k) {
+    const int64_t i = walls_.node(k);
+    const double scale = inverse_root_[size_t(i)];
+    if (scale == 0) return;
+    const Vec3 m = walls_.allowed(
+        k, {scale * free[3 * i], scale * free[3 * i + 1], scale * free[3 * i + 2]}, nullptr);
+    for (int a = 0; a < 3; ++a) result[3 * i + a] = m[size_t(a)] / scale;
+  });
+}
+
+/// Forces of the stress at u_ on the nodes into force_; magnitude: of the magnitudes of its parts.
+template <int d>
+void MpmEquations<d>::add_stress(bool magnitude) {
+  const Particles& p = *particles_;
+  gather_scatter<d>(
+      grid_, p.x, u_, scratch_, force_,
+      [&](int32_t k, const Spline<d>& s, int place, const double* read, double* write) {
+        const Mat3<double> F = deformation(nodal_gradient<d>(s, place, read), p, k);
+        const Svd3<double> svd = decompose<d>(F);
+        Mat3<double> P;
+        std::visit(
+            [&](const auto& law) {
+              const auto history = history_of(law, p.history(k));
+              P = first_piola(svd, law.template response<false>(svd.sigma, history).t);
+            },
+            laws_[size_t(p.solid(k))]);
+        Mat3<double> A = times_transposed(P, load_matrix(p.F.row(k)));
+        for (double& a : A.m) a *= p.volume(k);
+        if (!magnitude) return add_nodal_product<d>(s, place, A, write);
+        double size = 0;
+        for (const double a : A.m) size += std::abs(a);
+        for_nodes<d, ParticleGrid<d>::kTileWidth>(
+            s, place, [&](int at, double, const double g[3], const double*) {
+              write[3 * at] += size * (std::abs(g[0]) + std::abs(g[1]) + std::abs(g[2]));
+            });
+      });
+}
+
+template <int d>
+void MpmEquations<d>::equilibrium(const double* y, double* r0) {
+  motion(y, u_);
+  add_stress(false);
+  for_each(grid_.nodes(), [&](int64_t i) {
+    const size_t n = size_t(i);
+    for (int a = 0; a < 3; ++a) {
+      const double predicted =
+          dt_ * start_.velocity(i, a) + (a < d ? dt_ * dt_ * scene_.gravity[size_t(a)] : 0);
+      r0[3 * i + a] = (y[3 * i + a] - root_mass_[n] * predicted) / (dt_ * dt_) +
+                      inverse_root_[n] * force_(i, a);
+    }
+  });
+}
+
+template <int d>
+void MpmEquations<d>::residual(const double* y, double* r) {
+  equilibrium(y, r0_.data());
+  std::vector<double> free(r0_.size());
+  for_each(unknowns(), [&](int64_t k) { free[size_t(k)] = y[k] - dt_ * dt_ * r0_[size_t(k)]; });
+  apply_walls(free.data(), r);
+  // where there is no wall r0 itself, which has lost no digits
+  for_each(unknowns(), [&](int64_t k) {
+    const double moved = y[k] - r[k];
+    r[k] = r[k] == free[size_t(k)] ? r0_[size_t(k)] : moved / (dt_ * dt_);
+  });
+}
+
+template <int d>
+double MpmEquations<d>::noise(const double* y) {
+  motion(y, u_);
+  add_stress(true);
+  const double square = ordered_sum(grid_.nodes(), [&](int64_t begin, int64_t end) {
+    double sum = 0;
+    for (int64_t i = begin; i < end; ++i) {
+      double size = inverse_root_[size_t(i)] * force_(i, 0);
+      for (int a = 0; a < d; ++a) size += std::abs(y[3 * i + a]) / (dt_ * dt_);
+      sum += size * size;
+    }
+    return sum;
+  });
+  return 4 * std::numeric_limits<double>::epsilon() * std::sqrt(square);
+}
+
+template <int d>
+double MpmEquations<d>::longest_step(const double* y, const double* end) {
+  constexpr double kLeft = 0.1;
+  const Particles& p = *particles_;
+  Array<double> from(grid_.nodes(), 3), way(grid_.nodes(), 3);
+  motion(y, from);
+  motion(end, way);
+  for_each(way.size(), [&](int64_t k) { way.data()[k] -= from.data()[k]; });
+  std::vector<double> share(size_t(grid_.blocks()), 1.0);
+  run_tasks(grid_.blocks(), [&](int64_t b) {
+    double at[3 * ParticleGrid<d>::kTile], to[3 * ParticleGrid<d>::kTile];
+    read_tile(grid_, b, from, at);
+    read_tile(grid_, b, way, to);
+    for_particles<d>(grid_, p.x, b, [&](int32_t, const Spline<d>& s, int place) {
+      Mat3<double> now = nodal_gradient<d>(s, place, at);
+      for (int a = 0; a < 3; ++a) now(a, a) += 1;
+      const Mat3<double> relative = nodal_gradient<d>(s, place, to) * inverse(now);
+      share[size_t(b)] = std::min(share[size_t(b)], share_to_volume(relative, kLeft));
+    });
+  });
+  const double least = share.empty() ? 1 : *std::min_element(share.begin(), share.end());
+  return least < 1 ? 0.9 * least : 1;
+}
+
+template <int d>
+void MpmEquations<d>::set_tangent(int64_t k, const Mat3<double>& gradient) {
+  const Particles& p = *particles_;
+  Tangent& t = tangent_[size_t(k)];
+  t.frame = decompose<d>(deformation(gradient, p, k));
+  std::visit(
+      [&](const auto& law) {
+        const auto history = history_of(law, p.history(k));
+        t.hessian = full(
+            principal_hessian(t.frame.sigma, law.template response<true>(t.frame.sigma, history)));
+      },
+      laws_[size_t(p.solid(k))]);
+  scale(p.volume(k), t.hessian);
+  t.frame.V = load_matrix(p.F.row(k)) * t.frame.V;
+}
+
+template <int d>
+void MpmEquations<d>::linearise(const double* y) {
+  const Particles& p = *particles_;
+  tangent_.resize(size_t(p.count()));
+  motion(y, u_);
+  Array<double> block(grid_.nodes(), 9);
+  add_tiles<d, 9>(grid_, scratch_, block, [&](int64_t b, double* write) {
+    double read[3 * ParticleGrid<d>::kTile];
+    read_tile(grid_, b, u_, read);
+    for_particles<d>(grid_, p.x, b, [&](int32_t k, const Spline<d>& s, int place) {
+      set_tangent(k, nodal_gradient<d>(s, place, read));
+      const PrincipalHessian<double> positive = positive_part(tangent_[size_t(k)].hessian);
+      for_nodes<d, ParticleGrid<d>::kTileWidth>(
+          s, place, [&](int at, double, const double g[3], const double*) {
+            const Mat3<double> M = node_block(positive, tangent_[size_t(k)].frame, g);
+            for (int e = 0; e < 9; ++e) write[9 * at + e] += M.m[e];
+          });
+    });
+  });
+  for_each(walls_.count(), [&](int64_t k) {
+    const int64_t i = walls_.node(k);
+    Vec3 free;
+    for (int a = 0; a < 3; ++a)
+      free[size_t(a)] =
+          inverse_root_[size_t(i)] * (y[3 * i + a] - dt_ * dt_ * r0_[size_t(3 * i + a)]);
+    walls_.allowed(k, free, &wall_tangent_[size_t(k)]);
+  });
+  invert_blocks(block);
+}
+
+/// The blocks of dr/dy: B/m + I/dt^2, with walls (I - dPi (I - dt^2 (B/m + I/dt^2)))/dt^2.
+template <int d>
+void MpmEquations<d>::invert_blocks(Array<double>& block) {
+  const double inertia = 1 / (dt_ * dt_);
+  for_each(grid_.nodes(), [&](int64_t i) {
+    const double scale = inverse_root_[size_t(i)] * inverse_root_[size_t(i)];
+    for (int e = 0; e < 9; ++e) block(i, e) = scale * block(i, e) + (e % 4 == 0 ? inertia : 0);
+  });
+  for_each(walls_.count(), [&](int64_t k) {
+    const int64_t i = walls_.node(k);
+    Mat3<double> left = load_matrix(block.row(i));
+    for (int e = 0; e < 9; ++e) left.m[e] = (e % 4 == 0) - left.m[e] / inertia;
+    const Mat3<double> after = wall_tangent_[size_t(k)] * left;
+    for (int e = 0; e < 9; ++e) block(i, e) = ((e % 4 == 0) - after.m[e]) * inertia;
+  });
+  inverse_block_.resize(size_t(grid_.nodes()));
+  for_each(grid_.nodes(),
+           [&](int64_t i) { inverse_block_[size_t(i)] = inverse(load_matrix(block.row(i))); });
+}
+
+template <int d>
+void MpmEquations<d>::product(const double* p, double* Jp) {
+  motion(p, u_);
+  const Particles& own = *particles_;
+  gather_scatter<d>(
+      grid_, own.x, u_, scratch_, force_,
+      [&](int32_t k, const Spline<d>& s, int place, const double* read, double* write) {
+        const Tangent& t = tangent_[size_t(k)];
+        const Mat3<double> A = apply(t.hessian, t.frame, nodal_gradient<d>(s, place, read));
+        add_nodal_product<d>(s, place, A, write);
+      });
+  const double inertia = 1 / (dt_ * dt_);
+  for_each(grid_.nodes(), [&](int64_t i) {
+    for (int a = 0; a < 3; ++a)
+      Jp[3 * i + a] = inertia * p[3 * i + a] + inverse_root_[size_t(i)] * force_(i, a);
+  });
+  for_each(walls_.count(), [&](int64_t k) {
+    const int64_t i = walls_.node(k);
+    double left[3];
+    for (int a = 0; a < 3; ++a) left[a] = p[3 * i + a] - Jp[3 * i + a] / inertia;
+    const Mat3<double>& D = wall_tangent_[size_t(k)];
+    for (int a = 0; a < 3; ++a)
+      Jp[3 * i + a] =
+          inertia * (p[3 * i + a] - (D(a, 0) * left[0] + D(a, 1) * left[1] + D(a, 2) * left[2]));
+  });
+}
+
+template <int d>
+void MpmEquations<d>::precondition(const double* p, double* z) const {
+  for_each(grid_.nodes(), [&](int64_t i) {
+    const Mat3<double>& B = inverse_block_[size_t(i)];
+    for (int a = 0; a < 3; ++a)
+      z[3 * i + a] = B(a, 0) * p[3 * i] + B(a, 1) * p[3 * i + 1] + B(a, 2) * p[3 * i + 2];
+  });
+}
+
+template class MpmEquations<2>;
+template class MpmEquations<3>;
+
+}  // namespace elastogen::mpm

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+// The equations of an implicit step of the material point method on the nodes of a grid. With u the
+// motion of a node in the step, uhat = dt v_i^n + dt^2 g,
+//
+//     R(u) = M (u - uhat)/dt^2 + sum_p V_p P(F_p) Fe_p^nT grad w_ip,
+//     F_p  = (I + sum_i u_i (x) grad w_ip) Fe_p^n,
+//
+// P the stress of the law with plastic flow, and at walls Pi, what contact with friction leaves of a
+// motion (WallContact::allowed): the step solves u = Pi(u - dt^2 M^-1 R). All of it is scaled by the
+// masses, y = M^1/2 u, so that nodes that carry next to none are like the others:
+//
+//     r(y) = (y - M^1/2 Pi(M^-1/2 (y - dt^2 r0)))/dt^2,   r0 = M^-1/2 R(M^-1/2 y),
+//
+// which is r0 at nodes without walls. [r] = sqrt(kg) m/s^2.
+
+#pragma once
+
+#include "core/krylov.hpp"
+#include "core/principal.hpp"
+#include "mpm_fem/mpm/mpm_scene.hpp"
+#include "mpm_fem/mpm/p2g.hpp"
+
+#include <vector>
+
+namespace elastogen::mpm {
+
+template <int d>
+class MpmEquations {
+ public:
+  /// The scene must outlive it.
+  /// @throws Error as check_scene and point_law
+  explicit MpmEquations(const MpmScene& scene);
+
+  /// Takes the state at the start of a step of dt from `time`. The particles must stay until the
+  /// next begin.
+  void begin(const Particles& particles, double time, double dt);
+
+  int64_t unknowns() const { return 3 * grid_.nodes(); }
+  const ParticleGrid<d>& grid() const { return grid_; }
+  const NodeMotion& start() const { return start_; }
+  const std::vector<PointLaw<d>>& laws() const { return laws_; }
+  /// |M g|_{M^-1} of g = 9.81 m/s^2, what residuals are measured by [sqrt(kg) m/s^2].
+  double reference() const { return reference_; }
+
+  /// y of the motion without stress, Pi(uhat).
+  void predict(double* y) const;
+  /// u [m], (nodes, 3), of y.
+  void motion(const double* y, Out<double> u) const;
+
+  void residual(const double* y, double* r);
+  /// Bound on the rounding error of r at y, 2-norm.
+  double noise(const double* y);
+  /// Largest share, at most 1, of the way from y to `end` that leaves every particle a tenth of the
+  /// volume it has at y.
+  double longest_step(const double* y, const double* end);
+
+  /// Prepares products with dr/dy at y. After residual(y).
+  void linearise(const double* y);
+  void product(const double* p, double* Jp);
+  /// z = B^-1 p, B the blocks of each node of dr/dy with the law's tangent made symmetric and
+  /// positive.
+  void precondition(const double* p, double* z) const;
+
+ private:
+  struct Tangent {  // of a particle: dA = V dP Fe^T in the gradient of u
+    PrincipalHessian<double, Mat3<double>> hessian;
+    Svd3<double> frame;  // U and Fe^n V, so that core/principal.hpp's apply is from gradient to A
+  };
+  void add_stress(bool magnitude);
+  void equilibrium(const double* y, double* r0);
+  void set_tangent(int64_t particle, const Mat3<double>& gradient);
+  void invert_blocks(Array<double>& block);
+  void apply_walls(const double* free, double* result) const;
+
+  const MpmScene& scene_;
+  std::vector<PointLaw<d>> laws_;
+  ParticleGrid<d> grid_;
+  const Particles* particles_ = nullptr;
+  double dt_ = 0, reference_ = 0;
+  NodeMotion start_;
+  WallContact walls_;
+  std::vector<double> root_mass_, inverse_root_;  // sqrt(m_i), its inverse or 0
+  std::vector<Mat3<double>> wall_tangent_;        // dPi of each node at a wall
+  std::vector<Tangent> tangent_;
+  std::vector<Mat3<double>> inverse_block_;
+  Array<double> u_, force_;  // (nodes, 3)
+  std::vector<double> r0_;
+  Zeroed<double> scratch_;
+};
+
+extern template class MpmEquations<2>;
+extern template class MpmEquations<3>;
+
+}  // namespace elastogen::mpm

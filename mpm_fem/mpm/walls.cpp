@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mpm_fem/mpm/walls.hpp"
+
+#include "core/parallel.hpp"
+
+#include <cmath>
+
+namespace elastogen::mpm {
+namespace {
+
+/// A node that lies on a wall to rounding counts as inside [h].
+constexpr double kOn = 1e-9;
+
+/// Takes what points into the wall off m, and friction.
+void apply(const NodeWall& wall, Vec3& m, Mat3<double>& D) {
+  D = {};
+  if (wall.sticky) {
+    m = wall.motion;
+    return;
+  }
+  const Vec3 relative = minus(m, wall.motion);
+  const double into = -dot(relative, wall.normal);
+  if (into <= 0) {
+    D = identity<double>();
+    return;
+  }
+  Vec3 along;
+  for (size_t a = 0; a < 3; ++a) along[a] = relative[a] + into * wall.normal[a];
+  const double size = safe_norm(along), limit = wall.friction * into;
+  m = wall.motion;
+  if (size <= limit) return;
+  const double left = 1 - limit / size;
+  const Vec3& n = wall.normal;
+  Vec3 t;
+  for (size_t a = 0; a < 3; ++a) t[a] = along[a] / size, m[a] += left * along[a];
+  for (size_t a = 0; a < 3; ++a)
+    for (size_t b = 0; b < 3; ++b)
+      D(int(a), int(b)) =
+          left * ((a == b) - n[a] * n[b] - t[a] * t[b]) + t[a] * t[b] + wall.friction * t[a] * n[b];
+}
+
+}  // namespace
+
+template <int d>
+void WallContact::begin(const ParticleGrid<d>& grid, const std::vector<Wall>& walls, double time,
+                        double dt) {
+  const double h = grid.h();
+  const auto distance = [&](const Wall& wall, int64_t i) {
+    const std::array<int32_t, 3>& at = grid.place(i);
+    return proximity(wall.collider, offset_at(wall.collider, time + dt),
+                     {at[0] * h, at[1] * h, at[2] * h});
+  };
+  std::vector<Vec3> motion;
+  for (const Wall& wall : walls)
+    motion.push_back(minus(offset_at(wall.collider, time + dt), offset_at(wall.collider, time)));
+  node_ = filtered(grid.nodes(), [&](int64_t i) {
+    for (const Wall& wall : walls)
+      if (distance(wall, i).distance <= kOn * h) return true;
+    return false;
+  });
+  first_.assign(1, 0);
+  wall_.clear();
+  for (const int32_t i : node_) {
+    for (size_t w = 0; w < walls.size(); ++w) {
+      const Proximity near = distance(walls[w], i);
+      if (near.distance > kOn * h) continue;
+      wall_.push_back({near.normal, motion[w], walls[w].collider.friction, walls[w].sticky});
+    }
+    first_.push_back(int32_t(wall_.size()));
+  }
+}
+
+Vec3 WallContact::allowed(int64_t k, const Vec3& motion, Mat3<double>* derivative) const {
+  Vec3 m = motion;
+  Mat3<double> all = identity<double>(), D;
+  for (int32_t w = first_[size_t(k)]; w < first_[size_t(k) + 1]; ++w) {
+    apply(wall_[size_t(w)], m, D);
+    all = D * all;
+  }
+  if (derivative) *derivative = all;
+  return m;
+}
+
+template void WallContact::begin(const ParticleGrid<2>&, const std::vector<Wall>&, double, double);
+template void WallContact::begin(const ParticleGrid<3>&, const std::vector<Wall>&, double, double);
+
+}  // namespace elastogen::mpm

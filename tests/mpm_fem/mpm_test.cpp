@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: Apache-2.0
+// Particles and their grid: what transfers conserve, and steps against closed forms.
+
+#include "core/error.hpp"
+#include "mpm_fem/integrators/explicit_mpm.hpp"
+#include "mpm_fem/integrators/implicit_mpm.hpp"
+#include "mpm_fem/mpm/g2p.hpp"
+#include "mpm_fem/mpm/volume_share.hpp"
+#include "tests/support/matrices.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace elastogen::mpm {
+namespace {
+
+constexpr double kH = 0.1;
+
+Solid solid(double young, double density) {
+  Solid s;
+  s.elastic = {"test", Law::kHencky, young, 0.3, density};
+  return s;
+}
+
+MpmScene scene(int dimension) {
+  MpmScene s;
+  s.dimension = dimension;
+  s.h = kH;
+  s.dt = 1e-3;
+  s.solids = {solid(1e4, 1000)};
+  return s;
+}
+
+/// Particles at random in a unit cube or square, with velocities and affine parts at random.
+template <int d>
+Particles random_particles(int64_t count, uint64_t seed) {
+  test::Random random(seed);
+  std::uniform_real_distribution<double> in(-0.5, 0.5);
+  Array<double> x(count, 3);
+  for (int64_t k = 0; k < count; ++k)
+    for (int a = 0; a < d; ++a) x(k, a) = in(random);
+  Particles p = particles_at(x, 1.0 / double(count), 0, 1000);
+  for (int64_t k = 0; k < count; ++k)
+    for (int a = 0; a < d; ++a) {
+      p.v(k, a) = in(random);
+      for (int b = 0; b < d; ++b) p.C(k, 3 * a + b) = in(random);
+    }
+  return p;
+}
+
+/// Mass, momentum and angular momentum of the nodes.
+template <int d>
+Momentum momentum_of(const ParticleGrid<d>& grid, const NodeMotion& nodes, In<double> velocity) {
+  Momentum total;
+  for (int64_t i = 0; i < grid.nodes(); ++i) {
+    const double m = nodes.mass(i), *v = velocity.row(i);
+    total.mass += m;
+    for (size_t a = 0; a < 3; ++a) {
+      const size_t b = (a + 1) % 3, c = (a + 2) % 3;
+      total.linear[a] += m * v[a];
+      total.angular[a] += m * kH * (grid.place(i)[b] * v[c] - grid.place(i)[c] * v[b]);
+    }
+  }
+  return total;
+}
+
+void expect_same(const Momentum& a, const Momentum& b) {
+  EXPECT_NEAR(a.mass, b.mass, 1e-12 * b.mass);
+  for (size_t k = 0; k < 3; ++k) {
+    EXPECT_NEAR(a.linear[k], b.linear[k], 1e-12 * b.mass);
+    EXPECT_NEAR(a.angular[k], b.angular[k], 1e-12 * b.mass);
+  }
+}
+
+TEST(Spline, IsAPartitionOfUnityThatMeetsAffineFields) {
+  test::Random random(3);
+  std::uniform_real_distribution<double> in(-2, 2);
+  for (int k = 0; k < 10000; ++k) {
+    double x[3] = {in(random), in(random), in(random)};
+    if (k % 10 == 0) x[0] = kH * std::round(x[0] / kH), x[1] = kH * (std::round(x[1] / kH) + 0.5);
+    const Spline<3> s = spline<3>(x, kH);
+    double sum = 0, slope[3] = {}, away[3] = {}, spread = 0;
+    for_nodes<3, 3>(s, 0, [&](int, double w, const double g[3], const double r[3]) {
+      EXPECT_GE(w, 0);
+      sum += w, spread += w * r[0] * r[0];
+      for (int a = 0; a < 3; ++a) slope[a] += g[a], away[a] += w * r[a];
+    });
+    EXPECT_NEAR(sum, 1, 1e-14);
+    EXPECT_NEAR(spread, kH * kH / 4, 1e-14);
+    for (int a = 0; a < 3; ++a) {
+      EXPECT_NEAR(slope[a], 0, 1e-13 / kH);
+      EXPECT_NEAR(away[a], 0, 1e-14);
+    }
+  }
+}
+
+template <int d>
+void check_transfers() {
+  Particles p = random_particles<d>(2000, 5);
+  ParticleGrid<d> grid(kH);
+  Zeroed<double> scratch;
+  grid.update(p.x);
+  const NodeMotion nodes = particles_to_grid<d>(grid, p, scratch);
+  const Momentum of_particles = momentum(p, kH);
+  expect_same(momentum_of(grid, nodes, nodes.velocity), of_particles);
+  // back with the nodes' velocities; places stay, so that both are about the same points
+  const Array<double> none(grid.nodes(), 3);
+  for (const Transfer kind : {Transfer::kApic, Transfer::kBlend}) {
+    Particles back = p;
+    grid_to_particles<d>(grid, none, nodes.velocity, nodes.velocity, {.kind = kind}, 1e-3, back);
+    expect_same(momentum(back, kH), of_particles);
+    EXPECT_LE(kinetic_energy(back, kH), kinetic_energy(p, kH));
+  }
+}
+
+TEST(Transfer, KeepsMassMomentumAndAngularMomentum) {
+  check_transfers<2>();
+  check_transfers<3>();
+}
+
+TEST(Transfer, KeepsAffineVelocityFields) {
+  Particles p = random_particles<3>(3000, 6);
+  const double A[9] = {0.3, -1, 0.2, 0.5, 0.1, -0.4, 0.7, -0.2, -0.6};
+  for (int64_t k = 0; k < p.count(); ++k)
+    for (int a = 0; a < 3; ++a) {
+      p.v(k, a) = 1;
+      for (int b = 0; b < 3; ++b)
+        p.v(k, a) += A[3 * a + b] * p.x(k, b), p.C(k, 3 * a + b) = A[3 * a + b];
+    }
+  const Particles start = p;
+  ParticleGrid<3> grid(kH);
+  Zeroed<double> scratch;
+  grid.update(p.x);
+  const NodeMotion nodes = particles_to_grid<3>(grid, p, scratch);
+  const Array<double> none(grid.nodes(), 3);
+  grid_to_particles<3>(grid, none, nodes.velocity, nodes.velocity, {}, 1e-3, p);
+  for (int64_t k = 0; k < p.v.size(); ++k) EXPECT_NEAR(p.v.data()[k], start.v.data()[k], 1e-12);
+  for (int64_t k = 0; k < p.C.size(); ++k) EXPECT_NEAR(p.C.data()[k], start.C.data()[k], 1e-11);
+}
+
+TEST(ParticleGrid, RefusesPointsThatAreNotFinite) {
+  Array<double> x(1, 3);
+  x(0, 1) = std::nan("");
+  ParticleGrid<3> grid(kH);
+  EXPECT_THROW(grid.update(x), Error);
+}
+
+TEST(ParticleGrid, IsTheSameAfterItsPointsMovedAsFromNothing) {
+  Particles p = random_particles<3>(2000, 8);
+  ParticleGrid<3> grid(kH), fresh(kH);
+  grid.update(p.x);
+  for (int64_t k = 0; k < p.x.size(); ++k) p.x.data()[k] += 0.3 * p.v.data()[k];
+  grid.update(p.x);
+  fresh.update(p.x);
+  ASSERT_EQ(grid.nodes(), fresh.nodes());
+  EXPECT_EQ(grid.order(), fresh.order());
+  for (int64_t i = 0; i < grid.nodes(); ++i) EXPECT_EQ(grid.place(i), fresh.place(i));
+}
+
+TEST(ShareToVolume, IsTheFirstRootOfTheDeterminant) {
+  test::Random random(9);
+  for (int k = 0; k < 2000; ++k) {
+    const Mat3<double> A = test::gaussian(random);
+    const double share = share_to_volume(A, 0.1);
+    const auto volume = [&](double t) {
+      Mat3<double> F = A;
+      for (double& f : F.m) f *= t;
+      for (int i = 0; i < 3; ++i) F(i, i) += 1;
+      return determinant(F);
+    };
+    if (share < 1) EXPECT_NEAR(volume(share), 0.1, 1e-9);
+    for (int n = 0; n < 200; ++n) EXPECT_GE(volume(share * n / 200), 0.1 - 1e-9);
+  }
+}
+
+/// A free body keeps its momenta, explicit and implicit, and so does one that yields.
+TEST(Mpm, FreeFlightKeepsMomentumAndAngularMomentum) {
+  MpmScene s = scene(3);
+  for (const bool metal : {false, true}) {
+    if (metal) s.solids[0].yield = MetalYield{.stress = 200};
+    Particles p = random_particles<3>(2000, 10);
+    const Momentum start = momentum(p, kH);
+    ExplicitMpm<3> explicit_steps(s);
+    ImplicitMpm<3> implicit_steps(s, {.tolerance = 1e-9});
+    for (int k = 0; k < 5; ++k) explicit_steps.step(0, p);
+    for (int k = 0; k < 3; ++k) EXPECT_TRUE(implicit_steps.step(0, p).converged);
+    const Momentum end = momentum(p, kH);
+    EXPECT_NEAR(end.mass, start.mass, 1e-12 * start.mass);
+    for (size_t a = 0; a < 3; ++a) {
+      EXPECT_NEAR(end.linear[a], start.linear[a], 1e-9 * start.mass);
+      EXPECT_NEAR(end.angular[a], start.angular[a], 1e-7 * start.mass);
+    }
+  }
+}
+
+/// Both follow the parabola of a body in free fall: of Euler's steps, y = g t (t + dt)/2.
+TEST(Mpm, FallsFreely) {
+  MpmScene s = scene(2);
+  s.gravity = {0, -10, 0};
+  for (const bool implicit_step : {false, true}) {
+    Particles p = random_particles<2>(400, 11);
+    p.v.fill(0), p.C.fill(0);
+    const Array<double> start = p.x;
+    ExplicitMpm<2> explicit_steps(s);
+    ImplicitMpm<2> implicit_steps(s, {.tolerance = 1e-9});
+    for (int k = 0; k < 20; ++k)
+      implicit_step ? (void)implicit_steps.step(0, p) : explicit_steps.step(0, p);
+    const double fallen = 10 * 0.02 * 0.021 / 2;
+    for (int64_t k = 0; k < p.count(); ++k) EXPECT_NEAR(p.x(k, 1), start(k, 1) - fallen, 1e-9);
+  }
+}
+
+/// With ever smaller substeps the explicit step tends to the exact one, and the implicit one is
+/// first order off it.
+Particles sheared(const MpmScene& s, int substeps) {
+  Particles p = random_particles<2>(800, 12);
+  for (int64_t k = 0; k < p.count(); ++k) {
+    p.v(k, 0) = 0.5 * p.x(k, 1), p.v(k, 1) = -0.2 * p.x(k, 1);
+    for (int a = 0; a < 9; ++a) p.C(k, a) = 0;
+    p.C(k, 1) = 0.5, p.C(k, 4) = -0.2;
+  }
+  if (substeps > 0) {
+    ExplicitMpm<2>(s, substeps).step(0, p);
+  } else {
+    EXPECT_TRUE(ImplicitMpm<2>(s, {.tolerance = 1e-8}).step(0, p).converged);
+  }
+  return p;
+}
+
+double distance(const Particles& a, const Particles& b) {
+  double most = 0;
+  for (int64_t k = 0; k < a.x.size(); ++k)
+    most = std::max(most, std::abs(a.v.data()[k] - b.v.data()[k]));
+  return most;
+}
+
+TEST(Mpm, SubstepsConvergeAndTheImplicitStepIsFirstOrder) {
+  MpmScene s = scene(2);
+  s.solids[0].yield = SandYield{.friction = 0.5, .keeps_volume = false};
+  s.dt = 4e-3;
+  const Particles fine = sheared(s, 800);
+  const double coarse = distance(sheared(s, 50), fine), finer = distance(sheared(s, 100), fine);
+  EXPECT_NEAR(coarse / finer, 2.1, 0.3);
+  std::vector<double> error;
+  for (const double dt : {4e-3, 2e-3}) {
+    s.dt = dt;
+    error.push_back(distance(sheared(s, 0), sheared(s, 800)));
+  }
+  EXPECT_GT(error[0] / error[1], 2.5);  // of one step: second order
+}
+
+/// A block on an incline, with Coulomb's friction at the nodes: it holds below the angle of
+/// friction and slides above it with g (sin - mu cos).
+TEST(Mpm, SlidesOnAnInclineByCoulombsLaw) {
+  for (const double friction : {0.3, 0.7}) {
+    MpmScene s = scene(2);
+    s.solids[0] = solid(1e8, 1000);  // so stiff that it hardly oscillates
+    const double angle = std::atan(0.5), g = 10;
+    s.gravity = {g * std::sin(angle), -g * std::cos(angle), 0};
+    s.walls.push_back({half_space({0, 1, 0}, 0, friction), false});
+    Array<double> x(10 * 40, 3);
+    for (int64_t k = 0; k < x.rows(); ++k)
+      x(k, 0) = 0.025 + 0.05 * double(k % 40), x(k, 1) = 0.025 + 0.05 * double(k / 40);
+    Particles p = particles_at(x, 0.05 * 0.05, 0, 1000);
+    ImplicitMpm<2> steps(s, {.tolerance = 1e-6});
+    for (int k = 0; k < 50; ++k) EXPECT_TRUE(steps.step(k * s.dt, p).converged);
+    const Momentum end = momentum(p, kH);
+    const double expected =
+        friction < 0.5 ? g * 0.05 * (std::sin(angle) - friction * std::cos(angle)) : 0;
+    EXPECT_NEAR(end.linear[0] / end.mass, expected, 0.02 * g * 0.05 * std::sin(angle));
+  }
+}
+
+}  // namespace
+}  // namespace elastogen::mpm
