@@ -170,7 +170,9 @@ TEST(ShareToVolume, IsTheFirstRootOfTheDeterminant) {
       for (int i = 0; i < 3; ++i) F(i, i) += 1;
       return determinant(F);
     };
-    if (share < 1) EXPECT_NEAR(volume(share), 0.1, 1e-9);
+    if (share < 1) {
+      EXPECT_NEAR(volume(share), 0.1, 1e-9);
+    }
     for (int n = 0; n < 200; ++n) EXPECT_GE(volume(share * n / 200), 0.1 - 1e-9);
   }
 }
