@@ -56,8 +56,7 @@ EnergyParts ElasticBody::energy(In<double> u) const {
         const ElasticLaw<double> law = law_of(k);
         for (int q = 0; q < e.points; ++q)
           elastic(k) += e.weight[q] * energy_density(law, points.F(q));
-        if (mesh().element == Element::kVoxel)
-          hourglassed(k) = hourglass_energy(hourglass(k), e.u);
+        if (mesh().element == Element::kVoxel) hourglassed(k) = hourglass_energy(hourglass(k), e.u);
       },
       kElementBlock);
   EnergyParts parts;

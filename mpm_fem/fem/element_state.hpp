@@ -13,7 +13,7 @@ struct ElementState {
   int nodes, points;
   const double* gradient;     ///< dN_a/dX [1/m], (points, nodes, 3)
   double weight[kMaxPoints];  ///< w_q, fill included [m^3]
-  double u[kMaxDofs];  ///< displacement relative to the first node [m], (nodes, 3)
+  double u[kMaxDofs];         ///< displacement relative to the first node [m], (nodes, 3)
 
   const double* gradient_at(int q) const { return gradient + 3 * nodes * q; }
 };

@@ -37,9 +37,9 @@ PlasticHistory PlasticBody::rest_history() const {
 
 void PlasticBody::set_history(const PlasticHistory& history) {
   const int64_t points = mesh().elements.rows() * tables_.points();
-  ELASTOGEN_CHECK(In<double>(history.Fp_inverse).is(points, 9) &&
-                      In<double>(history.memory).is(points, 1),
-                  "a plastic history must be (", points, ", 9) and (", points, ", 1)");
+  ELASTOGEN_CHECK(
+      In<double>(history.Fp_inverse).is(points, 9) && In<double>(history.memory).is(points, 1),
+      "a plastic history must be (", points, ", 9) and (", points, ", 1)");
   history_ = history;
   thaw();
 }
@@ -52,8 +52,8 @@ void PlasticBody::for_laws(int64_t element, const Visit& visit) const {
       const int64_t k = element * tables_.points() + q;
       Mat3<double> Fp_inverse;
       std::copy_n(history_.Fp_inverse.row(k), 9, Fp_inverse.m);
-      visit(q, PlasticPoint<std::decay_t<decltype(law)>>{
-                   law, history_of(law, history_.memory(k)), Fp_inverse});
+      visit(q, PlasticPoint<std::decay_t<decltype(law)>>{law, history_of(law, history_.memory(k)),
+                                                         Fp_inverse});
     }
   };
   std::visit(at, laws_[size_t(mesh().material(element))]);
@@ -195,7 +195,8 @@ double PlasticBody::longest_step(In<double> u, In<double> end) const {
     share(element) = 1;
     for (int q = 0; q < e.points; ++q)
       share(element) = std::min(
-          share(element), share_before_inversion(deformation_gradient(e, q), deformation_gradient(there, q)));
+          share(element),
+          share_before_inversion(deformation_gradient(e, q), deformation_gradient(there, q)));
   });
   return *std::min_element(share.data(), share.data() + share.size());
 }

@@ -43,7 +43,8 @@ Equilibrium find_equilibrium(FemPotential& terms, const NewtonOptions& options, 
   }
   terms.plastic->body().thaw();
   Equilibrium result;
-  for (int k = 0; k < kFirstSteps; ++k) result.iterations += frozen_step(terms, options.tolerance, u);
+  for (int k = 0; k < kFirstSteps; ++k)
+    result.iterations += frozen_step(terms, options.tolerance, u);
   while (true) {
     const RootResult root = terms.potential.find_root(
         {.tolerance = options.tolerance,

@@ -228,8 +228,7 @@ FemStepReport ImplicitFem::step(FemState& state) {
       terms_, {.tolerance = options_.tolerance * reference_, .max_iterations = options_.max_newton},
       u.data());
   report.outer = newton.iterations;
-  report.inner =
-      int(potential_.solver().iterations() + potential_.root_iterations() - inner);
+  report.inner = int(potential_.solver().iterations() + potential_.root_iterations() - inner);
   report.fallbacks = newton.fallbacks;
   report.stop = newton.stop;
   report.floor = reference_ > 0 ? newton.noise / reference_ : 0;

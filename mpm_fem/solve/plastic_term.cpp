@@ -24,8 +24,7 @@ TermValue PlasticTerm::value(In<double> u) {
 }
 
 void PlasticTerm::add_hessian(In<double> u, TangentKind kind, SparseMatrix& H) {
-  assembly_.add(
-      [&](int64_t element, double* K) { body_.element_hessian(element, u, kind, K); }, H);
+  assembly_.add([&](int64_t element, double* K) { body_.element_hessian(element, u, kind, K); }, H);
 }
 
 }  // namespace elastogen::fem
