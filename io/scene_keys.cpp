@@ -25,6 +25,7 @@ SceneRange whole(double least, double most) {
 std::vector<std::string> preset_names() {
   std::vector<std::string> names;
   for (const MaterialPreset& preset : material_presets()) names.push_back(preset.material.name);
+  for (const MaterialPreset& preset : yielding_presets()) names.push_back(preset.material.name);
   return names;
 }
 
@@ -85,6 +86,31 @@ Keys asset_keys() {
   };
 }
 
+/// The keys that change when a material yields.
+Keys yield_keys(const std::string& table) {
+  const bool main = table == "material";
+  const std::string same = "that of the preset";
+  return {
+      {table, "yield", T::kNumber, same, main ? "--yield" : "",
+       "of metal and clay the stress at which a bar flows, of snow its pressure p0", Q::kPressure,
+       kPositive},
+      {table, "hardening", T::kNumber, same, main ? "--hardening" : "",
+       "of metal stress over plastic strain of a bar, of snow the factor xi", Q::kPressure,
+       kNotNegative},
+      {table,
+       "friction_angle",
+       T::kNumber,
+       same,
+       main ? "--friction-angle" : "",
+       "of sand and snow",
+       Q::kAngle,
+       {.least = 0, .below = true}},
+      {table, "cohesion", T::kNumber, same, main ? "--cohesion" : "",
+       "of sand the strain that it bears, of snow tensile strength over p0", Q::kNumber,
+       kNotNegative},
+  };
+}
+
 /// The keys that choose and change a material.
 Keys material_keys(const std::string& table) {
   const bool main = table == "material";
@@ -130,6 +156,7 @@ Keys region_keys() {
       {"region", "gltf_material", T::kText, "", "", "name of a material of the asset"},
   };
   for (SceneKey& key : material_keys("region")) keys.push_back(std::move(key));
+  for (SceneKey& key : yield_keys("region")) keys.push_back(std::move(key));
   return keys;
 }
 
@@ -250,6 +277,16 @@ Keys solver_keys() {
        Q::kNumber,
        {},
        {"auto", "analytic", "neural"}},
+      {"solver",
+       "method",
+       T::kText,
+       "auto",
+       "--method",
+       "what steps a body that yields: particles (mpm) or elements (fem); auto: particles where a "
+       "material falls apart into grains",
+       Q::kNumber,
+       {},
+       {"auto", "mpm", "fem"}},
   };
 }
 
@@ -367,9 +404,10 @@ std::span<const SceneTable> scene_tables() {
 std::span<const SceneKey> scene_keys() {
   static const Keys keys = [] {
     Keys all;
-    for (const Keys& part : {asset_keys(), material_keys("material"), region_keys(), load_keys(),
-                             floor_keys(), collider_keys(), time_keys(), solver_keys(),
-                             effort_keys(), paper_keys(), limit_keys(), output_keys()})
+    for (const Keys& part :
+         {asset_keys(), material_keys("material"), yield_keys("material"), region_keys(),
+          load_keys(), floor_keys(), collider_keys(), time_keys(), solver_keys(), effort_keys(),
+          paper_keys(), limit_keys(), output_keys()})
       all.insert(all.end(), part.begin(), part.end());
     const auto order = [](const SceneKey& key) {
       return key.table.empty() ? 0 : 1 + (find_scene_table(key.table) - scene_tables().data());

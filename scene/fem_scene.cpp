@@ -68,7 +68,11 @@ fem::FemScene fem_scene(const Setup& setup, const RunDescription& run) {
   const Scene& scene = setup.scene;
   const FemOptions& fem = *run.fem;
   fem::FemScene result;
-  result.mesh = setup.tets ? *setup.tets : mesh_of(scene, fem.element);
+  // the voxel element cannot yield
+  const bool yields = !fem.named && !setup.yields.empty();
+  result.mesh =
+      setup.tets ? *setup.tets : mesh_of(scene, yields ? fem::Element::kHexBbar : fem.element);
+  result.yields = setup.yields;
   result.materials = setup.tets ? scene.materials : materials_of(scene);
   result.gravity = scene.gravity;
   add_boundary(setup, run, result);

@@ -230,6 +230,7 @@ FemStepReport ImplicitFem::step(FemState& state) {
   report.outer = newton.iterations;
   report.inner = int(potential_.solver().iterations() + potential_.root_iterations() - inner);
   report.fallbacks = newton.fallbacks;
+  report.yields = terms_.plastic != nullptr;
   report.stop = newton.stop;
   report.floor = reference_ > 0 ? newton.noise / reference_ : 0;
   Array<double> handed = handed_out(u);
