@@ -76,7 +76,8 @@ void print_all(const SolidPreset& preset) {
   fmt::print("  mu {:.4g} Pa, lambda {:.4g} Pa, K {:.4g} Pa\n", d.mu, d.lambda, d.bulk);
   fmt::print("  waves: {:.4g} m/s in pressure, {:.4g} m/s in shear\n", d.pressure_wave,
              d.shear_wave);
-  for (const auto& [key, value] : yield_json(preset.solid.yield).items())
+  const Json yield = yield_json(preset.solid.yield);
+  for (const auto& [key, value] : yield.items())
     fmt::print("  {} {:.4g}\n", key, value.get<double>());
   fmt::print("  {}: {}\n", preset.kind, preset.source);
 }

@@ -158,6 +158,8 @@ AnimateOptions take_run(Verb& verb) {
   AnimateOptions& o = verb.scene;
   if (o.print_resolved) return finish_resolved(o);
   if (!o.fem) check_no_boundary(verb.typed, name);
+  ELASTOGEN_CHECK(o.method == Method::kAuto || method_of(o) != Method::kAuto, "--method ",
+                  verb.typed.method, ": no material of the scene yields");
   const std::string& file = verb.scene_file;
   const std::string scene = file.empty() ? "" : file + ": ";
   ELASTOGEN_CHECK(!o.input.empty(), scene, name, " needs an INPUT, or a --scene with asset.file");

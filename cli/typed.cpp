@@ -31,6 +31,7 @@ int choice(const char* option, const std::string& value, const std::vector<std::
 void resolve_material(const Typed& t, AnimateOptions& o) {
   Solid solid = solid_preset(t.material).solid;
   const Material preset = solid.elastic;
+  const Yield yield = solid.yield;
   for (const auto& [key, text] : {std::pair("law", &t.law),
                                   {"young", &t.young},
                                   {"poisson", &t.poisson},
@@ -42,11 +43,9 @@ void resolve_material(const Typed& t, AnimateOptions& o) {
     if (!text->empty()) change_solid(key, *text, solid);
   }
   check_solid(solid);
-  const bool yields_as_preset =
-      t.yield.empty() && t.hardening.empty() && t.friction_angle.empty() && t.cohesion.empty();
   const Material& m = solid.elastic;
   const bool same = m.law == preset.law && m.young == preset.young && m.poisson == preset.poisson &&
-                    m.density == preset.density && yields_as_preset;
+                    m.density == preset.density && solid.yield == yield;
   o.material = m;
   o.yield = solid.yield;
   if (!same) o.material.name = "custom";
@@ -56,8 +55,6 @@ void resolve_material(const Typed& t, AnimateOptions& o) {
 void resolve_method(const Typed& t, AnimateOptions& o) {
   o.method = Method(choice("--method", t.method, {"auto", "mpm", "fem"}));
   const bool yields = method_of(o) != Method::kAuto;
-  ELASTOGEN_CHECK(yields || o.method == Method::kAuto, "--method ", t.method,
-                  ": no material of the scene yields");
   ELASTOGEN_CHECK(!yields || !o.fem || !o.fem->statics, "--static: a material yields, which takes ",
                   "time steps");
   if (yields && !o.fem && method_of(o) == Method::kFem) o.fem.emplace();

@@ -14,8 +14,12 @@ constexpr double kDegree = std::numbers::pi / 180;
 const std::pair<std::string_view, Yield> kYields[] = {
     {"sand", SandYield{.friction = 35 * kDegree}},
     {"wet-sand", SandYield{.friction = 35 * kDegree, .cohesion = 1e-3}},
-    {"snow", SnowYield{.slope = 1.85, .cohesion = 0.5, .hardening = 1, .pressure = 5e3}},
-    {"packed-snow", SnowYield{.slope = 1.85, .cohesion = 1, .hardening = 1, .pressure = 3e4}},
+    {"snow",
+     SnowYield{
+         .slope = critical_slope(45 * kDegree), .cohesion = 0.5, .hardening = 1, .pressure = 5e3}},
+    {"packed-snow",
+     SnowYield{
+         .slope = critical_slope(45 * kDegree), .cohesion = 1, .hardening = 1, .pressure = 3e4}},
     {"clay", MetalYield{.stress = 6.1e3}},
     {"aluminium", MetalYield{.stress = 2.76e8, .hardening = 5e8}},
     {"copper", MetalYield{.stress = 6e7, .hardening = 6e8}},

@@ -167,7 +167,7 @@ TEST(Stepper, ASpinBeyondYieldLeavesAPlasticState) {
   std::vector<std::string> notes;
   const std::unique_ptr<Stepper> stepper = make_stepper(setup, run, {}, notes);
   StartMotion spin;
-  spin.spin[1] = 60;
+  spin.spin[1] = 200;
   stepper->begin(spin);
   StepReport report;
   for (int n = 0; n < 10; ++n) report = stepper->advance();
