@@ -31,6 +31,10 @@ Dilatation dilatation(double J) {
           scale / kStart * (slope * slope - 2 / D)};
 }
 
+Dilatation scaled(const Dilatation& d, double factor) {
+  return {factor * d.value, factor * d.first, factor * d.second};
+}
+
 Mat3<double> scaled(const Mat3<double>& A, double factor) {
   Mat3<double> B;
   for (int k = 0; k < 9; ++k) B.m[k] = factor * A.m[k];
@@ -103,17 +107,17 @@ void add_rank_one(const ElementState& e, int q, const MeanDilatation& p, const S
 
 }  // namespace
 
-MeanDilatation mean_dilatation(const ElementState& e) {
+MeanDilatation mean_dilatation(const ElementState& e, double share) {
   MeanDilatation p;
   double sum = 0;
   for (int q = 0; q < e.points; ++q) {
     p.F[q] = deformation_gradient(e, q);
     const double J = determinant(p.F[q]);
-    p.own[q] = dilatation(J);
+    p.own[q] = scaled(dilatation(J), share);
     sum += e.weight[q] * J;
     p.volume += e.weight[q];
   }
-  p.mean = dilatation(sum / p.volume);
+  p.mean = scaled(dilatation(sum / p.volume), share);
   for (int q = 0; q < e.points; ++q) {
     p.r[q] = std::exp(p.mean.value - p.own[q].value);
     p.Fbar[q] = scaled(p.F[q], p.r[q]);

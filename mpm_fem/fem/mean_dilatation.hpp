@@ -24,7 +24,7 @@
 
 namespace elastogen::fem {
 
-/// ln(j)/3 and its first two derivatives.
+/// s ln(j)/3 and its first two derivatives.
 struct Dilatation {
   double value, first, second;
 };
@@ -36,7 +36,9 @@ struct MeanDilatation {
   Dilatation own[kMaxPoints], mean;  ///< of J_q and of Jbar
   double volume = 0;                 ///< sum_q w_q [m^3]
 };
-MeanDilatation mean_dilatation(const ElementState& e);
+/// @param share  exponent s of r_q = (j(Jbar)/j(J_q))^(s/3); below 1 a part of the dilatation stays
+///               that of the point (Moran, Ortiz, Shih 1990)
+MeanDilatation mean_dilatation(const ElementState& e, double share = 1);
 
 /// Adds sum_q w_q P_q : dFbar_q/du [N] to f, (nodes, 3): dE/du where P = dpsi/dF at Fbar [Pa].
 void add_mean_dilatation_gradient(const ElementState& e, const MeanDilatation& m,

@@ -9,6 +9,14 @@
 #include <algorithm>
 
 namespace elastogen::fem {
+namespace {
+
+// share of the mean in the dilatation of elements that have it: with all of it points that flow
+// without hardening are turned inside out at next to no cost
+constexpr double kMeanShare = 0.9;
+
+}  // namespace
+
 PlasticBody::PlasticBody(const ElementMesh& mesh, const std::vector<Solid>& solids)
     : tables_(mesh), solids_(solids) {
   ELASTOGEN_CHECK(mesh.element != Element::kVoxel,
@@ -84,7 +92,7 @@ void PlasticBody::freeze(In<double> u) {
   for_each(
       mesh().elements.rows(),
       [&](int64_t element) {
-        const PointGradients points(mesh().element, tables_.state(element, u));
+        const PointGradients points(mesh().element, tables_.state(element, u), kMeanShare);
         for_laws(element, [&](int q, const auto& point) {
           Frozen& to = frozen[size_t(element * tables_.points() + q)];
           const Svd3<double> Fe = svd3(points.F(q) * point.Fp_inverse);
@@ -105,7 +113,7 @@ double PlasticBody::energy(In<double> u) const {
       energy.rows(),
       [&](int64_t element) {
         const ElementState e = tables_.state(element, u);
-        const PointGradients points(mesh().element, e);
+        const PointGradients points(mesh().element, e, kMeanShare);
         for_points(element, [&](int q, const auto& point) {
           energy(element) += e.weight[q] * point.energy(points.F(q));
         });
@@ -120,7 +128,7 @@ void PlasticBody::add_gradient(In<double> u, Out<double> g) const {
   tables_.add_forces(
       [&](int64_t element, double* f) {
         const ElementState e = tables_.state(element, u);
-        const PointGradients points(mesh().element, e);
+        const PointGradients points(mesh().element, e, kMeanShare);
         Mat3<double> P[kMaxPoints];
         for_points(element, [&](int q, const auto& point) { P[q] = point.stress(points.F(q)); });
         points.add_force(e, P, f);
@@ -132,7 +140,7 @@ void PlasticBody::element_hessian(int64_t element, In<double> u, TangentKind kin
                                   double* K) const {
   tables_.check_nodal(u);
   const ElementState e = tables_.state(element, u);
-  const PointGradients points(mesh().element, e);
+  const PointGradients points(mesh().element, e, kMeanShare);
   const bool shares = points.shares_dilatation();
   bool symmetric = true;
   Mat3<double> P[kMaxPoints];
@@ -150,7 +158,7 @@ PlasticHistory PlasticBody::history_after(In<double> u) const {
   tables_.check_nodal(u);
   PlasticHistory after = history_;
   for_each(mesh().elements.rows(), [&](int64_t element) {
-    const PointGradients points(mesh().element, tables_.state(element, u));
+    const PointGradients points(mesh().element, tables_.state(element, u), kMeanShare);
     for_laws(element, [&](int q, auto point) {
       const int64_t k = element * tables_.points() + q;
       point.commit(points.F(q));
@@ -166,7 +174,7 @@ StepWork PlasticBody::work(In<double> u) const {
   Array<double> elastic(mesh().elements.rows()), plastic(elastic);
   for_each(elastic.rows(), [&](int64_t element) {
     const ElementState e = tables_.state(element, u);
-    const PointGradients points(mesh().element, e);
+    const PointGradients points(mesh().element, e, kMeanShare);
     for_laws(element, [&](int q, const auto& point) {
       const StepWork work = point.work(points.F(q));
       elastic(element) += e.weight[q] * work.elastic;

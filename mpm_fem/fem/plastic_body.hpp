@@ -4,8 +4,9 @@
 //
 //     f(u) = sum_e sum_q w_q P(F_q Fp_q^-1) Fp_q^-T : dF_q/du,
 //
-// the gradient of E(u) = sum w_q psi of laws with a potential. Of the others, sand and snow, a
+// the gradient of E(u) = sum w_q psi of laws with a potential; of the others, sand and snow, a
 // potential can be frozen at a state (materials/frozen_potential.hpp), with the same forces there.
+// With bbar F_q has 9/10 of the mean dilatation (fem/mean_dilatation.hpp).
 
 #pragma once
 

@@ -9,10 +9,10 @@ bool has_mean_dilatation(Element element) {
   return element == Element::kHexBbar || element == Element::kTet10Bbar;
 }
 
-PointGradients::PointGradients(Element element, const ElementState& e)
+PointGradients::PointGradients(Element element, const ElementState& e, double share)
     : shares_dilatation_(has_mean_dilatation(element)) {
   if (shares_dilatation_)
-    mean_ = mean_dilatation(e);
+    mean_ = mean_dilatation(e, share);
   else
     for (int q = 0; q < e.points; ++q) mean_.Fbar[q] = deformation_gradient(e, q);
 }

@@ -10,7 +10,8 @@ namespace elastogen::fem {
 
 class PointGradients {
  public:
-  PointGradients(Element element, const ElementState& e);
+  /// @param share  as of mean_dilatation
+  PointGradients(Element element, const ElementState& e, double share = 1);
 
   const Mat3<double>& F(int q) const { return mean_.Fbar[q]; }
   /// Whether they are Fbar_q: then F_q moves with all points of the element.

@@ -202,7 +202,7 @@ TEST(PlasticBody, FlowDissipates) {
 
 TEST(PlasticBody, IsElasticBelowYield) {
   Random random(9);
-  const fem::ElementMesh mesh = test::block(Element::kHexBbar, 2, 1, 1, 1, 0.1);
+  const fem::ElementMesh mesh = test::block(Element::kHex, 2, 1, 1, 1, 0.1);
   Solid strong = solid_of(MetalYield{.stress = 10});
   const PlasticBody body(mesh, {strong});
   const test::ElasticBody elastic(mesh, {strong.elastic});
