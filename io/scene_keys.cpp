@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/scene_keys.hpp"
 
-#include "core/material.hpp"
 #include "io/scene_load_keys.hpp"
+#include "io/scene_material_keys.hpp"
 
 #include <algorithm>
 
@@ -20,13 +20,6 @@ const SceneRange kCount = {.least = 1, .most = kMost};
 
 SceneRange whole(double least, double most) {
   return {.least = least, .most = most};
-}
-
-std::vector<std::string> preset_names() {
-  std::vector<std::string> names;
-  for (const MaterialPreset& preset : material_presets()) names.push_back(preset.material.name);
-  for (const MaterialPreset& preset : yielding_presets()) names.push_back(preset.material.name);
-  return names;
 }
 
 Keys asset_keys() {
@@ -84,80 +77,6 @@ Keys asset_keys() {
        kPositive,
        {"auto"}},
   };
-}
-
-/// The keys that change when a material yields.
-Keys yield_keys(const std::string& table) {
-  const bool main = table == "material";
-  const std::string same = "that of the preset";
-  return {
-      {table, "yield", T::kNumber, same, main ? "--yield" : "",
-       "of metal and clay the stress at which a bar flows, of snow its pressure p0", Q::kPressure,
-       kPositive},
-      {table, "hardening", T::kNumber, same, main ? "--hardening" : "",
-       "of metal stress over plastic strain of a bar, of snow the factor xi", Q::kPressure,
-       kNotNegative},
-      {table,
-       "friction_angle",
-       T::kNumber,
-       same,
-       main ? "--friction-angle" : "",
-       "of sand and snow",
-       Q::kAngle,
-       {.least = 0, .below = true}},
-      {table, "cohesion", T::kNumber, same, main ? "--cohesion" : "",
-       "of sand the strain that it bears, of snow tensile strength over p0", Q::kNumber,
-       kNotNegative},
-  };
-}
-
-/// The keys that choose and change a material.
-Keys material_keys(const std::string& table) {
-  const bool main = table == "material";
-  const std::string same = "that of the preset";
-  return {
-      {table,
-       "preset",
-       T::kText,
-       main ? "rubber" : "",
-       main ? "--material" : "",
-       main ? "a material by name" : "a material by name; without it, the preset of [material]",
-       Q::kNumber,
-       {},
-       preset_names()},
-      {table,
-       "law",
-       T::kText,
-       same,
-       main ? "--law" : "",
-       "energy density",
-       Q::kNumber,
-       {},
-       law_names()},
-      {table, "young", T::kNumber, same, main ? "--young" : "", "Young's modulus", Q::kPressure,
-       kPositive},
-      {table,
-       "poisson",
-       T::kNumber,
-       same,
-       main ? "--poisson" : "",
-       "Poisson's ratio",
-       Q::kNumber,
-       {.least = 0, .most = 0.5, .below = true}},
-      {table, "density", T::kNumber, same, main ? "--density" : "", "mass over volume", Q::kDensity,
-       kPositive},
-  };
-}
-
-Keys region_keys() {
-  Keys keys = {
-      {"region", "select", T::kText, "", "", "a selection, as in a pin"},
-      {"region", "node", T::kText, "", "", "name of a node of the asset"},
-      {"region", "gltf_material", T::kText, "", "", "name of a material of the asset"},
-  };
-  for (SceneKey& key : material_keys("region")) keys.push_back(std::move(key));
-  for (SceneKey& key : yield_keys("region")) keys.push_back(std::move(key));
-  return keys;
 }
 
 Keys floor_keys() {
@@ -277,6 +196,11 @@ Keys solver_keys() {
        Q::kNumber,
        {},
        {"auto", "analytic", "neural"}},
+  };
+}
+
+Keys effort_keys() {
+  return {
       {"solver",
        "method",
        T::kText,
@@ -287,11 +211,6 @@ Keys solver_keys() {
        Q::kNumber,
        {},
        {"auto", "mpm", "fem"}},
-  };
-}
-
-Keys effort_keys() {
-  return {
       {"solver", "skip", T::kFlag, "true", "--no-skip", "false: take no shortcut"},
       {"solver", "threads", T::kWhole, "0", "--threads", "0: all cores", Q::kNumber,
        whole(0, 1 << 20)},
@@ -404,10 +323,9 @@ std::span<const SceneTable> scene_tables() {
 std::span<const SceneKey> scene_keys() {
   static const Keys keys = [] {
     Keys all;
-    for (const Keys& part :
-         {asset_keys(), material_keys("material"), yield_keys("material"), region_keys(),
-          load_keys(), floor_keys(), collider_keys(), time_keys(), solver_keys(), effort_keys(),
-          paper_keys(), limit_keys(), output_keys()})
+    for (const Keys& part : {asset_keys(), main_material_keys(), region_keys(), load_keys(),
+                             floor_keys(), collider_keys(), time_keys(), solver_keys(),
+                             effort_keys(), paper_keys(), limit_keys(), output_keys()})
       all.insert(all.end(), part.begin(), part.end());
     const auto order = [](const SceneKey& key) {
       return key.table.empty() ? 0 : 1 + (find_scene_table(key.table) - scene_tables().data());

@@ -31,7 +31,7 @@ struct FloorPlane {
 struct FemOptions {
   fem::Element element = fem::Element::kVoxel;
   /// The element was asked for; else tetrahedra of a file keep their kind, and voxels of which
-  /// some yield are hex-bbar, without hardening hex.
+  /// some yield are hex, of metals that harden hex-bbar.
   bool named = false;
   fem::Mass mass = fem::Mass::kLumped;
   bool any_rounding = false;  ///< the tolerance rises above the rounding of doubles

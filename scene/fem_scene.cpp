@@ -57,12 +57,13 @@ std::vector<Material> materials_of(const Scene& scene) {
   return materials;
 }
 
-/// Voxels whose material yields, which the voxel element cannot. Without hardening mean dilatation
-/// leaves nothing that keeps a point at a contact from being flattened.
+/// Voxels whose material yields, which the voxel element cannot. Mean dilatation leaves nothing that
+/// keeps a point at a contact from being flattened, but for hardening.
 fem::Element yielding_element(const std::vector<Yield>& yields) {
   for (const Yield& yield : yields) {
     const auto* metal = std::get_if<MetalYield>(&yield);
-    if (metal && metal->hardening == 0) return fem::Element::kHex;
+    const bool hardens = metal && metal->hardening > 0;
+    if (yield.index() != 0 && !hardens) return fem::Element::kHex;
   }
   return fem::Element::kHexBbar;
 }
