@@ -42,8 +42,7 @@ Keys yield_keys(const std::string& table) {
        Q::kAngle,
        {.least = 0, .below = true}},
       {table, "cohesion", T::kNumber, same, main ? "--cohesion" : "",
-       "of sand the strain that it bears, of snow tensile strength over p0", Q::kNumber,
-       kFromZero},
+       "of sand the strain that it bears, of snow tensile strength over p0", Q::kNumber, kFromZero},
   };
 }
 
