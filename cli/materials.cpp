@@ -2,6 +2,7 @@
 #include "cli/exit_code.hpp"
 #include "cli/material_nets.hpp"
 #include "cli/verbs.hpp"
+#include "mpm_fem/materials/solid_presets.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -26,52 +27,77 @@ Derived derived(const Material& m) {
           std::sqrt(mu / m.density)};
 }
 
-Json to_json(const MaterialPreset& preset) {
-  const Material& m = preset.material;
+/// What a solid yields by; empty of an elastic one.
+Json yield_json(const Yield& yield) {
+  if (const auto* metal = std::get_if<MetalYield>(&yield))
+    return {{"yield", metal->stress}, {"hardening", metal->hardening}};
+  if (const auto* sand = std::get_if<SandYield>(&yield))
+    return {{"friction_angle", sand->friction}, {"cohesion", sand->cohesion}};
+  if (const auto* snow = std::get_if<SnowYield>(&yield))
+    return {{"yield", snow->pressure},
+            {"hardening", snow->hardening},
+            {"friction_angle", critical_angle(snow->slope)},
+            {"cohesion", snow->cohesion}};
+  return Json::object();
+}
+
+Json to_json(const SolidPreset& preset) {
+  const Material& m = preset.solid.elastic;
   const Derived d = derived(m);
-  return {{"name", m.name},
-          {"law", law_name(m.law)},
-          {"young", m.young},
-          {"poisson", m.poisson},
-          {"density", m.density},
-          {"mu", d.mu},
-          {"lambda", d.lambda},
-          {"bulk", d.bulk},
-          {"pressure_wave", d.pressure_wave},
-          {"shear_wave", d.shear_wave},
-          {"kind", preset.kind},
-          {"source", preset.source}};
+  Json json = {{"name", m.name},
+               {"law", law_name(m.law)},
+               {"young", m.young},
+               {"poisson", m.poisson},
+               {"density", m.density},
+               {"mu", d.mu},
+               {"lambda", d.lambda},
+               {"bulk", d.bulk},
+               {"pressure_wave", d.pressure_wave},
+               {"shear_wave", d.shear_wave},
+               {"kind", preset.kind},
+               {"source", preset.source}};
+  if (!preset.solid.is_plastic()) return json;
+  json["yields_as"] = yield_name(preset.solid.yield);
+  json.update(yield_json(preset.solid.yield));
+  return json;
 }
 
-void print_line(const MaterialPreset& preset) {
-  const Material& m = preset.material;
-  fmt::print("{:<12} {:<19} E {:>8.3g} Pa  nu {:<5.3g} rho {:>5.4g} kg/m3  {}\n", m.name,
-             law_name(m.law), m.young, m.poisson, m.density, preset.kind);
+void print_line(const SolidPreset& preset) {
+  const Material& m = preset.solid.elastic;
+  const std::string how =
+      preset.solid.is_plastic() ? yield_name(preset.solid.yield) : law_name(m.law);
+  fmt::print("{:<12} {:<19} E {:>8.3g} Pa  nu {:<5.3g} rho {:>5.4g} kg/m3  {}\n", m.name, how,
+             m.young, m.poisson, m.density, preset.kind);
 }
 
-void print_all(const MaterialPreset& preset) {
-  const Derived d = derived(preset.material);
+void print_all(const SolidPreset& preset) {
+  const Derived d = derived(preset.solid.elastic);
   print_line(preset);
   fmt::print("  mu {:.4g} Pa, lambda {:.4g} Pa, K {:.4g} Pa\n", d.mu, d.lambda, d.bulk);
   fmt::print("  waves: {:.4g} m/s in pressure, {:.4g} m/s in shear\n", d.pressure_wave,
              d.shear_wave);
+  const Json yield = yield_json(preset.solid.yield);
+  for (const auto& [key, value] : yield.items())
+    fmt::print("  {} {:.4g}\n", key, value.get<double>());
   fmt::print("  {}: {}\n", preset.kind, preset.source);
 }
 
 int list_presets(const MaterialsTask& task) {
   Json list = Json::array();
-  for (const MaterialPreset& preset : material_presets()) {
-    if (task.json)
-      list.push_back(to_json(preset));
-    else
-      print_line(preset);
-  }
+  for (const auto& presets : {material_presets(), yielding_presets()})
+    for (const MaterialPreset& named : presets) {
+      const SolidPreset preset = solid_preset(named.material.name);
+      if (task.json)
+        list.push_back(to_json(preset));
+      else
+        print_line(preset);
+    }
   if (task.json) fmt::print("{}\n", list.dump(2));
   return kExitDone;
 }
 
 int show_preset(const MaterialsTask& task) {
-  const MaterialPreset& preset = material_preset(task.name);
+  const SolidPreset preset = solid_preset(task.name);
   if (task.json)
     fmt::print("{}\n", to_json(preset).dump(2));
   else

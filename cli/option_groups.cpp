@@ -20,7 +20,8 @@ void add_body_options(CLI::App& app, AnimateOptions& o, Typed& t) {
 }
 
 void add_material_options(CLI::App& app, Typed& t) {
-  app.add_option("--material", t.material, "preset: rubber, soft-rubber, jelly, foam, ...")
+  app.add_option("--material", t.material,
+                 "preset: rubber, soft-rubber, jelly, foam, steel, clay, snow, ...")
       ->group("Material");
   app.add_option("--law", t.law,
                  "fixed-corotated, neo-hookean, stable-neo-hookean, stvk, hencky, ogden=EXPONENT, "
@@ -29,6 +30,17 @@ void add_material_options(CLI::App& app, Typed& t) {
   app.add_option("--young", t.young, "Young's modulus, e.g. 1e6 or '1 MPa'")->group("Material");
   app.add_option("--poisson", t.poisson, "Poisson's ratio, 0 <= nu < 0.5")->group("Material");
   app.add_option("--density", t.density, "density, e.g. 1100 or '1.1 g/cm3'")->group("Material");
+  app.add_option("--yield", t.yield,
+                 "metal and clay: stress at which a bar flows, e.g. '250 MPa'; snow: pressure p0")
+      ->group("Material");
+  app.add_option("--hardening", t.hardening,
+                 "metal: stress over plastic strain, e.g. '1 GPa'; snow: the factor xi")
+      ->group("Material");
+  app.add_option("--friction-angle", t.friction_angle, "sand and snow, e.g. '35 deg'")
+      ->group("Material");
+  app.add_option("--cohesion", t.cohesion,
+                 "sand: strain that it bears; snow: tensile strength over p0")
+      ->group("Material");
   app.add_option("--region", t.regions,
                  "part of another material: 'y>80%: foam,young=1e5'; repeatable")
       ->group("Material")
@@ -107,6 +119,9 @@ void add_run_options(CLI::App& app, AnimateOptions& o, Typed& t) {
       ->capture_default_str();
   app.add_flag_callback(
       "--analytic", [&t] { t.energy = "analytic"; }, "the same as --energy analytic");
+  app.add_option("--method", t.method,
+                 "of what yields: mpm, fem, or auto: mpm where it falls apart into grains")
+      ->capture_default_str();
   app.add_option("--device", t.device, "auto, cpu or cuda")->capture_default_str();
   app.add_flag_callback(
       "--deterministic", [] {}, "the same bits on every run; always so, sums have a fixed order");

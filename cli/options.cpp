@@ -61,7 +61,9 @@ void fill_from_scene(Verb& verb) {
   for (const CLI::Option* option : app.get_options())
     if (option->count() > 0) taken.insert(option->get_name());
   if (taken.contains("--voxels")) taken.insert("--h");
-  if (taken.contains("--material")) taken.insert({"--law", "--young", "--poisson", "--density"});
+  if (taken.contains("--material"))
+    taken.insert({"--law", "--young", "--poisson", "--density", "--yield", "--hardening",
+                  "--friction-angle", "--cohesion"});
   if (taken.contains("--analytic")) taken.insert("--energy");
   for (const SceneOption& scene : scene_options(read_scene(verb.scene_file))) {
     CLI::Option* option = app.get_option_no_throw(scene.option);
@@ -156,6 +158,8 @@ AnimateOptions take_run(Verb& verb) {
   AnimateOptions& o = verb.scene;
   if (o.print_resolved) return finish_resolved(o);
   if (!o.fem) check_no_boundary(verb.typed, name);
+  ELASTOGEN_CHECK(o.method == Method::kAuto || method_of(o) != Method::kAuto, "--method ",
+                  verb.typed.method, ": no material of the scene yields");
   const std::string& file = verb.scene_file;
   const std::string scene = file.empty() ? "" : file + ": ";
   ELASTOGEN_CHECK(!o.input.empty(), scene, name, " needs an INPUT, or a --scene with asset.file");
@@ -255,6 +259,8 @@ void add_study(CLI::App& app, Verb& verb, StudyTask& task, StudyNames& names) {
 StudyTask take_study(Verb& verb, StudyTask task, const StudyNames& names) {
   resolve(verb);
   check_no_boundary(verb.typed, "study");
+  ELASTOGEN_CHECK(method_of(verb.scene) == Method::kAuto,
+                  "study: the network steps no material that yields");
   if (verb.scene.energy == EnergySource::kAuto) verb.scene.energy = EnergySource::kAnalytic;
   ELASTOGEN_CHECK(!verb.scene.input.empty(), "study needs an INPUT, or a --scene with asset.file");
   task.reference = fem::element_from_name(names.reference);

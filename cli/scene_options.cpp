@@ -2,6 +2,7 @@
 #include "cli/scene_options.hpp"
 
 #include "io/scene_keys.hpp"
+#include "mpm_fem/materials/solid_presets.hpp"
 #include "scene/tet_asset.hpp"
 
 #include <fmt/format.h>
@@ -42,8 +43,10 @@ std::string region_text(const SceneValue& region, const std::string& preset) {
   if (region.find("gltf_material"))
     text = fmt::format("material:{}", text_of(region, "gltf_material", ""));
   text += fmt::format(": {}", text_of(region, "preset", preset));
-  for (const char* key : {"law", "young", "poisson", "density"})
+  for (const char* key : {"law", "young", "poisson", "density", "yield", "hardening", "cohesion"})
     if (region.find(key)) text += fmt::format(",{}={}", key, text_of(region, key, ""));
+  if (region.find("friction_angle"))
+    text += fmt::format(",friction-angle={}", text_of(region, "friction_angle", ""));
   return text;
 }
 
@@ -164,13 +167,35 @@ SceneValue asset_table(const AnimateOptions& o) {
   return t;
 }
 
-SceneValue material_table(const Material& m) {
+/// A preset of the same kind as a material that was changed, all of whose numbers follow.
+const char* preset_like(const Yield& yield) {
+  constexpr const char* kNames[] = {"rubber", "steel", "sand", "snow"};
+  return kNames[yield.index()];
+}
+
+void set_yield(const Yield& yield, SceneValue& t) {
+  if (const auto* metal = std::get_if<MetalYield>(&yield)) {
+    t.set("yield", scene_number(metal->stress));
+    t.set("hardening", scene_number(metal->hardening));
+  } else if (const auto* sand = std::get_if<SandYield>(&yield)) {
+    t.set("friction_angle", scene_number(sand->friction));
+    t.set("cohesion", scene_number(sand->cohesion));
+  } else if (const auto* snow = std::get_if<SnowYield>(&yield)) {
+    t.set("yield", scene_number(snow->pressure));
+    t.set("hardening", scene_number(snow->hardening));
+    t.set("friction_angle", scene_number(critical_angle(snow->slope)));
+    t.set("cohesion", scene_number(snow->cohesion));
+  }
+}
+
+SceneValue material_table(const Material& m, const Yield& yield) {
   SceneValue t;
-  t.set("preset", scene_text(m.name == "custom" ? "rubber" : m.name));
+  t.set("preset", scene_text(m.name == "custom" ? preset_like(yield) : m.name));
   t.set("law", scene_text(law_name(m.law)));
   t.set("young", scene_number(m.young));
   t.set("poisson", scene_number(m.poisson));
   t.set("density", scene_number(m.density));
+  set_yield(yield, t);
   return t;
 }
 
@@ -206,6 +231,7 @@ SceneValue solver_table(const AnimateOptions& o) {
   if (!o.fem || !o.fem->any_rounding) t.set("tolerance", scene_number(o.solver.tolerance));
   t.set("hourglass", scene_text(find_scene_key("solver", "hourglass")->words[size_t(o.hourglass)]));
   t.set("energy", scene_text(find_scene_key("solver", "energy")->words[size_t(o.energy)]));
+  t.set("method", scene_text(find_scene_key("solver", "method")->words[size_t(o.method)]));
   t.set("outer", scene_number(o.solver.paper.outer));
   t.set("inner", scene_number(o.solver.paper.inner));
   t.set("modes", scene_number(o.solver.paper.modes));
@@ -268,7 +294,7 @@ SceneValue resolved_scene(const AnimateOptions& o) {
   scene.set("moves", texts_of(o.moves));
   scene.set("gravity", o.gravity ? vector(o.gravity->data()) : scene_text("auto"));
   scene.set("asset", asset_table(o));
-  scene.set("material", material_table(o.material));
+  scene.set("material", material_table(o.material, o.yield));
   scene.set("motion", motion_table(o.motion));
   scene.set("floor", floor_table(o));
   scene.set("time", time_table(o));

@@ -5,6 +5,8 @@
 #include "io/frame_files.hpp"
 #include "io/safe_file.hpp"
 #include "io/units.hpp"
+#include "mpm_fem/materials/solid_presets.hpp"
+#include "scene/solid_text.hpp"
 #include "voxelize/regions.hpp"
 
 #include <algorithm>
@@ -26,18 +28,36 @@ int choice(const char* option, const std::string& value, const std::vector<std::
   throw Error(concat(option, " '", value, "': known are ", known));
 }
 
-Material resolve_material(const Typed& t) {
-  const Material preset = material_preset(t.material).material;
-  Material m = preset;
-  if (!t.law.empty()) m.law = law_from_name(t.law);
-  if (!t.young.empty()) m.young = parse_pressure(t.young);
-  if (!t.poisson.empty()) m.poisson = parse_number(t.poisson);
-  if (!t.density.empty()) m.density = parse_density(t.density);
-  check_material(m);
+void resolve_material(const Typed& t, AnimateOptions& o) {
+  Solid solid = solid_preset(t.material).solid;
+  const Material preset = solid.elastic;
+  const Yield yield = solid.yield;
+  for (const auto& [key, text] : {std::pair("law", &t.law),
+                                  {"young", &t.young},
+                                  {"poisson", &t.poisson},
+                                  {"density", &t.density},
+                                  {"yield", &t.yield},
+                                  {"hardening", &t.hardening},
+                                  {"friction-angle", &t.friction_angle},
+                                  {"cohesion", &t.cohesion}}) {
+    if (!text->empty()) change_solid(key, *text, solid);
+  }
+  check_solid(solid);
+  const Material& m = solid.elastic;
   const bool same = m.law == preset.law && m.young == preset.young && m.poisson == preset.poisson &&
-                    m.density == preset.density;
-  if (!same) m.name = "custom";
-  return m;
+                    m.density == preset.density && solid.yield == yield;
+  o.material = m;
+  o.yield = solid.yield;
+  if (!same) o.material.name = "custom";
+}
+
+/// What yields is stepped by elements, or by particles, not by the network.
+void resolve_method(const Typed& t, AnimateOptions& o) {
+  o.method = Method(choice("--method", t.method, {"auto", "mpm", "fem"}));
+  const bool yields = method_of(o) != Method::kAuto;
+  ELASTOGEN_CHECK(!yields || !o.fem || !o.fem->statics, "--static: a material yields, which takes ",
+                  "time steps");
+  if (yields && !o.fem && method_of(o) == Method::kFem) o.fem.emplace();
 }
 
 /// "": everything by itself; AXIS=PLACE; off.
@@ -95,8 +115,9 @@ void convert_lists(const Typed& t, AnimateOptions& o) {
 }
 
 void convert(const Typed& t, AnimateOptions& o) {
-  o.material = resolve_material(t);
+  resolve_material(t, o);
   convert_lists(t, o);
+  resolve_method(t, o);
   if (t.gravity != "auto") o.gravity = parse_vec3(t.gravity, Quantity::kAcceleration);
   if (!t.velocity.empty()) copy(parse_vec3(t.velocity, Quantity::kSpeed), o.motion.velocity);
   if (!t.spin.empty()) copy(parse_vec3(t.spin, Quantity::kSpin), o.motion.spin);

@@ -10,6 +10,7 @@ namespace elastogen {
 /// Values as they were typed; empty means not given.
 struct Typed {
   std::string material = "rubber", law, young, poisson, density;
+  std::string yield, hardening, friction_angle, cohesion, method = "auto";
   std::string gravity = "auto", velocity, spin, h = "auto", size = "auto", substeps = "auto";
   std::string max_memory = "none", max_time = "none";
   std::vector<std::string> floor;

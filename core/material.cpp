@@ -63,6 +63,41 @@ const std::array<MaterialPreset, 8> kPresets = {{
     {{"plush", Law::kNeoHookean, 1.5e4, 0.2, 120}, "look", "chosen by eye for stuffed toys"},
 }};
 
+// ranges of handbooks at room temperature; soils and snow as simulations of them take them
+const std::array<MaterialPreset, 9> kYielding = {{
+    {{"sand", Law::kHencky, 3.5e5, 0.3, 2200},
+     "literature",
+     "E, nu, rho about those of Klar et al. 2016, far softer than grains are; friction angle of "
+     "dry "
+     "sand, 30-38 degrees"},
+    {{"wet-sand", Law::kHencky, 3.5e5, 0.3, 2000},
+     "look",
+     "sand with a cohesion chosen by eye, a tip at 0.9 kPa of tension"},
+    {{"snow", Law::kHencky, 1e6, 0.3, 300},
+     "literature",
+     "within the ranges of Gaume et al. 2018 and Li et al. 2020: E 1-3 MPa, p0 3-30 kPa, M to "
+     "1.85"},
+    {{"packed-snow", Law::kHencky, 3e6, 0.3, 400},
+     "look",
+     "the stiff end of the same ranges with p0 of 30 kPa and more cohesion, chosen by eye"},
+    {{"clay", Law::kHencky, 3e5, 0.25, 1700},
+     "literature",
+     "plasticine of Ma et al. 2023 (NCLaw): E, nu, |dev tau| of 5 kPa, here as the stress of a "
+     "bar"},
+    {{"aluminium", Law::kHencky, 6.9e10, 0.33, 2700},
+     "literature",
+     "alloy 6061-T6: yield 276 MPa; H such that 7 % of strain reach the ultimate 310 MPa"},
+    {{"copper", Law::kHencky, 1.17e11, 0.34, 8960},
+     "literature",
+     "annealed copper: yield 33-70 MPa; H from the ultimate 220 MPa at about 30 % of strain"},
+    {{"lead", Law::kHencky, 1.6e10, 0.44, 11340},
+     "literature",
+     "pure lead: yield 5-12 MPa, ultimate 12-18 MPa at about 40 % of strain"},
+    {{"steel", Law::kHencky, 2e11, 0.29, 7850},
+     "literature",
+     "mild steel: yield 250 MPa, ultimate 400-500 MPa at about 20 % of strain"},
+}};
+
 }  // namespace
 
 std::string law_name(const Law& law) {
@@ -103,6 +138,10 @@ Law law_from_name(std::string_view text) {
 
 std::span<const MaterialPreset> material_presets() {
   return kPresets;
+}
+
+std::span<const MaterialPreset> yielding_presets() {
+  return kYielding;
 }
 
 const MaterialPreset& material_preset(std::string_view name) {

@@ -73,7 +73,10 @@ struct MaterialPreset {
 
 std::span<const MaterialPreset> material_presets();
 
-/// The preset of that name. @throws Error naming the known ones.
+/// The elastic parts of the presets that yield; mpm_fem/materials/solid_presets.hpp has the rest.
+std::span<const MaterialPreset> yielding_presets();
+
+/// The elastic preset of that name. @throws Error naming the known ones.
 const MaterialPreset& material_preset(std::string_view name);
 
 /// @throws Error unless E, rho are positive and finite, 0 <= nu < 0.5, and the shape parameter is

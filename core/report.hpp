@@ -12,6 +12,7 @@ namespace elastogen {
 /// Energies at the end of a step [J].
 struct EnergyParts {
   double kinetic = 0, elastic = 0, hourglass = 0, gravity = 0, contact = 0;
+  double plastic = 0;  ///< work of plastic flow since the start, of metals with that of hardening
 };
 
 struct StepReport {
@@ -22,6 +23,8 @@ struct StepReport {
   double residual = 0;       ///< |grad Phi| / |M g_ref| in float64 on the state that is written
   int outer = 0;             ///< quasi: L-BFGS iterations; newton: Newton steps
   int inner = 0;             ///< quasi: evaluations of the potential; newton: PCG iterations
+  bool yields = false;       ///< a material can yield: energy.plastic and fallbacks are filled
+  int fallbacks = 0;         ///< steps on a frozen potential after a line search that failed
   bool float64 = false;      ///< the iteration ran in float64 (docs/physics.md, precision)
   bool finite = true;        ///< false: the step was refused and the state is the one before
   std::string refusal;       ///< why, where there is more to say; or why it is a draft

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/scene_keys.hpp"
 
-#include "core/material.hpp"
 #include "io/scene_load_keys.hpp"
+#include "io/scene_material_keys.hpp"
 
 #include <algorithm>
 
@@ -20,12 +20,6 @@ const SceneRange kCount = {.least = 1, .most = kMost};
 
 SceneRange whole(double least, double most) {
   return {.least = least, .most = most};
-}
-
-std::vector<std::string> preset_names() {
-  std::vector<std::string> names;
-  for (const MaterialPreset& preset : material_presets()) names.push_back(preset.material.name);
-  return names;
 }
 
 Keys asset_keys() {
@@ -83,54 +77,6 @@ Keys asset_keys() {
        kPositive,
        {"auto"}},
   };
-}
-
-/// The keys that choose and change a material.
-Keys material_keys(const std::string& table) {
-  const bool main = table == "material";
-  const std::string same = "that of the preset";
-  return {
-      {table,
-       "preset",
-       T::kText,
-       main ? "rubber" : "",
-       main ? "--material" : "",
-       main ? "a material by name" : "a material by name; without it, the preset of [material]",
-       Q::kNumber,
-       {},
-       preset_names()},
-      {table,
-       "law",
-       T::kText,
-       same,
-       main ? "--law" : "",
-       "energy density",
-       Q::kNumber,
-       {},
-       law_names()},
-      {table, "young", T::kNumber, same, main ? "--young" : "", "Young's modulus", Q::kPressure,
-       kPositive},
-      {table,
-       "poisson",
-       T::kNumber,
-       same,
-       main ? "--poisson" : "",
-       "Poisson's ratio",
-       Q::kNumber,
-       {.least = 0, .most = 0.5, .below = true}},
-      {table, "density", T::kNumber, same, main ? "--density" : "", "mass over volume", Q::kDensity,
-       kPositive},
-  };
-}
-
-Keys region_keys() {
-  Keys keys = {
-      {"region", "select", T::kText, "", "", "a selection, as in a pin"},
-      {"region", "node", T::kText, "", "", "name of a node of the asset"},
-      {"region", "gltf_material", T::kText, "", "", "name of a material of the asset"},
-  };
-  for (SceneKey& key : material_keys("region")) keys.push_back(std::move(key));
-  return keys;
 }
 
 Keys floor_keys() {
@@ -255,6 +201,16 @@ Keys solver_keys() {
 
 Keys effort_keys() {
   return {
+      {"solver",
+       "method",
+       T::kText,
+       "auto",
+       "--method",
+       "what steps a body that yields: particles (mpm) or elements (fem); auto: particles where a "
+       "material falls apart into grains",
+       Q::kNumber,
+       {},
+       {"auto", "mpm", "fem"}},
       {"solver", "skip", T::kFlag, "true", "--no-skip", "false: take no shortcut"},
       {"solver", "threads", T::kWhole, "0", "--threads", "0: all cores", Q::kNumber,
        whole(0, 1 << 20)},
@@ -367,7 +323,7 @@ std::span<const SceneTable> scene_tables() {
 std::span<const SceneKey> scene_keys() {
   static const Keys keys = [] {
     Keys all;
-    for (const Keys& part : {asset_keys(), material_keys("material"), region_keys(), load_keys(),
+    for (const Keys& part : {asset_keys(), main_material_keys(), region_keys(), load_keys(),
                              floor_keys(), collider_keys(), time_keys(), solver_keys(),
                              effort_keys(), paper_keys(), limit_keys(), output_keys()})
       all.insert(all.end(), part.begin(), part.end());

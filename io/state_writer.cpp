@@ -241,6 +241,20 @@ void write_reports(hid_t group, const std::vector<StepReport>& all) {
   write_column<double>(group, "min_j", all, [](R r) { return r.min_j; });
 }
 
+/// What steps of bodies that yield say besides.
+void write_yields(hid_t group, const std::vector<StepReport>& all) {
+  using R = const StepReport&;
+  write_column<double>(group, "energy_plastic", all, [](R r) { return r.energy.plastic; });
+  write_column<int32_t>(group, "fallbacks", all, [](R r) { return r.fallbacks; });
+}
+
+void write_plastic(hid_t file, const StatePlastic& plastic) {
+  const hdf5::Handle group = hdf5::create_group(file, "plastic");
+  hdf5::write_dataset<double>(group, "yields", plastic.yields);
+  hdf5::write_dataset<double>(group, "Fp_inverse", plastic.Fp_inverse);
+  hdf5::write_dataset<double>(group, "memory", plastic.memory);
+}
+
 /// /steps/x and /steps/v, entry by entry from the raw file.
 void write_motion(hid_t group, std::FILE* spill, const std::string& path, int64_t entries,
                   int64_t nodes) {
@@ -309,11 +323,13 @@ void StateWriter::finish() {
   write_materials(file, scene_.materials);
   write_nets(file, header_);
   write_contact(file, scene_, header_, time_);
+  if (plastic_) write_plastic(file, *plastic_);
   {
     const hdf5::Handle steps = hdf5::create_group(file, "steps");
     hdf5::write_dataset<double>(steps, "time", {time_.data(), entries, 1});
     write_motion(steps, spill_.get(), path_, entries, node_count());
     write_reports(steps, reports_);
+    if (plastic_) write_yields(steps, reports_);
   }
   file.close();
   safe.commit();

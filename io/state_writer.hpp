@@ -37,6 +37,13 @@ struct StateNet {
 };
 
 /// What the file says of the run besides its scene.
+/// What a body that yields remembers at the end of a run.
+struct StatePlastic {
+  Array<double> yields;      ///< of each material: kind 0 ... 3 and four numbers, (materials, 5)
+  Array<double> Fp_inverse;  ///< of each point of the elements that yield, in order, (points, 9)
+  Array<double> memory;      ///< of each point, the number that its law keeps, (points, 1)
+};
+
 struct StateHeader {
   double fps = 60;
   std::string solver;               ///< "quasi", "newton", "paper" or "fem"
@@ -68,6 +75,9 @@ class StateWriter {
   /// @throws Error (resources) if the disk is full.
   void step(const State& state, const StepReport& report);
 
+  /// Takes what the body remembers after the last step.
+  void set_plastic(StatePlastic plastic) { plastic_ = std::move(plastic); }
+
   /// Writes the file under a temporary name and renames it. Also for a run that ended early.
   /// @throws Error (resources)
   void finish();
@@ -78,6 +88,7 @@ class StateWriter {
 
   const Scene& scene_;
   StateHeader header_;
+  std::optional<StatePlastic> plastic_;
   std::string path_;
   SafeFile spill_file_;                                    ///< never committed
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> spill_;  ///< x, v of each entry, raw float64

@@ -9,7 +9,7 @@ namespace elastogen {
 
 std::string step_log_line(int64_t frame, const StepReport& report) {
   const EnergyParts& energy = report.energy;
-  const nlohmann::ordered_json line = {
+  nlohmann::ordered_json line = {
       {"frame", frame},
       {"step", report.step},
       {"time", report.time},
@@ -33,6 +33,10 @@ std::string step_log_line(int64_t frame, const StepReport& report) {
       {"deepest_overlap", report.deepest_overlap},
       {"ms", report.ms},
   };
+  if (report.yields) {
+    line["energies"]["plastic"] = energy.plastic;
+    line["fallbacks"] = report.fallbacks;
+  }
   return line.dump();  // writes null for what is not finite
 }
 

@@ -5,6 +5,7 @@
 
 #include "mpm_fem/contact/collider_contact.hpp"
 #include "mpm_fem/fem/element_mesh.hpp"
+#include "mpm_fem/materials/solid.hpp"
 
 #include <functional>
 #include <vector>
@@ -19,6 +20,7 @@ enum class Mass : uint8_t { kLumped, kConsistent };
 struct FemScene {
   ElementMesh mesh;
   std::vector<Material> materials;
+  std::vector<Yield> yields;  ///< of each material; empty: all are elastic
   Array<double> mass;      ///< lumped mass of each node [kg], (nodes, 1); empty: that of the mesh
   Vec3 gravity = {};       ///< [m/s^2]
   Array<uint8_t> fixed;    ///< 1 where a component's displacement is prescribed, (nodes, 3)

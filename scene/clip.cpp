@@ -57,7 +57,7 @@ class Clip {
   ClipEnd finish() {
     const Stopwatch watch;
     for (std::string& text : frames_.finish(note_)) report_.warnings.push_back(std::move(text));
-    if (state_file_) state_file_->finish();
+    if (state_file_) finish_state();
     report_.stage_seconds.write += watch.seconds();
     report_.converged_share = report_.steps > 0 ? double(converged_) / double(report_.steps) : 1;
     if (converged_ < report_.steps) raise(ClipEnd::kDraft);
@@ -102,6 +102,12 @@ class Clip {
     stepper_->describe(header);
     state_file_ =
         std::make_unique<StateWriter>(run_.state, setup_.scene, header, stepper_->state());
+  }
+
+  void finish_state() {
+    if (std::optional<StatePlastic> plastic = stepper_->plastic())
+      state_file_->set_plastic(std::move(*plastic));
+    state_file_->finish();
   }
 
   /// Asked to, or the time is over.

@@ -30,13 +30,19 @@ struct FloorPlane {
 /// Finite elements in place of the network.
 struct FemOptions {
   fem::Element element = fem::Element::kVoxel;
-  bool named = false;  ///< the element was asked for; else tetrahedra of a file keep their kind
+  /// The element was asked for; else tetrahedra of a file keep their kind, and voxels of which
+  /// some yield are hex, of metals that harden hex-bbar.
+  bool named = false;
   fem::Mass mass = fem::Mass::kLumped;
   bool any_rounding = false;  ///< the tolerance rises above the rounding of doubles
   bool newmark = false;       ///< instead of the time scheme
   bool resolution = false;    ///< a resolution was asked for: tetrahedra of a file have their own
   bool statics = false;       ///< an equilibrium instead of time steps: one frame, one step of 1 s
 };
+
+/// What steps a body that yields: elements or particles; auto: particles where a material falls
+/// apart into grains (is_granular), else elements.
+enum class Method : uint8_t { kAuto, kMpm, kFem };
 
 /// What gives the stress of a material: its law, its net, or its net where one keeps the limits.
 enum class EnergySource : uint8_t { kAuto, kAnalytic, kNeural };
@@ -54,6 +60,7 @@ struct RunDescription {
 
   // what it is made of
   Material material;                    ///< of what no region takes
+  Yield yield = {};                     ///< of that material
   std::vector<MaterialRegion> regions;  ///< later ones on top of earlier ones
   /// Materials, and the one of each voxel, (voxels, 1), in place of `material`; empty: that one.
   std::vector<Material> materials;
@@ -77,6 +84,7 @@ struct RunDescription {
   TimeScheme scheme = TimeScheme::kEuler;
   SolverOptions solver{.device = Device::kAuto};
   std::optional<FemOptions> fem;  ///< set: finite elements take the steps
+  Method method = Method::kAuto;  ///< of a run with a material that yields
   EnergySource energy = EnergySource::kAuto;
   Hourglass hourglass = Hourglass::kFull;
 
@@ -94,5 +102,8 @@ struct RunDescription {
   int64_t max_voxels = 64'000'000;
   double max_time = 0;  ///< wall time of the steps [s], 0: no limit
 };
+
+/// Whether a material of the run yields, and the method that this leaves; kAuto: none yields.
+Method method_of(const RunDescription& run);
 
 }  // namespace elastogen

@@ -57,6 +57,17 @@ std::vector<Material> materials_of(const Scene& scene) {
   return materials;
 }
 
+/// Voxels whose material yields, which the voxel element cannot. Mean dilatation leaves nothing that
+/// keeps a point at a contact from being flattened, but for hardening.
+fem::Element yielding_element(const std::vector<Yield>& yields) {
+  for (const Yield& yield : yields) {
+    const auto* metal = std::get_if<MetalYield>(&yield);
+    const bool hardens = metal && metal->hardening > 0;
+    if (yield.index() != 0 && !hardens) return fem::Element::kHex;
+  }
+  return fem::Element::kHexBbar;
+}
+
 fem::Scheme scheme_of(const Scene& scene, const FemOptions& options) {
   if (options.newmark) return fem::Scheme::kNewmark;
   return scene.scheme == TimeScheme::kBdf2 ? fem::Scheme::kBdf2 : fem::Scheme::kEuler;
@@ -68,7 +79,10 @@ fem::FemScene fem_scene(const Setup& setup, const RunDescription& run) {
   const Scene& scene = setup.scene;
   const FemOptions& fem = *run.fem;
   fem::FemScene result;
-  result.mesh = setup.tets ? *setup.tets : mesh_of(scene, fem.element);
+  const bool yields = !fem.named && !setup.yields.empty();
+  result.mesh = setup.tets ? *setup.tets
+                           : mesh_of(scene, yields ? yielding_element(setup.yields) : fem.element);
+  result.yields = setup.yields;
   result.materials = setup.tets ? scene.materials : materials_of(scene);
   result.gravity = scene.gravity;
   add_boundary(setup, run, result);

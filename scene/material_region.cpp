@@ -3,7 +3,8 @@
 
 #include "core/error.hpp"
 #include "io/byte_reader.hpp"
-#include "io/units.hpp"
+#include "mpm_fem/materials/solid_presets.hpp"
+#include "scene/solid_text.hpp"
 #include "voxelize/labels.hpp"
 
 #include <fmt/format.h>
@@ -16,33 +17,23 @@
 namespace elastogen {
 namespace {
 
-void change(Material& m, std::string_view text) {
+void change(Solid& solid, std::string_view text) {
   const size_t at = text.find('=');
   const std::string_view key = trimmed(text.substr(0, at));
   ELASTOGEN_CHECK(at != text.npos, "'", text, "' is no KEY=VALUE");
-  const std::string_view value = trimmed(text.substr(at + 1));
-  if (key == "young")
-    m.young = parse_pressure(value);
-  else if (key == "poisson")
-    m.poisson = parse_number(value);
-  else if (key == "density")
-    m.density = parse_density(value);
-  else if (key == "law")
-    m.law = law_from_name(value);
-  else
-    throw Error(concat("'", key, "' is none of young, poisson, density, law"));
+  change_solid(key, trimmed(text.substr(at + 1)), solid);
 }
 
-Material parse_material(std::string_view text) {
+Solid parse_solid(std::string_view text) {
   size_t comma = text.find(',');
-  Material m = material_preset(trimmed(text.substr(0, comma))).material;
+  Solid solid = solid_preset(trimmed(text.substr(0, comma))).solid;
   while (comma != text.npos) {
     text.remove_prefix(comma + 1);
     comma = text.find(',');
-    change(m, trimmed(text.substr(0, comma)));
+    change(solid, trimmed(text.substr(0, comma)));
   }
-  check_material(m);
-  return m;
+  check_solid(solid);
+  return solid;
 }
 
 MaterialRegion parse(std::string_view text) {
@@ -59,7 +50,9 @@ MaterialRegion parse(std::string_view text) {
       ELASTOGEN_CHECK(!region.name.empty(), "nothing follows '", word, "'");
     }
   if (region.kind == Kind::kPlace) region.selection = parse_selection(selection);
-  region.material = parse_material(text.substr(colon + 1));
+  Solid solid = parse_solid(text.substr(colon + 1));
+  region.material = std::move(solid.elastic);
+  region.yield = solid.yield;
   return region;
 }
 
@@ -124,18 +117,21 @@ std::vector<uint8_t> named_triangles(const Asset& asset, const Surface& surface,
 }
 
 /// Keeps the materials that voxels have, in their order.
-void drop_unused(Scene& scene) {
+void drop_unused(Scene& scene, std::vector<Yield>& yields) {
   std::vector<int32_t> place(scene.materials.size(), -1);
   for (int64_t v = 0; v < scene.material.rows(); ++v) place[size_t(scene.material(v))] = 0;
   std::vector<Material> used;
+  std::vector<Yield> used_yields;
   for (size_t m = 0; m < place.size(); ++m) {
     if (place[m] < 0) continue;
     place[m] = int32_t(used.size());
     used.push_back(scene.materials[m]);
+    used_yields.push_back(yields[m]);
   }
   for (int64_t v = 0; v < scene.material.rows(); ++v)
     scene.material(v) = place[size_t(scene.material(v))];
   scene.materials = std::move(used);
+  yields = std::move(used_yields);
 }
 
 using Holds = std::function<bool(int64_t)>;  ///< whether a region holds an element
@@ -144,7 +140,7 @@ using Holds = std::function<bool(int64_t)>;  ///< whether a region holds an elem
 /// @param holds_of  Holds of a region; what it looks at lasts until the next call.
 template <class HoldsOf>
 void give(const std::vector<MaterialRegion>& regions, const char* element, Scene& scene,
-          std::vector<std::string>& warnings, const HoldsOf& holds_of) {
+          std::vector<Yield>& yields, std::vector<std::string>& warnings, const HoldsOf& holds_of) {
   for (const MaterialRegion& region : regions) {
     const Holds holds = holds_of(region);
     int64_t count = 0;
@@ -154,12 +150,12 @@ void give(const std::vector<MaterialRegion>& regions, const char* element, Scene
       ++count;
     }
     if (count > 0)
-      scene.materials.push_back(region.material);
+      scene.materials.push_back(region.material), yields.push_back(region.yield);
     else
       warnings.push_back(
           fmt::format("--region '{}' holds nothing: no {} lies in it", region.text, element));
   }
-  drop_unused(scene);
+  drop_unused(scene, yields);
 }
 
 }  // namespace
@@ -177,11 +173,11 @@ MaterialRegion parse_region(std::string_view text) {
 }
 
 void apply_regions(const std::vector<MaterialRegion>& regions, const Asset& asset, const Body& body,
-                   Scene& scene, std::vector<std::string>& warnings) {
+                   Scene& scene, std::vector<Yield>& yields, std::vector<std::string>& warnings) {
   const VoxelGrid& grid = scene.grid;
   Array<int32_t> nearest;
   std::vector<uint8_t> triangles;
-  give(regions, "voxel", scene, warnings, [&](const MaterialRegion& region) {
+  give(regions, "voxel", scene, yields, warnings, [&](const MaterialRegion& region) {
     Holds holds = [&](int64_t v) {
       const double* lower = grid.rest.row(grid.corners(v, 0));
       const double half = grid.h / 2;
@@ -201,9 +197,10 @@ void apply_regions(const std::vector<MaterialRegion>& regions, const Asset& asse
 
 void apply_regions(const std::vector<MaterialRegion>& regions, const fem::ElementMesh& mesh,
                    In<int32_t> region_of, const std::vector<AssetMaterial>& of_file,
-                   const PlacedBox& box, Scene& scene, std::vector<std::string>& warnings) {
+                   const PlacedBox& box, Scene& scene, std::vector<Yield>& yields,
+                   std::vector<std::string>& warnings) {
   std::vector<uint8_t> wanted;
-  give(regions, "tetrahedron", scene, warnings, [&](const MaterialRegion& region) {
+  give(regions, "tetrahedron", scene, yields, warnings, [&](const MaterialRegion& region) {
     ELASTOGEN_CHECK(region.kind != MaterialRegion::Kind::kNode, "--region '", region.text,
                     "': tetrahedra have no nodes with names; select by place or material:NUMBER");
     Holds holds = [&](int64_t e) {

@@ -118,7 +118,11 @@ void check_clear(const Scene& scene, const Collider& collider) {
 }
 
 /// Steps a frame for which dt <= 1/60 s and the elastic Courant number stays at or below 50.
-int automatic_substeps(const Scene& scene, double frame_seconds) {
+/// Where a body yields, which the network does not step, dt <= 1/240 s alone.
+int automatic_substeps(const Setup& setup, double frame_seconds) {
+  const Scene& scene = setup.scene;
+  if (!setup.yields.empty())
+    return int(std::clamp(std::ceil(240 * frame_seconds - 1e-9), 1.0, 16.0));
   Scene probe;
   probe.materials = scene.materials;
   probe.grid.h = scene.grid.h;
@@ -182,7 +186,7 @@ void add_time(const RunDescription& run, Setup& setup) {
   Vec3 down = {};
   down[size_t(setup.up.axis)] = -kReferenceGravity * setup.up.sign;
   scene.gravity = run.gravity.value_or(down);
-  setup.substeps = run.substeps > 0 ? run.substeps : automatic_substeps(scene, 1 / run.fps);
+  setup.substeps = run.substeps > 0 ? run.substeps : automatic_substeps(setup, 1 / run.fps);
   scene.dt = 1 / (run.fps * setup.substeps);
   scene.scheme = run.scheme;
   scene.hourglass = run.hourglass;
@@ -211,6 +215,12 @@ SurfacePoints vertex_points(const Surface& surface) {
   return points;
 }
 
+/// Yields of which none is one are left out.
+void drop_elastic(std::vector<Yield>& yields) {
+  const auto is_elastic = [](const Yield& yield) { return yield.index() == 0; };
+  if (std::all_of(yields.begin(), yields.end(), is_elastic)) yields.clear();
+}
+
 /// Says so where nothing holds the scene, and what its outputs cannot hold.
 void judge(const Asset& asset, const RunDescription& run, Setup& setup) {
   if (falls_freely(run, setup.scene))
@@ -235,7 +245,9 @@ Setup set_up(const Asset& asset, const RunDescription& run) {
   scene.materials = run.materials.empty() ? std::vector<Material>{run.material} : run.materials;
   scene.material =
       run.material_of ? run.material_of(scene.grid) : Array<int32_t>(scene.grid.voxel_count());
-  apply_regions(run.regions, asset, setup.body, scene, setup.warnings);
+  setup.yields.assign(scene.materials.size(), run.materials.empty() ? run.yield : Yield{});
+  apply_regions(run.regions, asset, setup.body, scene, setup.yields, setup.warnings);
+  drop_elastic(setup.yields);
   pin(run, setup);
   if (!scene.colliders.empty()) scene.surface = surface_points(scene.grid, setup.body.surface);
   for (const Collider& collider : scene.colliders) check_clear(scene, collider);
@@ -254,8 +266,10 @@ Setup set_up(const TetAsset& tets, const RunDescription& run) {
   add_tets(tets, run, setup);
   scene.materials = {run.material};
   scene.material = Array<int32_t>(setup.tets->elements.rows());
+  setup.yields = {run.yield};
   apply_regions(run.regions, *setup.tets, tets.region, tets.regions, setup.body.surface.box, scene,
-                setup.warnings);
+                setup.yields, setup.warnings);
+  drop_elastic(setup.yields);
   setup.tets->material = scene.material;
   pin(run, setup);
   scene.surface = vertex_points(setup.body.surface);

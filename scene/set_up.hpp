@@ -16,6 +16,7 @@ namespace elastogen {
 struct Setup {
   Body body;
   Scene scene;
+  std::vector<Yield> yields;  ///< of each of the scene's materials; empty: all are elastic
   /// Tetrahedra that are stepped as the file has them [m]; the scene's grid then has only their
   /// nodes as rest, and mean_edge as h.
   std::optional<fem::ElementMesh> tets;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scene/stepper.hpp"
 
+#include "core/error.hpp"
 #include "scene/fem_stepper.hpp"
 #include "scene/network_stepper.hpp"
 #include "scene/static_stepper.hpp"
@@ -9,8 +10,11 @@ namespace elastogen {
 
 std::unique_ptr<Stepper> make_stepper(const Setup& setup, const RunDescription& run,
                                       const StepperHooks& hooks, std::vector<std::string>& notes) {
+  if (method_of(run) == Method::kMpm)
+    throw Error("particles are not there yet: --method fem takes the steps on voxel hexahedra");
   if (run.fem && run.fem->statics) return make_static_stepper(setup, run);
   if (run.fem) return make_fem_stepper(setup, run, hooks.stop);
+  ELASTOGEN_CHECK(setup.yields.empty(), "the network steps no material that yields: set fem");
   SolverOptions solver = run.solver;
   solver.learned = scene_nets(setup.scene, run, hooks.make_net, notes);
   solver.interrupted = hooks.stop;

@@ -11,6 +11,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 
 namespace elastogen {
 
@@ -46,6 +47,8 @@ class Stepper {
   virtual std::string device() const { return "cpu"; }
   /// What a state file says of it.
   virtual void describe(StateHeader& header) const = 0;
+  /// What its body remembers of its flow; none where no material yields.
+  virtual std::optional<StatePlastic> plastic() const { return {}; }
 };
 
 /// The largest position that single precision holds with room to spare [m].

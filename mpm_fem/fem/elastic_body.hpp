@@ -12,8 +12,10 @@
 
 #pragma once
 
+#include "core/constitutive.hpp"
 #include "core/report.hpp"
-#include "mpm_fem/fem/element_state.hpp"
+#include "mpm_fem/fem/element_tables.hpp"
+#include "mpm_fem/fem/point_gradients.hpp"
 #include "mpm_fem/fem/voxel_element.hpp"
 
 #include <vector>
@@ -27,7 +29,7 @@ class ElasticBody {
   /// @throws Error as check_mesh, and on a material index without material.
   ElasticBody(const ElementMesh& mesh, std::vector<Material> materials);
 
-  const ElementMesh& mesh() const { return mesh_; }
+  const ElementMesh& mesh() const { return tables_.mesh(); }
   const std::vector<Material>& materials() const { return materials_; }
 
   /// Takes the rotation of each voxel, in which its torsion correction is evaluated, from u; I
@@ -65,28 +67,14 @@ class ElasticBody {
   Array<double> volume() const;
 
  private:
-  void fill_tables();
-  void fill_neighbours();
-  int64_t shape_of(int64_t element) const { return gradient_.rows() == 1 ? 0 : element; }
-  bool has_mean_dilatation() const;
   const Material& material_of(int64_t element) const;
-  ElementState state(int64_t element, In<double> u) const;
+  ElasticLaw<double> law_of(int64_t element) const;
   VoxelHourglass hourglass(int64_t voxel) const;
   void element_lumped_mass(int64_t element, double* m) const;
-  void check_nodal(In<double> u) const;
 
-  ElementMesh mesh_;
+  ElementTables tables_;
   std::vector<Material> materials_;
-
-  // filled by fill_tables; one row for all elements where they have one shape
-  Array<double> gradient_;  ///< dN_a/dX at the quadrature points [1/m], (shapes, points nodes 3)
-  Array<double> weight_;    ///< quadrature weights without the fill [m^3], (shapes, points)
   Array<double> rotation_;  ///< of each voxel's torsion correction, (elements, 9); else empty
-
-  // filled by fill_neighbours: the corners of elements that meet in a node, in the order of the
-  // elements
-  std::vector<int64_t> first_corner_;  ///< where those of each node begin, (nodes + 1)
-  std::vector<int64_t> corner_;        ///< nodes_of(element) times the element, plus the corner
 };
 
 }  // namespace elastogen::fem

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/parallel.hpp"
 #include "mpm_fem/fem/elastic_body.hpp"
-#include "mpm_fem/fem/mean_dilatation.hpp"
 
 #include <algorithm>
 
@@ -22,10 +21,10 @@ void add_cauchy(const ElasticLaw<double>& law, const Mat3<double>& F, double wei
 }  // namespace
 
 Array<double> ElasticBody::deformation_gradient(In<double> u) const {
-  check_nodal(u);
-  Array<double> result(mesh_.elements.rows(), 9);
+  tables_.check_nodal(u);
+  Array<double> result(mesh().elements.rows(), 9);
   for_each(result.rows(), [&](int64_t k) {
-    const ElementState e = state(k, u);
+    const ElementState e = tables_.state(k, u);
     double volume = 0;
     for (int q = 0; q < e.points; ++q) volume += e.weight[q];
     for (int q = 0; q < e.points; ++q) {
@@ -37,27 +36,25 @@ Array<double> ElasticBody::deformation_gradient(In<double> u) const {
 }
 
 Array<double> ElasticBody::cauchy_stress(In<double> u) const {
-  check_nodal(u);
-  Array<double> result(mesh_.elements.rows(), 6);
+  tables_.check_nodal(u);
+  Array<double> result(mesh().elements.rows(), 6);
   for_each(result.rows(), [&](int64_t k) {
-    const ElementState e = state(k, u);
-    Mat3<double> F[kMaxPoints];
-    if (has_mean_dilatation())
-      mean_dilatation_gradients(e, F);
-    else
-      for (int q = 0; q < e.points; ++q) F[q] = fem::deformation_gradient(e, q);
+    const ElementState e = tables_.state(k, u);
+    const PointGradients points(mesh().element, e);
+    const ElasticLaw<double> law = law_of(k);
     double volume = 0;
     for (int q = 0; q < e.points; ++q) volume += e.weight[q];
-    for (int q = 0; q < e.points; ++q) add_cauchy(e.law, F[q], e.weight[q] / volume, result.row(k));
+    for (int q = 0; q < e.points; ++q)
+      add_cauchy(law, points.F(q), e.weight[q] / volume, result.row(k));
   });
   return result;
 }
 
 double ElasticBody::min_j(In<double> u) const {
-  check_nodal(u);
-  Array<double> smallest(mesh_.elements.rows());
+  tables_.check_nodal(u);
+  Array<double> smallest(mesh().elements.rows());
   for_each(smallest.rows(), [&](int64_t k) {
-    const ElementState e = state(k, u);
+    const ElementState e = tables_.state(k, u);
     smallest(k) = determinant(fem::deformation_gradient(e, 0));
     for (int q = 1; q < e.points; ++q)
       smallest(k) = std::min(smallest(k), determinant(fem::deformation_gradient(e, q)));

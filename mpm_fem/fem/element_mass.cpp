@@ -7,16 +7,16 @@
 namespace elastogen::fem {
 
 void ElasticBody::element_mass(int64_t element, double* M) const {
-  const int nodes = nodes_of(mesh_.element);
+  const int nodes = nodes_of(mesh().element);
   double X[kMaxDofs], N[kMaxNodes], dN[kMaxDofs];
-  element_nodes(mesh_, element, X);
-  const double density = fill_of(mesh_, element) * material_of(element).density;
+  element_nodes(mesh(), element, X);
+  const double density = fill_of(mesh(), element) * material_of(element).density;
   std::fill(M, M + nodes * nodes, 0.0);
-  for (const QuadraturePoint& point : mass_rule(mesh_.element)) {
+  for (const QuadraturePoint& point : mass_rule(mesh().element)) {
     Mat3<double> J;
-    shape_functions(mesh_.element, point.xi, N);
-    shape_gradients(mesh_.element, point.xi, dN);
-    jacobian(mesh_.element, X, dN, J.m);
+    shape_functions(mesh().element, point.xi, N);
+    shape_gradients(mesh().element, point.xi, dN);
+    jacobian(mesh().element, X, dN, J.m);
     const double weight = density * point.weight * determinant(J);
     for (int a = 0; a < nodes; ++a)
       for (int b = 0; b < nodes; ++b) M[nodes * a + b] += weight * N[a] * N[b];
@@ -24,11 +24,11 @@ void ElasticBody::element_mass(int64_t element, double* M) const {
 }
 
 void ElasticBody::element_lumped_mass(int64_t element, double* m) const {
-  const int nodes = nodes_of(mesh_.element);
-  if (is_voxel_mesh(mesh_)) {
+  const int nodes = nodes_of(mesh().element);
+  if (is_voxel_mesh(mesh())) {
     const double mass =
-        material_of(element).density * mesh_.fill(element) * mesh_.h * mesh_.h * mesh_.h;
-    for (int a = 0; a < nodes; ++a) m[a] = mass * mesh_.shape_mean(element, a);
+        material_of(element).density * mesh().fill(element) * mesh().h * mesh().h * mesh().h;
+    for (int a = 0; a < nodes; ++a) m[a] = mass * mesh().shape_mean(element, a);
     return;
   }
   double M[kMaxNodes * kMaxNodes], total = 0, trace = 0;
@@ -43,22 +43,17 @@ void ElasticBody::element_lumped_mass(int64_t element, double* m) const {
 }
 
 Array<double> ElasticBody::lumped_mass() const {
-  const int nodes = nodes_of(mesh_.element);
-  Array<double> corner(mesh_.elements.rows(), nodes), mass(mesh_.rest.rows());
-  for_each(mesh_.elements.rows(), [&](int64_t e) { element_lumped_mass(e, corner.row(e)); });
-  for_each(mesh_.rest.rows(), [&](int64_t n) {
-    for (int64_t k = first_corner_[size_t(n)]; k < first_corner_[size_t(n) + 1]; ++k)
-      mass(n) += corner.data()[corner_[size_t(k)]];
-  });
+  const int nodes = nodes_of(mesh().element);
+  Array<double> corner(mesh().elements.size()), mass(mesh().rest.rows());
+  for_each(mesh().elements.rows(),
+           [&](int64_t e) { element_lumped_mass(e, corner.row(e * nodes)); });
+  tables_.add_to_nodes(corner, mass);
   return mass;
 }
 
 Array<double> ElasticBody::volume() const {
-  Array<double> volume(mesh_.elements.rows());
-  for (int64_t e = 0; e < volume.rows(); ++e) {
-    for (int q = 0; q < weight_.cols(); ++q) volume(e) += weight_(shape_of(e), q);
-    volume(e) *= fill_of(mesh_, e);
-  }
+  Array<double> volume(mesh().elements.rows());
+  for (int64_t e = 0; e < volume.rows(); ++e) volume(e) = tables_.volume(e);
   return volume;
 }
 

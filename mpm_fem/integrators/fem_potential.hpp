@@ -1,24 +1,36 @@
 // SPDX-License-Identifier: Apache-2.0
-// The potential of a finite element scene: the elements of its mesh, its colliders, its mass.
+// The potential of a finite element scene: the elements of its mesh, its colliders, its mass. The
+// elements whose material yields are a term of their own; a scene without any has none.
 
 #pragma once
 
 #include "mpm_fem/fem_scene.hpp"
 #include "mpm_fem/solve/elastic_term.hpp"
+#include "mpm_fem/solve/plastic_term.hpp"
 #include "mpm_fem/solve/potential.hpp"
+
+#include <memory>
 
 namespace elastogen::fem {
 
 /// The scene must outlive it.
 struct FemPotential {
-  /// @throws Error as ElasticTerm, MassMatrix, ColliderContact and Potential.
+  /// @throws Error as ElasticTerm, PlasticTerm, MassMatrix, ColliderContact and Potential, and
+  ///         unless the yields are none or one a material.
   explicit FemPotential(const FemScene& scene, const LinearOptions& options = {});
 
-  ElasticBody& body() { return elements.body(); }
-  const ElasticBody& body() const { return elements.body(); }
+  void freeze_rotations(In<double> u) {
+    if (elastic) elastic->body().freeze_rotations(u);
+  }
+  /// E(u) in its parts, of what yields the elastic energy at the end of a step that ends at u and
+  /// the plastic work in it.
+  EnergyParts energy(In<double> u) const;
+  double min_j(In<double> u) const;  ///< smallest det F of a quadrature point
+  double length() const;             ///< mean edge of an element [m]
 
-  ElasticTerm elements;
-  ColliderContact contact;  ///< a term of the potential where it exists
+  std::unique_ptr<ElasticTerm> elastic;  ///< null where every element yields
+  std::unique_ptr<PlasticTerm> plastic;  ///< null where none does
+  ColliderContact contact;               ///< a term of the potential where it exists
   Potential potential;
 };
 

@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include "mpm_fem/fem/plastic_body.hpp"
 #include "mpm_fem/fem_scene.hpp"
 #include "mpm_fem/solve/mass_matrix.hpp"
 
@@ -18,6 +19,10 @@ struct FemState {
   // the step before, for BDF2; filled by step
   Array<double> u_before;  ///< (nodes, 3); empty: the next step is implicit Euler
   Array<double> v_before;  ///< (nodes, 3)
+
+  // of the elements that yield, in their order; filled by step
+  PlasticHistory plastic;   ///< at the end of the last step; empty: before any flow
+  double plastic_work = 0;  ///< since the start [J]
 };
 
 /// At rest, undeformed.

@@ -63,7 +63,11 @@ StepScheme ImplicitFem::scheme_of(const FemState& state) const {
 /// Sets the potential of the step.
 void ImplicitFem::begin(FemState& state) {
   scheme_ = scheme_of(state);
-  terms_.body().freeze_rotations(state.u);
+  terms_.freeze_rotations(state.u);
+  if (terms_.plastic) {
+    PlasticBody& body = terms_.plastic->body();
+    body.set_history(state.plastic.memory.empty() ? body.rest_history() : state.plastic);
+  }
   const double dt = scene_.dt;
   const bool newmark = scene_.scheme == Scheme::kNewmark;
   if (newmark && state.a.empty()) start_newmark(state);
@@ -136,6 +140,7 @@ bool ImplicitFem::pass_colliders(Array<double>& u) {
     if (next == share) break;
     share = next;
     contact.stand_at(share);
+    if (terms_.plastic) terms_.plastic->body().freeze(u);
     if (share < 1)
       potential_.minimise({.tolerance = kLoose * reference_, .max_iterations = 20}, u.data());
   }
@@ -145,17 +150,18 @@ bool ImplicitFem::pass_colliders(Array<double>& u) {
 
 /// The residual of the equations on the state that is handed out, and the energies.
 void ImplicitFem::certify(const Array<double>& u, FemStepReport& report) {
+  if (terms_.plastic) terms_.plastic->body().thaw();
   const NewtonValue value = potential_.evaluate(u.data(), gradient_.data());
   const double size = norm(gradient_.data(), gradient_.size());
   report.residual = reference_ > 0 ? size / reference_ : 0;
   report.converged = report.residual <= options_.tolerance;
   report.finite = std::isfinite(value.value) && std::isfinite(size) && all_finite(u);
-  report.energy = terms_.body().energy(u);
+  report.energy = terms_.energy(u);
   if (terms_.contact.exists()) {
     report.energy.contact = terms_.contact.energy(u);
-    report.deepest_overlap = terms_.contact.deepest_overlap(u) / terms_.elements.length();
+    report.deepest_overlap = terms_.contact.deepest_overlap(u) / terms_.length();
   }
-  report.min_j = terms_.body().min_j(u);
+  report.min_j = terms_.min_j(u);
 }
 
 /// What the state gets for u.
@@ -189,6 +195,10 @@ void ImplicitFem::finish(const Array<double>& u, Array<double> handed, FemState&
   }
   potential_.mass().multiply(v.data(), Mv.data());
   report.energy.kinetic = dot(v.data(), Mv.data(), v.size()) / 2;
+  if (terms_.plastic) {
+    state.plastic = terms_.plastic->body().history_after(handed);
+    report.energy.plastic = state.plastic_work += report.energy.plastic;
+  }
   state.u_before = std::move(state.u);
   state.v_before = std::move(state.v);
   state.u = std::move(handed);
@@ -200,7 +210,7 @@ void ImplicitFem::finish(const Array<double>& u, Array<double> handed, FemState&
 FemStepReport ImplicitFem::step(FemState& state) {
   const Stopwatch watch;
   check_state(state, scene_.mesh.rest.rows());
-  const int64_t inner = potential_.solver().iterations();
+  const int64_t inner = potential_.solver().iterations() + potential_.root_iterations();
   begin(state);
   FemStepReport report;
   report.step = state.steps + 1;
@@ -210,13 +220,17 @@ FemStepReport ImplicitFem::step(FemState& state) {
   if (scene_.scheme == Scheme::kNewmark) report.used = Scheme::kNewmark;
   report.float64 = true;
 
+  // what has no potential begins with one that is frozen
+  if (terms_.plastic) terms_.plastic->body().freeze(state.u);
   Array<double> u = start_value(state);
   const bool clear = pass_colliders(u);
-  const NewtonResult newton = potential_.minimise(
-      {.tolerance = options_.tolerance * reference_, .max_iterations = options_.max_newton},
+  const Equilibrium newton = find_equilibrium(
+      terms_, {.tolerance = options_.tolerance * reference_, .max_iterations = options_.max_newton},
       u.data());
   report.outer = newton.iterations;
-  report.inner = int(potential_.solver().iterations() - inner);
+  report.inner = int(potential_.solver().iterations() + potential_.root_iterations() - inner);
+  report.fallbacks = newton.fallbacks;
+  report.yields = terms_.plastic != nullptr;
   report.stop = newton.stop;
   report.floor = reference_ > 0 ? newton.noise / reference_ : 0;
   Array<double> handed = handed_out(u);

@@ -9,12 +9,14 @@
 //     a0 = 4,   uhat = u + dt v + (dt^2/4) a,
 //     a' = (4/dt^2) (u' - uhat),   v' = v + dt/2 (a + a'),
 //
-// with gravity within f. Rotations of the torsion correction are those at the start of the step.
+// with gravity within f. Rotations of the torsion correction are those at the start of the step, and
+// so is what materials that yield remember: it is committed once, on the state that is handed out.
+// Where they have no potential the step is a root of the same gradient (integrators/equilibrium.hpp).
 
 #pragma once
 
 #include "core/time_scheme.hpp"
-#include "mpm_fem/integrators/fem_potential.hpp"
+#include "mpm_fem/integrators/equilibrium.hpp"
 #include "mpm_fem/integrators/fem_state.hpp"
 
 namespace elastogen::fem {
@@ -28,7 +30,7 @@ struct ImplicitOptions {
   bool as_positions = false;
 };
 
-/// outer counts Newton steps, inner iterations of PCG; min_corner_j is not filled.
+/// outer counts Newton steps, inner iterations of PCG and GMRES; min_corner_j is not filled.
 /// StepReport::scheme says Euler in a Newmark step; used says Newmark.
 struct FemStepReport : StepReport {
   Scheme used = Scheme::kEuler;

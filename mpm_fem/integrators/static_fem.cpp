@@ -22,6 +22,7 @@ class Statics {
         options_(options),
         terms_(scene, options.linear),
         potential_(terms_.potential) {
+    ELASTOGEN_CHECK(!terms_.plastic, "statics know no materials that yield");
     weight_ = Array<double>(scene.mesh.rest.rows(), 3);
     Array<double> gravity(weight_.rows(), 3);
     for (int64_t k = 0; k < gravity.size(); ++k) gravity.data()[k] = scene.gravity[size_t(k % 3)];
@@ -78,7 +79,7 @@ NewtonResult Statics::minimise(Array<double>& u) {
     const bool ended = last.stop != NewtonStop::kConverged && last.stop != NewtonStop::kRoundOff;
     if (ended || (k > 0 && last.iterations == 0)) break;
     if (scene_.mesh.element != Element::kVoxel) break;
-    terms_.body().freeze_rotations(u);
+    terms_.freeze_rotations(u);
   }
   last.iterations = sum.iterations;
   return last;
@@ -88,7 +89,7 @@ NewtonResult Statics::minimise(Array<double>& u) {
 bool Statics::advance(double factor) {
   set_loads(factor);
   Array<double> u = result_.u;
-  terms_.body().freeze_rotations(u);
+  terms_.freeze_rotations(u);
   potential_.move_fixed(with_motion(scene_, factor, u), u.data());
   const NewtonResult newton = minimise(u);
   result_.newton_steps += newton.iterations;
@@ -108,16 +109,16 @@ bool Statics::advance(double factor) {
 void Statics::finish() {
   const Array<double>& u = result_.u;
   set_loads(result_.load_factor);
-  terms_.body().freeze_rotations(u);
+  terms_.freeze_rotations(u);
   result_.reaction = Array<double>(u.rows(), 3);
   potential_.full_gradient(u.data(), result_.reaction.data());
-  result_.energy = terms_.body().energy(u);
+  result_.energy = terms_.energy(u);
   result_.gradient = result_.reaction;
   for (int64_t k = 0; k < u.size(); ++k) {
     (potential_.is_fixed(k) ? result_.gradient : result_.reaction).data()[k] = 0;
     result_.energy.gravity -= result_.load_factor * weight_.data()[k] * u.data()[k];
   }
-  result_.min_j = terms_.body().min_j(u);
+  result_.min_j = terms_.min_j(u);
 }
 
 StaticResult Statics::run() {

@@ -39,7 +39,7 @@ struct StaticResult {
 
 /// Rotations of the voxels' torsion correction are those of the solution: they are taken anew until
 /// that changes nothing.
-/// @throws Error as FemPotential and on options that are not positive.
+/// @throws Error as FemPotential, on options that are not positive, and where an element yields.
 StaticResult solve_static(const FemScene& scene, const StaticOptions& options = {});
 
 }  // namespace elastogen::fem

@@ -13,11 +13,14 @@
 
 namespace elastogen {
 
+/// When a solid yields; none: it is elastic.
+using Yield = std::variant<std::monostate, MetalYield, SandYield, SnowYield>;
+
 /// The elastic law of sand and metal is Hencky's, of snow the decoupled neo-Hookean one of
 /// cam_clay.hpp, whatever `elastic` says; of metal with Law::kNeoHookean that one.
 struct Solid {
   Material elastic;
-  std::variant<std::monostate, MetalYield, SandYield, SnowYield> yield = {};
+  Yield yield = {};
 
   bool is_plastic() const { return yield.index() != 0; }
 };

@@ -14,6 +14,8 @@ namespace elastogen {
 struct MetalYield {
   double stress = 2.5e8;  ///< sigma_Y [Pa], > 0
   double hardening = 0;   ///< H [Pa], >= 0
+
+  friend bool operator==(const MetalYield&, const MetalYield&) = default;
 };
 
 /// Sand, grains that hold by friction (Klar et al. 2016).
@@ -21,6 +23,8 @@ struct SandYield {
   double friction = 0.5236;  ///< angle of triaxial compression [rad], in [0, pi/2)
   double cohesion = 0;       ///< the Hencky strain in every direction that it bears [-], >= 0
   bool keeps_volume = true;  ///< whether what opens has to close before it bears again
+
+  friend bool operator==(const SandYield&, const SandYield&) = default;
 };
 
 /// Snow, an ellipse of yield from pressure p0 to -beta p0 (Gaume et al. 2018).
@@ -29,6 +33,8 @@ struct SnowYield {
   double cohesion = 0.5;  ///< beta, tensile strength over p0 [-], >= 0
   double hardening = 1;   ///< xi [-], > 0
   double pressure = 5e3;  ///< p0 at the start [Pa], in (1e-5, 0.45) of the bulk modulus
+
+  friend bool operator==(const SnowYield&, const SnowYield&) = default;
 };
 
 /// sqrt((6-d)/2): uniaxial stress over |dev tau|, and strain |dev e| over uniaxial strain.

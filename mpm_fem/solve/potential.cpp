@@ -32,7 +32,8 @@ Potential::Potential(In<double> rest, In<uint8_t> fixed, MassMatrix mass, std::v
       hessian_order_(terms_),
       force_(fixed_.size()),
       right_(force_),
-      solver_(options) {
+      solver_(options),
+      options_(options) {
   ELASTOGEN_CHECK(rest.cols == 3, "positions must be (nodes, 3), got ", rest);
   ELASTOGEN_CHECK(inertia_.mass().nodal().rows() == rest.rows, "mass must be (nodes, 1) with ",
                   rest.rows, " nodes, got ", inertia_.mass().nodal().rows());
@@ -56,9 +57,13 @@ void Potential::full_gradient(const double* u, double* gradient) {
   inertia_.add_gradient(nodal(u), g);
 }
 
-NewtonValue Potential::evaluate(const double* u, double* gradient) {
+void Potential::free_gradient(const double* u, double* gradient) {
   full_gradient(u, gradient);
   for_each(unknowns(), [&](int64_t k) { gradient[k] = fixed_[size_t(k)] ? 0 : gradient[k]; });
+}
+
+NewtonValue Potential::evaluate(const double* u, double* gradient) {
+  free_gradient(u, gradient);
   TermValue sum;
   const auto add = [&](const TermValue& term) {
     sum.value += term.value;
@@ -91,6 +96,7 @@ void Potential::update_pattern() {
   if (changed) {
     hessian_ = std::move(pattern);
     solver_.reset(hessian_, rest_, fixed_.data());
+    root_solver_.reset();
   }
   for (Term* term : hessian_order_) term->take_pattern(hessian_);
 }
@@ -153,13 +159,39 @@ NewtonResult Potential::minimise(const NewtonOptions& options, double* u) {
                       double* step) {
     return newton_step(x, gradient, kind, tolerance, nullptr, step);
   };
-  function.longest_step = [&](const double* x, const double* end) {
-    double share = 1;
-    for (Term* term : terms_) share = std::min(share, term->longest_step(nodal(x), nodal(end)));
-    return share;
-  };
+  function.longest_step = [&](const double* x, const double* end) { return longest_step(x, end); };
   function.gradient_noise = [&](const double* x) { return gradient_noise(x); };
   return fem::minimise(function, options, u);
+}
+
+double Potential::longest_step(const double* u, const double* end) {
+  double share = 1;
+  for (Term* term : terms_) share = std::min(share, term->longest_step(nodal(u), nodal(end)));
+  return share;
+}
+
+/// step = -J^-1 gradient with the true Jacobian J of the gradient.
+bool Potential::root_step(const double* u, const double* gradient, double tolerance, double* step) {
+  assemble(u, TangentKind::kTrue);
+  if (!root_solver_) root_solver_.emplace(options_).reset(hessian_);
+  for_each(unknowns(), [&](int64_t k) { right_[size_t(k)] = -gradient[k]; });
+  fix_unknowns(fixed_.data(), hessian_, right_.data());
+  return root_solver_->factor(hessian_) && root_solver_->solve(right_.data(), step, tolerance);
+}
+
+RootResult Potential::find_root(const RootOptions& options, double* u) {
+  RootFunction function;
+  function.unknowns = unknowns();
+  function.residual = [&](const double* x, double* r) { free_gradient(x, r); };
+  function.step = [&](const double* x, const double* r, double tolerance, double* step) {
+    return root_step(x, r, tolerance, step);
+  };
+  function.longest_step = [&](const double* x, const double* end) { return longest_step(x, end); };
+  function.noise = [&](const double* x) {
+    assemble(x, TangentKind::kTrue);
+    return gradient_noise(x);
+  };
+  return solve_root(function, options, u);
 }
 
 void Potential::move_fixed(In<double> target, double* u) {

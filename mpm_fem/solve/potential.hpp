@@ -11,6 +11,10 @@
 #include "mpm_fem/solve/inertia.hpp"
 #include "mpm_fem/solve/linear_solver.hpp"
 #include "mpm_fem/solve/newton.hpp"
+#include "mpm_fem/solve/nonsymmetric_solver.hpp"
+#include "mpm_fem/solve/root.hpp"
+
+#include <optional>
 
 namespace elastogen::fem {
 
@@ -42,6 +46,8 @@ class Potential {
   NewtonValue evaluate(const double* u, double* gradient);
   /// The same gradient with the forces that hold what is fixed.
   void full_gradient(const double* u, double* gradient);
+  /// The gradient of evaluate alone.
+  void free_gradient(const double* u, double* gradient);
 
   /// step = -H^-1 gradient; its fixed components are those of `moved` or, if null, 0. A projected
   /// Hessian that is still not positive definite is shifted by a small share of its diagonal.
@@ -55,6 +61,10 @@ class Potential {
 
   /// Moves u to a minimum of Phi.
   NewtonResult minimise(const NewtonOptions& options, double* u);
+  /// Moves u to where the gradient is 0, of terms whose gradient has no potential.
+  RootResult find_root(const RootOptions& options, double* u);
+  /// Iterations of GMRES in all find_root so far.
+  int64_t root_iterations() const { return root_solver_ ? root_solver_->iterations() : 0; }
   /// Moves the fixed components of u to those of target, the others along with them to first order.
   void move_fixed(In<double> target, double* u);
 
@@ -63,6 +73,8 @@ class Potential {
   void update_pattern();
   void assemble(const double* u, TangentKind kind);
   bool factor_shifted();
+  double longest_step(const double* u, const double* end);
+  bool root_step(const double* u, const double* gradient, double tolerance, double* step);
 
   Span<const double> rest_;
   std::vector<uint8_t> fixed_;
@@ -73,6 +85,8 @@ class Potential {
   std::vector<double> force_, right_;
   SparseMatrix hessian_;
   LinearSolver solver_;
+  LinearOptions options_;
+  std::optional<NonsymmetricSolver> root_solver_;  // once find_root was called
 };
 
 }  // namespace elastogen::fem

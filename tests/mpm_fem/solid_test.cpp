@@ -42,8 +42,7 @@ TEST(Solid, KnowsWhichLawsHaveAnEnergy) {
 
 TEST(Solid, KeepsTheHistoryOfEachLawAsOneNumber) {
   Solid solid{.elastic = test::plastic_solid()};
-  for (const auto& yield : {decltype(solid.yield)(test::kMetal), decltype(solid.yield)(test::kSand),
-                            decltype(solid.yield)(test::kSnow)}) {
+  for (const auto& yield : {Yield(test::kMetal), Yield(test::kSand), Yield(test::kSnow)}) {
     solid.yield = yield;
     std::visit([](const auto& law) { EXPECT_EQ(memory_of(history_of(law, 0.25)), 0.25); },
                point_law<3>(solid));

@@ -55,7 +55,9 @@ Result applied(const std::vector<std::string>& texts) {
   r.scene.material = Array<int32_t>(r.scene.grid.voxel_count());
   r.scene.pinned = Array<uint8_t>(r.scene.grid.node_count());
   r.scene.materials = {{"base", Law::kNeoHookean, 1e6, 0.3, 100}};
-  apply_regions(regions, asset, body, r.scene, r.warnings);
+  std::vector<Yield> yields(r.scene.materials.size());
+  apply_regions(regions, asset, body, r.scene, yields, r.warnings);
+  EXPECT_EQ(yields.size(), r.scene.materials.size());
   return r;
 }
 
@@ -74,6 +76,24 @@ TEST(MaterialRegion, ReadsSelectionsNamesAndChangesOfAPreset) {
   EXPECT_EQ(parse_region("material:skin:rubber").kind, MaterialRegion::Kind::kMaterial);
 }
 
+TEST(MaterialRegion, ReadsWhenItsMaterialYields) {
+  const MaterialRegion metal = parse_region("all: steel,yield=300 MPa,hardening=2e9,young=1e11");
+  EXPECT_EQ(std::get<MetalYield>(metal.yield).stress, 3e8);
+  EXPECT_EQ(std::get<MetalYield>(metal.yield).hardening, 2e9);
+  EXPECT_EQ(metal.material.young, 1e11);
+  const MaterialRegion sand = parse_region("all: sand,friction-angle=30 deg,cohesion=0.01");
+  EXPECT_NEAR(std::get<SandYield>(sand.yield).friction, 0.5235987755982988, 1e-15);
+  EXPECT_EQ(std::get<SandYield>(sand.yield).cohesion, 0.01);
+  // M = 6 sin/(3 - sin) = 1.2 at 30 degrees
+  const MaterialRegion snow =
+      parse_region("all: snow,friction-angle=30 deg,cohesion=2,hardening=3,yield=4 kPa");
+  EXPECT_NEAR(std::get<SnowYield>(snow.yield).slope, 1.2, 1e-14);
+  EXPECT_EQ(std::get<SnowYield>(snow.yield).cohesion, 2);
+  EXPECT_EQ(std::get<SnowYield>(snow.yield).hardening, 3);
+  EXPECT_EQ(std::get<SnowYield>(snow.yield).pressure, 4e3);
+  EXPECT_EQ(parse_region("all: jelly").yield.index(), 0);
+}
+
 TEST(MaterialRegion, WhatCannotBeReadIsRefusedWithItsText) {
   const std::pair<const char*, const char*> rows[] = {{"y<30% jelly", "colon"},
                                                       {"y<: jelly", "selection"},
@@ -83,6 +103,9 @@ TEST(MaterialRegion, WhatCannotBeReadIsRefusedWithItsText) {
                                                       {"all: jelly,young=5kg", "kg"},
                                                       {"all: jelly,poisson=0.5", "0.5"},
                                                       {"all: jelly,law=wood", "hencky"},
+                                                      {"all: jelly,yield=1 kPa", "elastic"},
+                                                      {"all: sand,hardening=1", "sand"},
+                                                      {"all: steel,yield=0", "yield stress"},
                                                       {"node: : jelly", "nothing follows 'node:'"}};
   for (const auto& [text, word] : rows) {
     try {

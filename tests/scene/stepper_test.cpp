@@ -2,6 +2,7 @@
 // The network against finite elements on the same element: two implementations of one potential.
 #include "scene/stepper.hpp"
 
+#include "core/error.hpp"
 #include "mpm_fem/fem/elastic_body.hpp"
 #include "scene/fem_scene.hpp"
 #include "tests/network/scenes.hpp"
@@ -148,6 +149,47 @@ TEST(Stepper, EveryElementHasTheMassOfTheScene) {
 }
 
 /// Tetrahedra carry the same contact points.
+/// A box of free voxels that yields.
+Setup yielding_setup(const Yield& yield) {
+  Scene scene = scene_on(make_box(3, 3, 3, 0.02), solid(1e7, 0.3));
+  scene.dt = 2e-3;
+  scene.gravity = {};
+  finish_scene(scene);
+  Setup setup = setup_of(scene);
+  setup.yields = {yield};
+  return setup;
+}
+
+TEST(Stepper, ASpinBeyondYieldLeavesAPlasticState) {
+  RunDescription run = finite_elements(fem::Element::kHexBbar);
+  run.yield = MetalYield{.stress = 2e3};
+  const auto setup = yielding_setup(run.yield);
+  std::vector<std::string> notes;
+  const std::unique_ptr<Stepper> stepper = make_stepper(setup, run, {}, notes);
+  StartMotion spin;
+  spin.spin[1] = 200;
+  stepper->begin(spin);
+  StepReport report;
+  for (int n = 0; n < 10; ++n) report = stepper->advance();
+  EXPECT_TRUE(report.yields);
+  EXPECT_GT(report.energy.plastic, 0);
+  const std::optional<StatePlastic> plastic = stepper->plastic();
+  ASSERT_TRUE(plastic);
+  EXPECT_EQ(plastic->Fp_inverse.rows(), 27 * 8);
+  EXPECT_EQ(plastic->yields(0, 0), 1);
+  EXPECT_EQ(plastic->yields(0, 1), 2e3);
+}
+
+TEST(Stepper, ParticlesAndTheNetworkRefuseWhatTheyCannotStep) {
+  RunDescription run;
+  run.yield = SandYield{};
+  const auto setup = yielding_setup(run.yield);
+  std::vector<std::string> notes;
+  EXPECT_THROW(make_stepper(setup, run, {}, notes), Error);
+  run.method = Method::kFem;
+  EXPECT_THROW(make_stepper(setup, run, {}, notes), Error);
+}
+
 TEST(Stepper, TetrahedraRestOnAFloor) {
   Scene scene = contact_scene();
   for (Collider& c : scene.colliders) c.path.clear();

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "io/scene_material_keys.hpp"
+
+#include "core/material.hpp"
+
+#include <utility>
+
+namespace elastogen {
+namespace {
+
+using T = SceneType;
+using Q = Quantity;
+using Keys = std::vector<SceneKey>;
+
+const SceneRange kAboveZero = {.least = 0, .above = true};
+const SceneRange kFromZero = {.least = 0};
+
+std::vector<std::string> preset_names() {
+  std::vector<std::string> names;
+  for (const MaterialPreset& preset : material_presets()) names.push_back(preset.material.name);
+  for (const MaterialPreset& preset : yielding_presets()) names.push_back(preset.material.name);
+  return names;
+}
+
+/// The keys that change when a material yields.
+Keys yield_keys(const std::string& table) {
+  const bool main = table == "material";
+  const std::string same = "that of the preset";
+  return {
+      {table, "yield", T::kNumber, same, main ? "--yield" : "",
+       "of metal and clay the stress at which a bar flows, of snow its pressure p0", Q::kPressure,
+       kAboveZero},
+      {table, "hardening", T::kNumber, same, main ? "--hardening" : "",
+       "of metal stress over plastic strain of a bar, of snow the factor xi", Q::kPressure,
+       kFromZero},
+      {table,
+       "friction_angle",
+       T::kNumber,
+       same,
+       main ? "--friction-angle" : "",
+       "of sand and snow",
+       Q::kAngle,
+       {.least = 0, .below = true}},
+      {table, "cohesion", T::kNumber, same, main ? "--cohesion" : "",
+       "of sand the strain that it bears, of snow tensile strength over p0", Q::kNumber, kFromZero},
+  };
+}
+
+/// The keys that choose and change a material.
+Keys material_keys(const std::string& table) {
+  const bool main = table == "material";
+  const std::string same = "that of the preset";
+  return {
+      {table,
+       "preset",
+       T::kText,
+       main ? "rubber" : "",
+       main ? "--material" : "",
+       main ? "a material by name" : "a material by name; without it, the preset of [material]",
+       Q::kNumber,
+       {},
+       preset_names()},
+      {table,
+       "law",
+       T::kText,
+       same,
+       main ? "--law" : "",
+       "energy density",
+       Q::kNumber,
+       {},
+       law_names()},
+      {table, "young", T::kNumber, same, main ? "--young" : "", "Young's modulus", Q::kPressure,
+       kAboveZero},
+      {table,
+       "poisson",
+       T::kNumber,
+       same,
+       main ? "--poisson" : "",
+       "Poisson's ratio",
+       Q::kNumber,
+       {.least = 0, .most = 0.5, .below = true}},
+      {table, "density", T::kNumber, same, main ? "--density" : "", "mass over volume", Q::kDensity,
+       kAboveZero},
+  };
+}
+
+}  // namespace
+
+std::vector<SceneKey> main_material_keys() {
+  Keys keys = material_keys("material");
+  for (SceneKey& key : yield_keys("material")) keys.push_back(std::move(key));
+  return keys;
+}
+
+std::vector<SceneKey> region_keys() {
+  Keys keys = {
+      {"region", "select", T::kText, "", "", "a selection, as in a pin"},
+      {"region", "node", T::kText, "", "", "name of a node of the asset"},
+      {"region", "gltf_material", T::kText, "", "", "name of a material of the asset"},
+  };
+  for (SceneKey& key : material_keys("region")) keys.push_back(std::move(key));
+  for (SceneKey& key : yield_keys("region")) keys.push_back(std::move(key));
+  return keys;
+}
+
+}  // namespace elastogen

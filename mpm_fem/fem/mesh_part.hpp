@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// Some elements of a mesh, on all of its nodes.
+
+#pragma once
+
+#include "mpm_fem/fem/element_mesh.hpp"
+
+#include <vector>
+
+namespace elastogen::fem {
+
+/// The elements whose materials are wanted, in their order.
+/// @param wanted  of each material; of an index beyond them no element is taken
+ElementMesh part_of(const ElementMesh& mesh, const std::vector<bool>& wanted);
+
+}  // namespace elastogen::fem

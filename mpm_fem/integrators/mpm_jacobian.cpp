@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mpm_fem/integrators/mpm_jacobian.hpp"
+
+#include <algorithm>
+
+namespace elastogen::mpm {
+namespace {
+
+template <int d>
+constexpr int kNodes = d == 3 ? 27 : 9;  // of a cell
+
+/// Adds G^T D G of a particle to K, row-major (3 n, 3 n).
+template <int d>
+void add_particle(const Spline<d>& s, const double* D, double* K) {
+  constexpr int n = kNodes<d>;
+  double g[n][3];
+  for_nodes<d, 3>(s, 0, [&](int at, double, const double slope[3], const double*) {
+    for (int a = 0; a < 3; ++a) g[at][a] = slope[a];
+  });
+  for (int a = 0; a < n; ++a) {
+    double T[3][9] = {};  // g_a D
+    for (int i = 0; i < 3; ++i)
+      for (int k = 0; k < 3; ++k)
+        for (int l = 0; l < 9; ++l) T[i][l] += g[a][k] * D[9 * (3 * i + k) + l];
+    for (int b = 0; b < n; ++b)
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+          K[(3 * a + i) * 3 * n + 3 * b + j] +=
+              T[i][3 * j] * g[b][0] + T[i][3 * j + 1] * g[b][1] + T[i][3 * j + 2] * g[b][2];
+  }
+}
+
+}  // namespace
+
+template <int d>
+void CellAssembly<d>::update(const ParticleGrid<d>& grid, In<double> x) {
+  fem::Stencils cells;
+  first_.clear();
+  for (int64_t b = 0; b < grid.blocks(); ++b) {
+    int last = -1;
+    int64_t next = grid.first(b);
+    for_particles<d>(grid, x, b, [&](int32_t, const Spline<d>&, int place) {
+      const int64_t at = next++;
+      if (place == last) return;
+      last = place;
+      first_.push_back(at);
+      int32_t nodes[kNodes<d>];
+      constexpr int w = ParticleGrid<d>::kTileWidth;
+      for (int n = 0; n < kNodes<d>; ++n)
+        nodes[n] = grid.tile(b)[place + n % 3 + w * (n / 3 % 3 + w * (n / 9))];
+      cells.add(nodes, kNodes<d>);
+    });
+  }
+  first_.push_back(int64_t(grid.order().size()));
+  is_same_ = cells == assembly_.stencils() && pattern_.rows() == 3 * grid.nodes();
+  if (is_same_) return;
+  pattern_ = fem::pattern_of(cells, grid.nodes());
+  assembly_ = fem::Assembly(std::move(cells), grid.nodes());
+  assembly_.fit(pattern_);
+}
+
+template <int d>
+void CellAssembly<d>::add(const ParticleGrid<d>& grid, In<double> x,
+                          const std::function<void(int32_t, double*)>& tangent,
+                          fem::SparseMatrix& H) const {
+  assembly_.add(
+      [&](int64_t cell, double* K) {
+        std::fill(K, K + 9 * kNodes<d> * kNodes<d>, 0.0);
+        for (int64_t k = first_[size_t(cell)]; k < first_[size_t(cell) + 1]; ++k) {
+          const int32_t p = grid.order()[size_t(k)];
+          double D[81];
+          tangent(p, D);
+          add_particle<d>(spline<d>(x.row(p), grid.h()), D, K);
+        }
+      },
+      H);
+}
+
+template class CellAssembly<2>;
+template class CellAssembly<3>;
+
+}  // namespace elastogen::mpm

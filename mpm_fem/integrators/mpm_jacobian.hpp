@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// The Jacobian of an implicit step of particles as a sparse matrix, for factors: in the plane, where
+// they cost little, and as what tests compare products with.
+
+#pragma once
+
+#include "mpm_fem/mpm/transfer.hpp"
+#include "mpm_fem/solve/assembly.hpp"
+
+#include <functional>
+
+namespace elastogen::mpm {
+
+/// The 3^d nodes of every cell with particles as stencils.
+template <int d>
+class CellAssembly {
+ public:
+  /// Takes the cells of a grid. The pattern is made anew only where they changed.
+  /// @param x  places of the particles, (count, 3)
+  void update(const ParticleGrid<d>& grid, In<double> x);
+
+  /// Zero matrix with the entries of all cells, (3 nodes, 3 nodes).
+  const fem::SparseMatrix& pattern() const { return pattern_; }
+  /// Whether the last update left the pattern as it was.
+  bool is_same() const { return is_same_; }
+
+  /// H += sum_p G_p^T D_p G_p, G_p the map from the nodes' motion to its gradient at the particle.
+  /// @param tangent  writes D_p, row-major (9, 9) over the row-major entries of the gradient
+  void add(const ParticleGrid<d>& grid, In<double> x,
+           const std::function<void(int32_t particle, double* D)>& tangent,
+           fem::SparseMatrix& H) const;
+
+ private:
+  std::vector<int64_t> first_;  // of each cell's particles in the grid's order, and the end
+  fem::Assembly assembly_{{}, 0};
+  fem::SparseMatrix pattern_;
+  bool is_same_ = false;
+};
+
+extern template class CellAssembly<2>;
+extern template class CellAssembly<3>;
+
+}  // namespace elastogen::mpm

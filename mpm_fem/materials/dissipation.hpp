@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a step of a plastic law leaves of the work done on a point: elastic energy and plastic work,
+// both per unit of volume before any flow.
+
+#pragma once
+
+#include "mpm_fem/materials/solid.hpp"
+
+namespace elastogen {
+
+struct StepWork {
+  double elastic = 0;  ///< energy at the end of the step [J/m^3]
+  double plastic = 0;  ///< work of the flow of the step [J/m^3], of metals with that of hardening
+};
+
+namespace detail {
+
+/// tau.(e - e'): the work of the stress after the flow; of sand that of the deviator, since what
+/// opens and closes does so without stress.
+template <class L>
+double flow_work(const L& law, const double s[3], const typename L::History& history) {
+  const HenckyStrain<double, 3> e = hencky_strain<3>(s);
+  const Returned<double> r = law.template returned<false>(e, history);
+  const bool deviator = std::is_same_v<L, DruckerPrager<double, 3>>;
+  double work = 0, mean = 0, lost = 0;
+  for (int i = 0; i < 3; ++i) {
+    work += r.tau[i] * (e.e[i] - r.e[i]);
+    mean += r.tau[i] / 3, lost += e.e[i] - r.e[i];
+  }
+  return deviator ? work - mean * lost : work;
+}
+
+}  // namespace detail
+
+/// Of a step that ends at elastic trial stretches s. Laws with an energy: plastic is what the
+/// potential of the step has beyond the elastic energy, exact for linear hardening.
+template <class L>
+StepWork step_work(const L& law, const double s[3], const typename L::History& history) {
+  const double psi = law.template response<false>(s, history).psi;
+  if constexpr (std::is_empty_v<typename L::History>) {
+    return {psi, 0};
+  } else if constexpr (has_energy<L>) {
+    double end[3] = {s[0], s[1], s[2]};
+    typename L::History after = history;
+    law.commit(end, after);
+    if (memory_of(after) == memory_of(history)) return {psi, 0};
+    const double elastic = law.template response<false>(end, after).psi;
+    return {elastic, psi - elastic};
+  } else {
+    return {psi, detail::flow_work(law, s, history)};
+  }
+}
+
+}  // namespace elastogen
