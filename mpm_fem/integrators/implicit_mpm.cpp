@@ -9,25 +9,47 @@
 
 namespace elastogen::mpm {
 
+constexpr int kFewIterations = 60;  // of GMRES, after which factors cost less
+
 template <int d>
 ImplicitMpm<d>::ImplicitMpm(const MpmScene& scene, const ImplicitMpmOptions& options)
     : scene_(scene), options_(options), equations_(scene) {}
+
+/// step = -J^-1 r.
+template <int d>
+bool ImplicitMpm<d>::find_step(const double* y, const double* r, double tolerance, double* step) {
+  const int64_t size = equations_.unknowns();
+  equations_.linearise(y);
+  bool solved = false;
+  const bool can_factor = d == 2 && size <= options_.most_factored;
+  if (!factors_first_) {
+    if (int64_t(work_.z.size()) != size) work_ = GmresWork<double>(size);
+    const KrylovResult result = gmres(
+        r, step, size, tolerance, can_factor ? kFewIterations : options_.max_iterations, work_,
+        [&](const double* p, double* Jp) { equations_.product(p, Jp); },
+        [&](const double* p, double* z) { equations_.precondition(p, z); });
+    iterations_ += result.iterations;
+    solved = result.stop != KrylovStop::kBreakdown;
+    factors_first_ = can_factor && result.stop != KrylovStop::kConverged;
+  }
+  if (factors_first_) {
+    const fem::SparseMatrix& J = equations_.jacobian();
+    if (equations_.pattern_version() != pattern_) factors_.reset(J);
+    pattern_ = equations_.pattern_version();
+    ++factored_;
+    solved = factors_.factor(J) && factors_.solve(r, step, tolerance);
+  }
+  for (int64_t k = 0; k < size; ++k) step[k] = -step[k];
+  return solved;
+}
 
 template <int d>
 fem::RootResult ImplicitMpm<d>::solve(std::vector<double>& y) {
   fem::RootFunction f;
   f.unknowns = equations_.unknowns();
-  if (int64_t(work_.z.size()) != f.unknowns) work_ = GmresWork<double>(f.unknowns);
   f.residual = [&](const double* x, double* r) { equations_.residual(x, r); };
   f.step = [&](const double* x, const double* r, double tolerance, double* step) {
-    equations_.linearise(x);
-    const KrylovResult solved = gmres(
-        r, step, f.unknowns, tolerance, options_.max_iterations, work_,
-        [&](const double* p, double* Jp) { equations_.product(p, Jp); },
-        [&](const double* p, double* z) { equations_.precondition(p, z); });
-    iterations_ += solved.iterations;
-    for (int64_t k = 0; k < f.unknowns; ++k) step[k] = -step[k];
-    return solved.stop != KrylovStop::kBreakdown;
+    return find_step(x, r, tolerance, step);
   };
   f.longest_step = [&](const double* x, const double* end) {
     return equations_.longest_step(x, end);
@@ -62,13 +84,15 @@ MpmStepReport ImplicitMpm<d>::step(double time, Particles& p) {
   const Stopwatch watch;
   MpmStepReport report;
   equations_.begin(p, time, scene_.dt);
+  factors_first_ = false;
   std::vector<double> y(size_t(equations_.unknowns()));
   equations_.predict(y.data());
-  const int64_t before = iterations_;
+  const int64_t before = iterations_, factored = factored_;
   const fem::RootResult result = solve(y);
   report.stop = result.stop;
   report.outer = result.iterations;
   report.inner = int(iterations_ - before);
+  report.factored = int(factored_ - factored);
   report.residual = result.residual / equations_.reference();
   report.converged = report.residual <= options_.tolerance;
   report.finite = std::isfinite(result.residual);

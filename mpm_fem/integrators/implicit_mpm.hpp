@@ -4,8 +4,10 @@
 
 #pragma once
 
+#include "core/krylov.hpp"
 #include "core/report.hpp"
 #include "mpm_fem/integrators/mpm_equations.hpp"
+#include "mpm_fem/solve/nonsymmetric_solver.hpp"
 #include "mpm_fem/solve/root.hpp"
 
 namespace elastogen::mpm {
@@ -14,11 +16,14 @@ struct ImplicitMpmOptions {
   double tolerance = 1e-3;  ///< of |r| / |M g_ref|_{M^-1}
   int max_newton = 40;
   int max_iterations = 400;  ///< of GMRES in a solve
+  int64_t most_factored =
+      20'000;  ///< unknowns of plane scenes, up to which LU factors stand in for GMRES
 };
 
 /// outer counts Newton steps, inner iterations of GMRES.
 struct MpmStepReport : StepReport {
   fem::RootStop stop = fem::RootStop::kConverged;
+  int factored = 0;  ///< linear systems that GMRES left to factors
 };
 
 template <int d>
@@ -32,6 +37,7 @@ class ImplicitMpm {
   MpmStepReport step(double time, Particles& particles);
 
  private:
+  bool find_step(const double* y, const double* r, double tolerance, double* step);
   fem::RootResult solve(std::vector<double>& y);
   void finish(const std::vector<double>& y, Particles& particles);
 
@@ -39,6 +45,10 @@ class ImplicitMpm {
   ImplicitMpmOptions options_;
   MpmEquations<d> equations_;
   GmresWork<double> work_{0};
+  fem::NonsymmetricSolver factors_;
+  int64_t pattern_ = -1;        // version of the one that factors_ have
+  bool factors_first_ = false;  // GMRES did not do in this step
+  int64_t factored_ = 0;        // matrices so far
   int64_t iterations_ = 0;
 };
 

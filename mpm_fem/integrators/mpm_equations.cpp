@@ -2,11 +2,11 @@
 #include "mpm_fem/integrators/mpm_equations.hpp"
 
 #include "core/constants.hpp"
+#include "core/constitutive.hpp"
 #include "core/svd2.hpp"
-#include "mpm_fem/mpm/volume_share.hpp"
+#include "mpm_fem/fem/inversion_bound.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <limits>
 
@@ -65,6 +65,7 @@ template <int d>
 void MpmEquations<d>::begin(const Particles& particles, double time, double dt) {
   particles_ = &particles;
   dt_ = dt;
+  has_cells_ = false;
   grid_.update(particles.x);
   start_ = particles_to_grid<d>(grid_, particles, scratch_);
   walls_.begin(grid_, scene_.walls, time, dt);
@@ -190,7 +191,6 @@ double MpmEquations<d>::noise(const double* y) {
 
 template <int d>
 double MpmEquations<d>::longest_step(const double* y, const double* end) {
-  constexpr double kLeft = 0.1;
   const Particles& p = *particles_;
   Array<double> from(grid_.nodes(), 3), way(grid_.nodes(), 3);
   motion(y, from);
@@ -204,12 +204,12 @@ double MpmEquations<d>::longest_step(const double* y, const double* end) {
     for_particles<d>(grid_, p.x, b, [&](int32_t, const Spline<d>& s, int place) {
       Mat3<double> now = nodal_gradient<d>(s, place, at);
       for (int a = 0; a < 3; ++a) now(a, a) += 1;
-      const Mat3<double> relative = nodal_gradient<d>(s, place, to) * inverse(now);
-      share[size_t(b)] = std::min(share[size_t(b)], share_to_volume(relative, kLeft));
+      Mat3<double> then = nodal_gradient<d>(s, place, to);
+      for (int e = 0; e < 9; ++e) then.m[e] += now.m[e];
+      share[size_t(b)] = std::min(share[size_t(b)], fem::share_before_inversion(now, then));
     });
   });
-  const double least = share.empty() ? 1 : *std::min_element(share.begin(), share.end());
-  return least < 1 ? 0.9 * least : 1;
+  return share.empty() ? 1 : *std::min_element(share.begin(), share.end());
 }
 
 template <int d>
@@ -312,6 +312,46 @@ void MpmEquations<d>::precondition(const double* p, double* z) const {
     for (int a = 0; a < 3; ++a)
       z[3 * i + a] = B(a, 0) * p[3 * i] + B(a, 1) * p[3 * i + 1] + B(a, 2) * p[3 * i + 2];
   });
+}
+
+template <int d>
+const fem::SparseMatrix& MpmEquations<d>::jacobian() {
+  const Particles& p = *particles_;
+  if (!has_cells_) cells_.update(grid_, p.x);
+  has_cells_ = true;
+  jacobian_ = cells_.pattern();
+  cells_.add(
+      grid_, p.x,
+      [&](int32_t k, double* D) {
+        write_matrix(tangent_[size_t(k)].hessian, tangent_[size_t(k)].frame, D);
+      },
+      jacobian_);
+  const double inertia = 1 / (dt_ * dt_);
+  for_each(jacobian_.rows(), [&](int64_t r) {
+    for (int32_t k = jacobian_.start[size_t(r)]; k < jacobian_.start[size_t(r) + 1]; ++k) {
+      const int32_t c = jacobian_.column[size_t(k)];
+      jacobian_.value[size_t(k)] *= inverse_root_[size_t(r / 3)] * inverse_root_[size_t(c / 3)];
+      if (c == r) jacobian_.value[size_t(k)] += inertia;
+    }
+  });
+  for_each(walls_.count(), [&](int64_t k) { put_wall(walls_.node(k), wall_tangent_[size_t(k)]); });
+  return jacobian_;
+}
+
+/// The rows J of a node become those at a wall, dPi J + (I - dPi)/dt^2.
+template <int d>
+void MpmEquations<d>::put_wall(int64_t node, const Mat3<double>& D) {
+  double* row[3];
+  for (int a = 0; a < 3; ++a)
+    row[a] = jacobian_.value.data() + jacobian_.start[size_t(3 * node + a)];
+  const int32_t length = jacobian_.start[size_t(3 * node + 1)] - jacobian_.start[size_t(3 * node)];
+  for (int32_t k = 0; k < length; ++k) {
+    const double J[3] = {row[0][k], row[1][k], row[2][k]};
+    for (int a = 0; a < 3; ++a) row[a][k] = D(a, 0) * J[0] + D(a, 1) * J[1] + D(a, 2) * J[2];
+  }
+  Mat3<double> rest;
+  for (int e = 0; e < 9; ++e) rest.m[e] = ((e % 4 == 0) - D.m[e]) / (dt_ * dt_);
+  jacobian_.add_block(node, node, rest.m);
 }
 
 template class MpmEquations<2>;

@@ -15,8 +15,8 @@
 
 #pragma once
 
-#include "core/krylov.hpp"
 #include "core/principal.hpp"
+#include "mpm_fem/integrators/mpm_jacobian.hpp"
 #include "mpm_fem/mpm/mpm_scene.hpp"
 #include "mpm_fem/mpm/p2g.hpp"
 
@@ -51,7 +51,7 @@ class MpmEquations {
   /// Bound on the rounding error of r at y, 2-norm.
   double noise(const double* y);
   /// Largest share, at most 1, of the way from y to `end` that leaves every particle a tenth of the
-  /// volume it has at y.
+  /// volume it has at y (share_before_inversion).
   double longest_step(const double* y, const double* end);
 
   /// Prepares products with dr/dy at y. After residual(y).
@@ -60,6 +60,10 @@ class MpmEquations {
   /// z = B^-1 p, B the blocks of each node of dr/dy with the law's tangent made symmetric and
   /// positive.
   void precondition(const double* p, double* z) const;
+  /// dr/dy where it was linearised last.
+  const fem::SparseMatrix& jacobian();
+  /// Changes with the pattern of jacobian().
+  int64_t pattern_version() const { return cells_.version(); }
 
  private:
   struct Tangent {  // of a particle: dA = V dP Fe^T in the gradient of u
@@ -70,6 +74,7 @@ class MpmEquations {
   void equilibrium(const double* y, double* r0);
   void set_tangent(int64_t particle, const Mat3<double>& gradient);
   void invert_blocks(Array<double>& block);
+  void put_wall(int64_t node, const Mat3<double>& D);
   void apply_walls(const double* free, double* result) const;
 
   const MpmScene& scene_;
@@ -83,6 +88,9 @@ class MpmEquations {
   std::vector<Mat3<double>> wall_tangent_;        // dPi of each node at a wall
   std::vector<Tangent> tangent_;
   std::vector<Mat3<double>> inverse_block_;
+  CellAssembly<d> cells_;
+  fem::SparseMatrix jacobian_;
+  bool has_cells_ = false;   // cells_ are those of the step
   Array<double> u_, force_;  // (nodes, 3)
   std::vector<double> r0_;
   Zeroed<double> scratch_;

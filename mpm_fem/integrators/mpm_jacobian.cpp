@@ -19,12 +19,12 @@ void add_particle(const Spline<d>& s, const double* D, double* K) {
   });
   for (int a = 0; a < n; ++a) {
     double T[3][9] = {};  // g_a D
-    for (int i = 0; i < 3; ++i)
-      for (int k = 0; k < 3; ++k)
+    for (int i = 0; i < d; ++i)
+      for (int k = 0; k < d; ++k)
         for (int l = 0; l < 9; ++l) T[i][l] += g[a][k] * D[9 * (3 * i + k) + l];
     for (int b = 0; b < n; ++b)
-      for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j)
+      for (int i = 0; i < d; ++i)
+        for (int j = 0; j < d; ++j)
           K[(3 * a + i) * 3 * n + 3 * b + j] +=
               T[i][3 * j] * g[b][0] + T[i][3 * j + 1] * g[b][1] + T[i][3 * j + 2] * g[b][2];
   }
@@ -52,8 +52,8 @@ void CellAssembly<d>::update(const ParticleGrid<d>& grid, In<double> x) {
     });
   }
   first_.push_back(int64_t(grid.order().size()));
-  is_same_ = cells == assembly_.stencils() && pattern_.rows() == 3 * grid.nodes();
-  if (is_same_) return;
+  if (cells == assembly_.stencils() && pattern_.rows() == 3 * grid.nodes()) return;
+  ++version_;
   pattern_ = fem::pattern_of(cells, grid.nodes());
   assembly_ = fem::Assembly(std::move(cells), grid.nodes());
   assembly_.fit(pattern_);

@@ -21,8 +21,8 @@ class CellAssembly {
 
   /// Zero matrix with the entries of all cells, (3 nodes, 3 nodes).
   const fem::SparseMatrix& pattern() const { return pattern_; }
-  /// Whether the last update left the pattern as it was.
-  bool is_same() const { return is_same_; }
+  /// Changes with the pattern.
+  int64_t version() const { return version_; }
 
   /// H += sum_p G_p^T D_p G_p, G_p the map from the nodes' motion to its gradient at the particle.
   /// @param tangent  writes D_p, row-major (9, 9) over the row-major entries of the gradient
@@ -34,7 +34,7 @@ class CellAssembly {
   std::vector<int64_t> first_;  // of each cell's particles in the grid's order, and the end
   fem::Assembly assembly_{{}, 0};
   fem::SparseMatrix pattern_;
-  bool is_same_ = false;
+  int64_t version_ = 0;
 };
 
 extern template class CellAssembly<2>;

@@ -2,10 +2,11 @@
 // Particles and their grid: what transfers conserve, and steps against closed forms.
 
 #include "core/error.hpp"
+#include "core/reduce.hpp"
+#include "mpm_fem/fem/inversion_bound.hpp"
 #include "mpm_fem/integrators/explicit_mpm.hpp"
 #include "mpm_fem/integrators/implicit_mpm.hpp"
 #include "mpm_fem/mpm/g2p.hpp"
-#include "mpm_fem/mpm/volume_share.hpp"
 #include "tests/support/matrices.hpp"
 
 #include <gtest/gtest.h>
@@ -159,22 +160,68 @@ TEST(ParticleGrid, IsTheSameAfterItsPointsMovedAsFromNothing) {
   for (int64_t i = 0; i < grid.nodes(); ++i) EXPECT_EQ(grid.place(i), fresh.place(i));
 }
 
-TEST(ShareToVolume, IsTheFirstRootOfTheDeterminant) {
+TEST(InversionBound, StopsShortOfTheFirstRootOfTheDeterminant) {
   test::Random random(9);
+  int bounded = 0;
   for (int k = 0; k < 2000; ++k) {
-    const Mat3<double> A = test::gaussian(random);
-    const double share = share_to_volume(A, 0.1);
-    const auto volume = [&](double t) {
-      Mat3<double> F = A;
-      for (double& f : F.m) f *= t;
-      for (int i = 0; i < 3; ++i) F(i, i) += 1;
-      return determinant(F);
+    const Mat3<double> A = test::gaussian(random), I = identity<double>();
+    const auto at = [&](double t) {
+      Mat3<double> F = I;
+      for (int e = 0; e < 9; ++e) F.m[e] += t * A.m[e];
+      return F;
     };
+    const double share = fem::share_before_inversion(I, at(1));
     if (share < 1) {
-      EXPECT_NEAR(volume(share), 0.1, 1e-9);
+      ++bounded;
+      EXPECT_NEAR(determinant(at(share / 0.9)), 0.1, 1e-7);
     }
-    for (int n = 0; n < 200; ++n) EXPECT_GE(volume(share * n / 200), 0.1 - 1e-9);
+    for (int n = 0; n < 200; ++n) EXPECT_GE(determinant(at(share * n / 200)), 0.1 - 1e-7);
   }
+  EXPECT_GT(bounded, 200);
+}
+
+/// The assembled Jacobian, the matrix-free one and differences of the residual agree, in a state
+/// that yields and slides along a wall.
+template <int d>
+void check_jacobian() {
+  MpmScene s = scene(d);
+  s.solids[0].yield = SandYield{.friction = 0.5, .keeps_volume = false};
+  s.gravity = {2, -10, 0};
+  s.walls.push_back({half_space({0, 1, 0}, -0.35, 0.2), false});
+  s.walls.push_back({half_space({1, 0, 0}, -0.35, 0.2), true});
+  const Particles p = random_particles<d>(d == 2 ? 400 : 1500, 14);
+  MpmEquations<d> equations(s);
+  equations.begin(p, 0, 5e-3);
+  const auto size = size_t(equations.unknowns());
+  std::vector<double> y(size), r(size), way(size), product(size), matrix(size), ends[2];
+  equations.predict(y.data());
+  test::Random random(15);
+  std::normal_distribution<double> normal;
+  for (size_t k = 0; k < size; ++k) way[k] = k % 3 < d ? normal(random) : 0;
+  equations.residual(y.data(), r.data());
+  equations.linearise(y.data());
+  equations.product(way.data(), product.data());
+  fem::multiply(equations.jacobian(), way.data(), matrix.data());
+  const double step = 1e-7;
+  for (const int end : {0, 1}) {
+    std::vector<double> moved = y;
+    for (size_t k = 0; k < size; ++k) moved[k] += (end ? step : -step) * way[k];
+    ends[end] = r;
+    equations.residual(moved.data(), ends[end].data());
+  }
+  double off = 0, apart = 0, most = 0;
+  for (size_t k = 0; k < size; ++k) {
+    most = std::max(most, std::abs(product[k]));
+    apart = std::max(apart, std::abs(product[k] - matrix[k]));
+    off += std::pow(product[k] - (ends[1][k] - ends[0][k]) / (2 * step), 2);
+  }
+  EXPECT_LT(apart, 1e-12 * most);
+  EXPECT_LT(std::sqrt(off), 1e-5 * norm(product.data(), int64_t(size)));
+}
+
+TEST(MpmEquations, JacobianIsTheDerivativeOfTheResidual) {
+  check_jacobian<2>();
+  check_jacobian<3>();
 }
 
 /// A free body keeps its momenta, explicit and implicit, and so does one that yields.
