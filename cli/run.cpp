@@ -9,6 +9,7 @@
 #include "core/parallel.hpp"
 #include "core/time_scheme.hpp"
 #include "io/safe_file.hpp"
+#include "scene/particle_setup.hpp"
 #include "scene/version.hpp"
 
 #include <fmt/format.h>
@@ -148,7 +149,7 @@ CommandResult run_animation(const Asset& asset, const AnimateOptions& options, d
   const size_t warned = report.warnings.size();
 
   if (!options.report.empty()) SafeFile probe(options.report);  // refuses a folder at once
-  result.code = code_of(play(asset, setup, options, hooks, report));
+  result.code = code_of(play(shown_asset(asset, setup), setup, options, hooks, report));
   report.peak_memory_bytes = peak_memory_bytes();
   if (!options.report.empty()) write_report(options.report, report);
   warn({report.warnings.begin() + int64_t(warned), report.warnings.end()}, hooks);

@@ -8,7 +8,7 @@ namespace elastogen {
 CarriedPoints carried_points(const Setup& setup) {
   CarriedPoints points;
   points.count = setup.body.carried.rows();
-  if (setup.tets)
+  if (setup.tets || setup.particles)
     points.node_of = &setup.node_of;
   else
     points.embedding = embed(setup.scene.grid, setup.body.carried, parts_of_carried(setup.body));

@@ -5,6 +5,7 @@
 #include "core/stopwatch.hpp"
 #include "io/read_asset.hpp"
 #include "io/safe_file.hpp"
+#include "scene/particle_setup.hpp"
 #include "scene/tet_asset.hpp"
 #include "scene/version.hpp"
 
@@ -29,7 +30,7 @@ RunResult run_scene(const RunDescription& run, const ClipHooks& hooks) {
   add_summary(setup, report);
 
   if (!run.report.empty()) SafeFile probe(run.report);  // refuses a folder at once
-  result.end = play_clip(asset, setup, run, hooks, report);
+  result.end = play_clip(shown_asset(asset, setup), setup, run, hooks, report);
   report.peak_memory_bytes = peak_memory_bytes();
   if (!run.report.empty()) write_report(run.report, report);
   return result;

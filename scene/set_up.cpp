@@ -13,6 +13,7 @@
 #include "scene/fem_boundary.hpp"
 #include "scene/fem_scene.hpp"
 #include "scene/loose_pieces.hpp"
+#include "scene/particle_setup.hpp"
 #include "voxelize/regions.hpp"
 #include "voxelize/voxelize.hpp"
 
@@ -255,6 +256,7 @@ Setup set_up(const Asset& asset, const RunDescription& run) {
   judge_pieces(asset, run, setup);
   finish_scene(scene);
   judge(asset, run, setup);
+  if (method_of(run) == Method::kMpm) add_particles(run, setup);
   setup.other_seconds = watch.seconds() - setup.voxelize_seconds;
   return setup;
 }

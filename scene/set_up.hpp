@@ -5,6 +5,7 @@
 
 #include "io/asset.hpp"
 #include "io/report_file.hpp"
+#include "mpm_fem/mpm/particles.hpp"
 #include "scene/description.hpp"
 #include "scene/tet_asset.hpp"
 #include "voxelize/body.hpp"
@@ -13,6 +14,12 @@
 
 namespace elastogen {
 
+/// Particles that take the steps in place of the grid.
+struct ParticleSetup {
+  mpm::Particles particles;  ///< places in the grid's coordinates less its origin [m]
+  VoxelGrid nodes;           ///< of h, origin and their places at rest [m] only
+};
+
 struct Setup {
   Body body;
   Scene scene;
@@ -20,7 +27,8 @@ struct Setup {
   /// Tetrahedra that are stepped as the file has them [m]; the scene's grid then has only their
   /// nodes as rest, and mean_edge as h.
   std::optional<fem::ElementMesh> tets;
-  Array<int32_t> node_of;  ///< with tets: node of each carried point, (points, 1)
+  std::optional<ParticleSetup> particles;  ///< of bodies that fall apart into grains
+  Array<int32_t> node_of;                  ///< with tets: node of each carried point, (points, 1)
   int substeps = 1;
   double longest_edge = 0;                       ///< of the asset [m]
   double sheet_volume = 0, sheet_thickness = 0;  ///< of sheets and shells [m^3], [m]

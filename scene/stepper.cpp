@@ -4,14 +4,15 @@
 #include "core/error.hpp"
 #include "scene/fem_stepper.hpp"
 #include "scene/network_stepper.hpp"
+#include "scene/particle_stepper.hpp"
 #include "scene/static_stepper.hpp"
 
 namespace elastogen {
 
 std::unique_ptr<Stepper> make_stepper(const Setup& setup, const RunDescription& run,
                                       const StepperHooks& hooks, std::vector<std::string>& notes) {
-  if (method_of(run) == Method::kMpm)
-    throw Error("particles are not there yet: --method fem takes the steps on voxel hexahedra");
+  if (setup.particles) return make_particle_stepper(setup, run, hooks.stop);
+  ELASTOGEN_CHECK(method_of(run) != Method::kMpm, "tetrahedra of a file are no particles: set fem");
   if (run.fem && run.fem->statics) return make_static_stepper(setup, run);
   if (run.fem) return make_fem_stepper(setup, run, hooks.stop);
   ELASTOGEN_CHECK(setup.yields.empty(), "the network steps no material that yields: set fem");

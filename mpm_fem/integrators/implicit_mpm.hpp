@@ -29,12 +29,14 @@ struct MpmStepReport : StepReport {
 template <int d>
 class ImplicitMpm {
  public:
-  /// The scene must outlive it.
+  /// The scene must outlive it; its dt may change between steps.
   explicit ImplicitMpm(const MpmScene& scene, const ImplicitMpmOptions& options = {});
 
   /// Advances by scene.dt from `time` [s]. If the result is not finite the particles stay as they
   /// were and the report says so.
   MpmStepReport step(double time, Particles& particles);
+
+  const std::vector<PointLaw<d>>& laws() const { return equations_.laws(); }
 
  private:
   bool find_step(const double* y, const double* r, double tolerance, double* step);

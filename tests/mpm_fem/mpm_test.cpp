@@ -6,8 +6,10 @@
 #include "mpm_fem/fem/inversion_bound.hpp"
 #include "mpm_fem/integrators/explicit_mpm.hpp"
 #include "mpm_fem/integrators/implicit_mpm.hpp"
+#include "mpm_fem/mpm/fill.hpp"
 #include "mpm_fem/mpm/g2p.hpp"
 #include "tests/support/matrices.hpp"
+#include "voxelize/bricks.hpp"
 
 #include <gtest/gtest.h>
 
@@ -158,6 +160,34 @@ TEST(ParticleGrid, IsTheSameAfterItsPointsMovedAsFromNothing) {
   ASSERT_EQ(grid.nodes(), fresh.nodes());
   EXPECT_EQ(grid.order(), fresh.order());
   for (int64_t i = 0; i < grid.nodes(); ++i) EXPECT_EQ(grid.place(i), fresh.place(i));
+}
+
+TEST(Fill, HasTheMassOfTheVoxelsAndPlacesWithinThem) {
+  VoxelGrid grid = make_box(3, 2, 2, kH);
+  grid.fill(0) = 0.3;
+  const Array<int32_t> material(grid.voxel_count());
+  const std::vector<Solid> solids = {solid(1e4, 800)};
+  const Particles p = fill_body(grid, material, solids), again = fill_body(grid, material, solids);
+  EXPECT_EQ(p.x, again.x);
+  EXPECT_FALSE(p.x == fill_body(grid, material, solids, {.seed = 2}).x);
+  EXPECT_EQ(p.count(), 11 * 8 + 2);
+  std::vector<double> mass(size_t(grid.voxel_count()));
+  for (int64_t k = 0; k < p.count(); ++k) {
+    int found = 0;
+    for (int64_t v = 0; v < grid.voxel_count(); ++v) {
+      bool inside = true;
+      for (int a = 0; a < 3; ++a) {
+        const double at = p.x(k, a) / kH - grid.voxel_coord(v, a);
+        inside &= at >= 0 && at <= 1;
+      }
+      if (!inside) continue;
+      ++found;
+      mass[size_t(v)] += p.mass(k);
+    }
+    EXPECT_EQ(found, 1);
+  }
+  for (int64_t v = 0; v < grid.voxel_count(); ++v)
+    EXPECT_NEAR(mass[size_t(v)], 800 * grid.fill(v) * kH * kH * kH, 1e-12);
 }
 
 TEST(InversionBound, StopsShortOfTheFirstRootOfTheDeterminant) {

@@ -5,6 +5,7 @@
 #include "core/error.hpp"
 #include "mpm_fem/fem/elastic_body.hpp"
 #include "scene/fem_scene.hpp"
+#include "scene/particle_setup.hpp"
 #include "tests/network/scenes.hpp"
 
 #include <gtest/gtest.h>
@@ -188,6 +189,59 @@ TEST(Stepper, ParticlesAndTheNetworkRefuseWhatTheyCannotStep) {
   EXPECT_THROW(make_stepper(setup, run, {}, notes), Error);
   run.method = Method::kFem;
   EXPECT_THROW(make_stepper(setup, run, {}, notes), Error);
+}
+
+/// A cube of sand in the air falls as a stone does, keeps its mass, and lies on a floor afterwards.
+TEST(Stepper, SandFallsAndLiesOnAFloor) {
+  RunDescription run;
+  run.yield = SandYield{};
+  run.solver.tolerance = 1e-3;
+  auto setup = yielding_setup(run.yield);
+  setup.scene.gravity = {0, -10, 0};
+  setup.scene.dt = 5e-3;
+  double lowest = 1e300;
+  for (int64_t n = 0; n < setup.scene.grid.node_count(); ++n)
+    lowest = std::min(lowest, setup.scene.grid.rest(n, 1));
+  const double h = setup.scene.grid.h, ground = lowest - 2 * h;
+  setup.scene.colliders = {half_space({0, 1, 0}, ground, 0.5)};
+  add_particles(run, setup);
+  const Array<double> start = setup.particles->nodes.rest;
+  const mpm::Particles& particles = setup.particles->particles;
+  double mass = 0, volume = 0;
+  for (int64_t k = 0; k < particles.count(); ++k) mass += particles.mass(k);
+  for (int64_t v = 0; v < setup.scene.grid.voxel_count(); ++v)
+    volume += setup.scene.grid.fill(v) * h * h * h;
+  EXPECT_NEAR(mass, volume * setup.scene.materials[0].density, 1e-12 * mass);
+
+  std::vector<std::string> notes;
+  const std::unique_ptr<Stepper> stepper = make_stepper(setup, run, {}, notes);
+  stepper->begin({});
+  EXPECT_TRUE(stepper->advance().converged);
+  double sum = 0;
+  for (int64_t k = 0; k < start.rows(); ++k)
+    sum += particles.mass(k) * stepper->state().v(k, 1) / mass;
+  EXPECT_NEAR(sum, -10 * 5e-3, 1e-9);
+  StepReport report;
+  for (int n = 0; n < 100; ++n) {
+    report = stepper->advance();
+    EXPECT_TRUE(report.converged) << n << ": " << report.residual;
+  }
+  EXPECT_LT(report.deepest_overlap, 1);
+  double highest = -1e300;
+  for (int64_t k = 0; k < start.rows(); ++k) highest = std::max(highest, stepper->state().x(k, 1));
+  EXPECT_LT(highest, ground + 3 * h);
+  EXPECT_GT(highest, ground + h / 2);
+}
+
+TEST(Stepper, ParticlesRefuseToBeHeldAndToWriteStates) {
+  RunDescription run;
+  run.yield = SandYield{};
+  auto setup = yielding_setup(run.yield);
+  run.pins = {parse_pin("y<5%")};
+  EXPECT_THROW(add_particles(run, setup), Error);
+  run.pins.clear();
+  run.state = "a.h5";
+  EXPECT_THROW(add_particles(run, setup), Error);
 }
 
 TEST(Stepper, TetrahedraRestOnAFloor) {

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mpm_fem/mpm/fill.hpp"
+
+#include "core/error.hpp"
+#include "core/parallel.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace elastogen::mpm {
+namespace {
+
+/// The next of a sequence of numbers that look random (splitmix64 of Steele et al. 2014), in [0, 1).
+double next_number(uint64_t& state) {
+  uint64_t z = state += 0x9e3779b97f4a7c15u;
+  z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
+  z = (z ^ z >> 27) * 0x94d049bb133111ebu;
+  return double((z ^ z >> 31) >> 11) * 0x1p-53;
+}
+
+/// Middle of a voxel's fill, in its edges from corner 0.
+Vec3 middle_of_fill(const VoxelGrid& grid, int64_t voxel) {
+  Vec3 middle = {};
+  for (int c = 0; c < 8; ++c)
+    for (int a = 0; a < 3; ++a)
+      if (c >> a & 1) middle[size_t(a)] += grid.shape_mean(voxel, c);
+  return middle;
+}
+
+/// The parts of a voxel, those next to a place first.
+std::vector<Vec3> parts_from(const Vec3& place, int per_edge) {
+  std::vector<Vec3> parts;
+  for (int k = 0; k < per_edge * per_edge * per_edge; ++k)
+    parts.push_back({(k % per_edge + 0.5) / per_edge, (k / per_edge % per_edge + 0.5) / per_edge,
+                     (k / (per_edge * per_edge) + 0.5) / per_edge});
+  const auto away = [&](const Vec3& part) {
+    double square = 0;
+    for (size_t a = 0; a < 3; ++a) square += (part[a] - place[a]) * (part[a] - place[a]);
+    return square;
+  };
+  std::stable_sort(parts.begin(), parts.end(),
+                   [&](const Vec3& a, const Vec3& b) { return away(a) < away(b) - 1e-12; });
+  return parts;
+}
+
+int64_t particles_of(const VoxelGrid& grid, int64_t voxel, int per_edge) {
+  const int full = per_edge * per_edge * per_edge;
+  return std::clamp<int64_t>(std::llround(full * grid.fill(voxel)), 1, full);
+}
+
+}  // namespace
+
+Particles fill_body(const VoxelGrid& grid, In<int32_t> material, const std::vector<Solid>& solids,
+                    const FillOptions& options) {
+  ELASTOGEN_CHECK(options.per_edge >= 1 && options.per_edge <= 8,
+                  "per_edge must lie in 1 ... 8, got ", options.per_edge);
+  ELASTOGEN_CHECK(options.jitter >= 0 && options.jitter <= 1, "jitter must lie in [0, 1], got ",
+                  options.jitter);
+  const double cube = grid.h * grid.h * grid.h;
+  double filled = 0;
+  std::vector<int64_t> first(size_t(grid.voxel_count()) + 1);
+  for (int64_t v = 0; v < grid.voxel_count(); ++v) {
+    filled += grid.fill(v) * cube;
+    first[size_t(v) + 1] = first[size_t(v)] + particles_of(grid, v, options.per_edge);
+  }
+  const double scale = grid.volume > 0 ? grid.volume / filled : 1;
+  Particles p = particles_at(Array<double>(first.back(), 3), 1, 0, 1);
+  for_each(grid.voxel_count(), [&](int64_t v) {
+    const int64_t count = first[size_t(v) + 1] - first[size_t(v)];
+    const std::vector<Vec3> parts = parts_from(middle_of_fill(grid, v), options.per_edge);
+    uint64_t random = options.seed;
+    for (int a = 0; a < 3; ++a)
+      random = random * 0x100000001b3u + uint64_t(uint32_t(grid.voxel_coord(v, a)));
+    for (int64_t k = 0; k < count; ++k) {
+      const int64_t at = first[size_t(v)] + k;
+      for (int a = 0; a < 3; ++a) {
+        const double off = options.jitter * (next_number(random) - 0.5) / options.per_edge;
+        p.x(at, a) = grid.h * (grid.voxel_coord(v, a) + parts[size_t(k)][size_t(a)] + off);
+      }
+      p.solid(at) = material(v);
+      p.volume(at) = scale * grid.fill(v) * cube / double(count);
+      p.mass(at) = solids[size_t(material(v))].elastic.density * p.volume(at);
+    }
+  });
+  return p;
+}
+
+}  // namespace elastogen::mpm

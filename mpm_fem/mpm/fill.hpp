@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// Particles that fill the voxels of a body.
+
+#pragma once
+
+#include "core/voxel_grid.hpp"
+#include "mpm_fem/mpm/particles.hpp"
+
+namespace elastogen::mpm {
+
+struct FillOptions {
+  int per_edge = 2;  ///< particles of a full voxel along an axis: 8 of them
+  double jitter =
+      1;  ///< of the part of the voxel that is a particle's, the share in which it stands
+          ///< at random [-], 0 ... 1
+  uint64_t seed = 1;
+};
+
+/// Fills a body: a full voxel gets per_edge^3 particles, one in each of its equal parts, a partly
+/// filled one as many as its fill is worth, one at least, in the parts next to the middle of its
+/// fill. The particles of a voxel share phi h^3; where the grid has a volume all are scaled to it,
+/// so that the mass is exact to rounding. The place of a particle depends on the seed and the
+/// voxel's coordinates alone.
+/// @param material  index into solids of each voxel, (voxels, 1)
+/// @return places in the grid's coordinates less grid.origin [m]
+Particles fill_body(const VoxelGrid& grid, In<int32_t> material, const std::vector<Solid>& solids,
+                    const FillOptions& options = {});
+
+}  // namespace elastogen::mpm

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// The particles of a run whose bodies fall apart into grains, and the cloud that its outputs show.
+
+#pragma once
+
+#include "scene/set_up.hpp"
+
+namespace elastogen {
+
+/// Fills the voxels of a setup with particles, which take the place of its grid's nodes and of the
+/// points that it carries.
+/// @throws Error (usage) for what particles cannot do: be held, moved or loaded, or write states.
+void add_particles(const RunDescription& run, Setup& setup);
+
+/// What outputs show of a run: the asset, or where it has particles these as a cloud of points.
+Asset shown_asset(const Asset& asset, const Setup& setup);
+
+}  // namespace elastogen
