@@ -191,36 +191,45 @@ TEST(Stepper, ParticlesAndTheNetworkRefuseWhatTheyCannotStep) {
   EXPECT_THROW(make_stepper(setup, run, {}, notes), Error);
 }
 
-/// A cube of sand in the air falls as a stone does, keeps its mass, and lies on a floor afterwards.
+/// A cube of sand in the air, two voxels above a floor at `ground`.
+Setup sand_above_a_floor(const RunDescription& run, double& ground) {
+  auto setup = yielding_setup(run.yield);
+  Scene& scene = setup.scene;
+  scene.gravity = {0, -10, 0};
+  scene.dt = 5e-3;
+  ground = 1e300;
+  for (int64_t n = 0; n < scene.grid.node_count(); ++n)
+    ground = std::min(ground, scene.grid.rest(n, 1) - 2 * scene.grid.h);
+  scene.colliders = {half_space({0, 1, 0}, ground, 0.5)};
+  add_particles(run, setup);
+  return setup;
+}
+
+TEST(Stepper, ParticlesHaveTheMassOfTheBody) {
+  RunDescription run;
+  run.yield = SandYield{};
+  double ground;
+  const auto setup = sand_above_a_floor(run, ground);
+  const VoxelGrid& grid = setup.scene.grid;
+  double mass = 0, volume = 0;
+  for (int64_t k = 0; k < setup.particles->particles.count(); ++k)
+    mass += setup.particles->particles.mass(k);
+  for (int64_t v = 0; v < grid.voxel_count(); ++v) volume += grid.fill(v) * std::pow(grid.h, 3);
+  EXPECT_NEAR(mass, volume * setup.scene.materials[0].density, 1e-12 * mass);
+}
+
 TEST(Stepper, SandFallsAndLiesOnAFloor) {
   RunDescription run;
   run.yield = SandYield{};
-  run.solver.tolerance = 1e-3;
-  auto setup = yielding_setup(run.yield);
-  setup.scene.gravity = {0, -10, 0};
-  setup.scene.dt = 5e-3;
-  double lowest = 1e300;
-  for (int64_t n = 0; n < setup.scene.grid.node_count(); ++n)
-    lowest = std::min(lowest, setup.scene.grid.rest(n, 1));
-  const double h = setup.scene.grid.h, ground = lowest - 2 * h;
-  setup.scene.colliders = {half_space({0, 1, 0}, ground, 0.5)};
-  add_particles(run, setup);
-  const Array<double> start = setup.particles->nodes.rest;
-  const mpm::Particles& particles = setup.particles->particles;
-  double mass = 0, volume = 0;
-  for (int64_t k = 0; k < particles.count(); ++k) mass += particles.mass(k);
-  for (int64_t v = 0; v < setup.scene.grid.voxel_count(); ++v)
-    volume += setup.scene.grid.fill(v) * h * h * h;
-  EXPECT_NEAR(mass, volume * setup.scene.materials[0].density, 1e-12 * mass);
-
+  double ground;
+  const auto setup = sand_above_a_floor(run, ground);
+  const double h = setup.scene.grid.h;
   std::vector<std::string> notes;
   const std::unique_ptr<Stepper> stepper = make_stepper(setup, run, {}, notes);
   stepper->begin({});
   EXPECT_TRUE(stepper->advance().converged);
-  double sum = 0;
-  for (int64_t k = 0; k < start.rows(); ++k)
-    sum += particles.mass(k) * stepper->state().v(k, 1) / mass;
-  EXPECT_NEAR(sum, -10 * 5e-3, 1e-9);
+  for (int64_t k = 0; k < stepper->state().v.rows(); ++k)
+    EXPECT_NEAR(stepper->state().v(k, 1), -10 * 5e-3, 1e-6);
   StepReport report;
   for (int n = 0; n < 100; ++n) {
     report = stepper->advance();
@@ -228,7 +237,8 @@ TEST(Stepper, SandFallsAndLiesOnAFloor) {
   }
   EXPECT_LT(report.deepest_overlap, 1);
   double highest = -1e300;
-  for (int64_t k = 0; k < start.rows(); ++k) highest = std::max(highest, stepper->state().x(k, 1));
+  for (int64_t k = 0; k < stepper->state().x.rows(); ++k)
+    highest = std::max(highest, stepper->state().x(k, 1));
   EXPECT_LT(highest, ground + 3 * h);
   EXPECT_GT(highest, ground + h / 2);
 }
