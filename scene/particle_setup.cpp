@@ -2,7 +2,9 @@
 #include "scene/particle_setup.hpp"
 
 #include "core/error.hpp"
+#include "io/safe_file.hpp"
 #include "mpm_fem/mpm/fill.hpp"
+#include "voxelize/labels.hpp"
 
 namespace elastogen {
 namespace {
@@ -10,6 +12,33 @@ namespace {
 void refuse(bool asked, const char* option) {
   ELASTOGEN_CHECK(!asked, option,
                   ": not for particles yet; --method fem steps the body on voxel hexahedra");
+}
+
+using Colour = std::array<float, 4>;
+
+/// Colours of a surface's triangles; empty where the asset has none.
+std::vector<Colour> triangle_colours(const Asset& asset, const Surface& surface) {
+  std::vector<Colour> colours(size_t(surface.triangles.rows()), Colour{1, 1, 1, 1});
+  bool coloured = false;
+  for (const SurfaceInstance& instance : surface.instances) {
+    const Mesh& mesh = asset.meshes[size_t(instance.mesh)];
+    for (int64_t k = 0; k < instance.triangles; ++k) {
+      const int64_t t = instance.first_triangle + k;
+      Colour& colour = colours[size_t(t)];
+      if (const int32_t m = surface.material(t); m >= 0)
+        colour = asset.materials[size_t(m)].base_colour, coloured = true;
+      if (mesh.colour.empty()) continue;
+      coloured = true;
+      for (size_t c = 0; c < 4; ++c) {
+        float mean = 0;
+        for (int corner = 0; corner < 3; ++corner)
+          mean += mesh.colour[size_t(surface.triangles(t, corner) - instance.first_vertex)][c] / 3;
+        colour[c] *= mean;
+      }
+    }
+  }
+  if (!coloured) colours.clear();
+  return colours;
 }
 
 }  // namespace
@@ -21,11 +50,15 @@ void add_particles(const RunDescription& run, Setup& setup) {
   refuse(!run.tractions.empty(), "--traction");
   refuse(!run.state.empty(), "--state");
   refuse(run.fem && run.fem->statics, "statics");
+  for (const std::string& path : run.outputs)
+    ELASTOGEN_CHECK(ending_of(path) != "pvd", path,
+                    ": particles are written as points, .ply (one file a frame) or .pc2");
   const VoxelGrid& grid = setup.scene.grid;
   std::vector<Solid> solids;
   for (size_t k = 0; k < setup.scene.materials.size(); ++k)
     solids.push_back({setup.scene.materials[k], setup.yields[k]});
-  ParticleSetup particles{mpm::fill_body(grid, setup.scene.material, solids), {}};
+  mpm::Filled filled = mpm::fill_body(grid, setup.scene.material, solids);
+  ParticleSetup particles{std::move(filled.particles), {}, std::move(filled.voxel)};
   const Array<double>& x = particles.particles.x;
   particles.nodes.h = grid.h;
   particles.nodes.origin = grid.origin;
@@ -53,6 +86,12 @@ Asset shown_asset(const Asset& asset, const Setup& setup) {
     points.position.push_back({(x(k, 0) + setup.scene.place[0]) / scale,
                                (x(k, 1) + setup.scene.place[1]) / scale,
                                (x(k, 2) + setup.scene.place[2]) / scale});
+  if (!setup.body.is_asset) return cloud;
+  const std::vector<Colour> colours = triangle_colours(asset, setup.body.surface);
+  if (colours.empty()) return cloud;
+  const Array<int32_t> triangle = nearest_triangles(setup.scene.grid, setup.body.surface);
+  for (int64_t k = 0; k < x.rows(); ++k)
+    points.colour.push_back(colours[size_t(triangle(setup.particles->voxel(k)))]);
   return cloud;
 }
 

@@ -12,7 +12,9 @@ namespace elastogen {
 /// @throws Error (usage) for what particles cannot do: be held, moved or loaded, or write states.
 void add_particles(const RunDescription& run, Setup& setup);
 
-/// What outputs show of a run: the asset, or where it has particles these as a cloud of points.
+/// What outputs show of a run: the asset, or where it has particles these as a cloud of points. They
+/// have the colour of the triangle of a mesh that is nearest to their voxel: the base colour of its
+/// material, without its texture, times the mean colour of its corners.
 Asset shown_asset(const Asset& asset, const Setup& setup);
 
 }  // namespace elastogen

@@ -18,6 +18,7 @@ namespace elastogen {
 struct ParticleSetup {
   mpm::Particles particles;  ///< places in the grid's coordinates less its origin [m]
   VoxelGrid nodes;           ///< of h, origin and their places at rest [m] only
+  Array<int32_t> voxel;      ///< of the scene's grid that each fills, (particles, 1)
 };
 
 struct Setup {

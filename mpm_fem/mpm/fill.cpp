@@ -50,21 +50,23 @@ int64_t particles_of(const VoxelGrid& grid, int64_t voxel, int per_edge) {
 
 }  // namespace
 
-Particles fill_body(const VoxelGrid& grid, In<int32_t> material, const std::vector<Solid>& solids,
-                    const FillOptions& options) {
+Filled fill_body(const VoxelGrid& grid, In<int32_t> material, const std::vector<Solid>& solids,
+                 const FillOptions& options) {
   ELASTOGEN_CHECK(options.per_edge >= 1 && options.per_edge <= 8,
                   "per_edge must lie in 1 ... 8, got ", options.per_edge);
   ELASTOGEN_CHECK(options.jitter >= 0 && options.jitter <= 1, "jitter must lie in [0, 1], got ",
                   options.jitter);
   const double cube = grid.h * grid.h * grid.h;
-  double filled = 0;
+  double volume = 0;
   std::vector<int64_t> first(size_t(grid.voxel_count()) + 1);
   for (int64_t v = 0; v < grid.voxel_count(); ++v) {
-    filled += grid.fill(v) * cube;
+    volume += grid.fill(v) * cube;
     first[size_t(v) + 1] = first[size_t(v)] + particles_of(grid, v, options.per_edge);
   }
-  const double scale = grid.volume > 0 ? grid.volume / filled : 1;
-  Particles p = particles_at(Array<double>(first.back(), 3), 1, 0, 1);
+  const double scale = grid.volume > 0 ? grid.volume / volume : 1;
+  Filled result{particles_at(Array<double>(first.back(), 3), 1, 0, 1),
+                Array<int32_t>(first.back())};
+  Particles& p = result.particles;
   for_each(grid.voxel_count(), [&](int64_t v) {
     const int64_t count = first[size_t(v) + 1] - first[size_t(v)];
     const std::vector<Vec3> parts = parts_from(middle_of_fill(grid, v), options.per_edge);
@@ -78,11 +80,12 @@ Particles fill_body(const VoxelGrid& grid, In<int32_t> material, const std::vect
         p.x(at, a) = grid.h * (grid.voxel_coord(v, a) + parts[size_t(k)][size_t(a)] + off);
       }
       p.solid(at) = material(v);
+      result.voxel(at) = int32_t(v);
       p.volume(at) = scale * grid.fill(v) * cube / double(count);
       p.mass(at) = solids[size_t(material(v))].elastic.density * p.volume(at);
     }
   });
-  return p;
+  return result;
 }
 
 }  // namespace elastogen::mpm

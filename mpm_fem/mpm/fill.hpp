@@ -16,14 +16,19 @@ struct FillOptions {
   uint64_t seed = 1;
 };
 
+struct Filled {
+  Particles particles;
+  Array<int32_t> voxel;  ///< that each fills, (particles, 1)
+};
+
 /// Fills a body: a full voxel gets per_edge^3 particles, one in each of its equal parts, a partly
 /// filled one as many as its fill is worth, one at least, in the parts next to the middle of its
 /// fill. The particles of a voxel share phi h^3; where the grid has a volume all are scaled to it,
 /// so that the mass is exact to rounding. The place of a particle depends on the seed and the
 /// voxel's coordinates alone.
 /// @param material  index into solids of each voxel, (voxels, 1)
-/// @return places in the grid's coordinates less grid.origin [m]
-Particles fill_body(const VoxelGrid& grid, In<int32_t> material, const std::vector<Solid>& solids,
-                    const FillOptions& options = {});
+/// @return with places in the grid's coordinates less grid.origin [m]
+Filled fill_body(const VoxelGrid& grid, In<int32_t> material, const std::vector<Solid>& solids,
+                 const FillOptions& options = {});
 
 }  // namespace elastogen::mpm

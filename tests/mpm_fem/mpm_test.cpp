@@ -165,11 +165,13 @@ TEST(ParticleGrid, IsTheSameAfterItsPointsMovedAsFromNothing) {
 TEST(Fill, HasTheMassOfTheVoxelsAndPlacesWithinThem) {
   VoxelGrid grid = make_box(3, 2, 2, kH);
   grid.fill(0) = 0.3;
+  grid.volume = 0;
   const Array<int32_t> material(grid.voxel_count());
   const std::vector<Solid> solids = {solid(1e4, 800)};
-  const Particles p = fill_body(grid, material, solids), again = fill_body(grid, material, solids);
-  EXPECT_EQ(p.x, again.x);
-  EXPECT_FALSE(p.x == fill_body(grid, material, solids, {.seed = 2}).x);
+  const Filled filled = fill_body(grid, material, solids);
+  const Particles& p = filled.particles;
+  EXPECT_EQ(p.x, fill_body(grid, material, solids).particles.x);
+  EXPECT_FALSE(p.x == fill_body(grid, material, solids, {.seed = 2}).particles.x);
   EXPECT_EQ(p.count(), 11 * 8 + 2);
   std::vector<double> mass(size_t(grid.voxel_count()));
   for (int64_t k = 0; k < p.count(); ++k) {
@@ -182,12 +184,15 @@ TEST(Fill, HasTheMassOfTheVoxelsAndPlacesWithinThem) {
       }
       if (!inside) continue;
       ++found;
+      EXPECT_EQ(filled.voxel(k), v);
       mass[size_t(v)] += p.mass(k);
     }
     EXPECT_EQ(found, 1);
   }
   for (int64_t v = 0; v < grid.voxel_count(); ++v)
     EXPECT_NEAR(mass[size_t(v)], 800 * grid.fill(v) * kH * kH * kH, 1e-12);
+  grid.volume = 0.015;  // of the asset, which voxels only come near
+  EXPECT_NEAR(momentum(fill_body(grid, material, solids).particles, kH).mass, 800 * 0.015, 1e-12);
 }
 
 TEST(InversionBound, StopsShortOfTheFirstRootOfTheDeterminant) {
