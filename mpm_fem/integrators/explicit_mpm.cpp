@@ -35,7 +35,7 @@ double ExplicitMpm<d>::stable_step() const {
 /// Forces of the particles' stress on the nodes [N].
 template <int d>
 void ExplicitMpm<d>::add_forces(const Particles& p, Array<double>& force) {
-  scatter<d, 3>(
+  scatter<d>(
       grid_, p.x, scratch_, force, [&](int32_t k, const Spline<d>& s, int place, double* tile) {
         Mat3<double> A =
             times_transposed(symmetric_at(p.stress, k), inverse(load_matrix(increment_.row(k))));

@@ -9,7 +9,8 @@
 
 namespace elastogen::mpm {
 
-constexpr int kFewIterations = 60;  // of GMRES, after which factors cost less
+constexpr double kLooseSolve = 0.1;  // of the linear systems far from the root
+constexpr int kFewIterations = 60;   // of GMRES, after which factors cost less
 
 template <int d>
 ImplicitMpm<d>::ImplicitMpm(const MpmScene& scene, const ImplicitMpmOptions& options)
@@ -57,7 +58,8 @@ fem::RootResult ImplicitMpm<d>::solve(std::vector<double>& y) {
   f.noise = [&](const double* x) { return equations_.noise(x); };
   return fem::solve_root(f,
                          {.tolerance = options_.tolerance * equations_.reference(),
-                          .max_iterations = options_.max_newton},
+                          .max_iterations = options_.max_newton,
+                          .loosest_solve = kLooseSolve},
                          y.data());
 }
 

@@ -140,7 +140,7 @@ void MpmEquations<d>::add_stress(bool magnitude) {
         for (const double a : A.m) size += std::abs(a);
         for_nodes<d, ParticleGrid<d>::kTileWidth>(
             s, place, [&](int at, double, const double g[3], const double*) {
-              write[3 * at] += size * (std::abs(g[0]) + std::abs(g[1]) + std::abs(g[2]));
+              write[kFour * at] += size * (std::abs(g[0]) + std::abs(g[1]) + std::abs(g[2]));
             });
       });
 }
@@ -198,7 +198,7 @@ double MpmEquations<d>::longest_step(const double* y, const double* end) {
   for_each(way.size(), [&](int64_t k) { way.data()[k] -= from.data()[k]; });
   std::vector<double> share(size_t(grid_.blocks()), 1.0);
   run_tasks(grid_.blocks(), [&](int64_t b) {
-    double at[3 * ParticleGrid<d>::kTile], to[3 * ParticleGrid<d>::kTile];
+    double at[kFour * ParticleGrid<d>::kTile], to[kFour * ParticleGrid<d>::kTile];
     read_tile(grid_, b, from, at);
     read_tile(grid_, b, way, to);
     for_particles<d>(grid_, p.x, b, [&](int32_t, const Spline<d>& s, int place) {
@@ -235,7 +235,7 @@ void MpmEquations<d>::linearise(const double* y) {
   motion(y, u_);
   Array<double> block(grid_.nodes(), 9);
   add_tiles<d, 9>(grid_, scratch_, block, [&](int64_t b, double* write) {
-    double read[3 * ParticleGrid<d>::kTile];
+    double read[kFour * ParticleGrid<d>::kTile];
     read_tile(grid_, b, u_, read);
     for_particles<d>(grid_, p.x, b, [&](int32_t k, const Spline<d>& s, int place) {
       set_tangent(k, nodal_gradient<d>(s, place, read));

@@ -13,16 +13,18 @@ struct Affine {
 
 template <int d>
 Affine affine(const Spline<d>& s, int place, const double* tile, double h) {
-  Affine r;
+  Four v = {}, C[3] = {};
   for_nodes<d, ParticleGrid<d>::kTileWidth>(
       s, place, [&](int at, double w, const double*, const double away[3]) {
-        for (int a = 0; a < d; ++a) {
-          const double v = w * tile[3 * at + a];
-          r.v[a] += v;
-          for (int b = 0; b < d; ++b) r.C[3 * a + b] += v * away[b];
-        }
+        const Four part = w * load_four(tile + kFour * at);
+        v += part;
+        for (int b = 0; b < d; ++b) C[b] += part * away[b];
       });
-  for (double& c : r.C) c *= 4 / (h * h);
+  Affine r;
+  for (int a = 0; a < d; ++a) {
+    r.v[a] = v[a];
+    for (int b = 0; b < d; ++b) r.C[3 * a + b] = 4 / (h * h) * C[b][a];
+  }
   return r;
 }
 
@@ -76,11 +78,12 @@ void grid_to_particles(const ParticleGrid<d>& grid, In<double> motion, In<double
   // last, since the splines stand at the places before
   Array<double> moved = p.x;
   gather<d>(grid, p.x, motion, [&](int32_t k, const Spline<d>& s, int place, const double* tile) {
+    Four way = {};
     for_nodes<d, ParticleGrid<d>::kTileWidth>(s, place,
                                               [&](int at, double w, const double*, const double*) {
-                                                for (int a = 0; a < d; ++a)
-                                                  moved(k, a) += w * tile[3 * at + a];
+                                                way += w * load_four(tile + kFour * at);
                                               });
+    for (int a = 0; a < d; ++a) moved(k, a) += way[a];
   });
   p.x = std::move(moved);
 }

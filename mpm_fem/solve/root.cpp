@@ -47,9 +47,9 @@ class RootSearch {
 
 /// How far a linear system is solved: superlinear convergence, but not beyond what is asked for.
 double RootSearch::solve_tolerance() const {
-  constexpr double kLoose = 1e-2;  // far from the root
-  const double eta = std::min(kLoose, result_.residual / first_);
-  return std::max({eta, std::min(kLoose, 0.1 * options_.tolerance / result_.residual), 1e-12});
+  const double loose = options_.loosest_solve;
+  const double eta = std::min(loose, result_.residual / first_);
+  return std::max({eta, std::min(loose, 0.1 * options_.tolerance / result_.residual), 1e-12});
 }
 
 void RootSearch::move_trial(double share) {
