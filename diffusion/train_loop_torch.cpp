@@ -21,7 +21,7 @@ namespace elastogen {
 namespace {
 
 constexpr double kFirst = 0.9, kSecond = 0.999, kFloor = 1e-8;
-constexpr int64_t kStepsOfLine = 500;             // between two lines of progress
+constexpr int64_t kStepsBetweenLines = 500;       // between two lines of progress
 constexpr int64_t kMostBytes = int64_t{1} << 34;  // of a checkpoint
 
 class Loop {
@@ -44,7 +44,7 @@ class Loop {
     while (step_ < options_.steps && !hooks_.stopped()) {
       const double loss = descend();
       const bool last = step_ == options_.steps;
-      if (last || step_ % kStepsOfLine == 0)
+      if (last || step_ % kStepsBetweenLines == 0)
         say_progress(loss, watch.milliseconds() / double(step_ - begin));
       if (!last && step_ % options_.checkpoint_steps == 0) save();
     }
@@ -78,7 +78,7 @@ class Loop {
       w_[k].addcdiv_(m_[k], (v_[k] / second).sqrt_().add_(kFloor), -now / first);
       if (options_.average > 0) a_[k].mul_(kept).add_(w_[k], 1 - kept);
     }
-    const bool asked = step_ == options_.steps || step_ % kStepsOfLine == 0;
+    const bool asked = step_ == options_.steps || step_ % kStepsBetweenLines == 0;
     return asked ? loss.item<double>() : 0;
   }
 

@@ -20,8 +20,8 @@ namespace elastogen {
 namespace {
 
 constexpr double kTangentWeight = 0.1, kEnergyWeight = 0.1, kEnergyClip = 3;
-constexpr double kLossFloor = 1e-8;    // of a loss whose logarithm is taken
-constexpr int64_t kStepsOfLine = 200;  // between two lines of progress
+constexpr double kLossFloor = 1e-8;            // of a loss whose logarithm is taken
+constexpr int64_t kStepsBetweenReports = 200;  // between two lines of progress
 
 /// One start for all nets, or that of each.
 at::Tensor initial_block(int64_t nets, const std::vector<float>& start, at::Device device) {
@@ -122,7 +122,7 @@ class Run {
     while (optimiser_.step < options_.steps && !hooks_.stopped()) {
       step();
       const bool last = optimiser_.step == options_.steps;
-      if (last || optimiser_.step % kStepsOfLine == 0) say_progress();
+      if (last || optimiser_.step % kStepsBetweenReports == 0) say_progress();
       if (last || optimiser_.step % options_.checkpoint_steps == 0) save();
     }
     if (optimiser_.step < options_.steps) save();
