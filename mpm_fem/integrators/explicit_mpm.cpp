@@ -3,15 +3,16 @@
 
 #include "core/error.hpp"
 #include "mpm_fem/mpm/g2p.hpp"
-#include "mpm_fem/mpm/point_update.hpp"
+#include "mpm_fem/mpm/pack_laws.hpp"
 
 #include <algorithm>
 
 namespace elastogen::mpm {
 namespace {
 
-Mat3<double> symmetric_at(const Array<double>& all, int64_t k) {
-  const double* s = all.row(k);
+Mat3<Eight> stress_lanes(const Array<double>& stress, const CellPack& pack) {
+  Eight s[6];
+  for (int k = 0; k < 6; ++k) s[k] = row_lanes(stress, pack, k);
   return {s[0], s[3], s[5], s[3], s[1], s[4], s[5], s[4], s[2]};
 }
 
@@ -32,30 +33,37 @@ double ExplicitMpm<d>::stable_step() const {
   return 0.5 * scene_.h / fastest;
 }
 
+template <int d>
+void ExplicitMpm<d>::begin_packs(const Particles& p) {
+  increment_.assign(grid_.packs().size(), identity<Eight>());
+  volume_.resize(grid_.packs().size());
+  for_each(int64_t(volume_.size()), [&](int64_t k) {
+    volume_[size_t(k)] = counted_lanes(p.volume, grid_.packs()[size_t(k)], 0);
+  });
+}
+
 /// Forces of the particles' stress on the nodes [N].
 template <int d>
 void ExplicitMpm<d>::add_forces(const Particles& p, Array<double>& force) {
-  scatter<d>(
-      grid_, p.x, scratch_, force, [&](int32_t k, const Spline<d>& s, int place, double* tile) {
-        Mat3<double> A =
-            times_transposed(symmetric_at(p.stress, k), inverse(load_matrix(increment_.row(k))));
-        for (double& a : A.m) a *= -p.volume(k);
-        add_nodal_product<d>(s, place, A, tile);
-      });
+  add_tiles<d, kFour>(grid_, scratch_, force, [&](int64_t b, double* tile) {
+    for_packs<d>(grid_, b, [&](int64_t k, const PackSpline<d>& s) {
+      Mat3<Eight> A = times_transposed(stress_lanes(p.stress, grid_.packs()[size_t(k)]),
+                                       inverse(increment_[size_t(k)]));
+      for (Eight& a : A.m) a *= -volume_[size_t(k)];
+      add_nodal_product<d>(grid_, k, s, A, tile);
+    });
+  });
 }
 
 /// Strain, stress and history of the particles when the nodes have moved so far since the transfer.
 template <int d>
 void ExplicitMpm<d>::strain_particles(const Array<double>& motion, Particles& p) {
-  gather<d>(grid_, p.x, motion, [&](int32_t k, const Spline<d>& s, int place, const double* tile) {
-    Mat3<double> now = nodal_gradient<d>(s, place, tile);
-    for (int a = 0; a < 3; ++a) now(a, a) += 1;
-    Mat3<double> F = load_matrix(p.F.row(k));
-    F = now * (inverse(load_matrix(increment_.row(k))) * F);
-    std::visit([&](const auto& law) { end_step<d>(law, F, p.history(k), p.stress.row(k)); },
-               laws_[size_t(p.solid(k))]);
-    store_matrix(F, p.F.row(k));
-    store_matrix(now, increment_.row(k));
+  gather<d>(grid_, motion, [&](int64_t k, const PackSpline<d>& s, const double* tile) {
+    const CellPack& pack = grid_.packs()[size_t(k)];
+    const Mat3<Eight> now = deformed(nodal_gradient<d>(grid_, k, s, tile));
+    Mat3<Eight>& before = increment_[size_t(k)];
+    end_step<d>(laws_, pack, now * (inverse(before) * matrix_lanes(p.F, pack)), p);
+    before = now;
   });
 }
 
@@ -63,8 +71,7 @@ template <int d>
 void ExplicitMpm<d>::step(double time, Particles& p) {
   grid_.update(p.x);
   const NodeMotion start = particles_to_grid<d>(grid_, p, scratch_);
-  if (increment_.rows() != p.count()) increment_ = Array<double>(p.count(), 9);
-  for (int64_t k = 0; k < p.count(); ++k) store_matrix(identity<double>(), increment_.row(k));
+  begin_packs(p);
   Array<double> v = start.velocity, u(grid_.nodes(), 3), force(u);
   const double delta = scene_.dt / substeps_;
   for (int k = 0; k < substeps_; ++k) {

@@ -32,13 +32,15 @@ class ExplicitMpm {
  private:
   void add_forces(const Particles& particles, Array<double>& force);
   void strain_particles(const Array<double>& motion, Particles& particles);
+  void begin_packs(const Particles& particles);
 
   const MpmScene& scene_;
   int substeps_;
   std::vector<PointLaw<d>> laws_;
   ParticleGrid<d> grid_;
   WallContact walls_;
-  Array<double> increment_;  // Finc, (particles, 9)
+  std::vector<Mat3<Eight>> increment_;  // Finc of each pack
+  std::vector<Eight> volume_;           // of each pack [m^3], 0 beyond its count
   Zeroed<double> scratch_;
 };
 

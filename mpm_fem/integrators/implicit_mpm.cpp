@@ -3,7 +3,7 @@
 
 #include "core/stopwatch.hpp"
 #include "mpm_fem/mpm/g2p.hpp"
-#include "mpm_fem/mpm/point_update.hpp"
+#include "mpm_fem/mpm/pack_laws.hpp"
 
 #include <cmath>
 
@@ -68,13 +68,10 @@ void ImplicitMpm<d>::finish(const std::vector<double>& y, Particles& p) {
   const ParticleGrid<d>& grid = equations_.grid();
   Array<double> u(grid.nodes(), 3);
   equations_.motion(y.data(), u);
-  gather<d>(grid, p.x, u, [&](int32_t k, const Spline<d>& s, int place, const double* tile) {
-    Mat3<double> now = nodal_gradient<d>(s, place, tile);
-    for (int a = 0; a < 3; ++a) now(a, a) += 1;
-    Mat3<double> F = now * load_matrix(p.F.row(k));
-    std::visit([&](const auto& law) { end_step<d>(law, F, p.history(k), p.stress.row(k)); },
-               equations_.laws()[size_t(p.solid(k))]);
-    store_matrix(F, p.F.row(k));
+  gather<d>(grid, u, [&](int64_t k, const PackSpline<d>& s, const double* tile) {
+    const CellPack& pack = grid.packs()[size_t(k)];
+    const Mat3<Eight> now = deformed(nodal_gradient<d>(grid, k, s, tile));
+    end_step<d>(equations_.laws(), pack, now * matrix_lanes(p.F, pack), p);
   });
   Array<double> v = u;
   for (int64_t k = 0; k < v.size(); ++k) v.data()[k] /= scene_.dt;

@@ -13,44 +13,37 @@
 namespace elastogen::mpm {
 namespace {
 
-Mat3<double> deformation(const Mat3<double>& gradient, const Particles& p, int64_t k) {
-  Mat3<double> now = gradient;
-  for (int a = 0; a < 3; ++a) now(a, a) += 1;
-  return now * load_matrix(p.F.row(k));
-}
-
-PrincipalHessian<double, Mat3<double>> full(const PrincipalHessian<double, Mat3<double>>& h) {
-  return h;
-}
-PrincipalHessian<double, Mat3<double>> full(const PrincipalHessian<double>& h) {
-  PrincipalHessian<double, Mat3<double>> r;
-  r.A = {h.A.m[0], h.A.m[3], h.A.m[5], h.A.m[3], h.A.m[1], h.A.m[4], h.A.m[5], h.A.m[4], h.A.m[2]};
-  for (int i = 0; i < 3; ++i) r.twist[i] = h.twist[i], r.flip[i] = h.flip[i];
-  return r;
-}
-
-void scale(double factor, PrincipalHessian<double, Mat3<double>>& h) {
-  for (double& a : h.A.m) a *= factor;
+template <class Block>
+void scale(const Eight& factor, PrincipalHessian<Eight, Block>& h) {
+  for (Eight& a : h.A.m) a *= factor;
   for (int i = 0; i < 3; ++i) h.twist[i] *= factor, h.flip[i] *= factor;
 }
 
-/// The block of one node, with z = (Fe V)^T grad w: U M U^T,
+/// The block of one node, with z = (Fe V)^T grad w: U M U^T, xx yy zz xy yz zx,
 /// M_kk = A_kk z_k^2 + sum_j (flip + twist)/2 z_j^2, M_lk = (A_lk + (flip - twist)/2) z_k z_l.
-Mat3<double> node_block(const PrincipalHessian<double>& h, const Svd3<double>& frame,
-                        const double g[3]) {
-  double z[3];
+void node_block(const PrincipalHessian<Eight>& h, const Svd3<Eight>& frame, const Eight g[3],
+                Eight block[6]) {
+  Eight z[3];
   for (int i = 0; i < 3; ++i)
     z[i] = frame.V(0, i) * g[0] + frame.V(1, i) * g[1] + frame.V(2, i) * g[2];
-  Mat3<double> M;
+  Mat3<Eight> M;
   for (int i = 0; i < 3; ++i) M(i, i) = h.A.m[i] * z[i] * z[i];
   for (int i = 0; i < 3; ++i) {
     const int j = (i + 1) % 3;
-    const double sum = (h.flip[i] + h.twist[i]) / 2, difference = (h.flip[i] - h.twist[i]) / 2;
+    const Eight sum = (h.flip[i] + h.twist[i]) * 0.5, difference = (h.flip[i] - h.twist[i]) * 0.5;
     M(i, i) += sum * z[j] * z[j];
     M(j, j) += sum * z[i] * z[i];
     M(i, j) = M(j, i) = (h.A.m[3 + i] + difference) * z[i] * z[j];
   }
-  return times_transposed(frame.U * M, frame.U);
+  const Mat3<Eight> UM = frame.U * M;
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3;
+    block[i] = block[3 + i] = Eight{};
+    for (int k = 0; k < 3; ++k) {
+      block[i] += UM(i, k) * frame.U(i, k);
+      block[3 + i] += UM(i, k) * frame.U(j, k);
+    }
+  }
 }
 
 }  // namespace
@@ -68,6 +61,11 @@ void MpmEquations<d>::begin(const Particles& particles, double time, double dt) 
   has_cells_ = false;
   grid_.update(particles.x);
   start_ = particles_to_grid<d>(grid_, particles, scratch_);
+  pack_.resize(grid_.packs().size());
+  for_each(int64_t(pack_.size()), [&](int64_t k) {
+    const CellPack& pack = grid_.packs()[size_t(k)];
+    pack_[size_t(k)] = {matrix_lanes(particles.F, pack), counted_lanes(particles.volume, pack, 0)};
+  });
   walls_.begin(grid_, scene_.walls, time, dt);
   wall_tangent_.resize(size_t(walls_.count()));
   root_mass_.resize(size_t(grid_.nodes()));
@@ -120,29 +118,23 @@ void MpmEquations<d>::apply_walls(const double* free, double* result) const {
 /// Forces of the stress at u_ on the nodes into force_; magnitude: of the magnitudes of its parts.
 template <int d>
 void MpmEquations<d>::add_stress(bool magnitude) {
-  const Particles& p = *particles_;
-  gather_scatter<d>(
-      grid_, p.x, u_, scratch_, force_,
-      [&](int32_t k, const Spline<d>& s, int place, const double* read, double* write) {
-        const Mat3<double> F = deformation(nodal_gradient<d>(s, place, read), p, k);
-        const Svd3<double> svd = decompose<d>(F);
-        Mat3<double> P;
-        std::visit(
-            [&](const auto& law) {
-              const auto history = history_of(law, p.history(k));
-              P = first_piola(svd, law.template response<false>(svd.sigma, history).t);
-            },
-            laws_[size_t(p.solid(k))]);
-        Mat3<double> A = times_transposed(P, load_matrix(p.F.row(k)));
-        for (double& a : A.m) a *= p.volume(k);
-        if (!magnitude) return add_nodal_product<d>(s, place, A, write);
-        double size = 0;
-        for (const double a : A.m) size += std::abs(a);
-        for_nodes<d, ParticleGrid<d>::kTileWidth>(
-            s, place, [&](int at, double, const double g[3], const double*) {
-              write[kFour * at] += size * (std::abs(g[0]) + std::abs(g[1]) + std::abs(g[2]));
-            });
-      });
+  const auto add = [&](int64_t k, const PackSpline<d>& s, const double* read, double* write) {
+    const Start& own = pack_[size_t(k)];
+    const Svd3<Eight> svd =
+        decompose_lanes<d>(deformed(nodal_gradient<d>(grid_, k, s, read)) * own.F);
+    Eight t[3];
+    respond<false, d>(laws_, *particles_, grid_.packs()[size_t(k)], svd.sigma, t, nullptr);
+    Mat3<Eight> A = times_transposed(first_piola(svd, t), own.F);
+    for (Eight& a : A.m) a *= own.volume;
+    if (!magnitude) return add_nodal_product<d>(grid_, k, s, A, write);
+    Eight size = {};
+    for (const Eight& a : A.m) size += absolute(a);
+    for_pack_nodes<d>(grid_, k, s, [&](int at, const Eight&, const Eight g[3], const Eight*) {
+      const Eight slope = absolute(g[0]) + absolute(g[1]) + absolute(g[2]);
+      add_sums(size * slope, Eight{}, Eight{}, Eight{}, write + kFour * at);
+    });
+  };
+  gather_scatter<d>(grid_, u_, scratch_, force_, add);
 }
 
 template <int d>
@@ -191,60 +183,63 @@ double MpmEquations<d>::noise(const double* y) {
 
 template <int d>
 double MpmEquations<d>::longest_step(const double* y, const double* end) {
-  const Particles& p = *particles_;
   Array<double> from(grid_.nodes(), 3), way(grid_.nodes(), 3);
   motion(y, from);
   motion(end, way);
   for_each(way.size(), [&](int64_t k) { way.data()[k] -= from.data()[k]; });
   std::vector<double> share(size_t(grid_.blocks()), 1.0);
   run_tasks(grid_.blocks(), [&](int64_t b) {
-    double at[kFour * ParticleGrid<d>::kTile], to[kFour * ParticleGrid<d>::kTile];
+    alignas(64) double at[kFour * ParticleGrid<d>::kTile], to[kFour * ParticleGrid<d>::kTile];
     read_tile(grid_, b, from, at);
     read_tile(grid_, b, way, to);
-    for_particles<d>(grid_, p.x, b, [&](int32_t, const Spline<d>& s, int place) {
-      Mat3<double> now = nodal_gradient<d>(s, place, at);
-      for (int a = 0; a < 3; ++a) now(a, a) += 1;
-      Mat3<double> then = nodal_gradient<d>(s, place, to);
+    for_packs<d>(grid_, b, [&](int64_t k, const PackSpline<d>& s) {
+      const Mat3<Eight> now = deformed(nodal_gradient<d>(grid_, k, s, at));
+      Mat3<Eight> then = nodal_gradient<d>(grid_, k, s, to);
       for (int e = 0; e < 9; ++e) then.m[e] += now.m[e];
-      share[size_t(b)] = std::min(share[size_t(b)], fem::share_before_inversion(now, then));
+      for (int lane = 0; lane < grid_.packs()[size_t(k)].count; ++lane)
+        share[size_t(b)] = std::min(
+            share[size_t(b)], fem::share_before_inversion(lane_of(now, lane), lane_of(then, lane)));
     });
   });
   return share.empty() ? 1 : *std::min_element(share.begin(), share.end());
 }
 
+/// Returns the frozen Hessian, times the volume as the true one.
 template <int d>
-void MpmEquations<d>::set_tangent(int64_t k, const Mat3<double>& gradient) {
-  const Particles& p = *particles_;
-  Tangent& t = tangent_[size_t(k)];
-  t.frame = decompose<d>(deformation(gradient, p, k));
-  std::visit(
-      [&](const auto& law) {
-        const auto history = history_of(law, p.history(k));
-        t.hessian = full(
-            principal_hessian(t.frame.sigma, law.template response<true>(t.frame.sigma, history)));
-      },
-      laws_[size_t(p.solid(k))]);
-  scale(p.volume(k), t.hessian);
-  t.frame.V = load_matrix(p.F.row(k)) * t.frame.V;
+PrincipalHessian<Eight> MpmEquations<d>::set_tangent(int64_t k, const Mat3<Eight>& gradient) {
+  const Start& own = pack_[size_t(k)];
+  Tangent& tangent = tangent_[size_t(k)];
+  tangent.frame = decompose_lanes<d>(deformed(gradient) * own.F);
+  const Eight* sigma = tangent.frame.sigma;
+  Eight t[3];
+  Mat3<Eight> D;
+  respond<true, d>(laws_, *particles_, grid_.packs()[size_t(k)], sigma, t, &D);
+  tangent.hessian = hessian_lanes(sigma, t, D);
+  PrincipalHessian<Eight> frozen = frozen_hessian<d>(sigma, t, tangent.hessian);
+  scale(own.volume, tangent.hessian);
+  scale(own.volume, frozen);
+  tangent.frame.V = own.F * tangent.frame.V;
+  return frozen;
 }
 
 template <int d>
 void MpmEquations<d>::linearise(const double* y) {
-  const Particles& p = *particles_;
-  tangent_.resize(size_t(p.count()));
+  constexpr int kBlock = 8;  // numbers of a node in a tile, of which six are its block's
+  tangent_.resize(pack_.size());
   motion(y, u_);
-  Array<double> block(grid_.nodes(), 9);
-  add_tiles<d, 9>(grid_, scratch_, block, [&](int64_t b, double* write) {
-    double read[kFour * ParticleGrid<d>::kTile];
+  Array<double> block(grid_.nodes(), 6);
+  add_tiles<d, kBlock>(grid_, scratch_, block, [&](int64_t b, double* write) {
+    alignas(64) double read[kFour * ParticleGrid<d>::kTile];
     read_tile(grid_, b, u_, read);
-    for_particles<d>(grid_, p.x, b, [&](int32_t k, const Spline<d>& s, int place) {
-      set_tangent(k, nodal_gradient<d>(s, place, read));
-      const PrincipalHessian<double> positive = positive_part(tangent_[size_t(k)].hessian);
-      for_nodes<d, ParticleGrid<d>::kTileWidth>(
-          s, place, [&](int at, double, const double g[3], const double*) {
-            const Mat3<double> M = node_block(positive, tangent_[size_t(k)].frame, g);
-            for (int e = 0; e < 9; ++e) write[9 * at + e] += M.m[e];
-          });
+    for_packs<d>(grid_, b, [&](int64_t k, const PackSpline<d>& s) {
+      const PrincipalHessian<Eight> frozen = set_tangent(k, nodal_gradient<d>(grid_, k, s, read));
+      const Svd3<Eight>& frame = tangent_[size_t(k)].frame;
+      for_pack_nodes<d>(grid_, k, s, [&](int at, const Eight&, const Eight g[3], const Eight*) {
+        Eight B[6];
+        node_block(frozen, frame, g, B);
+        add_sums(B[0], B[1], B[2], B[3], write + kBlock * at);
+        add_sums(B[4], B[5], Eight{}, Eight{}, write + kBlock * at + 4);
+      });
     });
   });
   for_each(walls_.count(), [&](int64_t k) {
@@ -260,10 +255,13 @@ void MpmEquations<d>::linearise(const double* y) {
 
 /// The blocks of dr/dy: B/m + I/dt^2, with walls (I - dPi (I - dt^2 (B/m + I/dt^2)))/dt^2.
 template <int d>
-void MpmEquations<d>::invert_blocks(Array<double>& block) {
+void MpmEquations<d>::invert_blocks(In<double> sums) {
+  Array<double> block(grid_.nodes(), 9);
   const double inertia = 1 / (dt_ * dt_);
   for_each(grid_.nodes(), [&](int64_t i) {
     const double scale = inverse_root_[size_t(i)] * inverse_root_[size_t(i)];
+    const double* B = sums.row(i);
+    store_matrix(Mat3<double>{B[0], B[3], B[5], B[3], B[1], B[4], B[5], B[4], B[2]}, block.row(i));
     for (int e = 0; e < 9; ++e) block(i, e) = scale * block(i, e) + (e % 4 == 0 ? inertia : 0);
   });
   for_each(walls_.count(), [&](int64_t k) {
@@ -281,14 +279,13 @@ void MpmEquations<d>::invert_blocks(Array<double>& block) {
 template <int d>
 void MpmEquations<d>::product(const double* p, double* Jp) {
   motion(p, u_);
-  const Particles& own = *particles_;
-  gather_scatter<d>(
-      grid_, own.x, u_, scratch_, force_,
-      [&](int32_t k, const Spline<d>& s, int place, const double* read, double* write) {
-        const Tangent& t = tangent_[size_t(k)];
-        const Mat3<double> A = apply(t.hessian, t.frame, nodal_gradient<d>(s, place, read));
-        add_nodal_product<d>(s, place, A, write);
-      });
+  gather_scatter<d>(grid_, u_, scratch_, force_,
+                    [&](int64_t k, const PackSpline<d>& s, const double* read, double* write) {
+                      const Tangent& t = tangent_[size_t(k)];
+                      const Mat3<Eight> A =
+                          apply(t.hessian, t.frame, nodal_gradient<d>(grid_, k, s, read));
+                      add_nodal_product<d>(grid_, k, s, A, write);
+                    });
   const double inertia = 1 / (dt_ * dt_);
   for_each(grid_.nodes(), [&](int64_t i) {
     for (int a = 0; a < 3; ++a)
@@ -316,13 +313,12 @@ void MpmEquations<d>::precondition(const double* p, double* z) const {
 
 template <int d>
 const fem::SparseMatrix& MpmEquations<d>::jacobian() {
-  const Particles& p = *particles_;
-  if (!has_cells_) cells_.update(grid_, p.x);
+  if (!has_cells_) cells_.update(grid_);
   has_cells_ = true;
   jacobian_ = cells_.pattern();
   cells_.add(
-      grid_, p.x,
-      [&](int32_t k, double* D) {
+      grid_,
+      [&](int64_t k, Eight* D) {
         write_matrix(tangent_[size_t(k)].hessian, tangent_[size_t(k)].frame, D);
       },
       jacobian_);

@@ -19,6 +19,7 @@
 #include "mpm_fem/integrators/mpm_jacobian.hpp"
 #include "mpm_fem/mpm/mpm_scene.hpp"
 #include "mpm_fem/mpm/p2g.hpp"
+#include "mpm_fem/mpm/pack_laws.hpp"
 
 #include <vector>
 
@@ -57,8 +58,7 @@ class MpmEquations {
   /// Prepares products with dr/dy at y. After residual(y).
   void linearise(const double* y);
   void product(const double* p, double* Jp);
-  /// z = B^-1 p, B the blocks of each node of dr/dy with the law's tangent made symmetric and
-  /// positive.
+  /// z = B^-1 p, B the blocks of each node of dr/dy with the frozen tangent (frozen_hessian).
   void precondition(const double* p, double* z) const;
   /// dr/dy where it was linearised last.
   const fem::SparseMatrix& jacobian();
@@ -66,14 +66,18 @@ class MpmEquations {
   int64_t pattern_version() const { return cells_.version(); }
 
  private:
-  struct Tangent {  // of a particle: dA = V dP Fe^T in the gradient of u
-    PrincipalHessian<double, Mat3<double>> hessian;
-    Svd3<double> frame;  // U and Fe^n V, so that core/principal.hpp's apply is from gradient to A
+  struct Start {  // of a pack
+    Mat3<Eight> F;
+    Eight volume;  // [m^3], 0 beyond its count
+  };
+  struct Tangent {  // of a pack: dA = V dP Fe^T in the gradient of u
+    PrincipalHessian<Eight, Mat3<Eight>> hessian;
+    Svd3<Eight> frame;  // U and Fe^n V, so that core/principal.hpp's apply is from gradient to A
   };
   void add_stress(bool magnitude);
   void equilibrium(const double* y, double* r0);
-  void set_tangent(int64_t particle, const Mat3<double>& gradient);
-  void invert_blocks(Array<double>& block);
+  PrincipalHessian<Eight> set_tangent(int64_t pack, const Mat3<Eight>& gradient);
+  void invert_blocks(In<double> sums);
   void put_wall(int64_t node, const Mat3<double>& D);
   void apply_walls(const double* free, double* result) const;
 
@@ -86,6 +90,7 @@ class MpmEquations {
   WallContact walls_;
   std::vector<double> root_mass_, inverse_root_;  // sqrt(m_i), its inverse or 0
   std::vector<Mat3<double>> wall_tangent_;        // dPi of each node at a wall
+  std::vector<Start> pack_;
   std::vector<Tangent> tangent_;
   std::vector<Mat3<double>> inverse_block_;
   CellAssembly<d> cells_;

@@ -33,25 +33,24 @@ void add_particle(const Spline<d>& s, const double* D, double* K) {
 }  // namespace
 
 template <int d>
-void CellAssembly<d>::update(const ParticleGrid<d>& grid, In<double> x) {
+void CellAssembly<d>::update(const ParticleGrid<d>& grid) {
+  constexpr int w = ParticleGrid<d>::kTileWidth;
   fem::Stencils cells;
   first_.clear();
   for (int64_t b = 0; b < grid.blocks(); ++b) {
     int last = -1;
-    int64_t next = grid.first(b);
-    for_particles<d>(grid, x, b, [&](int32_t, const Spline<d>&, int place) {
-      const int64_t at = next++;
-      if (place == last) return;
+    for (int64_t k = grid.first_pack(b); k < grid.first_pack(b + 1); ++k) {
+      const int place = grid.packs()[size_t(k)].place;
+      if (place == last) continue;
       last = place;
-      first_.push_back(at);
+      first_.push_back(k);
       int32_t nodes[kNodes<d>];
-      constexpr int w = ParticleGrid<d>::kTileWidth;
       for (int n = 0; n < kNodes<d>; ++n)
         nodes[n] = grid.tile(b)[place + n % 3 + w * (n / 3 % 3 + w * (n / 9))];
       cells.add(nodes, kNodes<d>);
-    });
+    }
   }
-  first_.push_back(int64_t(grid.order().size()));
+  first_.push_back(int64_t(grid.packs().size()));
   if (cells == assembly_.stencils() && pattern_.rows() == 3 * grid.nodes()) return;
   ++version_;
   pattern_ = fem::pattern_of(cells, grid.nodes());
@@ -60,17 +59,22 @@ void CellAssembly<d>::update(const ParticleGrid<d>& grid, In<double> x) {
 }
 
 template <int d>
-void CellAssembly<d>::add(const ParticleGrid<d>& grid, In<double> x,
-                          const std::function<void(int32_t, double*)>& tangent,
+void CellAssembly<d>::add(const ParticleGrid<d>& grid,
+                          const std::function<void(int64_t, Eight*)>& tangent,
                           fem::SparseMatrix& H) const {
   assembly_.add(
       [&](int64_t cell, double* K) {
         std::fill(K, K + 9 * kNodes<d> * kNodes<d>, 0.0);
         for (int64_t k = first_[size_t(cell)]; k < first_[size_t(cell) + 1]; ++k) {
-          const int32_t p = grid.order()[size_t(k)];
-          double D[81];
-          tangent(p, D);
-          add_particle<d>(spline<d>(x.row(p), grid.h()), D, K);
+          const CellPack& pack = grid.packs()[size_t(k)];
+          Eight D[81];
+          tangent(k, D);
+          for (int lane = 0; lane < pack.count; ++lane) {
+            double own[81];
+            for (int e = 0; e < 81; ++e) own[e] = D[e][lane];
+            const double x[3] = {pack.x[0][lane], pack.x[1][lane], pack.x[2][lane]};
+            add_particle<d>(spline<d, double>(x, pack.base, grid.h()), own, K);
+          }
         }
       },
       H);

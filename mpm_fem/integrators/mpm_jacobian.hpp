@@ -16,8 +16,7 @@ template <int d>
 class CellAssembly {
  public:
   /// Takes the cells of a grid. The pattern is made anew only where they changed.
-  /// @param x  places of the particles, (count, 3)
-  void update(const ParticleGrid<d>& grid, In<double> x);
+  void update(const ParticleGrid<d>& grid);
 
   /// Zero matrix with the entries of all cells, (3 nodes, 3 nodes).
   const fem::SparseMatrix& pattern() const { return pattern_; }
@@ -25,13 +24,12 @@ class CellAssembly {
   int64_t version() const { return version_; }
 
   /// H += sum_p G_p^T D_p G_p, G_p the map from the nodes' motion to its gradient at the particle.
-  /// @param tangent  writes D_p, row-major (9, 9) over the row-major entries of the gradient
-  void add(const ParticleGrid<d>& grid, In<double> x,
-           const std::function<void(int32_t particle, double* D)>& tangent,
+  /// @param tangent  writes D_p of a pack, row-major (9, 9) over the row-major entries of the gradient
+  void add(const ParticleGrid<d>& grid, const std::function<void(int64_t pack, Eight* D)>& tangent,
            fem::SparseMatrix& H) const;
 
  private:
-  std::vector<int64_t> first_;  // of each cell's particles in the grid's order, and the end
+  std::vector<int64_t> first_;  // pack of each cell, and the end
   fem::Assembly assembly_{{}, 0};
   fem::SparseMatrix pattern_;
   int64_t version_ = 0;

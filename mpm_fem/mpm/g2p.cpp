@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mpm_fem/mpm/g2p.hpp"
 
+#include "mpm_fem/mpm/lanes.hpp"
+
 #include <algorithm>
 
 namespace elastogen::mpm {
@@ -10,21 +12,29 @@ namespace {
 struct Affine {
   double v[3] = {}, C[9] = {};
 };
+struct AffinePack {
+  Eight v[3] = {}, C[9] = {};
+
+  Affine lane(int lane) const {
+    Affine one;
+    for (int a = 0; a < 3; ++a) one.v[a] = v[a][lane];
+    for (int e = 0; e < 9; ++e) one.C[e] = C[e][lane];
+    return one;
+  }
+};
 
 template <int d>
-Affine affine(const Spline<d>& s, int place, const double* tile, double h) {
-  Four v = {}, C[3] = {};
-  for_nodes<d, ParticleGrid<d>::kTileWidth>(
-      s, place, [&](int at, double w, const double*, const double away[3]) {
-        const Four part = w * load_four(tile + kFour * at);
-        v += part;
-        for (int b = 0; b < d; ++b) C[b] += part * away[b];
-      });
-  Affine r;
-  for (int a = 0; a < d; ++a) {
-    r.v[a] = v[a];
-    for (int b = 0; b < d; ++b) r.C[3 * a + b] = 4 / (h * h) * C[b][a];
-  }
+AffinePack affine(const ParticleGrid<d>& grid, int64_t pack, const PackSpline<d>& s,
+                  const double* tile) {
+  AffinePack r;
+  for_pack_nodes<d>(grid, pack, s, [&](int at, const Eight& w, const Eight*, const Eight away[3]) {
+    for (int a = 0; a < d; ++a) {
+      const Eight part = tile[kFour * at + a] * w;
+      r.v[a] += part;
+      for (int b = 0; b < d; ++b) r.C[3 * a + b] += part * away[b];
+    }
+  });
+  for (Eight& c : r.C) c *= 4 / (grid.h() * grid.h());
   return r;
 }
 
@@ -62,30 +72,28 @@ void transferred(const TransferOptions& transfer, double dt, const Affine& now,
 template <int d>
 void grid_to_particles(const ParticleGrid<d>& grid, In<double> motion, In<double> before,
                        In<double> after, const TransferOptions& transfer, double dt, Particles& p) {
-  const int64_t count = p.count();
-  std::vector<Affine> start;
-  if (transfer.kind == Transfer::kBlend || transfer.kind == Transfer::kFlip) {
-    start.resize(size_t(count));
-    gather<d>(grid, p.x, before, [&](int32_t k, const Spline<d>& s, int place, const double* tile) {
-      start[size_t(k)] = affine<d>(s, place, tile, grid.h());
+  constexpr int kSize = kFour * ParticleGrid<d>::kTile;
+  const bool looks_back = transfer.kind == Transfer::kBlend || transfer.kind == Transfer::kFlip;
+  run_tasks(grid.blocks(), [&](int64_t b) {
+    alignas(64) double way[kSize], now[kSize], then[kSize];
+    read_tile(grid, b, motion, way);
+    read_tile(grid, b, after, now);
+    if (looks_back) read_tile(grid, b, before, then);
+    for_packs<d>(grid, b, [&](int64_t k, const PackSpline<d>& s) {
+      const CellPack& pack = grid.packs()[size_t(k)];
+      const AffinePack field = affine<d>(grid, k, s, now);
+      const AffinePack past = looks_back ? affine<d>(grid, k, s, then) : AffinePack{};
+      Eight moved[3] = {};
+      for_pack_nodes<d>(grid, k, s, [&](int at, const Eight& w, const Eight*, const Eight*) {
+        for (int a = 0; a < d; ++a) moved[a] += way[kFour * at + a] * w;
+      });
+      for (int lane = 0; lane < pack.count; ++lane) {
+        const int32_t n = pack.particle[lane];
+        transferred<d>(transfer, dt, field.lane(lane), past.lane(lane), p.v.row(n), p.C.row(n));
+        for (int a = 0; a < d; ++a) p.x(n, a) += moved[a][lane];
+      }
     });
-  }
-  gather<d>(grid, p.x, after, [&](int32_t k, const Spline<d>& s, int place, const double* tile) {
-    const Affine none;
-    transferred<d>(transfer, dt, affine<d>(s, place, tile, grid.h()),
-                   start.empty() ? none : start[size_t(k)], p.v.row(k), p.C.row(k));
   });
-  // last, since the splines stand at the places before
-  Array<double> moved = p.x;
-  gather<d>(grid, p.x, motion, [&](int32_t k, const Spline<d>& s, int place, const double* tile) {
-    Four way = {};
-    for_nodes<d, ParticleGrid<d>::kTileWidth>(s, place,
-                                              [&](int at, double w, const double*, const double*) {
-                                                way += w * load_four(tile + kFour * at);
-                                              });
-    for (int a = 0; a < d; ++a) moved(k, a) += way[a];
-  });
-  p.x = std::move(moved);
 }
 
 template void grid_to_particles(const ParticleGrid<2>&, In<double>, In<double>, In<double>,

@@ -2,22 +2,31 @@
 #include "mpm_fem/mpm/p2g.hpp"
 
 #include "core/reduce.hpp"
+#include "mpm_fem/mpm/lanes.hpp"
 
 namespace elastogen::mpm {
 
 template <int d>
 NodeMotion particles_to_grid(const ParticleGrid<d>& grid, const Particles& p,
                              Zeroed<double>& scratch) {
-  constexpr int kWidth = ParticleGrid<d>::kTileWidth;
   Array<double> sums(grid.nodes(), kFour);  // momentum and mass
-  scatter<d>(grid, p.x, scratch, sums, [&](int32_t k, const Spline<d>& s, int place, double* tile) {
-    const double m = p.mass(k), *v = p.v.row(k), *C = p.C.row(k);
-    const Four here = {m * v[0], m * v[1], m * v[2], m};
-    const Four slope[3] = {m * column(C, 0), m * column(C, 1), m * column(C, 2)};
-    for_nodes<d, kWidth>(s, place, [&](int at, double w, const double*, const double r[3]) {
-      Four sum = here;
-      for (int b = 0; b < d; ++b) sum += slope[b] * r[b];
-      add_four(w * sum, tile + kFour * at);
+  add_tiles<d, kFour>(grid, scratch, sums, [&](int64_t b, double* tile) {
+    for_packs<d>(grid, b, [&](int64_t k, const PackSpline<d>& s) {
+      const CellPack& pack = grid.packs()[size_t(k)];
+      const Eight m = counted_lanes(p.mass, pack, 0);
+      Eight here[3] = {}, slope[d][d];
+      for (int a = 0; a < d; ++a) here[a] = m * row_lanes(p.v, pack, a);
+      for (int a = 0; a < d; ++a)
+        for (int c = 0; c < d; ++c) slope[a][c] = m * row_lanes(p.C, pack, 3 * a + c);
+      for_pack_nodes<d>(grid, k, s, [&](int at, const Eight& w, const Eight*, const Eight away[3]) {
+        Eight momentum[3] = {};
+        for (int a = 0; a < d; ++a) {
+          momentum[a] = here[a];
+          for (int c = 0; c < d; ++c) momentum[a] += slope[a][c] * away[c];
+          momentum[a] *= w;
+        }
+        add_sums(momentum[0], momentum[1], momentum[2], m * w, tile + kFour * at);
+      });
     });
   });
   const double total = ordered_sum(p.count(), [&](int64_t begin, int64_t end) {

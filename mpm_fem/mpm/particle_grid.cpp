@@ -117,24 +117,57 @@ void ParticleGrid<d>::find_blocks() {
   for_each(blocks(), [&](int64_t b) { block_[size_t(b)] = block_of(begins[size_t(b)]); });
 }
 
+/// Where the pack that begins at place k of the order ends.
+template <int d>
+int64_t ParticleGrid<d>::pack_end(int64_t k, int64_t end) const {
+  const auto key = [&](int64_t at) { return key_[size_t(order_[size_t(at)])]; };
+  int64_t next = k + 1;
+  while (next < end && next < k + kLanes && key(next) == key(k)) ++next;
+  return next;
+}
+
+template <int d>
+void ParticleGrid<d>::make_packs(In<double> x) {
+  std::vector<int64_t> packs(block_.size());
+  for_each(
+      blocks(),
+      [&](int64_t b) {
+        for (int64_t k = first(b); k < first(b + 1); k = pack_end(k, first(b + 1)))
+          ++packs[size_t(b)];
+      },
+      16);
+  first_pack_.resize(size_t(blocks() + 1));
+  exclusive_sum(packs.data(), blocks(), first_pack_.data());
+  packs_.resize(size_t(first_pack_.back()));
+  run_tasks(blocks(), [&](int64_t b) {
+    const std::array<int32_t, 3> from = corner(b);
+    CellPack* pack = packs_.data() + first_pack(b);
+    for (int64_t k = first(b); k < first(b + 1); k += pack++->count) {
+      const uint64_t key = key_[size_t(order_[size_t(k)])];
+      const std::array<int, 3> cell = unfold<d>(int(key & (kOwn - 1)), 4);
+      pack->count = int32_t(pack_end(k, first(b + 1)) - k);
+      pack->place = cell[0] + kTileWidth * (cell[1] + kTileWidth * cell[2]);
+      for (size_t a = 0; a < 3; ++a) pack->base[a] = from[a] + cell[a];
+      for (int lane = 0; lane < kLanes; ++lane) {
+        const int32_t p = order_[size_t(lane < pack->count ? k + lane : k)];
+        pack->particle[lane] = p;
+        for (int a = 0; a < 3; ++a) pack->x[a][lane] = x(p, a);
+      }
+    }
+  });
+}
+
 /// Which places of its tile a block's particles touch.
 template <int d>
 void ParticleGrid<d>::mark_tiles() {
   touched_.assign(size_t(blocks() * kTile), 0);
   run_tasks(blocks(), [&](int64_t b) {
     uint8_t* tile = touched_.data() + b * kTile;
-    uint64_t seen = ~uint64_t(0);
-    for (int64_t k = first(b); k < first(b + 1); ++k) {
-      const uint64_t key = key_[size_t(order_[size_t(k)])];
-      if (key == seen) continue;
-      seen = key;
-      const std::array<int, 3> cell = unfold<d>(int(key & (kOwn - 1)), 4);
-      const int at = cell[0] + kTileWidth * (cell[1] + kTileWidth * cell[2]);
+    for (int64_t k = first_pack(b); k < first_pack(b + 1); ++k)
       for (int n = 0; n < (d == 3 ? 27 : 9); ++n) {
         const std::array<int, 3> o = unfold<d>(n, 3);
-        tile[at + o[0] + kTileWidth * (o[1] + kTileWidth * o[2])] = 1;
+        tile[packs_[size_t(k)].place + o[0] + kTileWidth * (o[1] + kTileWidth * o[2])] = 1;
       }
-    }
   });
 }
 
@@ -232,6 +265,7 @@ void ParticleGrid<d>::update(In<double> x) {
   check_places(x);
   sort_moved(x);
   find_blocks();
+  make_packs(x);
   mark_tiles();
   number_nodes();
 }

@@ -8,12 +8,22 @@
 #pragma once
 
 #include "core/array.hpp"
+#include "core/pack.hpp"
 
 #include <array>
 #include <cstdint>
 #include <vector>
 
 namespace elastogen::mpm {
+
+/// Some particles of one cell, which share their nodes.
+struct CellPack {
+  alignas(64) double x[3][kLanes];  ///< places [m]
+  int32_t particle[kLanes];         ///< lanes beyond count repeat the first
+  int32_t count;
+  int32_t base[3];  ///< coordinates of their first node in h
+  int32_t place;    ///< of that in the tile
+};
 
 template <int d>
 class ParticleGrid {
@@ -37,6 +47,9 @@ class ParticleGrid {
   /// Particles of block b: order()[first(b)] ... order()[first(b + 1) - 1].
   int64_t first(int64_t b) const { return first_[size_t(b)]; }
   const std::vector<int32_t>& order() const { return order_; }
+  /// The same particles in packs: packs()[first_pack(b)] ... packs()[first_pack(b + 1) - 1].
+  int64_t first_pack(int64_t b) const { return first_pack_[size_t(b)]; }
+  const std::vector<CellPack>& packs() const { return packs_; }
 
   /// Coordinates of a node in h, (3); the third is 0 in the plane.
   const std::array<int32_t, 3>& place(int64_t node) const { return place_[size_t(node)]; }
@@ -60,6 +73,8 @@ class ParticleGrid {
   void check_places(In<double> x) const;
   void sort_moved(In<double> x);
   void find_blocks();
+  int64_t pack_end(int64_t k, int64_t end) const;
+  void make_packs(In<double> x);
   void mark_tiles();
   void number_nodes();
   Owner find_owner(uint64_t key) const;
@@ -68,11 +83,13 @@ class ParticleGrid {
   void write_nodes(const Owner& owner, int64_t node, int64_t source);
 
   double h_;
-  std::vector<uint64_t> key_;     // of each particle: block and cell within it
-  std::vector<int32_t> order_;    // particles by key, then number
-  std::vector<uint64_t> block_;   // keys of the blocks with particles, ascending
-  std::vector<int64_t> first_;    // (blocks + 1)
-  std::vector<uint8_t> touched_;  // of the places of the tiles, (blocks, kTile)
+  std::vector<uint64_t> key_;    // of each particle: block and cell within it
+  std::vector<int32_t> order_;   // particles by key, then number
+  std::vector<uint64_t> block_;  // keys of the blocks with particles, ascending
+  std::vector<int64_t> first_;   // (blocks + 1)
+  std::vector<CellPack> packs_;
+  std::vector<int64_t> first_pack_;  // (blocks + 1)
+  std::vector<uint8_t> touched_;     // of the places of the tiles, (blocks, kTile)
   std::vector<int32_t> tile_node_;
   std::vector<std::array<int32_t, 3>> place_;
   std::vector<int64_t> first_source_, source_;

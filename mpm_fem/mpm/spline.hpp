@@ -16,13 +16,14 @@
 
 namespace elastogen::mpm {
 
-/// Weights along each axis for the nodes base, base + 1, base + 2.
-template <int d>
+/// Weights along each axis for the nodes base, base + 1, base + 2, of a point or of a pack of points
+/// that share these nodes.
+template <int d, class T = double>
 struct Spline {
   int32_t base[3] = {};
-  double w[d][3];  ///< [-]
-  double g[d][3];  ///< dw/dx [1/m]
-  double r[d][3];  ///< node - point [m]
+  T w[d][3];  ///< [-]
+  T g[d][3];  ///< dw/dx [1/m]
+  T r[d][3];  ///< node - point [m]
 };
 
 /// First of the three nodes that a coordinate x/h touches.
@@ -30,14 +31,14 @@ ELASTOGEN_HD inline int32_t first_node(double x_over_h) {
   return int32_t(std::floor(x_over_h - 0.5));
 }
 
-/// @param x  the point [m]; nodes are at the multiples of h
-template <int d>
-ELASTOGEN_HD inline Spline<d> spline(const double* x, double h) {
-  Spline<d> s;
+/// @param x     the point [m]; nodes are at the multiples of h
+/// @param base  first_node of its coordinates
+template <int d, class T>
+ELASTOGEN_HD inline Spline<d, T> spline(const T* x, const int32_t* base, double h) {
+  Spline<d, T> s;
   for (int a = 0; a < d; ++a) {
-    const double place = x[a] / h;
-    s.base[a] = first_node(place);
-    const double t = place - s.base[a];  // in [1/2, 3/2)
+    s.base[a] = base[a];
+    const T t = x[a] / h - base[a];  // in [1/2, 3/2)
     s.w[a][0] = 0.5 * (1.5 - t) * (1.5 - t);
     s.w[a][1] = 0.75 - (t - 1) * (t - 1);
     s.w[a][2] = 0.5 * (t - 0.5) * (t - 0.5);
@@ -48,28 +49,34 @@ ELASTOGEN_HD inline Spline<d> spline(const double* x, double h) {
   }
   return s;
 }
+template <int d>
+ELASTOGEN_HD inline Spline<d> spline(const double* x, double h) {
+  int32_t base[3] = {};
+  for (int a = 0; a < d; ++a) base[a] = first_node(x[a] / h);
+  return spline<d, double>(x, base, h);
+}
 
 /// visit(place, w, g, r) for the 3^d nodes: their place in a tile of that width, weight, gradient
 /// and node - point.
 /// @param place  of the first node
-template <int d, int kWidth, class Visit>
-ELASTOGEN_HD inline void for_nodes(const Spline<d>& s, int place, const Visit& visit) {
+template <int d, int kWidth, class T, class Visit>
+ELASTOGEN_HD inline void for_nodes(const Spline<d, T>& s, int place, const Visit& visit) {
   if constexpr (d == 2) {
     for (int j = 0; j < 3; ++j)
       for (int i = 0; i < 3; ++i) {
-        const double g[3] = {s.g[0][i] * s.w[1][j], s.w[0][i] * s.g[1][j], 0};
-        const double r[3] = {s.r[0][i], s.r[1][j], 0};
-        visit(place + i + kWidth * j, s.w[0][i] * s.w[1][j], g, r);
+        const T g[3] = {s.g[0][i] * s.w[1][j], s.w[0][i] * s.g[1][j], T{}};
+        const T r[3] = {s.r[0][i], s.r[1][j], T{}};
+        visit(place + i + kWidth * j, T(s.w[0][i] * s.w[1][j]), g, r);
       }
   } else {
     for (int k = 0; k < 3; ++k)
       for (int j = 0; j < 3; ++j) {
-        const double wjk = s.w[1][j] * s.w[2][k];
-        const double gj = s.g[1][j] * s.w[2][k], gk = s.w[1][j] * s.g[2][k];
+        const T wjk = s.w[1][j] * s.w[2][k];
+        const T gj = s.g[1][j] * s.w[2][k], gk = s.w[1][j] * s.g[2][k];
         for (int i = 0; i < 3; ++i) {
-          const double g[3] = {s.g[0][i] * wjk, s.w[0][i] * gj, s.w[0][i] * gk};
-          const double r[3] = {s.r[0][i], s.r[1][j], s.r[2][k]};
-          visit(place + i + kWidth * (j + kWidth * k), s.w[0][i] * wjk, g, r);
+          const T g[3] = {s.g[0][i] * wjk, s.w[0][i] * gj, s.w[0][i] * gk};
+          const T r[3] = {s.r[0][i], s.r[1][j], s.r[2][k]};
+          visit(place + i + kWidth * (j + kWidth * k), T(s.w[0][i] * wjk), g, r);
         }
       }
   }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sums of particles into nodes and of nodes into particles, tile by tile (particle_grid.hpp).
+// Sums of particles into nodes and of nodes into particles, tile by tile and in it pack by pack
+// (particle_grid.hpp).
 
 #pragma once
 
@@ -13,40 +14,48 @@
 
 namespace elastogen::mpm {
 
-/// Three components of a node, and one more number, worked on at once.
+/// A number of each particle of a pack.
+using Eight = Pack<double>;
+template <int d>
+using PackSpline = Spline<d, Eight>;
+
+/// Three components of a node, and one more number.
 typedef double Four __attribute__((vector_size(32)));
 inline constexpr int kFour = 4;
 
-inline Four load_four(const double* from) {
-  Four value;
-  std::memcpy(&value, from, sizeof value);
-  return value;
-}
-inline void add_four(const Four& value, double* to) {
-  const Four sum = load_four(to) + value;
+/// Adds the sums over the particles of four packs to four numbers.
+inline void add_sums(const Eight& a, const Eight& b, const Eight& c, const Eight& d, double* to) {
+  const auto halves = [](const Eight& v) {
+    return Four(__builtin_shufflevector(v, v, 0, 1, 2, 3)) +
+           Four(__builtin_shufflevector(v, v, 4, 5, 6, 7));
+  };
+  const auto pairs = [](const Four& v, const Four& w) {  // v0 + v1, w0 + w1, v2 + v3, w2 + w3
+    return Four(__builtin_shufflevector(v, w, 0, 4, 2, 6)) +
+           Four(__builtin_shufflevector(v, w, 1, 5, 3, 7));
+  };
+  const Four ab = pairs(halves(a), halves(b)), cd = pairs(halves(c), halves(d));
+  Four sum;
+  std::memcpy(&sum, to, sizeof sum);
+  sum += Four(__builtin_shufflevector(ab, cd, 0, 1, 4, 5)) +
+         Four(__builtin_shufflevector(ab, cd, 2, 3, 6, 7));
   std::memcpy(to, &sum, sizeof sum);
 }
-/// Column b of a matrix.
-inline Four column(const double* A, int b) {
-  return Four{A[b], A[3 + b], A[6 + b], 0};
-}
 
-/// Place in its block's tile of the first node that a spline touches.
-template <int d>
-int tile_place(const std::array<int32_t, 3>& corner, const Spline<d>& s) {
-  constexpr int w = ParticleGrid<d>::kTileWidth;
-  return s.base[0] - corner[0] + w * (s.base[1] - corner[1] + w * (s.base[2] - corner[2]));
-}
-
-/// visit(particle, spline, place) for the particles of a block.
+/// visit(pack, spline) for the packs of a block; `pack` is the number of grid.packs().
 template <int d, class Visit>
-void for_particles(const ParticleGrid<d>& g, In<double> x, int64_t b, const Visit& visit) {
-  const std::array<int32_t, 3> corner = g.corner(b);
-  for (int64_t k = g.first(b); k < g.first(b + 1); ++k) {
-    const int32_t p = g.order()[size_t(k)];
-    const Spline<d> s = spline<d>(x.row(p), g.h());
-    visit(p, s, tile_place(corner, s));
+void for_packs(const ParticleGrid<d>& g, int64_t b, const Visit& visit) {
+  for (int64_t k = g.first_pack(b); k < g.first_pack(b + 1); ++k) {
+    const CellPack& pack = g.packs()[size_t(k)];
+    const Eight x[3] = {load(pack.x[0]), load(pack.x[1]), load(pack.x[2])};
+    visit(k, spline<d>(x, pack.base, g.h()));
   }
+}
+
+/// visit(at, w, g, r) for the nodes of a pack as for_nodes, `at` their places in the tile.
+template <int d, class Visit>
+void for_pack_nodes(const ParticleGrid<d>& g, int64_t pack, const PackSpline<d>& s,
+                    const Visit& visit) {
+  for_nodes<d, ParticleGrid<d>::kTileWidth>(s, g.packs()[size_t(pack)].place, visit);
 }
 
 /// Values of the nodes of a block's tile, (kTile, 4), the last 0; all 0 where there is none.
@@ -79,70 +88,53 @@ void add_tiles(const ParticleGrid<d>& g, Zeroed<double>& scratch, Out<double> no
   });
 }
 
-/// add(particle, spline, place, tile) for each particle, which adds four numbers to each of its
-/// nodes, tile[4 place + k]; nodes get their sums.
-/// @param nodes  (nodes, 4), or of the four the first ones
+/// add(pack, spline, read, write) for each pack, with the values of the nodes in
+/// read[4 at + component], which adds four numbers to nodes in write[4 at + k].
+/// @param from  (nodes, 3)
+/// @param to    (nodes, 4), or of the four the first ones
 template <int d, class Add>
-void scatter(const ParticleGrid<d>& g, In<double> x, Zeroed<double>& scratch, Out<double> nodes,
-             const Add& add) {
-  add_tiles<d, kFour>(g, scratch, nodes, [&](int64_t b, double* tile) {
-    for_particles<d>(g, x, b,
-                     [&](int32_t p, const Spline<d>& s, int place) { add(p, s, place, tile); });
-  });
-}
-
-/// add(particle, spline, place, read, write) for each particle, with the values of its nodes in
-/// read[4 place + component], which adds numbers to each in write[4 place + component].
-/// @param from, to  (nodes, 3)
-template <int d, class Add>
-void gather_scatter(const ParticleGrid<d>& g, In<double> x, In<double> from,
-                    Zeroed<double>& scratch, Out<double> to, const Add& add) {
+void gather_scatter(const ParticleGrid<d>& g, In<double> from, Zeroed<double>& scratch,
+                    Out<double> to, const Add& add) {
   add_tiles<d, kFour>(g, scratch, to, [&](int64_t b, double* write) {
-    double read[kFour * ParticleGrid<d>::kTile];
+    alignas(64) double read[kFour * ParticleGrid<d>::kTile];
     read_tile(g, b, from, read);
-    for_particles<d>(
-        g, x, b, [&](int32_t p, const Spline<d>& s, int place) { add(p, s, place, read, write); });
+    for_packs<d>(g, b, [&](int64_t pack, const PackSpline<d>& s) { add(pack, s, read, write); });
   });
 }
 
-/// take(particle, spline, place, tile) for each particle, with the values of its nodes in
-/// tile[4 place + component].
+/// take(pack, spline, tile) for each pack, with the values of the nodes in tile[4 at + component].
 /// @param nodes  (nodes, 3)
 template <int d, class Take>
-void gather(const ParticleGrid<d>& g, In<double> x, In<double> nodes, const Take& take) {
+void gather(const ParticleGrid<d>& g, In<double> nodes, const Take& take) {
   run_tasks(g.blocks(), [&](int64_t b) {
-    double tile[kFour * ParticleGrid<d>::kTile];
+    alignas(64) double tile[kFour * ParticleGrid<d>::kTile];
     read_tile(g, b, nodes, tile);
-    for_particles<d>(g, x, b,
-                     [&](int32_t p, const Spline<d>& s, int place) { take(p, s, place, tile); });
+    for_packs<d>(g, b, [&](int64_t pack, const PackSpline<d>& s) { take(pack, s, tile); });
   });
 }
 
 /// sum_i a_i (x) dw_i/dx, row-major.
 template <int d>
-Mat3<double> nodal_gradient(const Spline<d>& s, int place, const double* tile) {
-  Four sum[3] = {};
-  for_nodes<d, ParticleGrid<d>::kTileWidth>(s, place,
-                                            [&](int at, double, const double g[3], const double*) {
-                                              const Four value = load_four(tile + kFour * at);
-                                              for (int b = 0; b < d; ++b) sum[b] += value * g[b];
-                                            });
-  Mat3<double> G;
-  for (int a = 0; a < 3; ++a)
-    for (int b = 0; b < 3; ++b) G(a, b) = sum[b][a];
+Mat3<Eight> nodal_gradient(const ParticleGrid<d>& grid, int64_t pack, const PackSpline<d>& s,
+                           const double* tile) {
+  Mat3<Eight> G = {};
+  for_pack_nodes<d>(grid, pack, s, [&](int at, const Eight&, const Eight g[3], const Eight*) {
+    for (int a = 0; a < d; ++a)
+      for (int b = 0; b < d; ++b) G(a, b) += tile[kFour * at + a] * g[b];
+  });
   return G;
 }
 
 /// Adds A dw_i/dx to each node.
 template <int d>
-void add_nodal_product(const Spline<d>& s, int place, const Mat3<double>& A, double* tile) {
-  const Four of[3] = {column(A.m, 0), column(A.m, 1), column(A.m, 2)};
-  for_nodes<d, ParticleGrid<d>::kTileWidth>(s, place,
-                                            [&](int at, double, const double g[3], const double*) {
-                                              Four f = of[0] * g[0];
-                                              for (int b = 1; b < d; ++b) f += of[b] * g[b];
-                                              add_four(f, tile + kFour * at);
-                                            });
+void add_nodal_product(const ParticleGrid<d>& grid, int64_t pack, const PackSpline<d>& s,
+                       const Mat3<Eight>& A, double* tile) {
+  for_pack_nodes<d>(grid, pack, s, [&](int at, const Eight&, const Eight g[3], const Eight*) {
+    Eight f[3] = {};
+    for (int a = 0; a < d; ++a)
+      for (int b = 0; b < d; ++b) f[a] += A(a, b) * g[b];
+    add_sums(f[0], f[1], f[2], Eight{}, tile + kFour * at);
+  });
 }
 
 }  // namespace elastogen::mpm
