@@ -9,8 +9,8 @@
 namespace elastogen::bench {
 
 const std::vector<std::string>& part_names() {
-  static const std::vector<std::string> names = {"ceilings", "kernels",  "step",   "error-time",
-                                                 "tip",      "baseline", "startup"};
+  static const std::vector<std::string> names = {"ceilings", "kernels",  "step",      "error-time",
+                                                 "tip",      "baseline", "particles", "startup"};
   return names;
 }
 
@@ -29,9 +29,11 @@ Json measure(const std::string& part, const BenchTask& task, const CopyRates& ra
   if (part == "error-time") return measure_error_time(task);
   if (part == "tip") return measure_tip(task);
   if (part == "baseline") return measure_baseline(task);
+  if (part == "particles") return measure_particles(task, rates);
   if (part == "startup") return measure_startup(task);
   throw Error(concat("unknown part '", part,
-                     "'; known are ceilings, kernels, step, error-time, tip, baseline, startup"));
+                     "'; known are ceilings, kernels, step, error-time, tip, baseline, particles, "
+                     "startup"));
 }
 
 }  // namespace elastogen::bench

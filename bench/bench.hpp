@@ -18,14 +18,15 @@ using Json = nlohmann::ordered_json;
 struct BenchTask {
   std::vector<std::string> parts;  ///< of part_names(), in the order of the run
   Device device = Device::kAuto;
-  std::vector<double> sizes;                   ///< voxels; empty: those of the part
+  std::vector<double> sizes;                   ///< voxels, or particles; empty: those of the part
   std::vector<double> courants = {10};         ///< (dt/h) sqrt(E/rho)
   std::vector<double> poissons = {0.4};        ///< nu
   std::vector<double> fills = {1};             ///< share of the box that is solid, 0.01 ... 1
   std::vector<std::string> scenes = {"beam"};  ///< beam, ball, c84
   std::vector<SolverMode> solvers = {SolverMode::kQuasi, SolverMode::kNewton, SolverMode::kPaper};
-  std::vector<double> tolerances = {1e-1, 1e-2, 1e-3, 1e-4};  ///< of error-time
-  double tolerance = 1e-3;                                    ///< of step and baseline
+  std::vector<std::string> integrators = {"explicit", "implicit"};  ///< of particles
+  std::vector<double> tolerances = {1e-1, 1e-2, 1e-3, 1e-4};        ///< of error-time
+  double tolerance = 1e-3;                                          ///< of step and baseline
   bool fem = false;    ///< tip: quadratic tetrahedra, six in each of the voxels of `sizes`
   int repeats = 0;     ///< of each time; 0: those of the part
   PaperLoops loops;    ///< of the published algorithm
@@ -40,7 +41,7 @@ struct CopyRates {
   double host = 0, card = 0;
 };
 
-/// ceilings, kernels, step, error-time, tip, baseline, startup.
+/// ceilings, kernels, step, error-time, tip, baseline, particles, startup.
 const std::vector<std::string>& part_names();
 
 /// kCuda or kCpu. @throws Error (device) if the device is asked for and there is none.
@@ -64,6 +65,8 @@ Json measure_error_time(const BenchTask& task);
 Json measure_tip(const BenchTask& task);
 /// The published algorithm in PyTorch beside the solvers, on the same step.
 Json measure_baseline(const BenchTask& task);
+/// Explicit and implicit steps of sand, on one thread and on more.
+Json measure_particles(const BenchTask& task, const CopyRates& rates);
 /// Start of the command to its first step, on a mesh of 20448 triangles.
 Json measure_startup(const BenchTask& task);
 

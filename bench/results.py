@@ -52,6 +52,18 @@ TABLES: dict[str, list[Column]] = {
                 ("B a voxel", cell("bytes_a_voxel", "{:.0f}")),
                 ("GB/s", lambda r: f"{1e-9 * r['bytes_per_second']:.1f}"),
                 ("share of copy", lambda r: f"{100 * r['copy_share']:.0f} %")],
+    "particles": [("step", cell("integrator")), ("particles", cell("particles")),
+                  ("threads", cell("threads")), ("ms", cell("ms", "{:.2f}")),
+                  ("quartiles",
+                   lambda r: f"{r['ms_lower_quartile']:.2f} ... {r['ms_upper_quartile']:.2f}"),
+                  ("million updates/s", lambda r: f"{1e-6 * r['updates_per_second']:.2f}"),
+                  ("share of copy", lambda r: f"{100 * r['copy_share']:.0f} %"
+                   if "copy_share" in r else ""),
+                  ("Newton steps", cell("newton_a_step", "{:.1f}")),
+                  ("GMRES iterations", cell("iterations_a_step", "{:.0f}")),
+                  ("certified", lambda r: f"{r['certified']} of {r['steps']}"
+                   if "steps" in r else ""),
+                  ("B a particle", cell("memory_bytes_a_particle", "{:.0f}"))],
     "step": [*SCENE, ("fill", cell("fill")), ("on", cell("device")),
              ("numbers", lambda r: "double" if r["float64"] else "float"),
              ("ms", cell("ms", "{:.2f}")),

@@ -33,11 +33,12 @@ void BenchOptions::add_axes(CLI::App& verb) {
     verb.add_option(name, values, text)->delimiter(',')->capture_default_str();
   };
   add("--scenes", task.scenes, "kernels, step, error-time: beam, ball, c84");
-  add("--sizes", task.sizes, "voxels, like 3.2e4,1e6; default by part and device");
+  add("--sizes", task.sizes, "voxels, or particles, like 3.2e4,1e6; default by part and device");
   add("--courant", task.courants, "(dt/h) sqrt(E/rho)");
   add("--poisson", task.poissons, "Poisson's ratios");
   add("--fill", task.fills, "step, error-time, beam: shares of the box that are solid, 0.01 to 1");
   add("--solvers", solvers_, "error-time: quasi, newton, paper");
+  add("--integrators", task.integrators, "particles: explicit, implicit");
   add("--tolerances", task.tolerances, "error-time");
   verb.add_option("--tolerance", task.tolerance, "step, tip, baseline: of the residual")
       ->capture_default_str();
@@ -67,7 +68,8 @@ void BenchOptions::add(CLI::App& app, const std::string& command) {
   CLI::App* verb = app.add_subcommand("bench", "measures the machine and the solvers on it");
   verb->add_option(
           "PART", verb_.task.parts,
-          "ceilings, kernels, step, error-time, tip, baseline, startup; several are run in turn")
+          "ceilings, kernels, step, error-time, tip, baseline, particles, startup; several are run "
+          "in turn")
       ->required();
   verb->add_option("--device", device_, "auto, cpu or cuda")->capture_default_str();
   verb->add_option("--json", verb_.json, "what was measured, on what");
@@ -94,6 +96,7 @@ BenchVerb BenchOptions::take() const {
   check("--runs", task.runs,
         {"eager-library", "eager-jacobi", "compile-library", "compile-jacobi", "graph-library",
          "graph-jacobi", "numpy-library", "numpy-jacobi"});
+  check("--integrators", task.integrators, {"explicit", "implicit"});
   check("--sizes", task.sizes, 1, 1e8);
   check("--courant", task.courants, 1e-3, 1e4);
   check("--poisson", task.poissons, 0, 0.499);

@@ -75,6 +75,17 @@ class Parts(Bench):
             self.assertAlmostEqual(rate / row["bytes_per_second"], 1, 6)
             self.assertAlmostEqual(rate / copy / row["copy_share"], 1, 6)
 
+    def test_particles_step_explicitly_and_implicitly(self) -> None:
+        result = self.measured("particles", "--sizes", 800, "--repeat", 2)
+        rows = result["particles"]
+        self.assertEqual({row["integrator"] for row in rows}, {"explicit", "implicit"})
+        for row in rows:
+            self.assertEqual(row["particles"], 800)
+            self.assertAlmostEqual(row["updates_per_second"] * row["ms"] / (1e3 * 800), 1, 6)
+            if row["integrator"] == "implicit":
+                self.assertEqual((row["steps"], row["certified"]), (2, 2))
+                self.assertGreaterEqual(row["newton_a_step"], 1)
+
     def test_steps_over_all_axes(self) -> None:
         rows = self.measured("step", "--sizes", "500,3000", "--courant", "2,10", "--poisson",
                              "0.3,0.45", "--fill", "1,0.3", "--repeat", 3)["step"]
