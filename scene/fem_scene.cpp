@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scene/fem_scene.hpp"
 
+#include "core/error.hpp"
 #include "mpm_fem/fem/elastic_body.hpp"
 #include "mpm_fem/fem/point_location.hpp"
 #include "mpm_fem/fem/voxel_tets.hpp"
@@ -17,6 +18,8 @@ bool is_tets(fem::Element element) {
 }
 
 fem::ElementMesh mesh_of(const Scene& scene, fem::Element element) {
+  ELASTOGEN_CHECK(!fem::is_plane(element),
+                  "--element tri3: it steps the triangles of a file (.msh, .vtk, .vtu)");
   if (!is_tets(element)) return fem::voxel_mesh(scene, element);
   fem::ElementMesh mesh = fem::voxel_tets(scene, fem::VoxelSplit::kSix);
   if (element != fem::Element::kTet4) mesh = fem::quadratic(mesh);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scene/fem_stepper.hpp"
 
-#include "mpm_fem/integrators/implicit_fem.hpp"
+#include "mpm_fem/integrators/parted_fem.hpp"
 #include "scene/fem_boundary.hpp"
 #include "scene/fem_scene.hpp"
 #include "scene/host_stepper.hpp"
@@ -100,8 +100,8 @@ StepReport FemStepper::advance() {
   StepReport report;
   report.interrupted = stop_();
   if (report.interrupted) return report;
-  report = solver_.step(fem_);
-  if (report.finite) show();
+  report = scene_.yields.empty() ? solver_.step(fem_) : step_in_parts(solver_, fem_, stop_);
+  if (report.finite && !report.interrupted) show();
   return report;
 }
 

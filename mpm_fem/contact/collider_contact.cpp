@@ -103,6 +103,39 @@ void ColliderContact::begin_step(In<double> u, double time, double dt) {
   }
 }
 
+void ColliderContact::stand_without_friction(double time, double dt) {
+  for (Wall& wall : walls_) {
+    wall.from = offset_at(wall.core, time);
+    wall.to = wall.now = offset_at(wall.core, time + dt);
+  }
+  std::fill(lags_.begin(), lags_.end(), Lag{});
+}
+
+void ColliderContact::rub(In<double> u, In<double> mass, double dt, Out<double> v) {
+  find_touches(u);
+  for (const Touch& t : touches_) {
+    const int32_t node = points_.nodes(t.point);
+    const double most = t.wall->core.friction * push_of(t) * dt / mass(node);
+    Vec3 slip;  // velocity along the wall
+    for (size_t i = 0; i < 3; ++i)
+      slip[i] = v(node, int(i)) - (t.wall->to[i] - t.wall->from[i]) / dt;
+    const double along = dot(slip, t.normal);
+    for (size_t i = 0; i < 3; ++i) slip[i] -= along * t.normal[i];
+    const double size = norm(slip), share = size > most ? most / size : 1;
+    for (size_t i = 0; i < 3; ++i) v(node, int(i)) -= share * slip[i];
+  }
+}
+
+std::vector<Vec3> ColliderContact::pushes(In<double> u) {
+  find_touches(u);
+  std::vector<Vec3> sum(walls_.size());
+  for (const Touch& t : touches_) {
+    Vec3& own = sum[size_t(t.wall - walls_.data())];
+    own = plus(own, scaled(t.normal, push_of(t)));
+  }
+  return sum;
+}
+
 void ColliderContact::stand_at(double share) {
   for (Wall& wall : walls_) wall.now = between(wall.from, wall.to, share);
 }
@@ -135,6 +168,12 @@ ColliderContact::Touch ColliderContact::touch_of(const Wall& wall, const Lag& la
   const double along = dot(touch.slip, lag.normal);
   for (size_t i = 0; i < 3; ++i) touch.slip[i] -= along * lag.normal[i];
   return touch;
+}
+
+/// Force of the barrier along the normal [N].
+double ColliderContact::push_of(const Touch& t) const {
+  return -points_.area(t.point) * points_.stiffness(t.point) *
+         barrier(t.distance / points_.layer).first / points_.layer;
 }
 
 void ColliderContact::find_touches(In<double> u) {
@@ -170,8 +209,7 @@ TermValue ColliderContact::value(In<double> u) {
 void ColliderContact::add_gradient(In<double> u, Out<double> g) {
   find_touches(u);
   for (const Touch& t : touches_) {
-    const double push = points_.area(t.point) * points_.stiffness(t.point) *
-                        barrier(t.distance / points_.layer).first / points_.layer;
+    const double push = -push_of(t);
     const double drag =
         t.lag->limit > 0
             ? t.lag->limit * smoothed_slip(norm(t.slip), points_.slip_range).first_over_y
