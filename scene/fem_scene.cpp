@@ -71,6 +71,24 @@ fem::Element yielding_element(const std::vector<Yield>& yields) {
   return fem::Element::kHexBbar;
 }
 
+/// Rows of a kind and the numbers of its parameters, in the order of their declaration.
+Array<double> yield_rows(const std::vector<Yield>& yields) {
+  Array<double> rows(int64_t(yields.size()), 5);
+  for (size_t m = 0; m < yields.size(); ++m) {
+    double* row = rows.row(int64_t(m));
+    row[0] = double(yields[m].index());
+    if (const auto* metal = std::get_if<MetalYield>(&yields[m]))
+      row[1] = metal->stress, row[2] = metal->hardening;
+    if (const auto* sand = std::get_if<SandYield>(&yields[m]))
+      row[1] = sand->friction, row[2] = sand->cohesion, row[3] = sand->keeps_volume;
+    if (const auto* snow = std::get_if<SnowYield>(&yields[m])) {
+      row[1] = snow->slope, row[2] = snow->cohesion;
+      row[3] = snow->hardening, row[4] = snow->pressure;
+    }
+  }
+  return rows;
+}
+
 fem::Scheme scheme_of(const Scene& scene, const FemOptions& options) {
   if (options.newmark) return fem::Scheme::kNewmark;
   return scene.scheme == TimeScheme::kBdf2 ? fem::Scheme::kBdf2 : fem::Scheme::kEuler;
@@ -124,6 +142,12 @@ void describe_fem(const Setup& setup, const RunDescription& run, const fem::FemS
   mesh.pinned = pinned_nodes(setup.scene, scene.mesh);
   mesh.contact_nodes = scene.contact.nodes;
   mesh.contact_weights = scene.contact.weights;
+}
+
+std::optional<StatePlastic> state_plastic(const fem::FemScene& scene,
+                                          const fem::PlasticHistory& history) {
+  if (scene.yields.empty()) return {};
+  return StatePlastic{yield_rows(scene.yields), history.Fp_inverse, history.memory};
 }
 
 }  // namespace elastogen
