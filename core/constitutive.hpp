@@ -71,25 +71,18 @@ ELASTOGEN_HD inline void write_matrix(const PrincipalHessian<T, Block>& h, const
   }
 }
 
-/// dP/dF [Pa], row-major (9, 9) over the row-major entries of F, of F given as its decomposition.
+/// dP/dF [Pa], row-major (9, 9) over the row-major entries of F.
 /// @param kind  projected: the symmetric part, with its negative eigenvalues at 0.
 template <ConstitutiveLaw L>
-ELASTOGEN_HD inline void piola_gradient(const L& law, const Svd3<typename L::Real>& s,
+ELASTOGEN_HD inline void piola_gradient(const L& law, const Mat3<typename L::Real>& F,
                                         TangentKind kind, typename L::Real A[81],
                                         const typename L::History& history = {}) {
+  const Svd3<typename L::Real> s = svd3(F);
   const auto h = principal_hessian(s.sigma, law.template response<true>(s.sigma, history));
   if (kind == TangentKind::kProjected)
     write_matrix(positive_part(h), s, A);
   else
     write_matrix(h, s, A);
-}
-
-/// The same of F.
-template <ConstitutiveLaw L>
-ELASTOGEN_HD inline void piola_gradient(const L& law, const Mat3<typename L::Real>& F,
-                                        TangentKind kind, typename L::Real A[81],
-                                        const typename L::History& history = {}) {
-  piola_gradient(law, svd3(F), kind, A, history);
 }
 
 /// Ends the step: F becomes its elastic part, the history that after the step.

@@ -11,9 +11,16 @@
 namespace elastogen::fem {
 namespace {
 
-// share of the mean in the dilatation of elements that have it: with all of it points that flow
-// without hardening are turned inside out at next to no cost
-constexpr double kMeanShare = 0.9;
+/// Share s of the mean in the dilatation of elements that have it. What is the point's own resists
+/// with (1 - s)^2 K, without which a point that flows is flattened at next to no cost: as much as
+/// bears three times the yield stress, the pressure under a stamp, at a dilatation of a tenth.
+double mean_share(const Solid& solid) {
+  constexpr double kLeast = 0.1, kStiffness = 30;
+  const auto* metal = std::get_if<MetalYield>(&solid.yield);
+  if (!metal) return 1 - kLeast;
+  const double ratio = kStiffness * metal->stress / bulk_modulus(solid.elastic, 3);
+  return 1 - std::clamp(std::sqrt(ratio), kLeast, 1.0);
+}
 
 template <class Point>
 void store(int64_t k, const Point& point, PlasticHistory& history) {
@@ -46,7 +53,10 @@ PlasticBody::PlasticBody(const ElementMesh& mesh, const std::vector<Solid>& soli
   ELASTOGEN_CHECK(mesh.element != Element::kVoxel,
                   "voxel elements cannot yield: their one point leaves the flow to an elastic term;"
                   " take hex-bbar");
-  for (const Solid& solid : solids_) laws_.push_back(any_law(solid, is_plane(mesh.element)));
+  for (const Solid& solid : solids_) {
+    laws_.push_back(any_law(solid, is_plane(mesh.element)));
+    shares_.push_back(mean_share(solid));
+  }
   for (int64_t e = 0; e < mesh.elements.rows(); ++e)
     ELASTOGEN_CHECK(mesh.material(e) >= 0 && mesh.material(e) < int(solids_.size()), "element ", e,
                     " has material ", mesh.material(e), " of ", solids_.size());
@@ -114,7 +124,7 @@ void PlasticBody::freeze(In<double> u) {
   for_each(
       mesh().elements.rows(),
       [&](int64_t element) {
-        const PointGradients points(mesh().element, tables_.state(element, u), kMeanShare);
+        const PointGradients points(mesh().element, tables_.state(element, u), share(element));
         for_laws(element, [&]<class Point>(int q, const Point& point) {
           if constexpr (!kHasEnergy<Point>)
             frozen[size_t(element * tables_.points() + q)] =
@@ -132,7 +142,7 @@ double PlasticBody::energy(In<double> u) const {
       energy.rows(),
       [&](int64_t element) {
         const ElementState e = tables_.state(element, u);
-        const PointGradients points(mesh().element, e, kMeanShare);
+        const PointGradients points(mesh().element, e, share(element));
         for_points(element, [&](int q, const auto& point) {
           energy(element) += e.weight[q] * point.energy(points.F(q));
         });
@@ -147,7 +157,7 @@ void PlasticBody::add_gradient(In<double> u, Out<double> g) const {
   tables_.add_forces(
       [&](int64_t element, double* f) {
         const ElementState e = tables_.state(element, u);
-        const PointGradients points(mesh().element, e, kMeanShare);
+        const PointGradients points(mesh().element, e, share(element));
         Mat3<double> P[kMaxPoints];
         for_points(element, [&](int q, const auto& point) { P[q] = point.stress(points.F(q)); });
         points.add_force(e, P, f);
@@ -161,7 +171,7 @@ void PlasticBody::add_gradient_and_commit(In<double> u, Out<double> g) {
   tables_.add_forces(
       [&](int64_t element, double* f) {
         const ElementState e = tables_.state(element, u);
-        const PointGradients points(mesh().element, e, kMeanShare);
+        const PointGradients points(mesh().element, e, share(element));
         Mat3<double> P[kMaxPoints];
         for_laws(element, [&](int q, auto point) {
           P[q] = point.stress(points.F(q));
@@ -177,7 +187,7 @@ void PlasticBody::element_hessian(int64_t element, In<double> u, TangentKind kin
                                   double* K) const {
   tables_.check_nodal(u);
   const ElementState e = tables_.state(element, u);
-  const PointGradients points(mesh().element, e, kMeanShare);
+  const PointGradients points(mesh().element, e, share(element));
   const bool shares = points.shares_dilatation();
   bool symmetric = true;
   Mat3<double> P[kMaxPoints];
@@ -195,7 +205,7 @@ PlasticHistory PlasticBody::history_after(In<double> u) const {
   tables_.check_nodal(u);
   PlasticHistory after = history_;
   for_each(mesh().elements.rows(), [&](int64_t element) {
-    const PointGradients points(mesh().element, tables_.state(element, u), kMeanShare);
+    const PointGradients points(mesh().element, tables_.state(element, u), share(element));
     for_laws(element, [&](int q, auto point) {
       point.commit(points.F(q));
       store(element * tables_.points() + q, point, after);
@@ -209,7 +219,7 @@ StepWork PlasticBody::work(In<double> u) const {
   Array<double> elastic(mesh().elements.rows()), plastic(elastic);
   for_each(elastic.rows(), [&](int64_t element) {
     const ElementState e = tables_.state(element, u);
-    const PointGradients points(mesh().element, e, kMeanShare);
+    const PointGradients points(mesh().element, e, share(element));
     for_laws(element, [&](int q, const auto& point) {
       const StepWork work = point.work(points.F(q));
       elastic(element) += e.weight[q] * work.elastic;

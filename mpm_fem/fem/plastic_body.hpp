@@ -6,7 +6,7 @@
 //
 // the gradient of E(u) = sum w_q psi of laws with a potential; of the others, sand and snow, a
 // potential can be frozen at a state (materials/frozen_potential.hpp), with the same forces there.
-// Triangles flow in their plane (materials with d = 2). With bbar F_q has 9/10 of the mean dilatation (fem/mean_dilatation.hpp).
+// Triangles flow in their plane (materials with d = 2). With bbar F_q has a share of the mean dilatation (fem/mean_dilatation.hpp).
 
 #pragma once
 
@@ -78,7 +78,10 @@ class PlasticBody {
 
   ElementTables tables_;
   std::vector<Solid> solids_;
-  std::vector<AnyLaw> laws_;  // of each solid
+  double share(int64_t element) const { return shares_[size_t(mesh().material(element))]; }
+
+  std::vector<AnyLaw> laws_;    // of each solid
+  std::vector<double> shares_;  // of the mean in the dilatation, of each solid
   PlasticHistory history_;
   std::vector<Frozen> frozen_;  // of each point; empty: thawed
 };

@@ -43,7 +43,12 @@ struct PlasticPoint {
 template <ConstitutiveLaw L>
 void PlasticPoint<L>::tangent(const Mat3<double>& F, TangentKind kind, double* A) const {
   double of_elastic[81];
-  piola_gradient(law, elastic(F), kind, of_elastic, history);
+  const Svd3<double> Fe = elastic(F);
+  const auto h = principal_hessian(Fe.sigma, law.template response<true>(Fe.sigma, history));
+  if (kind == TangentKind::kProjected)
+    write_matrix(positive_part(h), Fe, of_elastic);
+  else
+    write_matrix(h, Fe, of_elastic);
   // rows and columns of each 3x3 block (ia, kb) times Fp^-1 from both sides
   for (int i = 0; i < 3; ++i)
     for (int k = 0; k < 3; ++k) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mpm_fem/integrators/parted_fem.hpp"
 
+#include "core/error.hpp"
 #include "tests/mpm_fem/scenes.hpp"
 
 #include <gtest/gtest.h>

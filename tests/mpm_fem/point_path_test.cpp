@@ -2,7 +2,7 @@
 // Paths of a metal's point against the equations in time that the steps are steps of: with l the
 // velocity gradient, b = Fe Fe^T and n the direction of dev ln b,
 //
-//     db/dt = l b + b l^T - 2 p n b,   2 mu (n:l - p) = H p while |dev tau| is on the surface.
+//     db/dt = l b + b l^T - 2 p n b,   2 mu (n:l - p) = H p on the surface.
 
 #include "mpm_fem/fem/plastic_point.hpp"
 #include "tests/mpm_fem/return_maps.hpp"
@@ -33,17 +33,16 @@ struct Sheared {
   double flow = 0;
 };
 
-/// d/dgamma.
+/// d/dgamma on the surface, where the path stays once it is there.
 Sheared rate_of(const VonMises<double, 3>& law, const Sheared& s) {
   Matrix l = Matrix::Zero();
   l(0, 1) = 1;
   const Matrix dev = deviator_of(logarithm_of(s.b)) / 2;
   const double size = dev.norm();
   Sheared rate{l * s.b + s.b * l.transpose(), 0};
-  if (2 * law.mu * size < law.radius + law.hardening * s.flow) return rate;
   const Matrix n = dev / size;
   const double along = n(0, 1);
-  rate.flow = std::max(0.0, 2 * law.mu * along / (2 * law.mu + law.hardening));
+  rate.flow = 2 * law.mu * along / (2 * law.mu + law.hardening);
   rate.b -= 2 * rate.flow * n * s.b;
   return rate;
 }
