@@ -54,6 +54,7 @@ void play(const fem::FemScene& scene, int64_t frames, double frame, const Advanc
 }
 
 Played implicit_run(fem::FemScene scene, const AnimateOptions& o, double dt) {
+  scene.contact.slip_range *= dt / scene.dt;
   scene.dt = dt;
   Played run{fmt::format("implicit {:g} s", dt), dt, scene.materials[0].young};
   fem::ImplicitFem solver(scene, {.tolerance = o.solver.tolerance});

@@ -11,6 +11,8 @@
 namespace elastogen {
 namespace {
 
+constexpr int kMostOfPart = 40;  // Newton steps of a part before it is halved
+
 /// a - b, entry by entry.
 Array<double> difference(const Array<double>& a, const Array<double>& b) {
   Array<double> result = a;
@@ -26,7 +28,9 @@ class FemStepper : public HostStepper {
         run_(run),
         stop_(std::move(stop)),
         scene_(fem_scene(setup, run)),
-        solver_(scene_, {.tolerance = fem_tolerance(setup, run), .as_positions = true}) {}
+        solver_(scene_, {.tolerance = fem_tolerance(setup, run),
+                         .max_newton = scene_.yields.empty() ? 100 : kMostOfPart,
+                         .as_positions = true}) {}
 
   void begin(const StartMotion& motion) override;
   void begin_at(const State& state) override;

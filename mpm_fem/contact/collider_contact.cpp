@@ -87,7 +87,8 @@ Vec3 ColliderContact::place(In<double> u, int64_t point) const {
   return x;
 }
 
-void ColliderContact::begin_step(In<double> u, double time, double dt) {
+void ColliderContact::begin_step(In<double> u, double time, double dt, double share) {
+  slip_range_ = share * points_.slip_range;
   const int64_t count = points_.nodes.rows();
   for (int64_t p = 0; p < count; ++p) start_[size_t(p)] = place(u, p);
   for (size_t w = 0; w < walls_.size(); ++w) {
@@ -195,8 +196,7 @@ double ColliderContact::energy(In<double> u) {
     if (t.distance <= 0) return std::numeric_limits<double>::infinity();
     energy += points_.area(t.point) * points_.stiffness(t.point) *
               barrier(t.distance / points_.layer).value;
-    if (t.lag->limit > 0)
-      energy += t.lag->limit * smoothed_slip(norm(t.slip), points_.slip_range).value;
+    if (t.lag->limit > 0) energy += t.lag->limit * smoothed_slip(norm(t.slip), slip_range_).value;
   }
   return energy;
 }
@@ -211,9 +211,7 @@ void ColliderContact::add_gradient(In<double> u, Out<double> g) {
   for (const Touch& t : touches_) {
     const double push = -push_of(t);
     const double drag =
-        t.lag->limit > 0
-            ? t.lag->limit * smoothed_slip(norm(t.slip), points_.slip_range).first_over_y
-            : 0;
+        t.lag->limit > 0 ? t.lag->limit * smoothed_slip(norm(t.slip), slip_range_).first_over_y : 0;
     for (int a = 0; a < points_.nodes.cols(); ++a)
       for (int i = 0; i < 3; ++i)
         g(points_.nodes(t.point, a), i) +=
@@ -229,7 +227,7 @@ void ColliderContact::hessian_of(const Touch& t, double block[9]) const {
     for (size_t j = 0; j < 3; ++j) block[3 * i + j] = k * t.normal[i] * t.normal[j];
   if (!(t.lag->limit > 0)) return;
   const double y = norm(t.slip);
-  const SmoothedSlip f = smoothed_slip(y, points_.slip_range);
+  const SmoothedSlip f = smoothed_slip(y, slip_range_);
   const double across = t.lag->limit * f.first_over_y;
   const double along = y > 0 ? (t.lag->limit * f.second - across) / (y * y) : 0;
   const Vec3& n = t.lag->normal;

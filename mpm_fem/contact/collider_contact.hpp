@@ -45,7 +45,8 @@ class ColliderContact final : public Term {
 
   /// Takes slip, normals and normal forces from the displacement u, (nodes, 3), at the start of a
   /// step from `time` to `time + dt`, at whose end the colliders then stand.
-  void begin_step(In<double> u, double time, double dt);
+  /// @param share  of the time step that the slip range of the points is for
+  void begin_step(In<double> u, double time, double dt, double share = 1);
 
   /// Puts the colliders where they are at the end of a step from `time` to `time + dt`, without
   /// friction, which explicit steps leave to rub.
@@ -111,6 +112,7 @@ class ColliderContact final : public Term {
   std::vector<Lag> lags_;    // wall by wall
   std::vector<Vec3> start_;  // place of each point at the start of the step
   std::vector<Touch> touches_;
+  double slip_range_ = 0;  // of the present step [m]
 };
 
 }  // namespace elastogen::fem

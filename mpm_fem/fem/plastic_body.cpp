@@ -13,9 +13,9 @@ namespace {
 
 /// Share s of the mean in the dilatation of elements that have it. What is the point's own resists
 /// with (1 - s)^2 K, without which a point that flows is flattened at next to no cost: as much as
-/// bears three times the yield stress, the pressure under a stamp, at a dilatation of a tenth.
+/// bears three times the yield stress, the pressure under a stamp, at a dilatation of a fifth.
 double mean_share(const Solid& solid) {
-  constexpr double kLeast = 0.1, kStiffness = 30;
+  constexpr double kLeast = 0.1, kStiffness = 15;
   const auto* metal = std::get_if<MetalYield>(&solid.yield);
   if (!metal) return 1 - kLeast;
   const double ratio = kStiffness * metal->stress / bulk_modulus(solid.elastic, 3);
