@@ -246,8 +246,6 @@ void write_yields(hid_t group, const std::vector<StepReport>& all) {
   using R = const StepReport&;
   write_column<double>(group, "energy_plastic", all, [](R r) { return r.energy.plastic; });
   write_column<int32_t>(group, "fallbacks", all, [](R r) { return r.fallbacks; });
-  write_column<int32_t>(group, "parts", all, [](R r) { return r.parts; });
-  write_column<int32_t>(group, "halvings", all, [](R r) { return r.halvings; });
 }
 
 void write_plastic(hid_t file, const StatePlastic& plastic) {

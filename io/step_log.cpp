@@ -36,8 +36,6 @@ std::string step_log_line(int64_t frame, const StepReport& report) {
   if (report.yields) {
     line["energies"]["plastic"] = energy.plastic;
     line["fallbacks"] = report.fallbacks;
-    line["parts"] = report.parts;
-    line["halvings"] = report.halvings;
   }
   return line.dump();  // writes null for what is not finite
 }

@@ -35,6 +35,8 @@ struct ImplicitOptions {
 struct FemStepReport : StepReport {
   Scheme used = Scheme::kEuler;
   NewtonStop stop = NewtonStop::kConverged;
+  int parts = 1;     ///< that it was taken in (parted_fem.hpp)
+  int halvings = 0;  ///< tries at a part that were taken back; fallbacks counts them too
   double floor = 0;  ///< bound on the rounding error of the residual; 0 where nobody had to ask
 };
 

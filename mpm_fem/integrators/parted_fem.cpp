@@ -28,7 +28,7 @@ int parts_of(const FemScene& scene, double start, double edge) {
 void add(const FemStepReport& part, bool kept, FemStepReport& all) {
   all.outer += part.outer;
   all.inner += part.inner;
-  all.fallbacks += part.fallbacks;
+  all.fallbacks += part.fallbacks + !kept;
   all.halvings += !kept;
   if (!kept) return;
   all.finite = part.finite, all.refusal = part.refusal;

@@ -145,6 +145,22 @@ TEST(PartedFem, CollidersAreWhereTheyAreAtTheEndsOfTheParts) {
   EXPECT_EQ(state.u(0, 1), 0);  // at the end of the step the plate is gone
 }
 
+TEST(PartedFem, StepsOnTrueForcesFallBackOnFrozenOnesAndAreCounted) {
+  FemScene scene = torn_block(4e-3);
+  scene.yields = {SnowYield{.slope = 1.2, .pressure = 5e3}};
+  int counted = 0;
+  for (const double speed : {0.5, 1.0, 2.0, 4.0}) {
+    ImplicitFem solver(scene, {.tolerance = 1e-3});
+    FemState state = torn(scene);
+    for (int64_t k = 0; k < state.v.size(); ++k) state.v.data()[k] *= speed;
+    const FemStepReport report = step_in_parts(solver, state);
+    counted += report.fallbacks;
+    // what says that it converged has
+    if (report.converged) EXPECT_LE(report.residual, 1e-3) << speed;
+  }
+  EXPECT_GT(counted, 0);
+}
+
 TEST(PartedFem, GivenUpOrRefusedItLeavesTheState) {
   const FemScene scene = torn_block(4e-3);
   ImplicitFem solver(scene, {.max_newton = 0});

@@ -133,23 +133,7 @@ TEST(TetReader, RefusesOtherFilesAndMeshes) {
   for (const auto& [bytes, message] : cases)
     expect_says(error_of([&] { parse_tets(bytes, "file"); }), message);
 
-  test::TetCells mesh = two_tets();
-  mesh.cells.resize(1);
-  mesh.types.resize(1);
-  mesh.regions.resize(1);
-  mesh.points[2][2] = 1e-3;
-  for (const NamedFile& f : all_files(mesh))
-    expect_says(
-        error_of([&] { parse_tets(f.bytes, f.name); }),
-        ": it has no tetrahedra, and triangle 0 (counted from 0) does not lie in the plane");
-  mesh.points[2] = {2, 0, 0};
-  for (const NamedFile& f : all_files(mesh))
-    expect_says(error_of([&] { parse_tets(f.bytes, f.name); }),
-                ": triangle 0 (counted from 0) has");
-  mesh.cells = {{0, 1}};
-  mesh.types = {3};
-  for (const NamedFile& f : all_files(mesh))
-    expect_says(error_of([&] { parse_tets(f.bytes, f.name); }), ": it has no tetrahedra, nor");
+  test::TetCells mesh;
   for (const double height : {0., 1e-15, -1e-15, 1e-300}) {
     mesh = two_tets();
     mesh.points[4] = {0.5, 0.5, height};
@@ -169,6 +153,26 @@ TEST(TetReader, RefusesOtherFilesAndMeshes) {
   mesh.regions.push_back(3);
   for (const NamedFile& f : all_files(mesh))
     expect_says(error_of([&] { parse_tets(f.bytes, f.name); }), "(a hexahedron)");
+}
+
+TEST(TetReader, RefusesTrianglesOutOfThePlaneAndFlatOnes) {
+  test::TetCells mesh = two_tets();
+  mesh.cells.resize(1);
+  mesh.types.resize(1);
+  mesh.regions.resize(1);
+  mesh.points[2][2] = 1e-3;
+  for (const NamedFile& f : all_files(mesh))
+    expect_says(
+        error_of([&] { parse_tets(f.bytes, f.name); }),
+        ": it has no tetrahedra, and triangle 0 (counted from 0) does not lie in the plane");
+  mesh.points[2] = {2, 0, 0};
+  for (const NamedFile& f : all_files(mesh))
+    expect_says(error_of([&] { parse_tets(f.bytes, f.name); }),
+                ": triangle 0 (counted from 0) has");
+  mesh.cells = {{0, 1}};
+  mesh.types = {3};
+  for (const NamedFile& f : all_files(mesh))
+    expect_says(error_of([&] { parse_tets(f.bytes, f.name); }), ": it has no tetrahedra, nor");
 }
 
 TEST(TetReader, RefusesCoordinatesThatAreNotFinite) {
