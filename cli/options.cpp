@@ -141,9 +141,10 @@ void add_simulate(CLI::App& app, Verb& verb) {
           std::string(kReadFormats) + kTetFormats);
   verb.app->get_option("--tolerance")->default_str("1e-8, or above the rounding of doubles");
   verb.app
-      ->add_option("--element", verb.typed.element,
-                   "voxel (the network's), hex, hex-bbar, tet4, tet10 or tet10-bbar; auto: voxel, "
-                   "or as a mesh of tetrahedra has it")
+      ->add_option(
+          "--element", verb.typed.element,
+          "voxel (the network's), hex, hex-bbar, tet4, tet10, tet10-bbar or tri3; auto: voxel, "
+          "or as a mesh of tetrahedra has it")
       ->capture_default_str();
   verb.app->add_option("--mass", verb.typed.mass, "lumped or consistent")->capture_default_str();
   verb.app->add_flag("--static", verb.scene.fem->statics,

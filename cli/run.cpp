@@ -26,7 +26,8 @@ void print_setup(const Setup& setup, const AnimateOptions& o) {
   fmt::print("longest edge {:.4g} m ({}), {} up ({})\n", setup.asset.size.longest_edge,
              setup.asset.size.from.reason, up_name(setup.asset.up.up), setup.asset.up.from.reason);
   if (setup.tets)
-    fmt::print("{} tetrahedra ({}) of {:.4g} m, {} nodes\n", setup.tets->elements.rows(),
+    fmt::print("{} {} ({}) of {:.4g} m, {} nodes\n", setup.tets->elements.rows(),
+               fem::is_plane(setup.tets->element) ? "triangles" : "tetrahedra",
                fem::element_name(setup.tets->element), scene.grid.h, scene.grid.node_count());
   else
     fmt::print("{} voxels of {:.4g} m, {} nodes, {} piece{}\n", scene.grid.voxel_count(),

@@ -54,10 +54,10 @@ void resolve_material(const Typed& t, AnimateOptions& o) {
 /// What yields is stepped by elements, or by particles, not by the network.
 void resolve_method(const Typed& t, AnimateOptions& o) {
   o.method = Method(choice("--method", t.method, {"auto", "mpm", "fem"}));
-  const bool yields = method_of(o) != Method::kAuto;
-  ELASTOGEN_CHECK(!yields || !o.fem || !o.fem->statics, "--static: a material yields, which takes ",
-                  "time steps");
-  if (yields && !o.fem && method_of(o) == Method::kFem) o.fem.emplace();
+  const Method method = method_of(o);
+  ELASTOGEN_CHECK(method != Method::kMpm || !o.fem || !o.fem->statics,
+                  "--static: particles take time steps; --method fem has an equilibrium");
+  if (method == Method::kFem && !o.fem) o.fem.emplace();
 }
 
 /// "": everything by itself; AXIS=PLACE; off.

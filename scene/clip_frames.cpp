@@ -22,7 +22,7 @@ std::unique_ptr<AnimationWriter> open_animation(const std::string& path, const A
   options.commit = build_commit();
   options.root = root_matrix(setup.body.surface.scale, setup.up);
   options.scene = &setup.scene;
-  if (setup.tets) options.tets = &setup.tets->elements;
+  if (setup.tets && !fem::is_plane(setup.tets->element)) options.tets = &setup.tets->elements;
   return AnimationWriter::create(path, asset, setup.body.surface, options);
 }
 

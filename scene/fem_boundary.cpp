@@ -115,8 +115,11 @@ Motion make_motion(const Move& move, const Setup& setup, const fem::ElementMesh&
 
 void add_holds(const Setup& setup, const RunDescription& run, fem::FemScene& scene) {
   scene.fixed = Array<uint8_t>(scene.mesh.rest.rows(), 3);
+  for (int64_t n = 0; n < scene.fixed.rows(); ++n)
+    scene.fixed(n, 2) = fem::is_plane(scene.mesh.element);
   const Array<uint8_t> pinned = pinned_nodes(setup.scene, scene.mesh);
-  for (int64_t n = 0; n < pinned.rows(); ++n) std::fill_n(scene.fixed.row(n), 3, pinned(n));
+  for (int64_t n = 0; n < pinned.rows(); ++n)
+    if (pinned(n)) std::fill_n(scene.fixed.row(n), 3, uint8_t(1));
   for (const Hold& hold : run.holds) {
     const Array<uint8_t> nodes = with_middles(
         select_nodes(setup.scene.grid, hold.selection, setup.body.surface.box), scene.mesh);

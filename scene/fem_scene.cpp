@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scene/fem_scene.hpp"
 
+#include "core/error.hpp"
 #include "mpm_fem/fem/elastic_body.hpp"
 #include "mpm_fem/fem/point_location.hpp"
 #include "mpm_fem/fem/voxel_tets.hpp"
@@ -17,6 +18,8 @@ bool is_tets(fem::Element element) {
 }
 
 fem::ElementMesh mesh_of(const Scene& scene, fem::Element element) {
+  ELASTOGEN_CHECK(!fem::is_plane(element),
+                  "--element tri3: it steps the triangles of a file (.msh, .vtk, .vtu)");
   if (!is_tets(element)) return fem::voxel_mesh(scene, element);
   fem::ElementMesh mesh = fem::voxel_tets(scene, fem::VoxelSplit::kSix);
   if (element != fem::Element::kTet4) mesh = fem::quadratic(mesh);
@@ -66,6 +69,24 @@ fem::Element yielding_element(const std::vector<Yield>& yields) {
     if (yield.index() != 0 && !hardens) return fem::Element::kHex;
   }
   return fem::Element::kHexBbar;
+}
+
+/// Rows of a kind and the numbers of its parameters, in the order of their declaration.
+Array<double> yield_rows(const std::vector<Yield>& yields) {
+  Array<double> rows(int64_t(yields.size()), 5);
+  for (size_t m = 0; m < yields.size(); ++m) {
+    double* row = rows.row(int64_t(m));
+    row[0] = double(yields[m].index());
+    if (const auto* metal = std::get_if<MetalYield>(&yields[m]))
+      row[1] = metal->stress, row[2] = metal->hardening;
+    if (const auto* sand = std::get_if<SandYield>(&yields[m]))
+      row[1] = sand->friction, row[2] = sand->cohesion, row[3] = sand->keeps_volume;
+    if (const auto* snow = std::get_if<SnowYield>(&yields[m])) {
+      row[1] = snow->slope, row[2] = snow->cohesion;
+      row[3] = snow->hardening, row[4] = snow->pressure;
+    }
+  }
+  return rows;
 }
 
 fem::Scheme scheme_of(const Scene& scene, const FemOptions& options) {
@@ -121,6 +142,12 @@ void describe_fem(const Setup& setup, const RunDescription& run, const fem::FemS
   mesh.pinned = pinned_nodes(setup.scene, scene.mesh);
   mesh.contact_nodes = scene.contact.nodes;
   mesh.contact_weights = scene.contact.weights;
+}
+
+std::optional<StatePlastic> state_plastic(const fem::FemScene& scene,
+                                          const fem::PlasticHistory& history) {
+  if (scene.yields.empty()) return {};
+  return StatePlastic{yield_rows(scene.yields), history.Fp_inverse, history.memory};
 }
 
 }  // namespace elastogen

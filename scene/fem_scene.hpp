@@ -5,6 +5,7 @@
 #pragma once
 
 #include "io/state_writer.hpp"
+#include "mpm_fem/fem/plastic_body.hpp"
 #include "mpm_fem/fem_scene.hpp"
 #include "scene/set_up.hpp"
 
@@ -22,5 +23,9 @@ double fem_tolerance(const Setup& setup, const RunDescription& run);
 /// What a state file says of a run on that scene, but for its time scheme.
 void describe_fem(const Setup& setup, const RunDescription& run, const fem::FemScene& scene,
                   StateHeader& header);
+
+/// What a state file keeps of the flow; none where no material yields.
+std::optional<StatePlastic> state_plastic(const fem::FemScene& scene,
+                                          const fem::PlasticHistory& history);
 
 }  // namespace elastogen

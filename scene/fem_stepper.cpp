@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scene/fem_stepper.hpp"
 
-#include "mpm_fem/integrators/implicit_fem.hpp"
+#include "mpm_fem/integrators/parted_fem.hpp"
 #include "scene/fem_boundary.hpp"
 #include "scene/fem_scene.hpp"
 #include "scene/host_stepper.hpp"
@@ -10,6 +10,8 @@
 
 namespace elastogen {
 namespace {
+
+constexpr int kMostOfPart = 40;  // Newton steps of a part before it is halved
 
 /// a - b, entry by entry.
 Array<double> difference(const Array<double>& a, const Array<double>& b) {
@@ -26,7 +28,9 @@ class FemStepper : public HostStepper {
         run_(run),
         stop_(std::move(stop)),
         scene_(fem_scene(setup, run)),
-        solver_(scene_, {.tolerance = fem_tolerance(setup, run), .as_positions = true}) {}
+        solver_(scene_, {.tolerance = fem_tolerance(setup, run),
+                         .max_newton = scene_.yields.empty() ? 100 : kMostOfPart,
+                         .as_positions = true}) {}
 
   void begin(const StartMotion& motion) override;
   void begin_at(const State& state) override;
@@ -73,35 +77,16 @@ void FemStepper::begin_at(const State& state) {
   fem_.steps = state.steps;
 }
 
-/// Rows of a kind and the numbers of its parameters, in the order of their declaration.
-Array<double> yield_rows(const std::vector<Yield>& yields) {
-  Array<double> rows(int64_t(yields.size()), 5);
-  for (size_t m = 0; m < yields.size(); ++m) {
-    double* row = rows.row(int64_t(m));
-    row[0] = double(yields[m].index());
-    if (const auto* metal = std::get_if<MetalYield>(&yields[m]))
-      row[1] = metal->stress, row[2] = metal->hardening;
-    if (const auto* sand = std::get_if<SandYield>(&yields[m]))
-      row[1] = sand->friction, row[2] = sand->cohesion, row[3] = sand->keeps_volume;
-    if (const auto* snow = std::get_if<SnowYield>(&yields[m])) {
-      row[1] = snow->slope, row[2] = snow->cohesion;
-      row[3] = snow->hardening, row[4] = snow->pressure;
-    }
-  }
-  return rows;
-}
-
 std::optional<StatePlastic> FemStepper::plastic() const {
-  if (scene_.yields.empty()) return {};
-  return StatePlastic{yield_rows(scene_.yields), fem_.plastic.Fp_inverse, fem_.plastic.memory};
+  return state_plastic(scene_, fem_.plastic);
 }
 
 StepReport FemStepper::advance() {
   StepReport report;
   report.interrupted = stop_();
   if (report.interrupted) return report;
-  report = solver_.step(fem_);
-  if (report.finite) show();
+  report = scene_.yields.empty() ? solver_.step(fem_) : step_in_parts(solver_, fem_, stop_);
+  if (report.finite && !report.interrupted) show();
   return report;
 }
 

@@ -205,8 +205,10 @@ void apply_regions(const std::vector<MaterialRegion>& regions, const fem::Elemen
                     "': tetrahedra have no nodes with names; select by place or material:NUMBER");
     Holds holds = [&](int64_t e) {
       Vec3 centre = {};
-      for (int c = 0; c < 4; ++c)
-        for (int d = 0; d < 3; ++d) centre[size_t(d)] += mesh.rest(mesh.elements(e, c), d) / 4;
+      const int corners = std::min(4, mesh.elements.cols());
+      for (int c = 0; c < corners; ++c)
+        for (int d = 0; d < 3; ++d)
+          centre[size_t(d)] += mesh.rest(mesh.elements(e, c), d) / corners;
       return contains(region.selection, centre, box);
     };
     if (region.kind == MaterialRegion::Kind::kMaterial) {

@@ -201,6 +201,19 @@ bool falls_freely(const RunDescription& run, const Scene& scene) {
   return !held && scene.colliders.empty() && scene.gravity != Vec3{};
 }
 
+/// The nodes of plane triangles, each for its share of their rim, of which those within have none.
+SurfacePoints rim_points(const fem::ElementMesh& mesh, const Array<int32_t>& node_of) {
+  const Array<double> area = fem::rim_area(mesh);
+  SurfacePoints points;
+  points.position = Array<double>(node_of.rows(), 3);
+  points.area = Array<double>(node_of.rows());
+  for (int64_t p = 0; p < node_of.rows(); ++p) {
+    std::copy_n(mesh.rest.row(node_of(p)), 3, points.position.row(p));
+    points.area(p) = area(node_of(p));
+  }
+  return points;
+}
+
 /// The vertices of a surface, each for a third of its triangles; nothing carries them yet.
 SurfacePoints vertex_points(const Surface& surface) {
   SurfacePoints points;
@@ -274,7 +287,8 @@ Setup set_up(const TetAsset& tets, const RunDescription& run) {
   drop_elastic(setup.yields);
   setup.tets->material = scene.material;
   pin(run, setup);
-  scene.surface = vertex_points(setup.body.surface);
+  scene.surface = fem::is_plane(setup.tets->element) ? rim_points(*setup.tets, setup.node_of)
+                                                     : vertex_points(setup.body.surface);
   for (const Collider& collider : scene.colliders) check_clear(scene, collider);
   add_time(run, setup);
   judge(tets.asset, run, setup);

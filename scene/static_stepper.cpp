@@ -27,6 +27,7 @@ class StaticStepper : public HostStepper {
   }
   StepReport advance() override;
   Span<const double> residual() const override { return residual_; }
+  std::optional<StatePlastic> plastic() const override { return state_plastic(scene_, plastic_); }
   void describe(StateHeader& header) const override {
     describe_fem(setup_, run_, scene_, header);
     header.scheme = "static";
@@ -36,6 +37,7 @@ class StaticStepper : public HostStepper {
   const Setup& setup_;
   const RunDescription& run_;
   fem::FemScene scene_;
+  fem::PlasticHistory plastic_;
   Array<double> residual_;  ///< of the last step [N], (nodes, 3)
 };
 
@@ -47,6 +49,7 @@ StepReport StaticStepper::advance() {
   state_.time = result.load_factor;
   ++state_.steps;
   residual_ = std::move(result.gradient);
+  plastic_ = std::move(result.plastic);
   StepReport report;
   report.step = state_.steps;
   report.time = state_.time;
@@ -55,6 +58,7 @@ StepReport StaticStepper::advance() {
   report.outer = result.newton_steps;
   report.inner = result.increments;
   report.float64 = true;
+  report.yields = !scene_.yields.empty();
   report.min_j = result.min_j;
   report.energy = result.energy;
   report.ms = 1e3 * watch.seconds();

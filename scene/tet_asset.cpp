@@ -42,9 +42,14 @@ std::vector<Finding> findings_of(const tets::TetFile& file) {
   const auto add = [&](const char* what, int64_t count, const char* text) {
     if (count > 0) findings.push_back({what, count, text});
   };
-  add("turned-tetrahedra", file.turned, "tetrahedra had negative volumes");
-  add("skipped-elements", file.skipped, "points, lines and faces are no tetrahedra");
-  add("unused-nodes", file.unused, "nodes belong to no tetrahedron");
+  const bool plane = file.elements.cols() == 3;
+  add("turned-tetrahedra", file.turned,
+      plane ? "triangles had negative areas" : "tetrahedra had negative volumes");
+  add("skipped-elements", file.skipped,
+      plane ? "points, lines and faces are no linear triangles"
+            : "points, lines and faces are no tetrahedra");
+  add("unused-nodes", file.unused,
+      plane ? "nodes belong to no triangle" : "nodes belong to no tetrahedron");
   return findings;
 }
 
@@ -79,7 +84,8 @@ fem::Element element_of(const TetAsset& tets, const FemOptions& options) {
   const bool fits = fem::nodes_of(options.element) == tets.mesh.elements.cols();
   ELASTOGEN_CHECK(fits, "--element ", fem::element_name(options.element), ": ", tets.asset.path,
                   " has ",
-                  tets.mesh.element == fem::Element::kTet4
+                  fem::is_plane(tets.mesh.element) ? "plane triangles, which are tri3"
+                  : tets.mesh.element == fem::Element::kTet4
                       ? "linear tetrahedra, which are tet4"
                       : "quadratic tetrahedra, which are tet10 or tet10-bbar");
   return options.element;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A file of tetrahedra as what `simulate` animates: its surface as the asset, the rest as it is.
+// A file of tetrahedra, or of triangles in the plane z = 0, as what `simulate` animates: its surface
+// as the asset, the rest as it is.
 
 #pragma once
 
@@ -14,7 +15,7 @@ inline constexpr const char* kTetFormats = " .msh .vtk .vtu";
 struct TetAsset {
   Asset asset;                         ///< one mesh: the surface, in the file's numbers
   Array<int32_t> node_of;              ///< node of each of its positions, (positions, 1)
-  fem::ElementMesh mesh;               ///< kTet4 or kTet10, in the file's numbers
+  fem::ElementMesh mesh;               ///< kTet4, kTet10 or kTri3, in the file's numbers
   Array<int32_t> region;               ///< index into regions of each element, (elements, 1)
   std::vector<AssetMaterial> regions;  ///< named by the file's numbers
 };

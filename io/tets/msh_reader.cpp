@@ -276,17 +276,19 @@ class MshParser {
 
   void read_element(int64_t type, int64_t region, Number number) {
     const int nodes = nodes_of_type(type);
-    if (type != 4 && type != 11) {
-      source_.skip(nodes, number, "nodes of an element");
-      ++soup_.skipped;
-      return;
-    }
-    soup_.begin_tet(nodes, region, path_);
+    const bool is_tet = type == 4 || type == 11;
+    if (!is_tet) ++soup_.skipped;
+    if (!is_tet && type != 2) return source_.skip(nodes, number, "nodes of an element");
+    if (is_tet)
+      soup_.begin_tet(nodes, region, path_);
+    else
+      soup_.triangle_region.push_back(region);
     for (int k = 0; k < nodes; ++k) {
       const int64_t n = source_.integer(number, "a node of an element");
       const std::optional<int32_t> point = node_.find(n);
-      source_.check(point.has_value(), "a tetrahedron has the node ", n, ", which is not there");
-      soup_.corners.push_back(*point);
+      source_.check(point.has_value(), "a ", is_tet ? "tetrahedron" : "triangle", " has the node ",
+                    n, ", which is not there");
+      (is_tet ? soup_.corners : soup_.triangles).push_back(*point);
     }
     // Gmsh has the middle of 23 before that of 13
     if (nodes == 10) std::swap(soup_.corners.end()[-1], soup_.corners.end()[-2]);

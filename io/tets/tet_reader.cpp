@@ -51,6 +51,40 @@ int64_t turn_tets(TetSoup& soup, const std::string& path) {
   return turned;
 }
 
+/// Twice the area, 0 where rounding decides its sign.
+double plane_determinant(const std::vector<Vec3>& points, const int32_t* corner) {
+  constexpr double kRounding = 1e-14;
+  const Vec3 a = minus(points[size_t(corner[1])], points[size_t(corner[0])]);
+  const Vec3 b = minus(points[size_t(corner[2])], points[size_t(corner[0])]);
+  const double determinant = a[0] * b[1] - a[1] * b[0];
+  return std::abs(determinant) > kRounding * norm(a) * norm(b) ? determinant : 0;
+}
+
+/// Makes the triangles of a file without tetrahedra its elements. @return how many were turned.
+int64_t take_triangles(TetSoup& soup, const std::string& path) {
+  ELASTOGEN_CHECK_ASSET(!soup.triangles.empty(), path,
+                        ": it has no tetrahedra, nor linear triangles");
+  soup.nodes = 3;
+  soup.corners = std::move(soup.triangles);
+  soup.region = std::move(soup.triangle_region);
+  soup.skipped -= int64_t(soup.region.size());
+  int64_t turned = 0;
+  for (size_t e = 0; e < soup.region.size(); ++e) {
+    int32_t* corner = soup.corners.data() + 3 * e;
+    for (int c = 0; c < 3; ++c)
+      ELASTOGEN_CHECK_ASSET(soup.points[size_t(corner[c])][2] == 0, path,
+                            ": it has no tetrahedra, and triangle ", e,
+                            " (counted from 0) does not lie in the plane z = 0");
+    const double area = plane_determinant(soup.points, corner);
+    ELASTOGEN_CHECK_ASSET(area != 0 && std::isfinite(area), path, ": triangle ", e,
+                          " (counted from 0) has no area, or one out of range");
+    if (area > 0) continue;
+    ++turned;
+    std::swap(corner[1], corner[2]);
+  }
+  return turned;
+}
+
 /// The used points as nodes, in their order. @return how many are unused.
 int64_t take_nodes(const TetSoup& soup, TetFile& file) {
   std::vector<int32_t> node_of(soup.points.size(), -1);
@@ -82,9 +116,8 @@ void take_regions(const TetSoup& soup, TetFile& file) {
 
 TetFile parse_tets(std::string_view bytes, const std::string& path) {
   TetSoup soup = parse(without_mark(bytes), path);
-  ELASTOGEN_CHECK_ASSET(!soup.region.empty(), path, ": it has no tetrahedra");
   TetFile file;
-  file.turned = turn_tets(soup, path);
+  file.turned = soup.region.empty() ? take_triangles(soup, path) : turn_tets(soup, path);
   file.skipped = soup.skipped;
   file.unused = take_nodes(soup, file);
   take_regions(soup, file);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads tetrahedral meshes, linear and quadratic: Gmsh MSH 2 and 4.1, legacy VTK, VTU. Files are
+// Reads tetrahedral meshes, linear and quadratic, and linear triangles in the plane z = 0: Gmsh MSH
+// 2 and 4.1, legacy VTK, VTU. Files are
 // not trusted: counts are compared with the bytes that are there before memory is taken.
 
 #pragma once
@@ -16,12 +17,13 @@ struct TetFile {
   Array<double> rest;               ///< nodes in the file's order [m], (nodes, 3)
   Array<int32_t> elements;          ///< nodes of each tetrahedron, (elements, 4 or 10): the corners
                                     ///< 0 to 3 with positive volume, then the middles of the edges
-                                    ///< 01, 12, 02, 03, 13, 23
+                                    ///< 01, 12, 02, 03, 13, 23; of a file without tetrahedra
+                                    ///< its triangles, counterclockwise, (elements, 3)
   Array<int32_t> region;            ///< index into region_ids of each tetrahedron, (elements, 1)
   std::vector<int64_t> region_ids;  ///< the file's numbers of its regions, ascending
-  int64_t turned = 0;   ///< tetrahedra of negative volume, two corners of which were swapped
+  int64_t turned = 0;   ///< elements of negative volume, two corners of which were swapped
   int64_t skipped = 0;  ///< points, lines and faces, which are left out
-  int64_t unused = 0;   ///< nodes of no tetrahedron, which are left out
+  int64_t unused = 0;   ///< nodes of no element, which are left out
 };
 
 /// The tetrahedra in the bytes of a file, whose first bytes tell the format; numbers are metres.
@@ -35,7 +37,7 @@ struct TetFile {
 /// @throws Error (asset) with file and place: a damaged or foreign file, a number that is not
 ///         finite, an index out of range, elements other than tetrahedra, points, lines and faces,
 ///         linear and quadratic tetrahedra together, a tetrahedron that is flat but for rounding,
-///         none at all.
+///         none at all unless there are linear triangles, all in the plane z = 0.
 TetFile parse_tets(std::string_view bytes, const std::string& path);
 
 /// The same from a file.

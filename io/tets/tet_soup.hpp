@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the readers of the single formats hand to tet_reader: the tetrahedra as a file has them.
+// What the readers of the single formats hand to tet_reader: the tetrahedra as a file has them, and
+// its linear triangles, which count where it has no tetrahedra.
 
 #pragma once
 
@@ -19,7 +20,10 @@ struct TetSoup {
   int nodes = 0;                 ///< of a tetrahedron, 4 or 10; 0 without any
   std::vector<int32_t> corners;  ///< points in the order of TetFile, nodes a tetrahedron
   std::vector<int64_t> region;   ///< the file's number for the region of each tetrahedron
-  int64_t skipped = 0;           ///< points, lines and faces
+  int64_t skipped = 0;           ///< points, lines and faces, triangles too
+
+  std::vector<int32_t> triangles;        ///< points, three a linear triangle
+  std::vector<int64_t> triangle_region;  ///< the file's number for the region of each
 
   /// Begins a tetrahedron of so many nodes, whose corners follow.
   void begin_tet(int node_count, int64_t region_id, const std::string& path) {

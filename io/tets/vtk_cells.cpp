@@ -6,7 +6,7 @@
 namespace elastogen::tets {
 namespace {
 
-constexpr int64_t kTet4 = 10, kTet10 = 24;
+constexpr int64_t kTriangle = 5, kTet4 = 10, kTet10 = 24;
 
 /// Vertices, lines, triangles, polygons and quads, linear and quadratic (vtkCellType.h).
 bool is_skipped(int64_t type) {
@@ -42,6 +42,15 @@ const char* cell_name(int64_t type) {
   }
 }
 
+void add_triangle(const VtkCells& cells, int64_t cell, int64_t begin, int64_t end,
+                  const std::string& path, TetSoup& soup) {
+  ELASTOGEN_CHECK_ASSET(end - begin == 3, path, ": cell ", cell,
+                        " (counted from 0) is a triangle, but has ", end - begin, " points");
+  soup.triangle_region.push_back(cells.region.empty() ? 0 : cells.region[size_t(cell)]);
+  soup.triangles.insert(soup.triangles.end(), cells.corners.begin() + begin,
+                        cells.corners.begin() + end);
+}
+
 }  // namespace
 
 bool is_region_name(std::string_view name) {
@@ -73,6 +82,7 @@ void add_tets(const VtkCells& cells, const std::string& path, TetSoup& soup) {
                             type, " (", cell_name(type),
                             "), which is not read; only tetrahedra of 4 and 10 points are");
       ++soup.skipped;
+      if (type == kTriangle) add_triangle(cells, c, begin, end, path, soup);
     }
     begin = end;
   }

@@ -87,7 +87,8 @@ Vec3 ColliderContact::place(In<double> u, int64_t point) const {
   return x;
 }
 
-void ColliderContact::begin_step(In<double> u, double time, double dt) {
+void ColliderContact::begin_step(In<double> u, double time, double dt, double share) {
+  slip_range_ = share * points_.slip_range;
   const int64_t count = points_.nodes.rows();
   for (int64_t p = 0; p < count; ++p) start_[size_t(p)] = place(u, p);
   for (size_t w = 0; w < walls_.size(); ++w) {
@@ -101,6 +102,39 @@ void ColliderContact::begin_step(In<double> u, double time, double dt) {
       lags_[w * size_t(count) + size_t(p)] = {wall.core.friction * force, near.normal};
     }
   }
+}
+
+void ColliderContact::stand_without_friction(double time, double dt) {
+  for (Wall& wall : walls_) {
+    wall.from = offset_at(wall.core, time);
+    wall.to = wall.now = offset_at(wall.core, time + dt);
+  }
+  std::fill(lags_.begin(), lags_.end(), Lag{});
+}
+
+void ColliderContact::rub(In<double> u, In<double> mass, double dt, Out<double> v) {
+  find_touches(u);
+  for (const Touch& t : touches_) {
+    const int32_t node = points_.nodes(t.point);
+    const double most = t.wall->core.friction * push_of(t) * dt / mass(node);
+    Vec3 slip;  // velocity along the wall
+    for (size_t i = 0; i < 3; ++i)
+      slip[i] = v(node, int(i)) - (t.wall->to[i] - t.wall->from[i]) / dt;
+    const double along = dot(slip, t.normal);
+    for (size_t i = 0; i < 3; ++i) slip[i] -= along * t.normal[i];
+    const double size = norm(slip), share = size > most ? most / size : 1;
+    for (size_t i = 0; i < 3; ++i) v(node, int(i)) -= share * slip[i];
+  }
+}
+
+std::vector<Vec3> ColliderContact::pushes(In<double> u) {
+  find_touches(u);
+  std::vector<Vec3> sum(walls_.size());
+  for (const Touch& t : touches_) {
+    Vec3& own = sum[size_t(t.wall - walls_.data())];
+    own = plus(own, scaled(t.normal, push_of(t)));
+  }
+  return sum;
 }
 
 void ColliderContact::stand_at(double share) {
@@ -137,6 +171,12 @@ ColliderContact::Touch ColliderContact::touch_of(const Wall& wall, const Lag& la
   return touch;
 }
 
+/// Force of the barrier along the normal [N].
+double ColliderContact::push_of(const Touch& t) const {
+  return -points_.area(t.point) * points_.stiffness(t.point) *
+         barrier(t.distance / points_.layer).first / points_.layer;
+}
+
 void ColliderContact::find_touches(In<double> u) {
   touches_.clear();
   const int64_t count = points_.nodes.rows();
@@ -156,8 +196,7 @@ double ColliderContact::energy(In<double> u) {
     if (t.distance <= 0) return std::numeric_limits<double>::infinity();
     energy += points_.area(t.point) * points_.stiffness(t.point) *
               barrier(t.distance / points_.layer).value;
-    if (t.lag->limit > 0)
-      energy += t.lag->limit * smoothed_slip(norm(t.slip), points_.slip_range).value;
+    if (t.lag->limit > 0) energy += t.lag->limit * smoothed_slip(norm(t.slip), slip_range_).value;
   }
   return energy;
 }
@@ -170,12 +209,9 @@ TermValue ColliderContact::value(In<double> u) {
 void ColliderContact::add_gradient(In<double> u, Out<double> g) {
   find_touches(u);
   for (const Touch& t : touches_) {
-    const double push = points_.area(t.point) * points_.stiffness(t.point) *
-                        barrier(t.distance / points_.layer).first / points_.layer;
+    const double push = -push_of(t);
     const double drag =
-        t.lag->limit > 0
-            ? t.lag->limit * smoothed_slip(norm(t.slip), points_.slip_range).first_over_y
-            : 0;
+        t.lag->limit > 0 ? t.lag->limit * smoothed_slip(norm(t.slip), slip_range_).first_over_y : 0;
     for (int a = 0; a < points_.nodes.cols(); ++a)
       for (int i = 0; i < 3; ++i)
         g(points_.nodes(t.point, a), i) +=
@@ -191,7 +227,7 @@ void ColliderContact::hessian_of(const Touch& t, double block[9]) const {
     for (size_t j = 0; j < 3; ++j) block[3 * i + j] = k * t.normal[i] * t.normal[j];
   if (!(t.lag->limit > 0)) return;
   const double y = norm(t.slip);
-  const SmoothedSlip f = smoothed_slip(y, points_.slip_range);
+  const SmoothedSlip f = smoothed_slip(y, slip_range_);
   const double across = t.lag->limit * f.first_over_y;
   const double along = y > 0 ? (t.lag->limit * f.second - across) / (y * y) : 0;
   const Vec3& n = t.lag->normal;

@@ -45,7 +45,17 @@ class ColliderContact final : public Term {
 
   /// Takes slip, normals and normal forces from the displacement u, (nodes, 3), at the start of a
   /// step from `time` to `time + dt`, at whose end the colliders then stand.
-  void begin_step(In<double> u, double time, double dt);
+  /// @param share  of the time step that the slip range of the points is for
+  void begin_step(In<double> u, double time, double dt, double share = 1);
+
+  /// Puts the colliders where they are at the end of a step from `time` to `time + dt`, without
+  /// friction, which explicit steps leave to rub.
+  void stand_without_friction(double time, double dt);
+  /// Takes from the velocities v [m/s], (nodes, 3), what friction in that step stops: along a
+  /// collider at most friction N dt/m, N the push at u. Of points carried by one node.
+  void rub(In<double> u, In<double> mass, double dt, Out<double> v);
+  /// Push of the barrier of each collider on the points [N], without friction.
+  std::vector<Vec3> pushes(In<double> u);
 
   /// Puts the colliders at a share of their way through the step: a start value that they would cut
   /// is moved on share by share.
@@ -92,6 +102,7 @@ class ColliderContact final : public Term {
 
   Vec3 place(In<double> u, int64_t point) const;
   void find_touches(In<double> u);
+  double push_of(const Touch& touch) const;
   Touch touch_of(const Wall& wall, const Lag& lag, int64_t point, const Vec3& place) const;
   void hessian_of(const Touch& touch, double block[9]) const;
 
@@ -101,6 +112,7 @@ class ColliderContact final : public Term {
   std::vector<Lag> lags_;    // wall by wall
   std::vector<Vec3> start_;  // place of each point at the start of the step
   std::vector<Touch> touches_;
+  double slip_range_ = 0;  // of the present step [m]
 };
 
 }  // namespace elastogen::fem

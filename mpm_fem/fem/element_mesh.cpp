@@ -5,6 +5,7 @@
 #include "core/mat3.hpp"
 #include "mpm_fem/fem/shape_functions.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -14,13 +15,14 @@
 namespace elastogen::fem {
 namespace {
 
-constexpr std::array<std::pair<Element, std::string_view>, 6> kElements = {{
+constexpr std::array<std::pair<Element, std::string_view>, 7> kElements = {{
     {Element::kVoxel, "voxel"},
     {Element::kHex, "hex"},
     {Element::kHexBbar, "hex-bbar"},
     {Element::kTet4, "tet4"},
     {Element::kTet10, "tet10"},
     {Element::kTet10Bbar, "tet10-bbar"},
+    {Element::kTri3, "tri3"},
 }};
 
 /// @throws Error naming the first entry outside [lower, upper] (NaN never is inside).
@@ -51,6 +53,14 @@ void check_tables(const ElementMesh& mesh) {
   check_range(mesh.elements, 0, double(mesh.rest.rows() - 1), "elements");
   check_range(mesh.fill, std::numeric_limits<double>::min(), std::numeric_limits<double>::max(),
               "fill");
+}
+
+/// All triangles lie in one plane z.
+void check_plane(const ElementMesh& mesh) {
+  for (int64_t n = 0; n < mesh.rest.rows(); ++n)
+    ELASTOGEN_CHECK(mesh.rest(n, 2) == mesh.rest(0, 2), "node ", n,
+                    " of plane triangles has z = ", mesh.rest(n, 2), " m, the first ",
+                    mesh.rest(0, 2), " m");
 }
 
 /// A voxel's nodes may be off by the rounding of their positions, not more.
@@ -114,6 +124,8 @@ int nodes_of(Element element) {
     case Element::kTet10:
     case Element::kTet10Bbar:
       return 10;
+    case Element::kTri3:
+      return 3;
     default:
       return 8;
   }
@@ -137,6 +149,11 @@ ElementMesh voxel_mesh(const Scene& scene, Element element) {
   return mesh;
 }
 
+double element_edge(const ElementMesh& mesh, double volume) {
+  const double mean = volume / double(std::max<int64_t>(1, mesh.elements.rows()));
+  return is_plane(mesh.element) ? std::sqrt(mean) : std::cbrt(mean);
+}
+
 void element_nodes(const ElementMesh& mesh, int64_t element, double* X) {
   const int32_t* nodes = mesh.elements.row(element);
   for (int a = 0; a < nodes_of(mesh.element); ++a)
@@ -148,6 +165,7 @@ void element_nodes(const ElementMesh& mesh, int64_t element, double* X) {
 void check_mesh(const ElementMesh& mesh) {
   check_tables(mesh);
   if (is_voxel_mesh(mesh)) return check_voxels(mesh);
+  if (is_plane(mesh.element)) check_plane(mesh);
   for (int64_t e = 0; e < mesh.elements.rows(); ++e) check_jacobian(mesh, e);
 }
 

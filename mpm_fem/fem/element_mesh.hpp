@@ -12,19 +12,23 @@ namespace elastogen::fem {
 /// voxel: the network's own element, one deformation gradient (mean over the fill) with the
 /// strain-variance term and the torsion correction. hex: trilinear, 2x2x2 Gauss points. tet4,
 /// tet10: linear and quadratic tetrahedra, 1 and 4 points. bbar: with the mean dilatation of the
-/// element.
-enum class Element : uint8_t { kVoxel, kHex, kHexBbar, kTet4, kTet10, kTet10Bbar };
+/// element. tri3: linear triangles in a plane z, 1 m thick, whose nodes stay in it: F_33 = 1.
+enum class Element : uint8_t { kVoxel, kHex, kHexBbar, kTet4, kTet10, kTet10Bbar, kTri3 };
 
-/// "voxel", "hex", "hex-bbar", "tet4", "tet10", "tet10-bbar".
+/// "voxel", "hex", "hex-bbar", "tet4", "tet10", "tet10-bbar", "tri3".
 std::string_view element_name(Element element);
 /// @throws Error (usage) naming the known elements.
 Element element_from_name(std::string_view name);
-/// 8, 4 or 10.
+/// 8, 4, 10 or 3.
 int nodes_of(Element element);
+/// Whether it is a plane one.
+inline bool is_plane(Element element) {
+  return element == Element::kTri3;
+}
 
 /// Nodes of an element: hexahedra as VoxelGrid has them (corner c = i + 2 j + 4 k), tetrahedra with
 /// det(x1 - x0, x2 - x0, x3 - x0) > 0, quadratic ones then the middles of the edges 01, 12, 02, 03,
-/// 13, 23 (the order of VTK).
+/// 13, 23 (the order of VTK), triangles counterclockwise seen from +z.
 struct ElementMesh {
   Element element = Element::kHex;
   Array<double> rest;       ///< position at rest [m], (nodes, 3)
@@ -51,6 +55,9 @@ inline bool is_voxel_mesh(const ElementMesh& mesh) {
   return nodes_of(mesh.element) == 8 && !mesh.fill.empty();
 }
 
+/// Mean edge [m] of elements that have this volume in all: the root of what each has of it.
+double element_edge(const ElementMesh& mesh, double volume);
+
 /// Factor on energy and mass of an element.
 inline double fill_of(const ElementMesh& mesh, int64_t element) {
   return mesh.fill.empty() ? 1 : mesh.fill(element);
@@ -62,8 +69,8 @@ void element_nodes(const ElementMesh& mesh, int64_t element, double* X);
 
 /// @throws Error naming the first place: tables that do not fit, an index out of range, a position
 ///         that is not finite, a voxel that is no cube of edge h or has a mean or weight out of
-///         range, a fill out of range, an element whose Jacobian is not positive at a quadrature
-///         point.
+///         range, a fill out of range, triangles that do not lie in one plane z, an element whose
+///         Jacobian is not positive at a quadrature point.
 void check_mesh(const ElementMesh& mesh);
 
 }  // namespace elastogen::fem

@@ -11,9 +11,40 @@
 namespace elastogen::fem {
 namespace {
 
-// share of the mean in the dilatation of elements that have it: with all of it points that flow
-// without hardening are turned inside out at next to no cost
-constexpr double kMeanShare = 0.9;
+/// Share s of the mean in the dilatation of elements that have it. What is the point's own resists
+/// with (1 - s)^2 K, without which a point that flows is flattened at next to no cost: as much as
+/// bears three times the yield stress, the pressure under a stamp, at a dilatation of a fifth.
+double mean_share(const Solid& solid) {
+  constexpr double kLeast = 0.1, kStiffness = 15;
+  const auto* metal = std::get_if<MetalYield>(&solid.yield);
+  if (!metal) return 1 - kLeast;
+  const double ratio = kStiffness * metal->stress / bulk_modulus(solid.elastic, 3);
+  return 1 - std::clamp(std::sqrt(ratio), kLeast, 1.0);
+}
+
+template <class Point>
+void store(int64_t k, const Point& point, PlasticHistory& history) {
+  std::copy_n(point.Fp_inverse.m, 9, history.Fp_inverse.row(k));
+  history.memory(k) = memory_of(point.history);
+}
+
+/// The potential that is frozen of a law without one.
+template <class L>
+struct FrozenOf;
+template <int d>
+struct FrozenOf<DruckerPrager<double, d>> {
+  using Law = FrozenDruckerPrager<double, d>;
+};
+template <int d>
+struct FrozenOf<CamClay<double, d>> {
+  using Law = FrozenCamClay<double, d>;
+};
+template <class Point>
+using FrozenLaw = typename FrozenOf<std::decay_t<decltype(std::declval<Point>().law)>>::Law;
+
+template <class Point>
+constexpr bool kHasEnergy =
+    elastogen::has_energy<std::decay_t<decltype(std::declval<Point>().law)>>;
 
 }  // namespace
 
@@ -22,7 +53,10 @@ PlasticBody::PlasticBody(const ElementMesh& mesh, const std::vector<Solid>& soli
   ELASTOGEN_CHECK(mesh.element != Element::kVoxel,
                   "voxel elements cannot yield: their one point leaves the flow to an elastic term;"
                   " take hex-bbar");
-  for (const Solid& solid : solids_) laws_.push_back(point_law<3>(solid));
+  for (const Solid& solid : solids_) {
+    laws_.push_back(any_law(solid, is_plane(mesh.element)));
+    shares_.push_back(mean_share(solid));
+  }
   for (int64_t e = 0; e < mesh.elements.rows(); ++e)
     ELASTOGEN_CHECK(mesh.material(e) >= 0 && mesh.material(e) < int(solids_.size()), "element ", e,
                     " has material ", mesh.material(e), " of ", solids_.size());
@@ -30,8 +64,8 @@ PlasticBody::PlasticBody(const ElementMesh& mesh, const std::vector<Solid>& soli
 }
 
 bool PlasticBody::has_energy() const {
-  return std::all_of(laws_.begin(), laws_.end(), [](const PointLaw<3>& point) {
-    return std::visit([]<class L>(const L&) { return elastogen::has_energy<L>; }, point);
+  return std::all_of(laws_.begin(), laws_.end(), [](const AnyLaw& law) {
+    return std::visit([]<class L>(const L&) { return elastogen::has_energy<L>; }, law);
   });
 }
 
@@ -71,16 +105,14 @@ void PlasticBody::for_laws(int64_t element, const Visit& visit) const {
 template <class Visit>
 void PlasticBody::for_points(int64_t element, const Visit& visit) const {
   if (frozen_.empty()) return for_laws(element, visit);
-  for_laws(element, [&](int q, const auto& point) {
+  for_laws(element, [&]<class Point>(int q, const Point& point) {
     const Frozen& frozen = frozen_[size_t(element * tables_.points() + q)];
-    if constexpr (std::is_same_v<decltype(point.law), const DruckerPrager<double, 3>&>) {
-      const Sand law{point.law};
-      visit(q, PlasticPoint<Sand>{law, std::get<Sand::History>(frozen), point.Fp_inverse});
-    } else if constexpr (std::is_same_v<decltype(point.law), const CamClay<double, 3>&>) {
-      const Snow law{point.law};
-      visit(q, PlasticPoint<Snow>{law, std::get<Snow::History>(frozen), point.Fp_inverse});
-    } else {
+    if constexpr (kHasEnergy<Point>) {
       visit(q, point);
+    } else {
+      using Law = FrozenLaw<Point>;
+      const Law law{point.law};
+      visit(q, PlasticPoint<Law>{law, std::get<typename Law::History>(frozen), point.Fp_inverse});
     }
   });
 }
@@ -92,14 +124,11 @@ void PlasticBody::freeze(In<double> u) {
   for_each(
       mesh().elements.rows(),
       [&](int64_t element) {
-        const PointGradients points(mesh().element, tables_.state(element, u), kMeanShare);
-        for_laws(element, [&](int q, const auto& point) {
-          Frozen& to = frozen[size_t(element * tables_.points() + q)];
-          const Svd3<double> Fe = svd3(points.F(q) * point.Fp_inverse);
-          if constexpr (std::is_same_v<decltype(point.law), const DruckerPrager<double, 3>&>)
-            to = Sand{point.law}.frozen(Fe.sigma, point.history);
-          else if constexpr (std::is_same_v<decltype(point.law), const CamClay<double, 3>&>)
-            to = Snow{point.law}.frozen(Fe.sigma, point.history);
+        const PointGradients points(mesh().element, tables_.state(element, u), share(element));
+        for_laws(element, [&]<class Point>(int q, const Point& point) {
+          if constexpr (!kHasEnergy<Point>)
+            frozen[size_t(element * tables_.points() + q)] =
+                FrozenLaw<Point>{point.law}.frozen(point.elastic(points.F(q)).sigma, point.history);
         });
       },
       kElementBlock);
@@ -113,7 +142,7 @@ double PlasticBody::energy(In<double> u) const {
       energy.rows(),
       [&](int64_t element) {
         const ElementState e = tables_.state(element, u);
-        const PointGradients points(mesh().element, e, kMeanShare);
+        const PointGradients points(mesh().element, e, share(element));
         for_points(element, [&](int q, const auto& point) {
           energy(element) += e.weight[q] * point.energy(points.F(q));
         });
@@ -128,9 +157,27 @@ void PlasticBody::add_gradient(In<double> u, Out<double> g) const {
   tables_.add_forces(
       [&](int64_t element, double* f) {
         const ElementState e = tables_.state(element, u);
-        const PointGradients points(mesh().element, e, kMeanShare);
+        const PointGradients points(mesh().element, e, share(element));
         Mat3<double> P[kMaxPoints];
         for_points(element, [&](int q, const auto& point) { P[q] = point.stress(points.F(q)); });
+        points.add_force(e, P, f);
+      },
+      g);
+}
+
+void PlasticBody::add_gradient_and_commit(In<double> u, Out<double> g) {
+  tables_.check_nodal(u);
+  tables_.check_nodal(g);
+  tables_.add_forces(
+      [&](int64_t element, double* f) {
+        const ElementState e = tables_.state(element, u);
+        const PointGradients points(mesh().element, e, share(element));
+        Mat3<double> P[kMaxPoints];
+        for_laws(element, [&](int q, auto point) {
+          P[q] = point.stress(points.F(q));
+          point.commit(points.F(q));
+          store(element * tables_.points() + q, point, history_);
+        });
         points.add_force(e, P, f);
       },
       g);
@@ -140,7 +187,7 @@ void PlasticBody::element_hessian(int64_t element, In<double> u, TangentKind kin
                                   double* K) const {
   tables_.check_nodal(u);
   const ElementState e = tables_.state(element, u);
-  const PointGradients points(mesh().element, e, kMeanShare);
+  const PointGradients points(mesh().element, e, share(element));
   const bool shares = points.shares_dilatation();
   bool symmetric = true;
   Mat3<double> P[kMaxPoints];
@@ -158,12 +205,10 @@ PlasticHistory PlasticBody::history_after(In<double> u) const {
   tables_.check_nodal(u);
   PlasticHistory after = history_;
   for_each(mesh().elements.rows(), [&](int64_t element) {
-    const PointGradients points(mesh().element, tables_.state(element, u), kMeanShare);
+    const PointGradients points(mesh().element, tables_.state(element, u), share(element));
     for_laws(element, [&](int q, auto point) {
-      const int64_t k = element * tables_.points() + q;
       point.commit(points.F(q));
-      std::copy_n(point.Fp_inverse.m, 9, after.Fp_inverse.row(k));
-      after.memory(k) = memory_of(point.history);
+      store(element * tables_.points() + q, point, after);
     });
   });
   return after;
@@ -174,7 +219,7 @@ StepWork PlasticBody::work(In<double> u) const {
   Array<double> elastic(mesh().elements.rows()), plastic(elastic);
   for_each(elastic.rows(), [&](int64_t element) {
     const ElementState e = tables_.state(element, u);
-    const PointGradients points(mesh().element, e, kMeanShare);
+    const PointGradients points(mesh().element, e, share(element));
     for_laws(element, [&](int q, const auto& point) {
       const StepWork work = point.work(points.F(q));
       elastic(element) += e.weight[q] * work.elastic;

@@ -6,7 +6,7 @@
 //
 // the gradient of E(u) = sum w_q psi of laws with a potential; of the others, sand and snow, a
 // potential can be frozen at a state (materials/frozen_potential.hpp), with the same forces there.
-// With bbar F_q has 9/10 of the mean dilatation (fem/mean_dilatation.hpp).
+// Triangles flow in their plane (materials with d = 2). With bbar F_q has a share of the mean dilatation (fem/mean_dilatation.hpp).
 
 #pragma once
 
@@ -49,6 +49,8 @@ class PlasticBody {
   double energy(In<double> u) const;
   /// Adds f(u) [N] to g, (nodes, 3).
   void add_gradient(In<double> u, Out<double> g) const;
+  /// The same, and takes the history after a step that ends at u.
+  void add_gradient_and_commit(In<double> u, Out<double> g);
   /// df/du of an element [N/m], row-major (3 n, 3 n), symmetric where the law has a potential.
   void element_hessian(int64_t element, In<double> u, TangentKind kind, double* K) const;
 
@@ -64,9 +66,10 @@ class PlasticBody {
   double stiffness(int64_t element) const;
 
  private:
-  using Sand = FrozenDruckerPrager<double, 3>;
-  using Snow = FrozenCamClay<double, 3>;
-  using Frozen = std::variant<std::monostate, Sand::History, Snow::History>;
+  using Frozen =
+      std::variant<std::monostate, FrozenDruckerPrager<double, 3>::History,
+                   FrozenCamClay<double, 3>::History, FrozenDruckerPrager<double, 2>::History,
+                   FrozenCamClay<double, 2>::History>;
 
   template <class Visit>
   void for_points(int64_t element, const Visit& visit) const;
@@ -75,7 +78,10 @@ class PlasticBody {
 
   ElementTables tables_;
   std::vector<Solid> solids_;
-  std::vector<PointLaw<3>> laws_;  // of each solid
+  double share(int64_t element) const { return shares_[size_t(mesh().material(element))]; }
+
+  std::vector<AnyLaw> laws_;    // of each solid
+  std::vector<double> shares_;  // of the mean in the dilatation, of each solid
   PlasticHistory history_;
   std::vector<Frozen> frozen_;  // of each point; empty: thawed
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mpm_fem/fem/shape_functions.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace elastogen::fem {
@@ -82,6 +83,10 @@ bool is_hexahedron(Element element) {
   return nodes_of(element) == 8;
 }
 
+bool is_linear(Element element) {
+  return element == Element::kTet4 || element == Element::kTri3;
+}
+
 }  // namespace
 
 void shape_functions(Element element, const Vec3& xi, double* N) {
@@ -92,8 +97,9 @@ void shape_functions(Element element, const Vec3& xi, double* N) {
   }
   double L[4];
   barycentric(xi, L);
-  const bool linear = element == Element::kTet4;
-  for (int a = 0; a < 4; ++a) N[a] = linear ? L[a] : L[a] * (2 * L[a] - 1);
+  const bool linear = is_linear(element);
+  for (int a = 0; a < std::min(4, nodes_of(element)); ++a)
+    N[a] = linear ? L[a] : L[a] * (2 * L[a] - 1);
   if (linear) return;
   for (int e = 0; e < 6; ++e) N[4 + e] = 4 * L[kEdges[e][0]] * L[kEdges[e][1]];
 }
@@ -109,9 +115,10 @@ void shape_gradients(Element element, const Vec3& xi, double* dN) {
   }
   double L[4];
   barycentric(xi, L);
-  if (element != Element::kTet4) return quadratic_gradients(L, dN);
-  for (int a = 0; a < 4; ++a)
-    for (int d = 0; d < 3; ++d) dN[3 * a + d] = kBarycentricGradient[a][d];
+  if (!is_linear(element)) return quadratic_gradients(L, dN);
+  for (int a = 0; a < nodes_of(element); ++a)
+    for (int d = 0; d < 3; ++d)
+      dN[3 * a + d] = is_plane(element) && d == 2 ? 0 : kBarycentricGradient[a][d];
 }
 
 void jacobian(Element element, const double* X, const double* dN, double J[9]) {
@@ -119,6 +126,7 @@ void jacobian(Element element, const double* X, const double* dN, double J[9]) {
   for (int a = 0; a < nodes_of(element); ++a)
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) J[3 * i + j] += X[3 * a + i] * dN[3 * a + j];
+  if (is_plane(element)) J[8] = 1;
 }
 
 const std::vector<QuadraturePoint>& potential_rule(Element element) {
@@ -127,7 +135,9 @@ const std::vector<QuadraturePoint>& potential_rule(Element element) {
       product_rule({{0.5 - offset, 0.5}, {0.5 + offset, 0.5}});
   static const std::vector<QuadraturePoint> centre = {{{0.25, 0.25, 0.25}, 1.0 / 6}};
   static const std::vector<QuadraturePoint> tetrahedron = four_points();
+  static const std::vector<QuadraturePoint> triangle = {{{1.0 / 3, 1.0 / 3, 0}, 0.5}};
   if (is_hexahedron(element)) return hexahedron;
+  if (is_plane(element)) return triangle;
   return element == Element::kTet4 ? centre : tetrahedron;
 }
 
@@ -136,6 +146,9 @@ const std::vector<QuadraturePoint>& mass_rule(Element element) {
   static const std::vector<QuadraturePoint> hexahedron =
       product_rule({{0.5 - offset, 5.0 / 18}, {0.5, 8.0 / 18}, {0.5 + offset, 5.0 / 18}});
   static const std::vector<QuadraturePoint> tetrahedron = fourteen_points();
+  static const std::vector<QuadraturePoint> triangle = {
+      {{0.5, 0, 0}, 1.0 / 6}, {{0.5, 0.5, 0}, 1.0 / 6}, {{0, 0.5, 0}, 1.0 / 6}};
+  if (is_plane(element)) return triangle;
   return is_hexahedron(element) ? hexahedron : tetrahedron;
 }
 

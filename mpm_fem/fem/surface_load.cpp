@@ -160,6 +160,7 @@ void add_normal(const ElementMesh& mesh, const LoadedFace& face, double factor,
 
 void check_selected(const ElementMesh& mesh, In<uint8_t> selected) {
   const int64_t nodes = mesh.rest.rows();
+  ELASTOGEN_CHECK(!is_plane(mesh.element), "a plane mesh has no faces that bear a load");
   ELASTOGEN_CHECK(selected.rows == nodes && selected.cols == 1, "selected must be (", nodes,
                   ", 1), got (", selected.rows, ", ", selected.cols, ")");
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The tetrahedra of a file as finite elements.
+// The tetrahedra or plane triangles of a file as finite elements.
 
 #pragma once
 
@@ -8,8 +8,8 @@
 
 namespace elastogen::fem {
 
-/// Takes nodes and tetrahedra out of a file; what it says of regions and findings stays.
-/// @return kTet4 or kTet10, all of material 0.
+/// Takes nodes and elements out of a file; what it says of regions and findings stays.
+/// @return kTet4, kTet10 or kTri3, all of material 0.
 ElementMesh take_mesh(tets::TetFile& file);
 
 }  // namespace elastogen::fem

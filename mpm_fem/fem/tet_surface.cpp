@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <vector>
 
 namespace elastogen::fem {
@@ -47,9 +48,21 @@ void check_tets(const ElementMesh& mesh) {
                   nodes, " columns");
 }
 
+/// Root of the mean of twice the area.
+double plane_edge(const ElementMesh& mesh) {
+  double twice = 0;
+  for (int64_t e = 0; e < mesh.elements.rows(); ++e) {
+    const double *a = mesh.rest.row(mesh.elements(e, 0)), *b = mesh.rest.row(mesh.elements(e, 1));
+    const double* c = mesh.rest.row(mesh.elements(e, 2));
+    twice += (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+  }
+  return std::sqrt(twice / double(mesh.elements.rows()));
+}
+
 }  // namespace
 
 Array<int32_t> outer_triangles(const ElementMesh& mesh) {
+  if (is_plane(mesh.element)) return mesh.elements;
   check_tets(mesh);
   const bool quadratic = mesh.elements.cols() == 10;
   std::vector<int32_t> corners;
@@ -71,7 +84,23 @@ Array<int32_t> outer_triangles(const ElementMesh& mesh) {
   return triangles;
 }
 
+Array<double> rim_area(const ElementMesh& mesh) {
+  std::map<std::pair<int32_t, int32_t>, int> triangles;  // of each edge
+  for (int64_t e = 0; e < mesh.elements.rows(); ++e)
+    for (int c = 0; c < 3; ++c)
+      ++triangles[std::minmax(mesh.elements(e, c), mesh.elements(e, (c + 1) % 3))];
+  Array<double> area(mesh.rest.rows());
+  for (const auto& [edge, count] : triangles) {
+    if (count > 1) continue;
+    const double *a = mesh.rest.row(edge.first), *b = mesh.rest.row(edge.second);
+    const double half = std::hypot(b[0] - a[0], b[1] - a[1]) / 2;
+    area(edge.first) += half, area(edge.second) += half;
+  }
+  return area;
+}
+
 double mean_edge(const ElementMesh& mesh) {
+  if (is_plane(mesh.element)) return plane_edge(mesh);
   check_tets(mesh);
   double six_volumes = 0;
   for (int64_t e = 0; e < mesh.elements.rows(); ++e) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The surface of a mesh of tetrahedra.
+// The surface of a mesh of tetrahedra; of plane triangles all of them.
 
 #pragma once
 
@@ -15,11 +15,15 @@ inline constexpr int kTetFaceMiddles[4][3] = {{5, 9, 8}, {7, 9, 6}, {4, 8, 7}, {
 /// Faces with one tetrahedron as triangles of nodes, counterclockwise from outside, in the order of
 /// their tetrahedra; of quadratic ones four a face, between corners and middles.
 /// @return  (triangles, 3)
-/// @throws Error unless the mesh has tetrahedra.
+/// @throws Error unless the mesh has tetrahedra or triangles.
 Array<int32_t> outer_triangles(const ElementMesh& mesh);
 
 /// Edge of the cube that six tetrahedra of mean volume fill, (6 V / elements)^(1/3) [m]: what h is
-/// for voxels. Edges count as straight.
+/// for voxels; of the square that two triangles fill. Edges count as straight.
 double mean_edge(const ElementMesh& mesh);
+
+/// Half the length of the edges with one triangle that end at each node of plane triangles, times
+/// their thickness of 1 m: the area of the surface that it stands for [m^2], (nodes, 1).
+Array<double> rim_area(const ElementMesh& mesh);
 
 }  // namespace elastogen::fem

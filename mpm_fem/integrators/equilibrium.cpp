@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mpm_fem/integrators/equilibrium.hpp"
 
+#include <algorithm>
+#include <limits>
+
 namespace elastogen::fem {
 namespace {
 
 constexpr int kFirstSteps = 3;     // on frozen potentials, before the true forces
 constexpr int kMostFallbacks = 8;  // before a step is left as a draft
+constexpr int kMostHalvings = 12;  // of a step on the true forces
+constexpr int kPatience = 15;      // such steps in which the forces have to fall tenfold
 
 NewtonStop as_newton(RootStop stop) {
   switch (stop) {
@@ -45,16 +50,22 @@ Equilibrium find_equilibrium(FemPotential& terms, const NewtonOptions& options, 
   Equilibrium result;
   for (int k = 0; k < kFirstSteps; ++k)
     result.iterations += frozen_step(terms, options.tolerance, u);
+  double before = std::numeric_limits<double>::infinity();
   while (true) {
-    const RootResult root = terms.potential.find_root(
-        {.tolerance = options.tolerance,
-         .max_iterations = std::max(0, options.max_iterations - result.iterations)},
-        u);
+    const int left = std::max(0, options.max_iterations - result.iterations);
+    const RootResult root = terms.potential.find_root({.tolerance = options.tolerance,
+                                                       .max_iterations = std::min(left, kPatience),
+                                                       .max_halvings = kMostHalvings},
+                                                      u);
     result.iterations += root.iterations;
     result.stop = as_newton(root.stop);
     result.noise = root.noise;
+    const bool runs = root.stop == RootStop::kIterations, falls = root.residual < 0.1 * before;
     const bool failed = root.stop == RootStop::kLineSearch || root.stop == RootStop::kSingular;
-    if (!failed || result.fallbacks == kMostFallbacks) return result;
+    before = root.residual;
+    if (!failed && (!runs || left <= kPatience)) return result;
+    if (runs && falls) continue;
+    if (result.fallbacks == kMostFallbacks) return result;
     ++result.fallbacks;
     result.iterations += frozen_step(terms, options.tolerance, u);
   }

@@ -12,7 +12,7 @@ namespace elastogen::fem {
 struct Equilibrium {
   NewtonStop stop = NewtonStop::kConverged;
   int iterations = 0;  ///< linear systems solved
-  int fallbacks = 0;   ///< frozen steps after a line search or a linear system that failed
+  int fallbacks = 0;   ///< frozen steps where those on the true forces failed or crept
   double noise = 0;    ///< bound on the rounding error of the forces [N]; 0: nobody had to ask
 };
 

@@ -54,10 +54,10 @@ ImplicitFem::ImplicitFem(const FemScene& scene, const ImplicitOptions& options)
 }
 
 StepScheme ImplicitFem::scheme_of(const FemState& state) const {
-  if (scene_.scheme == Scheme::kNewmark) return {TimeScheme::kEuler, scene_.dt, 4};
+  if (scene_.scheme == Scheme::kNewmark) return {TimeScheme::kEuler, period_.dt, 4};
   if (scene_.scheme == Scheme::kBdf2 && !state.u_before.empty())
-    return {TimeScheme::kBdf2, scene_.dt, 2.25};
-  return {TimeScheme::kEuler, scene_.dt, 1};
+    return {TimeScheme::kBdf2, period_.dt, 2.25};
+  return {TimeScheme::kEuler, period_.dt, 1};
 }
 
 /// Sets the potential of the step.
@@ -68,12 +68,11 @@ void ImplicitFem::begin(FemState& state) {
     PlasticBody& body = terms_.plastic->body();
     body.set_history(state.plastic.memory.empty() ? body.rest_history() : state.plastic);
   }
-  const double dt = scene_.dt;
+  const double dt = period_.dt;
   const bool newmark = scene_.scheme == Scheme::kNewmark;
   if (newmark && state.a.empty()) start_newmark(state);
-  Array<double> force = applied_force(scene_, double(state.steps + 1) * dt, 1);
-  const double start = double(state.steps) * dt;
-  if (terms_.contact.exists()) terms_.contact.begin_step(state.u, start, dt);
+  Array<double> force = applied_force(scene_, period_.end, 1);
+  if (terms_.contact.exists()) terms_.contact.begin_step(state.u, period_.start, dt, dt / scene_.dt);
   const bool history = !state.u_before.empty();
   for (int64_t k = 0; k < predictor_.size(); ++k) {
     const double u = state.u.data()[k], v = state.v.data()[k];
@@ -124,7 +123,7 @@ Array<double> ImplicitFem::start_value(const FemState& state) {
   const double here = potential_.evaluate(state.u.data(), gradient_.data()).value;
   const double there = potential_.evaluate(ahead.data(), gradient_.data()).value;
   Array<double> u = there < here ? std::move(ahead) : state.u;
-  potential_.move_fixed(with_motion(scene_, double(state.steps + 1) * scene_.dt, u), u.data());
+  potential_.move_fixed(with_motion(scene_, period_.end, u), u.data());
   return u;
 }
 
@@ -179,7 +178,7 @@ Array<double> ImplicitFem::handed_out(const Array<double>& u) const {
 /// @param u  of the minimum, which velocities and accelerations are of.
 void ImplicitFem::finish(const Array<double>& u, Array<double> handed, FemState& state,
                          FemStepReport& report) {
-  const double dt = scene_.dt;
+  const double dt = period_.dt;
   Array<double> v(u.rows(), 3), Mv(u.rows(), 3);
   for (int64_t k = 0; k < u.size(); ++k) {
     const double before = state.u_before.empty() ? state.u.data()[k] : state.u_before.data()[k];
@@ -203,18 +202,31 @@ void ImplicitFem::finish(const Array<double>& u, Array<double> handed, FemState&
   state.v_before = std::move(state.v);
   state.u = std::move(handed);
   state.v = std::move(v);
-  ++state.steps;
-  state.time = double(state.steps) * dt;
+  state.time = period_.end;
 }
 
 FemStepReport ImplicitFem::step(FemState& state) {
+  const double dt = scene_.dt, steps = double(state.steps);
+  FemStepReport report = advance(state, {steps * dt, (steps + 1) * dt, dt});
+  if (report.finite) ++state.steps;
+  return report;
+}
+
+FemStepReport ImplicitFem::step_part(FemState& state, double part) {
+  ELASTOGEN_CHECK(part > 0 && part <= scene_.dt, "a part must lie in (0, ", scene_.dt, "] s, got ",
+                  part);
+  return advance(state, {state.time, state.time + part, part});
+}
+
+FemStepReport ImplicitFem::advance(FemState& state, const Period& period) {
   const Stopwatch watch;
   check_state(state, scene_.mesh.rest.rows());
+  period_ = period;
   const int64_t inner = potential_.solver().iterations() + potential_.root_iterations();
   begin(state);
   FemStepReport report;
   report.step = state.steps + 1;
-  report.time = double(report.step) * scene_.dt;
+  report.time = period.end;
   report.scheme = scheme_.scheme;
   report.used = scheme_.scheme == TimeScheme::kBdf2 ? Scheme::kBdf2 : Scheme::kEuler;
   if (scene_.scheme == Scheme::kNewmark) report.used = Scheme::kNewmark;

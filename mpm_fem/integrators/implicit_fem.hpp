@@ -35,6 +35,8 @@ struct ImplicitOptions {
 struct FemStepReport : StepReport {
   Scheme used = Scheme::kEuler;
   NewtonStop stop = NewtonStop::kConverged;
+  int parts = 1;     ///< that it was taken in (parted_fem.hpp)
+  int halvings = 0;  ///< tries at a part that were taken back; fallbacks counts them too
   double floor = 0;  ///< bound on the rounding error of the residual; 0 where nobody had to ask
 };
 
@@ -48,12 +50,26 @@ class ImplicitFem {
   /// says so. Same bits on every run and any number of threads.
   /// @throws Error unless the arrays of the state are (nodes, 3).
   FemStepReport step(FemState& state);
+  /// The same by a part of dt from state.time; the count of steps stays. A step that is taken in
+  /// parts has no step before it, so that BDF2 begins with implicit Euler.
+  FemStepReport step_part(FemState& state, double part);
+
+  const FemScene& scene() const { return scene_; }
+  double edge() const { return terms_.length(); }  ///< mean one of an element [m]
+  /// Push of each collider on the body at the end of the last step, which led to u [N].
+  std::vector<Vec3> pushes(In<double> u) { return terms_.contact.pushes(u); }
 
   /// Gradient of Phi at the last state [N], (nodes, 3), 0 at what is fixed.
   const Array<double>& residual() const { return gradient_; }
   const Potential& potential() const { return potential_; }
 
  private:
+  /// From when to when a step goes [s].
+  struct Period {
+    double start, end, dt;
+  };
+
+  FemStepReport advance(FemState& state, const Period& period);
   StepScheme scheme_of(const FemState& state) const;
   void begin(FemState& state);
   void start_newmark(FemState& state);
@@ -68,6 +84,7 @@ class ImplicitFem {
   FemPotential terms_;
   Potential& potential_;  // of the terms
   double reference_;      // |M g_ref| [N]
+  Period period_ = {};    // of the present step
   StepScheme scheme_;
   Array<double> predictor_, gradient_, weight_;
 };

@@ -3,7 +3,7 @@
 
 #include "core/error.hpp"
 #include "core/reduce.hpp"
-#include "mpm_fem/integrators/fem_potential.hpp"
+#include "mpm_fem/integrators/equilibrium.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -22,7 +22,7 @@ class Statics {
         options_(options),
         terms_(scene, options.linear),
         potential_(terms_.potential) {
-    ELASTOGEN_CHECK(!terms_.plastic, "statics know no materials that yield");
+    if (terms_.plastic) result_.plastic = terms_.plastic->body().rest_history();
     weight_ = Array<double>(scene.mesh.rest.rows(), 3);
     Array<double> gravity(weight_.rows(), 3);
     for (int64_t k = 0; k < gravity.size(); ++k) gravity.data()[k] = scene.gravity[size_t(k % 3)];
@@ -36,6 +36,8 @@ class Statics {
   void set_loads(double factor);
   double reference(const Array<double>& u);
   NewtonResult minimise(Array<double>& u);
+  NewtonResult settle(Array<double>& u);
+  void commit(const Array<double>& u);
   bool advance(double factor);
   void finish();
 
@@ -85,13 +87,37 @@ NewtonResult Statics::minimise(Array<double>& u) {
   return last;
 }
 
+/// The same where materials yield.
+NewtonResult Statics::settle(Array<double>& u) {
+  reference_ = reference(u);
+  const Equilibrium found = find_equilibrium(
+      terms_, {.tolerance = options_.tolerance * reference_, .max_iterations = options_.max_newton},
+      u.data());
+  std::vector<double> g(size_t(u.size()));
+  potential_.free_gradient(u.data(), g.data());
+  NewtonResult result;
+  result.stop = found.stop;
+  result.iterations = found.iterations;
+  result.noise = found.noise;
+  result.residual = norm(g.data(), u.size());
+  return result;
+}
+
+/// Keeps the flow of an increment that ends at u.
+void Statics::commit(const Array<double>& u) {
+  PlasticBody& body = terms_.plastic->body();
+  result_.energy.plastic += body.work(u).plastic;
+  result_.plastic = body.history_after(u);
+  body.set_history(result_.plastic);
+}
+
 /// One increment up to a load factor. False: it failed, and u is as it was.
 bool Statics::advance(double factor) {
   set_loads(factor);
   Array<double> u = result_.u;
   terms_.freeze_rotations(u);
   potential_.move_fixed(with_motion(scene_, factor, u), u.data());
-  const NewtonResult newton = minimise(u);
+  const NewtonResult newton = terms_.plastic ? settle(u) : minimise(u);
   result_.newton_steps += newton.iterations;
   result_.stop = newton.stop;
   const double force = reference_ > 0 ? reference_ : 1;
@@ -101,6 +127,7 @@ bool Statics::advance(double factor) {
   if (newton.stop != NewtonStop::kConverged && !rounded) return false;
   ++result_.increments;
   result_.load_factor = factor;
+  if (terms_.plastic) commit(u);
   result_.u = std::move(u);
   return true;
 }
@@ -112,7 +139,9 @@ void Statics::finish() {
   terms_.freeze_rotations(u);
   result_.reaction = Array<double>(u.rows(), 3);
   potential_.full_gradient(u.data(), result_.reaction.data());
+  const double plastic = result_.energy.plastic;
   result_.energy = terms_.energy(u);
+  result_.energy.plastic += plastic;
   result_.gradient = result_.reaction;
   for (int64_t k = 0; k < u.size(); ++k) {
     (potential_.is_fixed(k) ? result_.gradient : result_.reaction).data()[k] = 0;
@@ -122,13 +151,14 @@ void Statics::finish() {
 }
 
 StaticResult Statics::run() {
-  double increment = std::min(1.0, options_.first_increment);
+  const double largest = terms_.plastic ? std::min(1.0, options_.largest_flow) : 1;
+  double increment = std::min(largest, options_.first_increment);
   while (result_.load_factor < 1 && increment >= options_.smallest_increment) {
     const int before = result_.newton_steps;
     if (!advance(std::min(1.0, result_.load_factor + increment)))
       increment /= 2;
     else if (result_.newton_steps - before <= kEasy)
-      increment *= 2;
+      increment = terms_.plastic ? std::min(largest, 2 * increment) : 2 * increment;
   }
   result_.converged = result_.load_factor == 1;
   finish();
@@ -138,10 +168,11 @@ StaticResult Statics::run() {
 }  // namespace
 
 StaticResult solve_static(const FemScene& scene, const StaticOptions& options) {
-  ELASTOGEN_CHECK(
-      options.tolerance > 0 && options.first_increment > 0 && options.smallest_increment > 0,
-      "tolerance and increments must be positive, got ", options.tolerance, ", ",
-      options.first_increment, ", ", options.smallest_increment);
+  ELASTOGEN_CHECK(options.tolerance > 0 && options.first_increment > 0 &&
+                      options.smallest_increment > 0 && options.largest_flow > 0,
+                  "tolerance and increments must be positive, got ", options.tolerance, ", ",
+                  options.first_increment, ", ", options.smallest_increment, ", ",
+                  options.largest_flow);
   return Statics(scene, options).run();
 }
 

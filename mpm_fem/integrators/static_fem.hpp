@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Static equilibrium under gravity, dead loads and prescribed displacements, along a load factor
 // from 0 to 1 in increments that shrink where Newton's method fails and grow where it does not.
+// Materials that yield commit their flow after each increment.
 
 #pragma once
 
@@ -15,6 +16,7 @@ struct StaticOptions {
   double tolerance = 1e-10;
   double first_increment = 1;        ///< of the load factor
   double smallest_increment = 1e-4;  ///< below it the solution is given up
+  double largest_flow = 1.0 / 16;    ///< largest increment where a material yields
   int max_newton = 40;               ///< Newton steps of an increment
   LinearOptions linear = {};
 };
@@ -25,6 +27,7 @@ struct StaticResult {
   double load_factor = 0;  ///< that u belongs to
   Array<double> u;         ///< [m], (nodes, 3)
   Array<double> reaction;  ///< forces that hold the fixed components [N], (nodes, 3), else 0
+  PlasticHistory plastic;  ///< at u, of the elements that yield; empty: none does
   Array<double> gradient;  ///< what is left of the forces [N], (nodes, 3), 0 at what is fixed
   EnergyParts energy;      ///< at u; gravity as -sum m g.u
   double min_j = 1;
@@ -39,7 +42,7 @@ struct StaticResult {
 
 /// Rotations of the voxels' torsion correction are those of the solution: they are taken anew until
 /// that changes nothing.
-/// @throws Error as FemPotential, on options that are not positive, and where an element yields.
+/// @throws Error as FemPotential and on options that are not positive.
 StaticResult solve_static(const FemScene& scene, const StaticOptions& options = {});
 
 }  // namespace elastogen::fem

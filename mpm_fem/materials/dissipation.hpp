@@ -19,13 +19,14 @@ namespace detail {
 /// opens and closes does so without stress.
 template <class L>
 double flow_work(const L& law, const double s[3], const typename L::History& history) {
-  const HenckyStrain<double, 3> e = hencky_strain<3>(s);
+  constexpr int d = dimension<L>;
+  const HenckyStrain<double, d> e = hencky_strain<d>(s);
   const Returned<double> r = law.template returned<false>(e, history);
-  const bool deviator = std::is_same_v<L, DruckerPrager<double, 3>>;
+  const bool deviator = std::is_same_v<L, DruckerPrager<double, d>>;
   double work = 0, mean = 0, lost = 0;
-  for (int i = 0; i < 3; ++i) {
+  for (int i = 0; i < d; ++i) {
     work += r.tau[i] * (e.e[i] - r.e[i]);
-    mean += r.tau[i] / 3, lost += e.e[i] - r.e[i];
+    mean += r.tau[i] / d, lost += e.e[i] - r.e[i];
   }
   return deviator ? work - mean * lost : work;
 }

@@ -54,6 +54,24 @@ PointLaw<d> point_law(const Solid& solid) {
     return neo_von_mises<double, d>(solid.elastic, *metal);
 }
 
+/// A law in space or, with plane strain and a flow that stays in the plane, in the plane.
+using AnyLaw =
+    std::variant<ElasticLaw<double>, VonMises<double, 3>, detail::NeoHookeanMetal<3>,
+                 DruckerPrager<double, 3>, CamClay<double, 3>, VonMises<double, 2>,
+                 detail::NeoHookeanMetal<2>, DruckerPrager<double, 2>, CamClay<double, 2>>;
+
+/// point_law in the plane or in space. @throws Error as point_law.
+inline AnyLaw any_law(const Solid& solid, bool plane) {
+  const auto any = [](const auto& law) -> AnyLaw { return law; };
+  return plane ? std::visit(any, point_law<2>(solid)) : std::visit(any, point_law<3>(solid));
+}
+
+/// The dimension of the flow of a law, 2 where it stays in the plane.
+template <class L>
+inline constexpr int dimension = 3;
+template <template <class, int> class L, class T>
+inline constexpr int dimension<L<T, 2>> = 2;
+
 /// Whether a law's tangent is symmetric: then it has an energy, and steps are minima.
 template <class L>
 inline constexpr bool has_energy =

@@ -18,7 +18,7 @@ ElasticTerm::ElasticTerm(const ElementMesh& mesh, std::vector<Material> material
     stiffness_ += volume(e) * (2 * m.mu() + m.lambda());
     total += volume(e);
   }
-  edge_ = std::cbrt(total / double(std::max<int64_t>(1, volume.rows())));
+  edge_ = element_edge(mesh, total);
 }
 
 /// The rows of the mesh's nodes.

@@ -13,7 +13,7 @@ PlasticTerm::PlasticTerm(const ElementMesh& mesh, const std::vector<Solid>& soli
     stiffness_ += body_.volume(e) * body_.stiffness(e);
     total += body_.volume(e);
   }
-  edge_ = std::cbrt(total / double(mesh.elements.rows()));
+  edge_ = element_edge(mesh, total);
 }
 
 TermValue PlasticTerm::value(In<double> u) {

@@ -59,7 +59,6 @@ void RootSearch::move_trial(double share) {
 /// Goes along step_ until |r| falls by enough: the merit's slope along the step is at most
 /// -(1 - tolerance) |r|^2. False: it never did.
 bool RootSearch::shorten_step(double tolerance) {
-  constexpr int kMostHalvings = 40;
   double size = 0;
   const auto trial = [&](double share, int halvings) {
     move_trial(share);
@@ -74,7 +73,7 @@ bool RootSearch::shorten_step(double tolerance) {
                      .slope_start = -(1 - tolerance) * result_.residual,
                      .noise = -std::numeric_limits<double>::infinity()};
   };
-  if (!backtrack(trial, kMostHalvings)) return false;
+  if (!backtrack(trial, options_.max_halvings)) return false;
   std::copy(trial_.begin(), trial_.end(), x_);
   r_.swap(trial_r_);
   result_.residual = size;

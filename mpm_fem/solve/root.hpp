@@ -42,6 +42,7 @@ std::string_view stop_name(RootStop stop);
 struct RootOptions {
   double tolerance = 0;  ///< of |r|, in its unit
   int max_iterations = 100;
+  int max_halvings = 40;        ///< of a step that does not lower |r|
   double loosest_solve = 1e-2;  ///< tolerance of the linear systems far from the root
 };
 

@@ -45,10 +45,14 @@ TEST(YieldOptions, WhatDoesNotYieldHasNoMethodAndNoYieldStress) {
   expect_says(error_of(
                   [] {
                     simulate_options({"a.obj", "-o", "a.glb", "--static", "--pin", "y<5%",
-                                      "--material", "steel"});
+                                      "--material", "sand"});
                   },
                   ErrorKind::kUsage),
               "--static");
+  for (const char* material : {"steel", "packed-snow"})
+    EXPECT_TRUE(simulate_options(
+                    {"a.obj", "-o", "a.glb", "--static", "--pin", "y<5%", "--material", material})
+                    .fem->statics);
 }
 
 TEST(YieldOptions, AResolvedYieldIsAFixedPoint) {

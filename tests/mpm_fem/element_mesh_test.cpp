@@ -34,8 +34,9 @@ ElementMesh voxels(Element element = Element::kVoxel) {
 TEST(ElementMesh, NamesAreThoseOfTheElementsAndAnUnknownOneListsThem) {
   for (const Element element : test::kAllElements)
     EXPECT_EQ(fem::element_from_name(fem::element_name(element)), element);
-  EXPECT_EQ(message_from([] { fem::element_from_name("brick"); }),
-            "unknown element 'brick'; known are voxel, hex, hex-bbar, tet4, tet10, tet10-bbar");
+  EXPECT_EQ(
+      message_from([] { fem::element_from_name("brick"); }),
+      "unknown element 'brick'; known are voxel, hex, hex-bbar, tet4, tet10, tet10-bbar, tri3");
 }
 
 TEST(ElementMesh, VoxelsAreHexahedraOnTheNodesOfTheirGrid) {

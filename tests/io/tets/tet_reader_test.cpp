@@ -55,6 +55,23 @@ TEST(TetReader, QuadraticTetrahedraHaveTheirNodesInTheMiddleOfTheirEdges) {
     }
 }
 
+TEST(TetReader, TrianglesInThePlaneAreTheElementsWhereThereAreNoTetrahedra) {
+  const test::TetCells plane{{{0, 0, 0}, {1, 0, 0}, {9, 9, 9}, {1, 1, 0}, {0, 1, 0}},
+                             {{0, 1, 3}, {0, 4, 3}, {0, 1}},
+                             {5, 5, 3},
+                             {9, 7, 7}};
+  for (const NamedFile& f : all_files(plane)) {
+    const TetFile file = parse_tets(f.bytes, f.name);
+    EXPECT_EQ(file.elements.cols(), 3);
+    // the second one counterclockwise
+    EXPECT_EQ(values_of(file.elements), (std::vector<int32_t>{0, 1, 2, 0, 2, 3})) << f.name;
+    EXPECT_EQ(values_of(file.region), (std::vector<int32_t>{1, 0})) << f.name;
+    EXPECT_EQ(file.turned, 1) << f.name;
+    EXPECT_EQ(file.skipped, 1) << f.name;
+    EXPECT_EQ(file.unused, 1) << f.name;
+  }
+}
+
 TEST(TetReader, ReadsTextWithMarkAndCrlf) {
   for (const NamedFile& f : all_files(two_tets())) {
     if (f.name != "msh 2.2" && f.name != "msh 4.1" && f.name != "vtk 3" && f.name != "vtk 5" &&
@@ -116,12 +133,7 @@ TEST(TetReader, RefusesOtherFilesAndMeshes) {
   for (const auto& [bytes, message] : cases)
     expect_says(error_of([&] { parse_tets(bytes, "file"); }), message);
 
-  test::TetCells mesh = two_tets();
-  mesh.cells.resize(1);
-  mesh.types.resize(1);
-  mesh.regions.resize(1);
-  for (const NamedFile& f : all_files(mesh))
-    expect_says(error_of([&] { parse_tets(f.bytes, f.name); }), ": it has no tetrahedra");
+  test::TetCells mesh;
   for (const double height : {0., 1e-15, -1e-15, 1e-300}) {
     mesh = two_tets();
     mesh.points[4] = {0.5, 0.5, height};
@@ -141,6 +153,26 @@ TEST(TetReader, RefusesOtherFilesAndMeshes) {
   mesh.regions.push_back(3);
   for (const NamedFile& f : all_files(mesh))
     expect_says(error_of([&] { parse_tets(f.bytes, f.name); }), "(a hexahedron)");
+}
+
+TEST(TetReader, RefusesTrianglesOutOfThePlaneAndFlatOnes) {
+  test::TetCells mesh = two_tets();
+  mesh.cells.resize(1);
+  mesh.types.resize(1);
+  mesh.regions.resize(1);
+  mesh.points[2][2] = 1e-3;
+  for (const NamedFile& f : all_files(mesh))
+    expect_says(
+        error_of([&] { parse_tets(f.bytes, f.name); }),
+        ": it has no tetrahedra, and triangle 0 (counted from 0) does not lie in the plane");
+  mesh.points[2] = {2, 0, 0};
+  for (const NamedFile& f : all_files(mesh))
+    expect_says(error_of([&] { parse_tets(f.bytes, f.name); }),
+                ": triangle 0 (counted from 0) has");
+  mesh.cells = {{0, 1}};
+  mesh.types = {3};
+  for (const NamedFile& f : all_files(mesh))
+    expect_says(error_of([&] { parse_tets(f.bytes, f.name); }), ": it has no tetrahedra, nor");
 }
 
 TEST(TetReader, RefusesCoordinatesThatAreNotFinite) {

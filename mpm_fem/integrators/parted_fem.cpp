@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mpm_fem/integrators/parted_fem.hpp"
+
+#include "core/stopwatch.hpp"
+#include "core/vec3.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace elastogen::fem {
+namespace {
+
+constexpr int kMostParts = 16;   // that a step begins with
+constexpr int kTicks = 16;       // of each: four halvings
+constexpr double kFarthest = 1;  // that a collider goes in a part, in edges of an element
+
+/// Equal parts in which no collider goes too far.
+int parts_of(const FemScene& scene, double start, double edge) {
+  double farthest = 0;
+  for (const Collider& collider : scene.colliders)
+    farthest = std::max(
+        farthest, norm(minus(offset_at(collider, start + scene.dt), offset_at(collider, start))));
+  const double parts = std::ceil(farthest / (kFarthest * edge) - 1e-9);
+  return int(std::clamp(parts, 1.0, double(kMostParts)));
+}
+
+/// Takes what a try costs and, where it is kept, where it leads.
+void add(const FemStepReport& part, bool kept, FemStepReport& all) {
+  all.outer += part.outer;
+  all.inner += part.inner;
+  all.fallbacks += part.fallbacks + !kept;
+  all.halvings += !kept;
+  if (!kept) return;
+  all.finite = part.finite, all.refusal = part.refusal;
+  all.scheme = part.scheme, all.used = part.used, all.stop = part.stop;
+  all.yields = part.yields, all.float64 = part.float64;
+  all.converged &= part.converged;
+  all.residual = std::max(all.residual, part.residual);
+  all.floor = std::max(all.floor, part.floor);
+  all.deepest_overlap = std::max(all.deepest_overlap, part.deepest_overlap);
+  all.min_j = part.min_j;
+  all.energy = part.energy;
+  ++all.parts;
+}
+
+bool is_good(const FemStepReport& part) {
+  return part.finite && (part.converged || part.stop == NewtonStop::kRoundOff);
+}
+
+/// A part of `size` ticks of a step, from where the state is after `done` of them.
+FemStepReport take_part(ImplicitFem& solver, int done, int size, int ticks, FemState& state) {
+  if (size == ticks) return solver.step(state);
+  const double dt = solver.scene().dt;
+  state.u_before = state.v_before = {};
+  state.time = dt * (double(state.steps) + double(done) / ticks);
+  return solver.step_part(state, dt * size / ticks);
+}
+
+/// The state after all parts of a step, as if it had been one.
+void end_step(double dt, const FemState& before, FemState& state) {
+  state.u_before = before.u, state.v_before = before.v;
+  state.steps = before.steps + 1;
+  state.time = double(state.steps) * dt;
+}
+
+}  // namespace
+
+FemStepReport step_in_parts(ImplicitFem& solver, FemState& state,
+                            const std::function<bool()>& stop) {
+  const Stopwatch watch;
+  const double dt = solver.scene().dt;
+  const int ticks = kTicks * parts_of(solver.scene(), double(state.steps) * dt, solver.edge());
+  FemState now = state;
+  FemStepReport all;
+  all.converged = true, all.parts = 0;
+  for (int done = 0, size = kTicks; done < ticks;) {
+    all.interrupted = stop();
+    if (all.interrupted) return all;
+    FemState tried = now;
+    const int taken = std::min(size, ticks - done);
+    const FemStepReport part = take_part(solver, done, taken, ticks, tried);
+    const bool kept = is_good(part) || taken == 1;
+    add(part, kept, all);
+    if (kept && !part.finite) break;
+    size = kept ? 2 * size : taken / 2;
+    size = std::min(size, kTicks);
+    if (!kept) continue;
+    done += taken;
+    now = std::move(tried);
+  }
+  if (all.finite) end_step(dt, state, now);
+  if (all.finite) state = std::move(now);
+  all.step = state.steps + !all.finite;
+  all.time = double(all.step) * dt;
+  all.ms = watch.milliseconds();
+  return all;
+}
+
+}  // namespace elastogen::fem
