@@ -73,24 +73,6 @@ void FemStepper::begin_at(const State& state) {
   fem_.steps = state.steps;
 }
 
-/// Rows of a kind and the numbers of its parameters, in the order of their declaration.
-Array<double> yield_rows(const std::vector<Yield>& yields) {
-  Array<double> rows(int64_t(yields.size()), 5);
-  for (size_t m = 0; m < yields.size(); ++m) {
-    double* row = rows.row(int64_t(m));
-    row[0] = double(yields[m].index());
-    if (const auto* metal = std::get_if<MetalYield>(&yields[m]))
-      row[1] = metal->stress, row[2] = metal->hardening;
-    if (const auto* sand = std::get_if<SandYield>(&yields[m]))
-      row[1] = sand->friction, row[2] = sand->cohesion, row[3] = sand->keeps_volume;
-    if (const auto* snow = std::get_if<SnowYield>(&yields[m])) {
-      row[1] = snow->slope, row[2] = snow->cohesion;
-      row[3] = snow->hardening, row[4] = snow->pressure;
-    }
-  }
-  return rows;
-}
-
 std::optional<StatePlastic> FemStepper::plastic() const {
   if (scene_.yields.empty()) return {};
   return StatePlastic{yield_rows(scene_.yields), fem_.plastic.Fp_inverse, fem_.plastic.memory};
