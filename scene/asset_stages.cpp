@@ -10,7 +10,7 @@
 namespace elastogen {
 namespace {
 
-/// Memory that a voxel takes that is filled with particles [bytes].
+/// Memory that a voxel takes that is filled with particles [bytes]. Measured 16000 to 17000.
 constexpr int64_t kBytesOfParticles = 20'000;
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include <openvdb/tools/ParticlesToLevelSet.h>
 #include <openvdb/tools/VolumeToMesh.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -21,6 +22,7 @@ namespace {
 constexpr double kCell = 2.0 / 3;    // edge of a cell [spacings]
 constexpr double kGrowth = 1;        // of the spheres, and of the surface back [spacings]
 constexpr int kSmoothings = 2;       // by mean curvature
+constexpr double kMostShift = 0.5;   // for the volume [spacings]
 constexpr double kVelocityCell = 2;  // [spacings]
 constexpr double kSphere = 4.0 / 3 * std::numbers::pi;
 
@@ -50,6 +52,43 @@ struct Spheres {
   double unit;
 };
 
+/// Triangles of a level set. @param unit  of its lengths [m].
+ParticleSurface triangles_of(const openvdb::FloatGrid& grid, double unit) {
+  ParticleSurface surface;
+  std::vector<openvdb::Vec3s> points;
+  std::vector<openvdb::Vec3I> triangles;
+  std::vector<openvdb::Vec4I> quads;
+  openvdb::tools::volumeToMesh(grid, points, triangles, quads, 0);
+  for (const openvdb::Vec3s& p : points)
+    surface.position.push_back({unit * p[0], unit * p[1], unit * p[2]});
+  // OpenVDB's faces are clockwise from outside
+  const auto add = [&](uint32_t a, uint32_t b, uint32_t c) {
+    surface.triangle.push_back({int32_t(a), int32_t(c), int32_t(b)});
+  };
+  for (const openvdb::Vec3I& t : triangles) add(t[0], t[1], t[2]);
+  for (const openvdb::Vec4I& q : quads) {
+    const bool first_is_short =
+        (points[q[0]] - points[q[2]]).lengthSqr() <= (points[q[1]] - points[q[3]]).lengthSqr();
+    const int k = first_is_short ? 0 : 1;
+    add(q[k], q[k + 1], q[k + 2]);
+    add(q[k], q[k + 2], q[(k + 3) % 4]);
+  }
+  return surface;
+}
+
+/// How far a surface lies outside of the one that encloses a volume, by its area [m].
+double excess(const ParticleSurface& surface, double volume) {
+  double enclosed = 0, area = 0;
+  const Vec3 origin = surface.position.empty() ? Vec3{} : surface.position[0];
+  for (const auto& t : surface.triangle) {
+    Vec3 x[3];
+    for (size_t k = 0; k < 3; ++k) x[k] = minus(surface.position[size_t(t[k])], origin);
+    enclosed += dot(x[0], cross(x[1], x[2])) / 6;
+    area += norm(cross(minus(x[1], x[0]), minus(x[2], x[0]))) / 2;
+  }
+  return area > 0 ? (enclosed - volume) / area : 0;
+}
+
 /// The level set of a cloud. @param unit  of its lengths [m].
 openvdb::FloatGrid::Ptr level_set(const ParticleCloud& cloud, double unit) {
   const double cell = kCell * cloud.spacing / unit;
@@ -63,6 +102,12 @@ openvdb::FloatGrid::Ptr level_set(const ParticleCloud& cloud, double unit) {
   openvdb::tools::LevelSetFilter<openvdb::FloatGrid> filter(*grid);
   for (int k = 0; k < kSmoothings; ++k) filter.meanCurvature();
   filter.offset(float(kGrowth * cloud.spacing / unit));
+  // what smoothing, cells and closed gaps have changed
+  double volume = 0;
+  for (int64_t k = 0; k < cloud.x.rows; ++k) volume += cloud.volume(k);
+  const double most = kMostShift * cloud.spacing;
+  const double shift = std::clamp(excess(triangles_of(*grid, unit), volume), -most, most);
+  filter.offset(float(shift / unit));
   return grid;
 }
 
@@ -94,30 +139,10 @@ openvdb::Vec3SGrid::Ptr velocity_grid(const ParticleCloud& cloud, In<double> v) 
 ParticleSurface particle_surface(const ParticleCloud& cloud) {
   check_cloud(cloud);
   openvdb::initialize();
-  ParticleSurface surface;
-  if (cloud.x.rows == 0) return surface;
+  if (cloud.x.rows == 0) return {};
   // in cells: so the numbers are neither too small nor too large for OpenVDB
   const double cell = kCell * cloud.spacing;
-  const openvdb::FloatGrid::Ptr grid = level_set(cloud, cell);
-  std::vector<openvdb::Vec3s> points;
-  std::vector<openvdb::Vec3I> triangles;
-  std::vector<openvdb::Vec4I> quads;
-  openvdb::tools::volumeToMesh(*grid, points, triangles, quads, 0);
-  for (const openvdb::Vec3s& p : points)
-    surface.position.push_back({cell * p[0], cell * p[1], cell * p[2]});
-  // OpenVDB's faces are clockwise from outside
-  const auto add = [&](uint32_t a, uint32_t b, uint32_t c) {
-    surface.triangle.push_back({int32_t(a), int32_t(c), int32_t(b)});
-  };
-  for (const openvdb::Vec3I& t : triangles) add(t[0], t[1], t[2]);
-  for (const openvdb::Vec4I& q : quads) {
-    const bool first_is_short =
-        (points[q[0]] - points[q[2]]).lengthSqr() <= (points[q[1]] - points[q[3]]).lengthSqr();
-    const int k = first_is_short ? 0 : 1;
-    add(q[k], q[k + 1], q[k + 2]);
-    add(q[k], q[k + 2], q[(k + 3) % 4]);
-  }
-  return surface;
+  return triangles_of(*level_set(cloud, cell), cell);
 }
 
 void write_particle_vdb(const std::string& path, const ParticleCloud& cloud, In<double> v,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Surfaces and volumes of particles, by OpenVDB: spheres of the particles' volumes, grown by a
-// spacing so that neighbours join, smoothed, and shrunk by as much again.
+// spacing so that neighbours join, smoothed, and shrunk until they enclose the particles' volume.
 
 #pragma once
 
