@@ -117,7 +117,7 @@ class Files(unittest.TestCase):
             x, colour, triangles = read_obj(self.folder / f"s_{frame:05}.obj")
             self.assertTrue(is_closed(triangles))
             share = enclosed_volume(x, triangles) / EDGE ** 3
-            self.assertLess(abs(share - 1), 0.04, f"frame {frame}: {share}")
+            self.assertLess(abs(share - 1), 0.02, f"frame {frame}: {share}")
             points = read_ply(self.folder / f"s_{frame:05}.ply").x
             reach = EDGE / 8
             self.assertTrue((x.min(0) > points.min(0) - reach).all())
@@ -142,7 +142,7 @@ class Files(unittest.TestCase):
             self.assertTrue(json.loads(again.read_text())["asset"]["closed"])
             with h5py.File(self.folder / f"{grid}.h5") as file:
                 mass = file["grid/mass"][()].sum()
-            self.assertLess(abs(mass / EDGE ** 3 - 1), 0.04, grid)
+            self.assertLess(abs(mass / EDGE ** 3 - 1), 0.02, grid)
 
     def test_files_are_the_same_on_one_thread(self) -> None:
         done = self.animate("t", *(f"t.{e}" for e in ("ply", "obj", "vdb", "pvd")), options=("--threads", 1))
@@ -162,7 +162,7 @@ class Files(unittest.TestCase):
         self.assertLess(points.v[:, 2].min(), -0.3 * G / 15 * EDGE / 0.5)
         self.assertGreater(points.v[:, 2].min(), -1.1 * G / 15 * EDGE / 0.5)
         x, _, triangles = read_obj(self.folder / "z_00000.obj")
-        self.assertLess(abs(enclosed_volume(x, triangles) / EDGE ** 3 - 1), 0.04)
+        self.assertLess(abs(enclosed_volume(x, triangles) / EDGE ** 3 - 1), 0.02)
 
 
 def png(width: int, height: int, rows: bytes) -> bytes:
