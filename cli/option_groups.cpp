@@ -135,9 +135,11 @@ void add_run_options(CLI::App& app, AnimateOptions& o, Typed& t) {
 }
 
 void add_output_options(CLI::App& app, AnimateOptions& o, Typed& t) {
-  app.add_option("-o,--output", o.outputs,
-                 "animation to write: .glb, .ply (a file a frame), .pc2, .pvd, .png (a sheet of "
-                 "pictures, with %04d in its name a picture a frame); repeatable")
+  app.add_option(
+         "-o,--output", o.outputs,
+         "animation to write: .glb, .ply (a file a frame), .pc2, .pvd, of particles also .obj, "
+         ".mesh.ply and .vdb (a file a frame), .png (a sheet of pictures, with %04d in its "
+         "name a picture a frame); repeatable")
       ->group("Output")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);

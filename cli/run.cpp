@@ -10,6 +10,7 @@
 #include "core/time_scheme.hpp"
 #include "io/safe_file.hpp"
 #include "scene/particle_setup.hpp"
+#include "scene/particle_stepper.hpp"
 #include "scene/version.hpp"
 
 #include <fmt/format.h>
@@ -19,6 +20,22 @@
 
 namespace elastogen {
 namespace {
+
+/// Of particles, whose steps are taken in parts by Euler's scheme, without that of the transfers.
+void print_damping(const Setup& setup) {
+  const bool parts = setup.particles.has_value();
+  const double dt = parts ? longest_part(setup.scene.dt) : setup.scene.dt;
+  const TimeScheme scheme = parts ? TimeScheme::kEuler : setup.scene.scheme;
+  if (parts)
+    fmt::print("numerical damping in parts of {:.4g} s at most, beside that of the grid:", dt);
+  else
+    fmt::print("numerical damping:");
+  fmt::print(" a vibration of 1 / 5 / 20 Hz keeps");
+  for (const double f : {1.0, 5.0, 20.0})
+    fmt::print("{} {:.0f} %", f == 1 ? "" : " /",
+               100 * amplitude_kept(scheme, 2 * std::numbers::pi * f * dt));
+  fmt::print(" of its amplitude a period\n");
+}
 
 /// What will be computed, in a few lines: size, up, grid, material, time step, numerical damping.
 void print_setup(const Setup& setup, const AnimateOptions& o) {
@@ -33,6 +50,7 @@ void print_setup(const Setup& setup, const AnimateOptions& o) {
     fmt::print("{} voxels of {:.4g} m, {} nodes, {} piece{}\n", scene.grid.voxel_count(),
                scene.grid.h, scene.grid.node_count(), scene.grid.pieces,
                scene.grid.pieces == 1 ? "" : "s");
+  if (setup.particles) fmt::print("{} particles\n", setup.particles->particles.count());
   for (const Material& m : scene.materials)
     fmt::print("{}: {}, E {:.4g} Pa, nu {:.4g}, rho {:.4g} kg/m^3\n", m.name, law_name(m.law),
                m.young, m.poisson, m.density);
@@ -51,11 +69,7 @@ void print_setup(const Setup& setup, const AnimateOptions& o) {
   fmt::print("{} frames at {:.4g} fps, {} step{} a frame of {:.4g} s, Courant number {:.3g}\n",
              o.frames, o.fps, setup.substeps, setup.substeps == 1 ? "" : "s", scene.dt,
              courant_number(scene));
-  fmt::print("numerical damping: a vibration of 1 / 5 / 20 Hz keeps");
-  for (const double f : {1.0, 5.0, 20.0})
-    fmt::print("{} {:.0f} %", f == 1 ? "" : " /",
-               100 * amplitude_kept(scene.scheme, 2 * std::numbers::pi * f * scene.dt));
-  fmt::print(" of its amplitude a period\n");
+  print_damping(setup);
   std::fflush(stdout);
 }
 

@@ -137,6 +137,20 @@ def assets() -> str:
     return table(result["head"], lines)
 
 
+def particle_assets() -> str:
+    """Real meshes that fall as particles."""
+    lines = []
+    for r in read("particle_assets")["rows"]:
+        if "steps" not in r:
+            lines.append([r["asset"], r["material"], "", "", "", "", "", "", "", str(r["code"]), r["fault"]])
+            continue
+        lines.append([r["asset"], r["material"], str(r["particles"]), f"{r['certified']}/{r['steps']}",
+                      f"{r['residual']:.1e}", "yes" if r["finite"] else "**no**", f"{r['mass'] - 1:+.0e}",
+                      f"{r['least_j']:.3f}", f"{r['seconds']:.0f}", str(r["code"]), r["fault"]])
+    return table(["mesh", "material", "particles", "steps certified", "worst residual", "finite",
+                  "mass over fill, less 1", "least J at the end", "seconds", "exit code", "fault"], lines)
+
+
 def values(numbers: list[float]) -> str:
     """Numbers in one cell."""
     return " / ".join(f"{number:.4g}" for number in numbers)
@@ -221,7 +235,7 @@ def bench(file: str, part: str) -> str:
 
 
 TABLES: dict[str, Callable[[], str]] = {"accuracy": accuracy, "peers": peers,
-                                    "assets": assets,
+                                    "assets": assets, "particle assets": particle_assets,
                                     "discretisation": discretisation, "curved": curved,
                                     "real shape": real_shape,
                                     "time to error": time_to_error, "sweeps": sweeps,

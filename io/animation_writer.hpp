@@ -6,8 +6,10 @@
 #include "core/scene.hpp"
 #include "core/state.hpp"
 #include "io/asset.hpp"
+#include "io/particle_frame.hpp"
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,6 +31,7 @@ struct AnimationFrame {
   const State* state = nullptr;      ///< of the scene; filled where a writer needs velocities
   Span<const double> residual = {};  ///< gradient of the incremental potential [N], (nodes, 3);
                                      ///< filled where a writer needs it
+  const ParticleStrain* particles = nullptr;  ///< of runs with particles; comes with the state
   FrameCertificate certificate = {};
 };
 
@@ -51,6 +54,7 @@ struct AnimationOptions {
   /// Nodes of tetrahedra in place of the scene's voxels, (tetrahedra, 4 or 10), the material of
   /// each in scene->material; outlives the writer.
   const Array<int32_t>* tets = nullptr;
+  std::optional<ParticleSet> particles;  ///< the nodes are particles
 };
 
 /// Writes an animation frame by frame; the first frame is the start. Frames wait in an unnamed
@@ -60,8 +64,9 @@ class AnimationWriter {
  public:
   virtual ~AnimationWriter() = default;
 
-  /// A writer for the ending of `path`: .glb (meshes), .ply (one file a frame), .pc2, .pvd
-  /// (voxels). Pictures (.png) have a writer of the command's (cli/picture/picture_writer.hpp).
+  /// A writer for the ending of `path`: .glb (meshes), .ply (one file a frame), .pc2, .pvd (voxels
+  /// or particles). Pictures (.png) and surfaces of particles (.obj, .vdb, .mesh.ply) have writers
+  /// of their own (cli/picture/picture_writer.hpp, scene/particle_surface_writer.hpp).
   /// @param asset, surface  what was read and posed; both must outlive the writer.
   /// @throws Error (usage) for another ending, a .glb of points or splats, fps <= 0 or a root
   ///         matrix without inverse; (resources) if the folder cannot be written.

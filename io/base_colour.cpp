@@ -80,7 +80,7 @@ class GltfColours {
     if (number_or(set, 0) != 0) {
       result_.notes.push_back(concat("material \"", member(from, "name"),
                                      "\": its texture lies on other than the first coordinates; "
-                                     "pictures show its base colour"));
+                                     "its base colour is shown"));
       return;
     }
     colour.transform = transform_of(moved);
@@ -113,7 +113,7 @@ class GltfColours {
                         ? read_gltf_uri(source_.path, uri.get<std::string>(), image.name)
                         : view(member(from, "bufferView"));
     } catch (const Error& error) {
-      result_.notes.push_back(concat(error.what(), "; pictures show its base colour"));
+      result_.notes.push_back(concat(error.what(), "; its base colour is shown"));
       return -1;
     }
     result_.images.push_back(std::move(image));
@@ -154,7 +154,7 @@ void read_files(const Asset& asset, BaseColours& result) {
         result.images.push_back({material.texture, Bytes(text.begin(), text.end())});
         found->second = int(result.images.size()) - 1;
       } catch (const Error& error) {
-        result.notes.push_back(concat(error.what(), "; pictures show its base colour"));
+        result.notes.push_back(concat(error.what(), "; its base colour is shown"));
       }
     colour.image = found->second;
   }

@@ -21,6 +21,11 @@ namespace {
 
 constexpr double kFloat32Share = 1e-5;  // of the longest edge
 
+/// Endings of which every frame is a file of its own.
+bool is_sequence(const std::string& ending) {
+  return ending == "ply" || ending == "obj" || ending == "vdb";
+}
+
 /// The first %d or %0Nd of a name; begin is npos where there is none.
 struct Number {
   size_t begin = std::string::npos, end = 0, digits = 1;
@@ -47,7 +52,7 @@ std::string frame_path(const std::string& path, int64_t frame, const std::string
 
 std::string frame_file(const std::string& path, int64_t frame) {
   const std::string ending = ending_of(path);
-  if (ending == "ply") return frame_path(path, frame, ".ply");
+  if (is_sequence(ending)) return frame_path(path, frame, '.' + ending);
   if (ending == "pvd") return frame_path(path, frame, ".vtu");
   if (ending != "png") return "";
   check_number(path);
@@ -59,7 +64,8 @@ std::string frame_file(const std::string& path, int64_t frame) {
 }
 
 bool has_own_file(const std::string& path) {
-  return ending_of(path) != "ply" && (ending_of(path) != "png" || frame_file(path, 0).empty());
+  const std::string ending = ending_of(path);
+  return !is_sequence(ending) && (ending != "png" || frame_file(path, 0).empty());
 }
 
 bool is_frame_of(const std::string& path, int64_t frames, const std::string& file) {

@@ -10,13 +10,14 @@ namespace elastogen {
 /// NAME_00012.ending beside path, which is NAME.<any ending>.
 std::string frame_path(const std::string& path, int64_t frame, const std::string& ending);
 
-/// The numbered file of a frame of an animation of this name: NAME_00012.ply for NAME.ply,
-/// NAME_00012.vtu for NAME.pvd, the name with its number for a .png that has one; "" for an
+/// The numbered file of a frame of an animation of this name: NAME_00012.ply for NAME.ply, in the
+/// same way .obj and .vdb, NAME_00012.vtu for NAME.pvd, the name with its number for a .png that has one; "" for an
 /// animation that is a single file.
 /// @throws Error (usage) as check_number.
 std::string frame_file(const std::string& path, int64_t frame);
 
-/// Whether there is a file of the name itself: all but .ply and numbered .png.
+/// Whether there is a file of the name itself: all but .ply, .obj, .vdb and numbered
+/// .png.
 bool has_own_file(const std::string& path);
 
 /// Whether `file` is one of the numbered files of frames 0 ... `frames` of an animation.

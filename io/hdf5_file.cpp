@@ -122,7 +122,8 @@ void write_entry(hid_t dataset, hsize_t entry, Span<const double> values) {
   const hsize_t count[3] = {1, hsize_t(values.rows), hsize_t(values.cols)};
   const Handle file_space(H5Dget_space(dataset), H5Sclose, "dataspace");
   check(H5Sselect_hyperslab(file_space, H5S_SELECT_SET, start, nullptr, count, nullptr), "entry");
-  const Handle memory_space(H5Screate_simple(3, count, nullptr), H5Sclose, "dataspace");
+  const int rank = values.cols == 1 ? 2 : 3;
+  const Handle memory_space(H5Screate_simple(rank, count, nullptr), H5Sclose, "dataspace");
   check(H5Dwrite(dataset, H5T_NATIVE_DOUBLE, memory_space, file_space, H5P_DEFAULT, values.data),
         "entry");
 }

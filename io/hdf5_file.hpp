@@ -58,7 +58,7 @@ void write_attribute(hid_t object, const char* name, const double (&value)[3]);
 template <class T>
 void write_dataset(hid_t parent, const char* name, Span<const T> values);
 
-/// One entry of a dataset (entries, rows, cols).
+/// One entry of a dataset (entries, rows, cols), or where cols is 1 (entries, rows).
 void write_entry(hid_t dataset, hsize_t entry, Span<const double> values);
 
 }  // namespace elastogen::hdf5

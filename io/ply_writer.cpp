@@ -2,6 +2,7 @@
 #include "io/ply_writer.hpp"
 
 #include "core/error.hpp"
+#include "core/mat3.hpp"
 #include "io/byte_reader.hpp"
 #include "io/frame_files.hpp"
 #include "io/ply_mesh.hpp"
@@ -35,8 +36,13 @@ constexpr const char* kWrittenTypes[] = {"char", "uchar", "short", "ushort",
 
 class PlyWriter : public AnimationWriter {
  public:
-  PlyWriter(const std::string& path, const Asset& asset, const Surface& surface)
-      : path_(path), asset_(asset), surface_(surface), order_(file_order(asset, surface)) {
+  PlyWriter(const std::string& path, const Asset& asset, const Surface& surface,
+            const std::optional<ParticleSet>& particles)
+      : path_(path),
+        asset_(asset),
+        surface_(surface),
+        order_(file_order(asset, surface)),
+        particles_(particles) {
     if (asset.splats) motion_.emplace(*asset.splats);
     if (!asset.splats && !asset.points) mesh_.emplace(path, asset, surface, order_);
     SafeFile probe(frame_path(path, 0, ".ply"));  // refuses a folder at once
@@ -46,8 +52,12 @@ class PlyWriter : public AnimationWriter {
     return motion_ || (asset_.points && !asset_.points->normal.empty());
   }
 
+  bool needs_motion() const override { return particles_.has_value(); }
+
   void frame(const AnimationFrame& frame) override {
     check_frame(frame, frames_, int64_t(order_.vertex.size()), needs_gradient());
+    ELASTOGEN_CHECK(!particles_ || (frame.state && frame.particles), path_,
+                    ": a frame of particles must come with their state and strain");
     const std::string path = frame_path(path_, frames_, ".ply");
     ELASTOGEN_CHECK(std::filesystem::path(path).lexically_normal() !=
                         std::filesystem::path(asset_.path).lexically_normal(),
@@ -80,6 +90,8 @@ class PlyWriter : public AnimationWriter {
       if (!asset_.points->colour.empty())
         text += properties({"red", "green", "blue", "alpha"}, "uchar");
     }
+    if (particles_)
+      text += properties({"vx", "vy", "vz", "J", "memory"}) + properties({"material"}, "int");
     return text + own_properties(text) + "end_header\n";
   }
 
@@ -112,6 +124,7 @@ class PlyWriter : public AnimationWriter {
     }
     if (motion_) append_splat(p, bytes);
     if (asset_.points) append_attributes(frame, p, bytes);
+    if (particles_) append_particle(frame, int64_t(p), bytes);
     if (!own()) return;
     const size_t width = own()->row_bytes();
     bytes.append(own()->rows, p * width, width);
@@ -125,6 +138,13 @@ class PlyWriter : public AnimationWriter {
         const float share = std::clamp(asset_.points->colour[p][c], 0.0f, 1.0f);
         append(bytes, uint8_t(std::lround(255 * (c < 3 ? srgb_from_linear(share) : share))));
       }
+  }
+
+  void append_particle(const AnimationFrame& frame, int64_t p, std::string& bytes) const {
+    for (int d = 0; d < 3; ++d) append(bytes, float(frame.state->v(p, d) / surface_.scale));
+    append(bytes, float(determinant(load_matrix(frame.particles->F.row(p)))));
+    append(bytes, float(frame.particles->memory(p)));
+    append(bytes, particles_->material(p));
   }
 
   void append_splat(size_t p, std::string& bytes) const {
@@ -145,6 +165,7 @@ class PlyWriter : public AnimationWriter {
   FileOrder order_;
   std::optional<SplatMotion> motion_;
   std::optional<PlyMesh> mesh_;
+  std::optional<ParticleSet> particles_;
   bool is_double_ = is_float32_coarse(order_.rest);
   int64_t frames_ = 0;
 };
@@ -152,8 +173,9 @@ class PlyWriter : public AnimationWriter {
 }  // namespace
 
 std::unique_ptr<AnimationWriter> make_ply_writer(const std::string& path, const Asset& asset,
-                                                 const Surface& surface) {
-  return std::make_unique<PlyWriter>(path, asset, surface);
+                                                 const Surface& surface,
+                                                 const std::optional<ParticleSet>& particles) {
+  return std::make_unique<PlyWriter>(path, asset, surface, particles);
 }
 
 }  // namespace elastogen

@@ -16,6 +16,8 @@ namespace elastogen {
 /// - splats: x y z nx ny nz f_dc_0..2 f_rest_0.. opacity scale_0..2 rot_0..3, with the logarithm of
 ///   the scale, the logit of the opacity, f_rest channel by channel, w first in rot, moved by
 ///   SplatMotion;
+/// - particles: as points, then vx vy vz in the asset's numbers a second, J = det F of the elastic
+///   strain and memory, the number that the law keeps, then material (int);
 /// - meshes (PlyMesh): x y z, nx ny nz turned as normal_deltas says, s t, red green blue alpha and
 ///   the asset's own columns of vertices; triangles with texcoord, texnumber and colours where
 ///   corners or faces differ; comments TextureFile.
@@ -23,6 +25,7 @@ namespace elastogen {
 /// @throws Error (usage) from frame if a frame would overwrite the asset; others as
 ///         AnimationWriter.
 std::unique_ptr<AnimationWriter> make_ply_writer(const std::string& path, const Asset& asset,
-                                                 const Surface& surface);
+                                                 const Surface& surface,
+                                                 const std::optional<ParticleSet>& particles = {});
 
 }  // namespace elastogen

@@ -48,7 +48,8 @@ void write_root(hid_t file, const Scene& scene, const StateHeader& header) {
   hdf5::write_attribute(file, "time_scheme",
                         header.scheme.empty() ? scheme_name(scene.scheme) : header.scheme);
   hdf5::write_attribute(file, "element", header.element);
-  hdf5::write_attribute(file, "hourglass", std::string(hourglass_name(scene.hourglass)));
+  if (!header.particles)
+    hdf5::write_attribute(file, "hourglass", std::string(hourglass_name(scene.hourglass)));
   hdf5::write_attribute(file, "gravity", gravity);
   hdf5::write_attribute(file, "place", place);
   hdf5::write_attribute(file, "g_ref", kReferenceGravity);
@@ -80,8 +81,33 @@ void write_grid(hid_t file, const Scene& scene) {
   hdf5::write_dataset<int32_t>(group, "material", scene.material);
 }
 
-/// What finite elements alone have, behind the rest of the group.
-void write_boundary(hid_t file, const StateHeader& header) {
+/// What entries have of particles beside x and v.
+struct EntryField {
+  const char* name;
+  int cols;
+};
+constexpr EntryField kMotion[] = {{"x", 3}, {"v", 3}};
+constexpr EntryField kStrain[] = {{"F", 9}, {"C", 9}, {"memory", 1}};
+
+std::vector<EntryField> entry_fields(const StateHeader& header) {
+  std::vector<EntryField> fields(std::begin(kMotion), std::end(kMotion));
+  if (header.particles) fields.insert(fields.end(), std::begin(kStrain), std::end(kStrain));
+  return fields;
+}
+
+void write_particles(hid_t group, const ParticleSet& particles) {
+  hdf5::write_dataset<double>(group, "mass", particles.mass);
+  hdf5::write_dataset<double>(group, "volume", particles.volume);
+  hdf5::write_dataset<int32_t>(group, "material", particles.material);
+}
+
+/// /grid, behind it what finite elements alone have.
+void write_body(hid_t file, const Scene& scene, const StateHeader& header) {
+  if (header.mesh) {
+    write_mesh(file, *header.mesh);
+  } else {
+    write_grid(file, scene);
+  }
   const hdf5::Handle group(H5Gopen2(file, "grid", H5P_DEFAULT), H5Gclose, "grid");
   if (!header.fixed.empty()) hdf5::write_dataset<uint8_t>(group, "fixed", header.fixed);
   if (!header.traction.empty()) hdf5::write_dataset<double>(group, "traction", header.traction);
@@ -198,12 +224,8 @@ void write_offsets(hid_t group, const std::vector<Collider>& colliders,
   }
 }
 
-void write_contact(hid_t file, const Scene& scene, const StateHeader& header,
-                   const std::vector<double>& times) {
-  if (scene.colliders.empty()) return;
-  const hdf5::Handle group = hdf5::create_group(file, "contact");
-  for (const auto& [name, value] : header.contact)
-    hdf5::write_attribute(group, name.c_str(), value);
+/// The points that feel colliders.
+void write_surface(hid_t group, const Scene& scene, const StateHeader& header) {
   if (header.mesh) {
     hdf5::write_dataset<int32_t>(group, "nodes", header.mesh->contact_nodes);
   } else {
@@ -212,6 +234,15 @@ void write_contact(hid_t file, const Scene& scene, const StateHeader& header,
   hdf5::write_dataset<double>(group, "weights",
                               header.mesh ? header.mesh->contact_weights : scene.surface.weights);
   hdf5::write_dataset<double>(group, "area", scene.surface.area);
+}
+
+void write_contact(hid_t file, const Scene& scene, const StateHeader& header,
+                   const std::vector<double>& times) {
+  if (scene.colliders.empty()) return;
+  const hdf5::Handle group = hdf5::create_group(file, "contact");
+  for (const auto& [name, value] : header.contact)
+    hdf5::write_attribute(group, name.c_str(), value);
+  if (!header.particles) write_surface(group, scene, header);
   write_colliders(group, scene.colliders);
   write_offsets(group, scene.colliders, times);
 }
@@ -251,58 +282,68 @@ void write_yields(hid_t group, const std::vector<StepReport>& all) {
 void write_plastic(hid_t file, const StatePlastic& plastic) {
   const hdf5::Handle group = hdf5::create_group(file, "plastic");
   hdf5::write_dataset<double>(group, "yields", plastic.yields);
+  if (plastic.Fp_inverse.empty()) return;
   hdf5::write_dataset<double>(group, "Fp_inverse", plastic.Fp_inverse);
   hdf5::write_dataset<double>(group, "memory", plastic.memory);
 }
 
-/// /steps/x and /steps/v, entry by entry from the raw file.
-void write_motion(hid_t group, std::FILE* spill, const std::string& path, int64_t entries,
-                  int64_t nodes) {
-  const std::vector<hsize_t> extents = {hsize_t(entries), hsize_t(nodes), 3};
-  const hdf5::Handle x = hdf5::create_dataset(group, "x", H5T_IEEE_F64LE, extents);
-  const hdf5::Handle v = hdf5::create_dataset(group, "v", H5T_IEEE_F64LE, extents);
-  Array<double> values(nodes, 3);
-  const auto size = size_t(values.size());
+/// What entries have, entry by entry from the raw file.
+void write_entries(hid_t group, const std::vector<EntryField>& fields, std::FILE* spill,
+                   const std::string& path, int64_t entries, int64_t nodes) {
+  std::vector<hdf5::Handle> datasets;
+  std::vector<Array<double>> values;
+  for (const EntryField& field : fields) {
+    std::vector<hsize_t> extents = {hsize_t(entries), hsize_t(nodes)};
+    if (field.cols > 1) extents.push_back(hsize_t(field.cols));
+    datasets.push_back(hdf5::create_dataset(group, field.name, H5T_IEEE_F64LE, extents));
+    values.emplace_back(nodes, field.cols);
+  }
   if (std::fseek(spill, 0, SEEK_SET) != 0) fail(path, "keeping the last steps");
   for (hsize_t entry = 0; entry < hsize_t(entries); ++entry)
-    for (const hid_t dataset : {hid_t(x), hid_t(v)}) {
-      if (std::fread(values.data(), sizeof(double), size, spill) != size)
+    for (size_t k = 0; k < fields.size(); ++k) {
+      const auto size = size_t(values[k].size());
+      if (std::fread(values[k].data(), sizeof(double), size, spill) != size)
         fail(path, "reading a step back");
-      hdf5::write_entry(dataset, entry, values);
+      hdf5::write_entry(datasets[k], entry, values[k]);
     }
 }
 
 }  // namespace
 
 StateWriter::StateWriter(const std::string& path, const Scene& scene, const StateHeader& header,
-                         const State& initial)
+                         const State& initial, const ParticleStrain* strain)
     : scene_(scene),
       header_(header),
       path_(path),
       spill_file_(path),
       spill_(::fdopen(::dup(spill_file_.descriptor()), "w+b"), std::fclose) {
   if (!spill_) fail(path, "keeping the steps");
-  keep(initial);
+  keep(initial, strain);
 }
 
 int64_t StateWriter::node_count() const {
+  if (header_.particles) return header_.particles->count();
   return header_.mesh ? header_.mesh->rest.rows() : scene_.grid.node_count();
 }
 
-void StateWriter::keep(const State& state) {
-  const int64_t nodes = node_count();
-  for (const Array<double>* values : {&state.x, &state.v}) {
-    ELASTOGEN_CHECK(values->rows() == nodes && values->cols() == 3, "x and v must be (", nodes,
-                    ", 3), got (", values->rows(), ", ", values->cols(), ')');
-    const auto size = size_t(values->size());
-    if (std::fwrite(values->data(), sizeof(double), size, spill_.get()) != size)
+void StateWriter::keep(const State& state, const ParticleStrain* strain) {
+  const std::vector<EntryField> fields = entry_fields(header_);
+  std::vector<Span<const double>> values = {state.x, state.v};
+  if (strain) values.insert(values.end(), {strain->F, strain->C, strain->memory});
+  ELASTOGEN_CHECK(values.size() == fields.size(), "entries need ", fields.size(), " arrays, got ",
+                  values.size());
+  for (size_t k = 0; k < fields.size(); ++k) {
+    ELASTOGEN_CHECK(values[k].is(node_count(), fields[k].cols), fields[k].name, " must be (",
+                    node_count(), ", ", fields[k].cols, "), got ", values[k]);
+    const auto size = size_t(values[k].size());
+    if (std::fwrite(values[k].data, sizeof(double), size, spill_.get()) != size)
       fail(path_, "keeping a step");
   }
   time_.push_back(state.time);
 }
 
-void StateWriter::step(const State& state, const StepReport& report) {
-  keep(state);
+void StateWriter::step(const State& state, const StepReport& report, const ParticleStrain* strain) {
+  keep(state, strain);
   reports_.push_back(report);
 }
 
@@ -314,12 +355,13 @@ void StateWriter::finish() {
   SafeFile safe(path_);
   hdf5::Handle file = hdf5::create_file(safe.descriptor(), path_);
   write_root(file, scene_, header_);
-  if (header_.mesh) {
-    write_mesh(file, *header_.mesh);
+  if (header_.particles) {
+    const hdf5::Handle particles = hdf5::create_group(file, "particles");
+    write_particles(particles, *header_.particles);
+    write_entries(particles, entry_fields(header_), spill_.get(), path_, entries, node_count());
   } else {
-    write_grid(file, scene_);
+    write_body(file, scene_, header_);
   }
-  write_boundary(file, header_);
   write_materials(file, scene_.materials);
   write_nets(file, header_);
   write_contact(file, scene_, header_, time_);
@@ -327,9 +369,10 @@ void StateWriter::finish() {
   {
     const hdf5::Handle steps = hdf5::create_group(file, "steps");
     hdf5::write_dataset<double>(steps, "time", {time_.data(), entries, 1});
-    write_motion(steps, spill_.get(), path_, entries, node_count());
+    if (!header_.particles)
+      write_entries(steps, entry_fields(header_), spill_.get(), path_, entries, node_count());
     write_reports(steps, reports_);
-    if (plastic_) write_yields(steps, reports_);
+    if (plastic_ && !header_.particles) write_yields(steps, reports_);
   }
   file.close();
   safe.commit();

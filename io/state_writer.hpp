@@ -6,6 +6,7 @@
 
 #include "core/report.hpp"
 #include "core/state.hpp"
+#include "io/particle_frame.hpp"
 #include "io/safe_file.hpp"
 
 #include <cstdio>
@@ -36,18 +37,19 @@ struct StateNet {
   std::vector<float> table;    ///< coefficients, a cube
 };
 
-/// What the file says of the run besides its scene.
-/// What a body that yields remembers at the end of a run.
+/// What a body that yields remembers at the end of a run; of particles, whose steps say it, the
+/// yields alone.
 struct StatePlastic {
   Array<double> yields;      ///< of each material: kind 0 ... 3 and four numbers, (materials, 5)
   Array<double> Fp_inverse;  ///< of each point of the elements that yield, in order, (points, 9)
   Array<double> memory;      ///< of each point, the number that its law keeps, (points, 1)
 };
 
+/// What the file says of the run besides its scene.
 struct StateHeader {
   double fps = 60;
-  std::string solver;               ///< "quasi", "newton", "paper" or "fem"
-  std::string element = "voxel";    ///< of finite elements
+  std::string solver;               ///< "quasi", "newton", "paper", "fem" or "mpm"
+  std::string element = "voxel";    ///< of finite elements; "particle"
   std::string scheme = {};          ///< "newmark", "static"; empty: that of the scene
   double tolerance = 1e-3;          ///< of the residual [-]
   std::string energy = "analytic";  ///< what gives the stress
@@ -56,7 +58,8 @@ struct StateHeader {
   std::string commit;  ///< of the build
   /// parameters of the contact model, e.g. {"distance", 0.001}: attributes of /contact
   std::vector<std::pair<std::string, double>> contact;
-  std::optional<StateMesh> mesh = {};  ///< in place of the grid
+  std::optional<StateMesh> mesh = {};         ///< in place of the grid
+  std::optional<ParticleSet> particles = {};  ///< in place of the grid
   Array<uint8_t> fixed = {};    ///< 1: the component's displacement is prescribed, (nodes, 3)
   Array<double> traction = {};  ///< dead load on each node [N], (nodes, 3); both empty: none
 };
@@ -67,13 +70,14 @@ class StateWriter {
  public:
   /// @param scene    finished; must outlive the writer.
   /// @param initial  the start, entry 0 of /steps/x, v and time.
+  /// @param strain   of particles, then.
   /// @throws Error (resources) if the raw file cannot be written; (usage) on wrong shapes.
   StateWriter(const std::string& path, const Scene& scene, const StateHeader& header,
-              const State& initial);
+              const State& initial, const ParticleStrain* strain = nullptr);
 
   /// Adds the state after a time step and what the step said. Once a step, substeps included.
   /// @throws Error (resources) if the disk is full.
-  void step(const State& state, const StepReport& report);
+  void step(const State& state, const StepReport& report, const ParticleStrain* strain = nullptr);
 
   /// Takes what the body remembers after the last step.
   void set_plastic(StatePlastic plastic) { plastic_ = std::move(plastic); }
@@ -84,14 +88,14 @@ class StateWriter {
 
  private:
   int64_t node_count() const;
-  void keep(const State& state);
+  void keep(const State& state, const ParticleStrain* strain);
 
   const Scene& scene_;
   StateHeader header_;
   std::optional<StatePlastic> plastic_;
   std::string path_;
   SafeFile spill_file_;                                    ///< never committed
-  std::unique_ptr<std::FILE, int (*)(std::FILE*)> spill_;  ///< x, v of each entry, raw float64
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> spill_;  ///< numbers of each entry, raw float64
   std::vector<double> time_;                               ///< of each entry [s]
   std::vector<StepReport> reports_;                        ///< one less than entries
 };

@@ -6,13 +6,10 @@
 #include "core/parallel.hpp"
 #include "core/principal.hpp"
 #include "core/vec3.hpp"
-#include "io/frame_files.hpp"
-#include "io/safe_file.hpp"
 #include "io/voxel_corners.hpp"
+#include "io/vtu_file.hpp"
 
 #include <cmath>
-#include <filesystem>
-#include <iomanip>
 #include <limits>
 #include <optional>
 
@@ -59,46 +56,12 @@ void cauchy_stress(const Material& material, const Mat3<double>& F, float* resul
   }
 }
 
-/// An unstructured grid as XML with its arrays appended.
-class VtuFile {
- public:
-  void section(const std::string& text) { xml_ += text; }
-
-  template <class T>
-  void array(const std::string& name, const char* type, const std::vector<T>& values,
-             int components = 1) {
-    xml_ += concat("<DataArray type=\"", type, "\" Name=\"", name, "\" NumberOfComponents=\"",
-                   components, "\" format=\"appended\" offset=\"", data_.size(), "\"/>\n");
-    append(data_, uint64_t(values.size() * sizeof(T)));
-    data_.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
-  }
-
-  void write(const std::string& path) const {
-    SafeFile file(path);
-    file.write(xml_ + "<AppendedData encoding=\"raw\">\n_");
-    file.write(data_);
-    file.write("\n</AppendedData>\n</VTKFile>\n");
-    file.commit();
-  }
-
- private:
-  std::string xml_ =
-      "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" "
-      "byte_order=\"LittleEndian\" header_type=\"UInt64\">\n";
-  std::string data_;
-};
-
-std::vector<float> to_floats(const double* values, int64_t count) {
-  return {values, values + count};
-}
-
 class VtuWriter : public AnimationWriter {
  public:
   VtuWriter(const std::string& path, const AnimationOptions& options)
-      : path_(path), scene_(options.scene), tets_(options.tets) {
+      : path_(path), frames_(path), scene_(options.scene), tets_(options.tets) {
     ELASTOGEN_CHECK(scene_, path, ": voxel data need a scene");
     if (!tets_) corners_.emplace(scene_->grid);
-    SafeFile probe(path);  // refuses a folder at once
   }
 
   bool needs_motion() const override { return true; }
@@ -115,19 +78,10 @@ class VtuWriter : public AnimationWriter {
     add_cells(file);
     add_strain(frame.state->x, u, file);
     file.section("</Piece>\n</UnstructuredGrid>\n");
-    const std::string name = frame_path(path_, frames_++, ".vtu");
-    file.write(name);
-    entries_ += concat("<DataSet timestep=\"", std::setprecision(17), frame.state->time,
-                       "\" part=\"0\" file=\"", escaped(name), "\"/>\n");
+    frames_.add(file, frame.state->time);
   }
 
-  void finish() override {
-    ELASTOGEN_CHECK(frames_ > 0, path_, ": there is no frame to write");
-    write_file(path_,
-               "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" "
-               "byte_order=\"LittleEndian\">\n<Collection>\n" +
-                   entries_ + "</Collection>\n</VTKFile>\n");
-  }
+  void finish() override { frames_.finish(); }
 
  private:
   int64_t cell_count() const { return tets_ ? tets_->rows() : scene_->grid.voxel_count(); }
@@ -137,22 +91,6 @@ class VtuWriter : public AnimationWriter {
     Mat3<double> F = mean_slope(scene_->grid, cell, u);
     for (int d = 0; d < 3; ++d) F(d, d) += 1;
     return F;
-  }
-
-  /// The name without its folder, as an XML attribute.
-  static std::string escaped(const std::string& path) {
-    std::string text;
-    for (const char c : std::filesystem::path(path).filename().string()) {
-      if (c == '&')
-        text += "&amp;";
-      else if (c == '<')
-        text += "&lt;";
-      else if (c == '"')
-        text += "&quot;";
-      else
-        text += c;
-    }
-    return text;
   }
 
   /// Displacement of the nodes [m].
@@ -172,19 +110,12 @@ class VtuWriter : public AnimationWriter {
     const int64_t size = state.x.size();
     const Array<double> shown = drawn(u);
     Array<double> x = shown;
-    for (int64_t k = 0; k < size; ++k)
-      x.data()[k] += scene_->grid.rest.data()[k] + scene_->place[size_t(k % 3)];
-    file.section("<Points>\n");
-    if (scene_->place == Vec3{})
-      file.array("Points", "Float32", to_floats(x.data(), size), 3);
-    else  // far from the origin, where floats are coarse
-      file.array("Points", "Float64", std::vector<double>(x.data(), x.data() + size), 3);
-    file.section("</Points>\n<PointData>\n");
-    file.array("displacement", "Float32", to_floats(shown.data(), size), 3);
-    if (state.v.size() == size)
-      file.array("velocity", "Float32", to_floats(drawn(state.v).data(), size), 3);
-    if (frame.residual.size() == size)
-      file.array("residual", "Float32", to_floats(frame.residual.data, size), 3);
+    for (int64_t k = 0; k < size; ++k) x.data()[k] += scene_->grid.rest.data()[k];
+    file.points(x.data(), x.rows(), scene_->place);
+    file.section("<PointData>\n");
+    file.floats("displacement", shown.data(), size, 3);
+    if (state.v.size() == size) file.floats("velocity", drawn(state.v).data(), size, 3);
+    if (frame.residual.size() == size) file.floats("residual", frame.residual.data, size, 3);
     file.section("</PointData>\n");
   }
 
@@ -222,17 +153,17 @@ class VtuWriter : public AnimationWriter {
     file.array("F", "Float32", gradients, 9);
     file.array("J", "Float32", J);
     file.array("cauchy_stress", "Float32", stress, 6);
-    if (!tets_) file.array("fill", "Float32", to_floats(scene_->grid.fill.data(), cell_count()));
+    if (!tets_) file.floats("fill", scene_->grid.fill.data(), cell_count());
     file.array("material", "Int32",
                std::vector<int32_t>(material, material + scene_->material.size()));
     file.section("</CellData>\n");
   }
 
-  std::string path_, entries_;
+  std::string path_;
+  PvdFrames frames_;
   const Scene* scene_;
   const Array<int32_t>* tets_;
   std::optional<VoxelCorners> corners_;  ///< of voxels
-  int64_t frames_ = 0;
 };
 
 }  // namespace

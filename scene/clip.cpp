@@ -100,8 +100,8 @@ class Clip {
     header.fps = run_.fps;
     header.commit = build_commit();
     stepper_->describe(header);
-    state_file_ =
-        std::make_unique<StateWriter>(run_.state, setup_.scene, header, stepper_->state());
+    state_file_ = std::make_unique<StateWriter>(run_.state, setup_.scene, header, stepper_->state(),
+                                                stepper_->particles());
   }
 
   void finish_state() {
@@ -165,7 +165,7 @@ class Clip {
     work_.push_back(r.inner);
     if (!r.converged && !r.refusal.empty()) report_.warnings.push_back(r.refusal);
     if (log_) log_->write(frame, r);
-    if (state_file_) state_file_->step(stepper_->state(), r);
+    if (state_file_) state_file_->step(stepper_->state(), r, stepper_->particles());
     if (hooks_.on_step) hooks_.on_step(r);
   }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scene/clip_frames.hpp"
 
+#include "scene/particle_setup.hpp"
+#include "scene/particle_surface_writer.hpp"
 #include "scene/version.hpp"
 
 #include <algorithm>
@@ -23,6 +25,10 @@ std::unique_ptr<AnimationWriter> open_animation(const std::string& path, const A
   options.root = root_matrix(setup.body.surface.scale, setup.up);
   options.scene = &setup.scene;
   if (setup.tets && !fem::is_plane(setup.tets->element)) options.tets = &setup.tets->elements;
+  if (setup.particles) {
+    options.particles = particle_set(*setup.particles);
+    if (auto writer = make_particle_surface_writer(path, asset, setup)) return writer;
+  }
   return AnimationWriter::create(path, asset, setup.body.surface, options);
 }
 
@@ -31,6 +37,8 @@ std::unique_ptr<AnimationWriter> open_animation(const std::string& path, const A
 ClipFrames::ClipFrames(const Asset& asset, const Setup& setup, const RunDescription& run,
                        const ClipHooks& hooks, const std::function<void(std::string)>& note)
     : setup_(setup), run_(run), hooks_(hooks) {
+  if (setup.particles)
+    for (const std::string& text : setup.particles->notes) note(text);
   for (const std::string& path : run.outputs) {
     std::unique_ptr<AnimationWriter> writer;
     if (hooks.open_writer) writer = hooks.open_writer(path, asset, setup, note);
@@ -55,7 +63,8 @@ void ClipFrames::add(const FrameCertificate& certificate) {
   frame.certificate = certificate;
   if (with_motion_) {
     frame.state = &grid_state();
-    frame.residual = {stepper_->residual().data, frame.state->x.rows(), 3};
+    frame.particles = stepper_->particles();
+    if (!frame.particles) frame.residual = {stepper_->residual().data, frame.state->x.rows(), 3};
     return write(number, frame);
   }
   // with one thread a frame is written there, when it is waited for
@@ -81,7 +90,7 @@ std::vector<std::string> ClipFrames::finish(const std::function<void(std::string
 const State& ClipFrames::grid_state() {
   const State& state = stepper_->state();
   const int64_t nodes = setup_.scene.grid.node_count();
-  if (state.x.rows() == nodes) return state;
+  if (setup_.particles || state.x.rows() == nodes) return state;
   grid_state_.x = grid_state_.v = Array<double>(nodes, 3);
   std::copy_n(state.x.data(), 3 * nodes, grid_state_.x.data());
   std::copy_n(state.v.data(), 3 * nodes, grid_state_.v.data());

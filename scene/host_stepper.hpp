@@ -9,6 +9,10 @@
 
 namespace elastogen {
 
+/// What a state file says of yields: a kind each and the numbers of its parameters, in the order of
+/// their declaration, (materials, 5).
+Array<double> yield_rows(const std::vector<Yield>& yields);
+
 class HostStepper : public Stepper {
  public:
   /// @param grid  of the scene; must outlive it.

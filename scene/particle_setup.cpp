@@ -4,7 +4,9 @@
 #include "core/error.hpp"
 #include "io/safe_file.hpp"
 #include "mpm_fem/mpm/fill.hpp"
-#include "voxelize/labels.hpp"
+#include "scene/particle_colours.hpp"
+
+#include <filesystem>
 
 namespace elastogen {
 namespace {
@@ -14,51 +16,53 @@ void refuse(bool asked, const char* option) {
                   ": not for particles yet; --method fem steps the body on voxel hexahedra");
 }
 
-using Colour = std::array<float, 4>;
-
-/// Colours of a surface's triangles; empty where the asset has none.
-std::vector<Colour> triangle_colours(const Asset& asset, const Surface& surface) {
-  std::vector<Colour> colours(size_t(surface.triangles.rows()), Colour{1, 1, 1, 1});
-  bool coloured = false;
-  for (const SurfaceInstance& instance : surface.instances) {
-    const Mesh& mesh = asset.meshes[size_t(instance.mesh)];
-    for (int64_t k = 0; k < instance.triangles; ++k) {
-      const int64_t t = instance.first_triangle + k;
-      Colour& colour = colours[size_t(t)];
-      if (const int32_t m = surface.material(t); m >= 0)
-        colour = asset.materials[size_t(m)].base_colour, coloured = true;
-      if (mesh.colour.empty()) continue;
-      coloured = true;
-      for (size_t c = 0; c < 4; ++c) {
-        float mean = 0;
-        for (int corner = 0; corner < 3; ++corner)
-          mean += mesh.colour[size_t(surface.triangles(t, corner) - instance.first_vertex)][c] / 3;
-        colour[c] *= mean;
-      }
-    }
+/// The outputs that show particles, by their endings.
+void check_endings(const RunDescription& run) {
+  for (const std::string& path : run.outputs) {
+    const std::string name = std::filesystem::path(path).replace_extension().string();
+    ELASTOGEN_CHECK(ending_of(path) != "glb", path,
+                    ": a GLB moves the vertices of a mesh, and particles have none; write ", name,
+                    ".ply (points, one file a frame), ", name, ".mesh.ply or ", name,
+                    ".obj (their surface), ", name, ".vdb, ", name, ".pvd or ", name, ".pc2");
   }
-  if (!coloured) colours.clear();
-  return colours;
+}
+
+/// The particles as a cloud, in the numbers of the asset.
+Asset cloud_of(const Asset& asset, const Setup& setup, const ParticleSetup& particles) {
+  Asset cloud;
+  cloud.path = asset.path;
+  cloud.format = "particles";
+  cloud.up = asset.up;
+  cloud.unit = asset.unit;
+  PointCloud& points = cloud.points.emplace();
+  const Array<double>& x = particles.nodes.rest;
+  const double scale = setup.body.surface.scale;
+  for (int64_t k = 0; k < x.rows(); ++k)
+    points.position.push_back({(x(k, 0) + setup.scene.place[0]) / scale,
+                               (x(k, 1) + setup.scene.place[1]) / scale,
+                               (x(k, 2) + setup.scene.place[2]) / scale});
+  return cloud;
 }
 
 }  // namespace
 
-void add_particles(const RunDescription& run, Setup& setup) {
+void add_particles(const Asset& asset, const RunDescription& run, Setup& setup) {
   refuse(!run.pins.empty(), "--pin");
   refuse(!run.holds.empty(), "--hold");
   refuse(!run.moves.empty(), "--move");
   refuse(!run.tractions.empty(), "--traction");
-  refuse(!run.state.empty(), "--state");
   refuse(run.fem && run.fem->statics, "statics");
-  for (const std::string& path : run.outputs)
-    ELASTOGEN_CHECK(ending_of(path) != "pvd", path,
-                    ": particles are written as points, .ply (one file a frame) or .pc2");
+  check_endings(run);
   const VoxelGrid& grid = setup.scene.grid;
   std::vector<Solid> solids;
   for (size_t k = 0; k < setup.scene.materials.size(); ++k)
     solids.push_back({setup.scene.materials[k], setup.yields[k]});
-  mpm::Filled filled = mpm::fill_body(grid, setup.scene.material, solids);
-  ParticleSetup particles{std::move(filled.particles), {}, std::move(filled.voxel)};
+  const mpm::FillOptions fill;
+  mpm::Filled filled = mpm::fill_body(grid, setup.scene.material, solids, fill);
+  ParticleSetup particles;
+  particles.particles = std::move(filled.particles);
+  particles.voxel = std::move(filled.voxel);
+  particles.spacing = grid.h / fill.per_edge;
   const Array<double>& x = particles.particles.x;
   particles.nodes.h = grid.h;
   particles.nodes.origin = grid.origin;
@@ -68,31 +72,20 @@ void add_particles(const RunDescription& run, Setup& setup) {
     setup.node_of(k) = int32_t(k);
     for (int a = 0; a < 3; ++a) particles.nodes.rest(k, a) += grid.origin[size_t(a)];
   }
+  particles.shown = cloud_of(asset, setup, particles);
+  particles.shown.points->colour =
+      particle_colours(asset, setup, particles, setup.body.carried, particles.notes);
+  std::erase_if(setup.asset.findings, [](const Finding& f) { return f.what == "carried-columns"; });
   setup.body.carried = particles.nodes.rest;
   setup.particles = std::move(particles);
 }
 
-Asset shown_asset(const Asset& asset, const Setup& setup) {
-  if (!setup.particles) return asset;
-  Asset cloud;
-  cloud.path = asset.path;
-  cloud.format = "particles";
-  cloud.up = asset.up;
-  cloud.unit = asset.unit;
-  PointCloud& points = cloud.points.emplace();
-  const Array<double>& x = setup.particles->nodes.rest;
-  const double scale = setup.body.surface.scale;
-  for (int64_t k = 0; k < x.rows(); ++k)
-    points.position.push_back({(x(k, 0) + setup.scene.place[0]) / scale,
-                               (x(k, 1) + setup.scene.place[1]) / scale,
-                               (x(k, 2) + setup.scene.place[2]) / scale});
-  if (!setup.body.is_asset) return cloud;
-  const std::vector<Colour> colours = triangle_colours(asset, setup.body.surface);
-  if (colours.empty()) return cloud;
-  const Array<int32_t> triangle = nearest_triangles(setup.scene.grid, setup.body.surface);
-  for (int64_t k = 0; k < x.rows(); ++k)
-    points.colour.push_back(colours[size_t(triangle(setup.particles->voxel(k)))]);
-  return cloud;
+const Asset& shown_asset(const Asset& asset, const Setup& setup) {
+  return setup.particles ? setup.particles->shown : asset;
+}
+
+ParticleSet particle_set(const ParticleSetup& of) {
+  return {of.particles.mass, of.particles.volume, of.particles.solid};
 }
 
 }  // namespace elastogen

@@ -3,18 +3,22 @@
 
 #pragma once
 
+#include "io/particle_frame.hpp"
 #include "scene/set_up.hpp"
 
 namespace elastogen {
 
 /// Fills the voxels of a setup with particles, which take the place of its grid's nodes and of the
 /// points that it carries.
-/// @throws Error (usage) for what particles cannot do: be held, moved or loaded, or write states.
-void add_particles(const RunDescription& run, Setup& setup);
+/// @throws Error (usage) for what particles cannot do: be held, moved or loaded, or be shown by an
+///         output.
+void add_particles(const Asset& asset, const RunDescription& run, Setup& setup);
 
-/// What outputs show of a run: the asset, or where it has particles these as a cloud of points. They
-/// have the colour of the triangle of a mesh that is nearest to their voxel: the base colour of its
-/// material, without its texture, times the mean colour of its corners.
-Asset shown_asset(const Asset& asset, const Setup& setup);
+/// What outputs show of a run: the asset, or where it has particles these as a cloud of points with
+/// the asset's colours. Asset and setup must outlive it.
+const Asset& shown_asset(const Asset& asset, const Setup& setup);
+
+/// What stays the same of a setup's particles, which must outlive it.
+ParticleSet particle_set(const ParticleSetup& particles);
 
 }  // namespace elastogen

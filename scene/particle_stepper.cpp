@@ -5,6 +5,7 @@
 #include "core/stopwatch.hpp"
 #include "mpm_fem/integrators/implicit_mpm.hpp"
 #include "scene/host_stepper.hpp"
+#include "scene/particle_setup.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -15,6 +16,11 @@ namespace {
 constexpr double kCells = 0.6;     // cells that a particle crosses in a part of a step at most
 constexpr double kLongest = 2e-3;  // part of a step [s]
 constexpr int kMostHalvings = 4;   // of a part that does not converge
+
+/// The longest equal part of a time that is no longer than the limit.
+double part_of(double time, double limit) {
+  return time / std::ceil(time / limit - 1e-9);
+}
 
 mpm::MpmScene mpm_scene(const Setup& setup) {
   mpm::MpmScene scene;
@@ -45,9 +51,13 @@ class ParticleStepper : public HostStepper {
   void begin_at(const State& state) override;
   StepReport advance() override;
   Span<const double> residual() const override { return none_; }
-  void describe(StateHeader& header) const override {
-    header.solver = "mpm";
-    header.tolerance = tolerance_;
+  void describe(StateHeader& header) const override;
+  std::optional<StatePlastic> plastic() const override {
+    return StatePlastic{yield_rows(setup_.yields), {}, {}};
+  }
+  const ParticleStrain* particles() override {
+    strain_ = {particles_.F, particles_.C, particles_.stress, particles_.history};
+    return &strain_;
   }
 
  private:
@@ -62,8 +72,17 @@ class ParticleStepper : public HostStepper {
   mpm::ImplicitMpm<3> solver_;
   double tolerance_;
   mpm::Particles particles_;
+  ParticleStrain strain_;
   Array<double> none_;
 };
+
+void ParticleStepper::describe(StateHeader& header) const {
+  header.solver = "mpm";
+  header.element = "particle";
+  header.scheme = "euler";
+  header.tolerance = tolerance_;
+  header.particles = particle_set(*setup_.particles);
+}
 
 void ParticleStepper::begin(const StartMotion& motion) {
   Scene nodes;  // only what initial_state looks at
@@ -93,8 +112,7 @@ double ParticleStepper::next_part(double left) const {
   });
   // v t + g t^2 = kCells h
   const double root = std::sqrt(fastest * fastest + 4 * g * kCells * h);
-  const double limit = std::min(kLongest, 2 * kCells * h / (fastest + root));
-  return left / std::ceil(left / limit - 1e-9);
+  return part_of(left, std::min(kLongest, 2 * kCells * h / (fastest + root)));
 }
 
 /// One part, halved until it converges; what the last try leaves is kept.
@@ -186,6 +204,10 @@ void ParticleStepper::show() {
 }
 
 }  // namespace
+
+double longest_part(double dt) {
+  return part_of(dt, kLongest);
+}
 
 std::unique_ptr<Stepper> make_particle_stepper(const Setup& setup, const RunDescription& run,
                                                std::function<bool()> stop) {

@@ -13,4 +13,7 @@ namespace elastogen {
 std::unique_ptr<Stepper> make_particle_stepper(const Setup& setup, const RunDescription& run,
                                                std::function<bool()> stop);
 
+/// The longest part that a step of dt is taken in [s].
+double longest_part(double dt);
+
 }  // namespace elastogen

@@ -243,7 +243,8 @@ void judge(const Asset& asset, const RunDescription& run, Setup& setup) {
   if (run.fem && run.fem->statics)
     for (std::string& text : unheld_pieces(fem_scene(setup, run)))
       setup.warnings.push_back(std::move(text));
-  for (Finding& finding : output_findings(asset, setup.body.surface, run.outputs))
+  const Asset& shown = shown_asset(asset, setup);
+  for (Finding& finding : output_findings(shown, setup.body.surface, run.outputs))
     setup.asset.findings.push_back(std::move(finding));
 }
 
@@ -268,8 +269,8 @@ Setup set_up(const Asset& asset, const RunDescription& run) {
   add_time(run, setup);
   judge_pieces(asset, run, setup);
   finish_scene(scene);
+  if (method_of(run) == Method::kMpm) add_particles(asset, run, setup);
   judge(asset, run, setup);
-  if (method_of(run) == Method::kMpm) add_particles(run, setup);
   setup.other_seconds = watch.seconds() - setup.voxelize_seconds;
   return setup;
 }

@@ -43,6 +43,8 @@ class Stepper {
   /// Gradient of the incremental potential at the last state [N], (nodes, 3); its first nodes are
   /// those of the grid.
   virtual Span<const double> residual() const = 0;
+  /// The strain of particles, valid until the next step; null where there are none.
+  virtual const ParticleStrain* particles() { return nullptr; }
   /// What it runs on: "cpu", or the name of a card.
   virtual std::string device() const { return "cpu"; }
   /// What a state file says of it.

@@ -22,14 +22,14 @@ int64_t largest_count(const VoxelizeOptions& options) {
   ELASTOGEN_CHECK(options.max_memory >= 0, "max_memory must not be negative, got ",
                   options.max_memory);
   if (options.max_memory == 0) return options.max_voxels;
-  return std::min(options.max_voxels, options.max_memory / kBytesPerVoxel);
+  return std::min(options.max_voxels, options.max_memory / options.bytes_per_voxel);
 }
 
-[[noreturn]] void refuse(double voxels, double h, int64_t limit, double fitting) {
-  throw Error(
-      concat("h = ", h, " m needs about ", voxels, " voxels and ", voxels * kBytesPerVoxel / 1e9,
-             " GB; the budget is ", limit, " voxels. h = ", fitting, " m would fit"),
-      ErrorKind::kResources);
+[[noreturn]] void refuse(double voxels, double h, const VoxelizeOptions& options, double fitting) {
+  throw Error(concat("h = ", h, " m needs about ", voxels, " voxels and ",
+                     voxels * double(options.bytes_per_voxel) / 1e9, " GB; the budget is ",
+                     largest_count(options), " voxels. h = ", fitting, " m would fit"),
+              ErrorKind::kResources);
 }
 
 }  // namespace
@@ -62,14 +62,14 @@ void check_budget(const WeldedMesh& mesh, double h, const VoxelizeOptions& optio
     fitting *= std::max(1.01, std::cbrt(count / std::max(limit, 1.0)));
     if (count <= 8) break;  // no edge fits a budget of nearly nothing
   }
-  refuse(needed, h, largest_count(options), 1.001 * fitting);
+  refuse(needed, h, options, 1.001 * fitting);
 }
 
 void check_budget(int64_t voxels, double h, const VoxelizeOptions& options) {
   const int64_t limit = largest_count(options);
   if (voxels <= limit) return;
   const auto needed = static_cast<double>(voxels);
-  refuse(needed, h, limit,
+  refuse(needed, h, options,
          1.05 * h * std::cbrt(needed / static_cast<double>(std::max<int64_t>(limit, 1))));
 }
 

@@ -9,10 +9,6 @@
 
 namespace elastogen {
 
-/// Memory that a simulation takes for each voxel of a solid: grid, state and both solvers, of which
-/// auto may need the two [bytes]. Measured 2150 to 2470 (stress size).
-inline constexpr int64_t kBytesPerVoxel = 2560;
-
 /// Upper estimate of the active voxels of edge h: the smaller of the box's cells and
 /// volume / h^3 + sum over the triangles of min(cells of its box, 2 area / h^2 + 2 edges / h + 8).
 /// An open surface may hold more than its signed volume says.

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/picture/smooth_corners.hpp"
 #include "cli/picture/subject.hpp"
-#include "cli/picture/texture.hpp"
 #include "core/error.hpp"
+#include "io/texture.hpp"
+#include "io/triangle_corners.hpp"
 
 #include <numeric>
 
@@ -19,34 +20,12 @@ struct Paint {
   const Texture* texture = nullptr;
 };
 
-/// Where a triangle has its attributes.
-struct Source {
-  const Mesh* mesh = nullptr;
-  std::array<int32_t, 3> drawn = {};  ///< vertices of the mesh, in the order of the surface
-};
-
-/// Corners of the file in the order of the surface, which turns mirrored instances.
-std::vector<Source> sources_of(const Asset& asset, const Surface& surface) {
-  std::vector<Source> sources;
-  for (const SurfaceInstance& instance : surface.instances) {
-    const Mesh& mesh = asset.meshes[size_t(instance.mesh)];
-    for (const TriangleGroup& group : mesh.groups)
-      for (size_t k = 0; k + 2 < group.corner.size(); k += 3) {
-        std::array<int32_t, 3> drawn = {group.corner[k], group.corner[k + 1], group.corner[k + 2]};
-        const int64_t second = instance.first_vertex + mesh.position_of[size_t(drawn[1])];
-        if (surface.triangles(int64_t(sources.size()), 1) != second) std::swap(drawn[1], drawn[2]);
-        sources.push_back({&mesh, drawn});
-      }
-  }
-  return sources;
-}
-
 /// Normals of the file. Those of OBJ that are one for a whole triangle say nothing: many programs
 /// write them for scans.
 std::vector<std::array<float, 3>> corner_normals(const Asset& asset,
-                                                 const std::vector<Source>& sources) {
+                                                 const std::vector<TriangleCorners>& sources) {
   std::vector<std::array<float, 3>> normals;
-  for (const Source& source : sources) {
+  for (const TriangleCorners& source : sources) {
     std::array<std::array<float, 3>, 3> of = {};
     for (size_t c = 0; c < 3 && !source.mesh->normal.empty(); ++c)
       of[c] = source.mesh->normal[size_t(source.drawn[c])];
@@ -76,7 +55,7 @@ struct Patch {
   }
 
   const Paint& paint;
-  const Source& source;
+  const TriangleCorners& source;
   float light[3];
   std::array<std::array<float, 2>, 3> uv;
   const Texture* texture;
@@ -88,7 +67,7 @@ class MeshSubject : public Subject {
   MeshSubject(const Asset& asset, const Surface& surface, int max_edge,
               std::vector<std::string>& notes)
       : surface_(surface),
-        sources_(sources_of(asset, surface)),
+        sources_(triangle_corners(asset, surface)),
         corners_(smooth_corners(surface, corner_normals(asset, sources_))),
         projected_(surface.vertices.rows(), 3),
         lit_{std::vector<float>(size_t(corners_.normals)),
@@ -117,7 +96,7 @@ class MeshSubject : public Subject {
   void draw_triangle(int64_t t, Canvas& canvas) const;
 
   const Surface& surface_;
-  std::vector<Source> sources_;
+  std::vector<TriangleCorners> sources_;
   SmoothCorners corners_;
   std::vector<Texture> textures_;
   std::vector<Paint> paints_;     ///< of no material, then of each
@@ -138,8 +117,8 @@ void MeshSubject::add_paints(const Asset& asset, int max_edge, std::vector<std::
       textures_.emplace_back(decode_image(image.bytes, max_edge));
     } catch (const Error& error) {
       texture_of.back() = -1;
-      notes.push_back(concat(asset.path, ": ", image.name, ": ", error.what(),
-                             "; pictures show the base colour in its place"));
+      notes.push_back(
+          concat(asset.path, ": ", image.name, ": ", error.what(), "; its base colour is shown"));
     }
   }
   const auto coloured = [](const Mesh& mesh) { return !mesh.colour.empty(); };

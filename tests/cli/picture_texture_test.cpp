@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/picture/smooth_corners.hpp"
-#include "cli/picture/texture.hpp"
+#include "io/texture.hpp"
 #include "tests/cli/picture_scenes.hpp"
 #include "tests/io/image_files.hpp"
 #include "tests/io/test_files.hpp"

@@ -8,6 +8,9 @@ namespace {
 
 TEST(FrameFiles, AreNamedByTheEnding) {
   EXPECT_EQ(frame_file("a/b.ply", 3), "a/b_00003.ply");
+  EXPECT_EQ(frame_file("a/b.mesh.ply", 3), "a/b.mesh_00003.ply");
+  EXPECT_EQ(frame_file("b.obj", 12), "b_00012.obj");
+  EXPECT_EQ(frame_file("b.VDB", 12), "b_00012.vdb");
   EXPECT_EQ(frame_file("b.pvd", 123456), "b_123456.vtu");
   EXPECT_EQ(frame_file("b_%d.png", 12), "b_12.png");
   EXPECT_EQ(frame_file("a.b/%04dx.PNG", 12), "a.b/0012x.PNG");
@@ -18,7 +21,8 @@ TEST(FrameFiles, AreNamedByTheEnding) {
 
 TEST(FrameFiles, ThereIsAFileOfTheNameItselfUnlessAllAreNumbered) {
   for (const char* own : {"b.png", "b.glb", "b.pvd"}) EXPECT_TRUE(has_own_file(own)) << own;
-  for (const char* none : {"b_%d.png", "b.ply"}) EXPECT_FALSE(has_own_file(none)) << none;
+  for (const char* none : {"b_%d.png", "b.ply", "b.obj", "b.vdb"})
+    EXPECT_FALSE(has_own_file(none)) << none;
 }
 
 TEST(FrameFiles, KnowTheirOwn) {

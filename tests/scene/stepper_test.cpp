@@ -201,7 +201,7 @@ Setup sand_above_a_floor(const RunDescription& run, double& ground) {
   for (int64_t n = 0; n < scene.grid.node_count(); ++n)
     ground = std::min(ground, scene.grid.rest(n, 1) - 2 * scene.grid.h);
   scene.colliders = {half_space({0, 1, 0}, ground, 0.5)};
-  add_particles(run, setup);
+  add_particles({}, run, setup);
   return setup;
 }
 
@@ -243,15 +243,15 @@ TEST(Stepper, SandFallsAndLiesOnAFloor) {
   EXPECT_GT(highest, ground + h / 2);
 }
 
-TEST(Stepper, ParticlesRefuseToBeHeldAndToWriteStates) {
+TEST(Stepper, ParticlesRefuseToBeHeldAndToBeAGlb) {
   RunDescription run;
   run.yield = SandYield{};
   auto setup = yielding_setup(run.yield);
   run.pins = {parse_pin("y<5%")};
-  EXPECT_THROW(add_particles(run, setup), Error);
+  EXPECT_THROW(add_particles({}, run, setup), Error);
   run.pins.clear();
-  run.state = "a.h5";
-  EXPECT_THROW(add_particles(run, setup), Error);
+  run.outputs = {"a.glb"};
+  EXPECT_THROW(add_particles({}, run, setup), Error);
 }
 
 TEST(Stepper, TetrahedraRestOnAFloor) {

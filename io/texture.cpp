@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cli/picture/texture.hpp"
+#include "io/texture.hpp"
 
 #include "io/byte_reader.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace elastogen {

@@ -3,9 +3,11 @@
 
 #pragma once
 
-#include "cli/picture/canvas.hpp"
 #include "io/base_colour.hpp"
 #include "io/decode_image.hpp"
+
+#include <array>
+#include <vector>
 
 namespace elastogen {
 

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// Surfaces and volumes of particles: one file a frame.
+
+#pragma once
+
+#include "io/animation_writer.hpp"
+#include "scene/set_up.hpp"
+
+namespace elastogen {
+
+/// A writer of NAME_00000.obj, ... for a path NAME.obj, in the same way for NAME.mesh.ply and
+/// NAME.vdb; each file is whole as soon as its frame has come, also without finish(). Meshes
+/// (voxelize/particle_surface.hpp) are in the asset's own numbers and axes, their vertices have the
+/// colour of the nearest particle where the asset has colours: OBJ `v x y z r g b`, PLY binary,
+/// `red green blue`, both sRGB. Volumes are in metres (write_particle_vdb).
+/// @param shown  the particles as shown_asset gives them; it and the setup must outlive the writer.
+/// @return null for another ending.
+/// @throws Error (usage) from frame without a state of the particles for a .vdb; others as
+///         AnimationWriter.
+std::unique_ptr<AnimationWriter> make_particle_surface_writer(const std::string& path,
+                                                              const Asset& shown,
+                                                              const Setup& setup);
+
+}  // namespace elastogen
