@@ -9,6 +9,7 @@
 #include "io/read_asset.hpp"
 #include "io/safe_file.hpp"
 #include "io/scene_file.hpp"
+#include "io/units.hpp"
 #include "scene/tet_asset.hpp"
 #include "scene/version.hpp"
 
@@ -63,12 +64,13 @@ void fill_from_scene(Verb& verb) {
   if (taken.contains("--voxels")) taken.insert("--h");
   if (taken.contains("--material"))
     taken.insert({"--law", "--young", "--poisson", "--density", "--yield", "--hardening",
-                  "--friction-angle", "--cohesion"});
+                  "--friction-angle", "--cohesion", "--keeps-volume"});
+  if (!verb.scene.input.empty()) taken.insert("--shape");
   if (taken.contains("--analytic")) taken.insert("--energy");
   for (const SceneOption& scene : scene_options(read_scene(verb.scene_file))) {
     CLI::Option* option = app.get_option_no_throw(scene.option);
     if (scene.option == "INPUT" && verb.scene.input.empty()) {
-      verb.scene.input = scene.texts[0];
+      if (!given(app, "--shape")) verb.scene.input = scene.texts[0];
     } else if (option && !taken.contains(option->get_name())) {
       fill(*option, scene, verb.scene_file);
     }
@@ -84,6 +86,10 @@ void resolve(Verb& verb) {
     verb.scene.fem->resolution = given(*verb.app, "--voxels") || given(*verb.app, "--h");
   }
   resolve(verb.typed, verb.scene);
+}
+
+bool has_body(const AnimateOptions& o) {
+  return !o.input.empty() || o.shape;
 }
 
 /// @throws Error (usage) naming the first option that only finite elements know.
@@ -162,7 +168,8 @@ AnimateOptions take_run(Verb& verb) {
                   verb.typed.method, ": no material of the scene yields");
   const std::string& file = verb.scene_file;
   const std::string scene = file.empty() ? "" : file + ": ";
-  ELASTOGEN_CHECK(!o.input.empty(), scene, name, " needs an INPUT, or a --scene with asset.file");
+  ELASTOGEN_CHECK(has_body(o), scene, name,
+                  " needs an INPUT, a --shape, or a --scene with asset.file or shape");
   ELASTOGEN_CHECK(!o.outputs.empty(), scene, name,
                   " needs an --output, or a --scene with output.files");
   check_outputs(o, verb.scene_file);
@@ -205,8 +212,8 @@ InspectTask take_inspect(Verb& verb, InspectTask task) {
   task.is_scene = ending_of(file) == "toml" || ending_of(file) == "json";
   if (!task.is_scene) verb.scene.input = file, verb.scene_file.clear();
   resolve(verb);
-  const bool named = !verb.scene.input.empty() || verb.scene.print_resolved;
-  ELASTOGEN_CHECK(named, file, ": names no asset (asset.file)");
+  const bool named = has_body(verb.scene) || verb.scene.print_resolved;
+  ELASTOGEN_CHECK(named, file, ": names no asset (asset.file) and no shape");
   task.scene = finish_resolved(verb.scene);
   return task;
 }
@@ -220,6 +227,7 @@ void add_doctor(CLI::App& app, Verb& verb, DoctorTask& task) {
 
 /// Names in the options of study.
 struct StudyNames {
+  std::vector<std::string> explicit_dts = {"1e-5"};
   std::string reference = "hex-bbar";
   std::vector<std::string> solvers = {"quasi", "newton", "paper"};
 };
@@ -253,16 +261,25 @@ void add_study(CLI::App& app, Verb& verb, StudyTask& task, StudyNames& names) {
   verb.app->add_option("--time-steps", task.time_steps, "dt over those of the sweep; 1: no sweep")
       ->delimiter(',')
       ->capture_default_str();
+  verb.app
+      ->add_option("--explicit-dt", names.explicit_dts,
+                   "particles: steps with a transfer after each, e.g. '10 us', or none")
+      ->delimiter(',')
+      ->capture_default_str();
+  verb.app->add_flag("--noise-floor,!--no-noise-floor", task.noise_floor,
+                     "particles: the reference also with four times the substeps");
   add_scene_groups(*verb.app, verb.scene, verb.typed);
 }
 
 StudyTask take_study(Verb& verb, StudyTask task, const StudyNames& names) {
   resolve(verb);
   check_no_boundary(verb.typed, "study");
-  ELASTOGEN_CHECK(method_of(verb.scene) == Method::kAuto,
-                  "study: the network steps no material that yields");
+  ELASTOGEN_CHECK(
+      method_of(verb.scene) != Method::kFem,
+      "study: the network steps no material that yields; --method mpm compares particles");
   if (verb.scene.energy == EnergySource::kAuto) verb.scene.energy = EnergySource::kAnalytic;
-  ELASTOGEN_CHECK(!verb.scene.input.empty(), "study needs an INPUT, or a --scene with asset.file");
+  ELASTOGEN_CHECK(has_body(verb.scene),
+                  "study needs an INPUT, a --shape, or a --scene with asset.file or shape");
   task.reference = fem::element_from_name(names.reference);
   task.solvers.clear();
   for (const std::string& name : names.solvers) {
@@ -281,6 +298,12 @@ StudyTask take_study(Verb& verb, StudyTask task, const StudyNames& names) {
     ELASTOGEN_CHECK(value >= 1, "--resolutions must be 1 or more, got ", value);
   for (const int value : task.time_steps)
     ELASTOGEN_CHECK(value >= 1, "--time-steps must be 1 or more, got ", value);
+  for (const std::string& text : names.explicit_dts) {
+    if (text == "none") continue;
+    task.explicit_dts.push_back(parse_time(text));
+    ELASTOGEN_CHECK(task.explicit_dts.back() > 0, "--explicit-dt must be positive, got '", text,
+                    "'");
+  }
   task.scene = verb.scene;
   return task;
 }

@@ -9,6 +9,7 @@
 #include "core/parallel.hpp"
 #include "core/time_scheme.hpp"
 #include "io/safe_file.hpp"
+#include "scene/particle_integrator.hpp"
 #include "scene/particle_setup.hpp"
 #include "scene/version.hpp"
 
@@ -20,6 +21,18 @@
 namespace elastogen {
 namespace {
 
+void print_particles(const Setup& setup, const ParticleOptions& options) {
+  const ParticleSetup& p = *setup.particles;
+  const bool implicit = options.integrator == Integrator::kImplicit;
+  fmt::print("{} particles{} on a grid of {:.4g} m, {} steps", p.particles.count(),
+             p.dimension == 2 ? " in the plane" : "", setup.scene.grid.h,
+             implicit ? "implicit" : "explicit");
+  const double dt = implicit ? options.dt : explicit_dt(mpm_scene(setup, options), options);
+  if (dt > 0) fmt::print(", {:.4g} s from transfer to transfer", dt);
+  if (!implicit) fmt::print(" in {} part{}", options.substeps, options.substeps == 1 ? "" : "s");
+  fmt::print("\n");
+}
+
 /// What will be computed, in a few lines: size, up, grid, material, time step, numerical damping.
 void print_setup(const Setup& setup, const AnimateOptions& o) {
   const Scene& scene = setup.scene;
@@ -28,10 +41,11 @@ void print_setup(const Setup& setup, const AnimateOptions& o) {
   if (setup.tets)
     fmt::print("{} tetrahedra ({}) of {:.4g} m, {} nodes\n", setup.tets->elements.rows(),
                fem::element_name(setup.tets->element), scene.grid.h, scene.grid.node_count());
-  else
+  else if (scene.grid.voxel_count() > 0)
     fmt::print("{} voxels of {:.4g} m, {} nodes, {} piece{}\n", scene.grid.voxel_count(),
                scene.grid.h, scene.grid.node_count(), scene.grid.pieces,
                scene.grid.pieces == 1 ? "" : "s");
+  if (setup.particles) print_particles(setup, o.particles);
   for (const Material& m : scene.materials)
     fmt::print("{}: {}, E {:.4g} Pa, nu {:.4g}, rho {:.4g} kg/m^3\n", m.name, law_name(m.law),
                m.young, m.poisson, m.density);

@@ -2,6 +2,8 @@
 #include "scene/particle_setup.hpp"
 
 #include "core/error.hpp"
+#include "core/mat3.hpp"
+#include "core/vec3.hpp"
 #include "io/safe_file.hpp"
 #include "mpm_fem/mpm/fill.hpp"
 #include "voxelize/labels.hpp"
@@ -41,6 +43,22 @@ std::vector<Colour> triangle_colours(const Asset& asset, const Surface& surface)
   return colours;
 }
 
+ParticleSetup filled(const RunDescription& run, const Setup& setup) {
+  const VoxelGrid& grid = setup.scene.grid;
+  const mpm::FillOptions options{.per_edge = run.particles.per_edge,
+                                 .jitter = run.particles.jitter};
+  std::vector<Solid> solids;
+  for (size_t k = 0; k < setup.scene.materials.size(); ++k)
+    solids.push_back({setup.scene.materials[k], setup.yields[k]});
+  if (run.shape && run.shape->in_plane()) {
+    const PlacedBox& box = setup.body.surface.box;
+    const auto inside = [&](const Vec3& x) { return run.shape->contains(plus(x, box.origin)); };
+    return {mpm::fill_plane(box.lower, box.upper, grid.h, solids[0], inside, options), {}, {}, 2};
+  }
+  mpm::Filled body = mpm::fill_body(grid, setup.scene.material, solids, options);
+  return {std::move(body.particles), {}, std::move(body.voxel)};
+}
+
 }  // namespace
 
 void add_particles(const RunDescription& run, Setup& setup) {
@@ -54,11 +72,7 @@ void add_particles(const RunDescription& run, Setup& setup) {
     ELASTOGEN_CHECK(ending_of(path) != "pvd", path,
                     ": particles are written as points, .ply (one file a frame) or .pc2");
   const VoxelGrid& grid = setup.scene.grid;
-  std::vector<Solid> solids;
-  for (size_t k = 0; k < setup.scene.materials.size(); ++k)
-    solids.push_back({setup.scene.materials[k], setup.yields[k]});
-  mpm::Filled filled = mpm::fill_body(grid, setup.scene.material, solids);
-  ParticleSetup particles{std::move(filled.particles), {}, std::move(filled.voxel)};
+  ParticleSetup particles = filled(run, setup);
   const Array<double>& x = particles.particles.x;
   particles.nodes.h = grid.h;
   particles.nodes.origin = grid.origin;
@@ -70,6 +84,27 @@ void add_particles(const RunDescription& run, Setup& setup) {
   }
   setup.body.carried = particles.nodes.rest;
   setup.particles = std::move(particles);
+}
+
+State particle_start(const Setup& setup, const StartMotion& motion) {
+  Scene nodes;  // only what initial_state looks at
+  nodes.grid = setup.particles->nodes;
+  nodes.mass = setup.particles->particles.mass;
+  nodes.pinned = Array<uint8_t>(nodes.grid.node_count());
+  return initial_state(nodes, motion);
+}
+
+CloudReport cloud_of(const mpm::Particles& p, const Vec3& origin) {
+  CloudReport cloud;
+  for (int64_t k = 0; k < p.count(); ++k) {
+    cloud.volume += determinant(load_matrix(p.F.row(k))) * p.volume(k);
+    for (size_t a = 0; a < 3; ++a) {
+      const double x = p.x(k, int(a)) + origin[a];
+      cloud.lower[a] = std::min(cloud.lower[a], x);
+      cloud.upper[a] = std::max(cloud.upper[a], x);
+    }
+  }
+  return cloud;
 }
 
 Asset shown_asset(const Asset& asset, const Setup& setup) {

@@ -3,6 +3,8 @@
 
 #pragma once
 
+#include "core/state.hpp"
+#include "io/step_log.hpp"
 #include "scene/set_up.hpp"
 
 namespace elastogen {
@@ -16,5 +18,12 @@ void add_particles(const RunDescription& run, Setup& setup);
 /// have the colour of the triangle of a mesh that is nearest to their voxel: the base colour of its
 /// material, without its texture, times the mean colour of its corners.
 Asset shown_asset(const Asset& asset, const Setup& setup);
+
+/// Places [m] and velocities [m/s] of a setup's particles at the start.
+State particle_start(const Setup& setup, const StartMotion& motion);
+
+/// Box and volume of particles.
+/// @param origin  of their numbers [m]
+CloudReport cloud_of(const mpm::Particles& particles, const Vec3& origin);
 
 }  // namespace elastogen
