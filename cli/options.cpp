@@ -88,10 +88,6 @@ void resolve(Verb& verb) {
   resolve(verb.typed, verb.scene);
 }
 
-bool has_body(const AnimateOptions& o) {
-  return !o.input.empty() || o.shape;
-}
-
 /// @throws Error (usage) naming the first option that only finite elements know.
 void check_no_boundary(const Typed& typed, std::string_view verb) {
   for (const auto& [option, texts] : {std::pair("--hold", &typed.holds),

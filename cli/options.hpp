@@ -24,6 +24,11 @@ struct AnimateOptions : RunDescription {
   bool print_resolved = false;  ///< the scene that results, instead of the run
 };
 
+/// Whether it names an asset or a shape.
+inline bool has_body(const AnimateOptions& o) {
+  return !o.input.empty() || o.shape;
+}
+
 struct VoxelizeTask {
   AnimateOptions scene;  ///< input, resolution, limits, report
   std::string output;    ///< .vdb

@@ -28,7 +28,7 @@ struct ParticleRun {
   ParticleOptions options;
   int64_t steps = 0, solves = 0, iterations = 0, factored = 0, not_converged = 0;
   double worst_residual = 0;
-  double step_seconds = 0;            ///< median
+  double step_seconds = 0;            ///< of all threads together, median
   bool broke_off = false;             ///< a step had no finite result, the frames end before it
   std::vector<ParticleFrame> frames;  ///< the first is the start
 };

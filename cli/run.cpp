@@ -64,6 +64,7 @@ void print_setup(const Setup& setup, const AnimateOptions& o) {
   fmt::print("{} frames at {:.4g} fps, {} step{} a frame of {:.4g} s, Courant number {:.3g}\n",
              o.frames, o.fps, setup.substeps, setup.substeps == 1 ? "" : "s", scene.dt,
              courant_number(scene));
+  if (setup.particles && o.particles.integrator == Integrator::kExplicit) return;
   fmt::print("numerical damping: a vibration of 1 / 5 / 20 Hz keeps");
   for (const double f : {1.0, 5.0, 20.0})
     fmt::print("{} {:.0f} %", f == 1 ? "" : " /",

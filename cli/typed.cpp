@@ -115,7 +115,10 @@ void convert_lists(const Typed& t, AnimateOptions& o) {
   for (const std::string& text : t.colliders) o.colliders.push_back(parse_obstacle(text));
 }
 
-void resolve_particles(const Typed& t, ParticleOptions& p) {
+/// A body without a file, and particles.
+void resolve_particles(const Typed& t, AnimateOptions& o) {
+  if (!t.shape.empty()) o.shape = parse_shape(t.shape);
+  ParticleOptions& p = o.particles;
   p.integrator = Integrator(choice("--integrator", t.integrator, {"implicit", "explicit"}));
   p.transfer.kind =
       mpm::Transfer(choice("--transfer", t.transfer, {"apic", "apic-blend", "rpic", "flip"}));
@@ -137,8 +140,7 @@ void resolve_particles(const Typed& t, ParticleOptions& p) {
 void convert(const Typed& t, AnimateOptions& o) {
   resolve_material(t, o);
   convert_lists(t, o);
-  resolve_particles(t, o.particles);
-  if (!t.shape.empty()) o.shape = parse_shape(t.shape);
+  resolve_particles(t, o);
   o.friction = parse_friction(t.friction);
   resolve_method(t, o);
   if (t.gravity != "auto") o.gravity = parse_vec3(t.gravity, Quantity::kAcceleration);

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 from command import run
 from test_particles import read_points
+from test_pictures import read_png
 
 SCENES = Path(__file__).resolve().parents[2] / "examples" / "scenes"
 COLUMN = SCENES / "sand_column_2d.toml"
@@ -56,6 +57,20 @@ class Shapes(unittest.TestCase):
             ends.append(self.log("log")[-1]["particles"]["upper"])
         np.testing.assert_allclose(ends[0][:2], ends[1][:2], atol=2e-3)
 
+    def test_pictures_show_all_of_the_particles(self) -> None:
+        done = run("simulate", "--scene", COLUMN, "--frames", 1, "-o", self.folder / "s_%d.png",
+                   "--camera", "front", "--image-size", "96x96")
+        self.assertEqual(done.code, 0, done.err)
+        pixels = read_png(self.folder / "s_0.png").astype(int)
+        ground = pixels[:, 0].mean(axis=1)
+        column = np.abs(pixels.mean(axis=2) - ground[:, None]) > 25
+        wide, high = np.flatnonzero(column.any(axis=0)), np.flatnonzero(column.any(axis=1))
+        self.assertGreater(len(high), 48)
+        self.assertLess(len(wide), len(high))
+        self.assertGreater(wide[0], 8)
+        self.assertLess(wide[-1], 88)
+        self.assertGreater(high[0], 2)
+
     def test_a_step_that_waves_outrun_is_refused(self) -> None:
         done = run("simulate", "--scene", COLUMN, "--integrator", "explicit", "-o",
                    self.folder / "s.ply")
@@ -90,7 +105,8 @@ class Shapes(unittest.TestCase):
         self.assertLess(implicit["to_sub"]["iou_w"]["worst"], 1)
         floor = next(r for r in study["runs"] if r["substeps"] == 4 * reference["substeps"])
         self.assertGreater(floor["to_sub"]["iou_w"]["mean"], implicit["to_sub"]["iou_w"]["mean"])
-        rows = list(csv.DictReader((self.folder / "study" / "particles.csv").open()))
+        with (self.folder / "study" / "particles.csv").open() as file:
+            rows = list(csv.DictReader(file))
         self.assertEqual(len(rows), 4 * 3)
         self.assertEqual(float(rows[-1]["top [m]"]), study["runs"][-1]["frames"][-1]["top"])
 
