@@ -5,11 +5,11 @@
 #include "cli/materials_options.hpp"
 #include "cli/option_groups.hpp"
 #include "cli/scene_options.hpp"
+#include "cli/study_options.hpp"
 #include "core/error.hpp"
 #include "io/read_asset.hpp"
 #include "io/safe_file.hpp"
 #include "io/scene_file.hpp"
-#include "io/units.hpp"
 #include "scene/tet_asset.hpp"
 #include "scene/version.hpp"
 
@@ -108,7 +108,7 @@ AnimateOptions& finish_resolved(AnimateOptions& o) {
 void add_run(CLI::App& app, Verb& verb, const char* name, const char* text,
              const std::string& formats) {
   verb.app = app.add_subcommand(name, text);
-  verb.app->add_option("INPUT", verb.scene.input, "asset: " + formats);
+  verb.app->add_option("INPUT", verb.scene.input, "asset: " + formats + "; or a scene file");
   verb.app->add_option("--scene", verb.scene_file,
                        "scene file (.toml, .json): what holds for options that are not given");
   verb.app->add_flag("--print-resolved", verb.scene.print_resolved,
@@ -152,10 +152,19 @@ void add_simulate(CLI::App& app, Verb& verb) {
                      "the equilibrium under gravity, tractions and moves instead of time steps");
 }
 
+/// A scene file may stand where an asset does.
+void take_scene_file(Verb& verb) {
+  const std::string ending = ending_of(verb.scene.input);
+  if (!verb.scene_file.empty() || (ending != "toml" && ending != "json")) return;
+  verb.scene_file = std::move(verb.scene.input);
+  verb.scene.input.clear();
+}
+
 /// Options of animate or simulate, called `name`.
 AnimateOptions take_run(Verb& verb) {
   const std::string name = verb.app->get_name();
   ELASTOGEN_CHECK(!given(*verb.app, "--jobs"), "--jobs goes with --batch only");
+  take_scene_file(verb);
   resolve(verb);
   AnimateOptions& o = verb.scene;
   if (o.print_resolved) return finish_resolved(o);
@@ -221,53 +230,16 @@ void add_doctor(CLI::App& app, Verb& verb, DoctorTask& task) {
   add_resolution_options(*verb.app, verb.scene, verb.typed);
 }
 
-/// Names in the options of study.
-struct StudyNames {
-  std::vector<std::string> explicit_dts = {"1e-5"};
-  std::string reference = "hex-bbar";
-  std::vector<std::string> solvers = {"quasi", "newton", "paper"};
-};
-
 void add_study(CLI::App& app, Verb& verb, StudyTask& task, StudyNames& names) {
   verb.app = app.add_subcommand("study", "network against finite elements, error against time");
-  verb.app->add_option("INPUT", verb.scene.input, "asset");
+  verb.app->add_option("INPUT", verb.scene.input, "asset, or scene file (.toml, .json)");
   verb.app->add_option("--scene", verb.scene_file, "scene file (.toml, .json)");
-  verb.app->add_option("--folder", task.folder, "of study.json, study.csv, study.html, .pvd")
-      ->capture_default_str();
-  verb.app->add_option("--repeat", task.repeats, "runs of each kind, for their time")
-      ->capture_default_str();
-  verb.app->add_option("--solvers", names.solvers, "of the network: quasi, newton, paper")
-      ->delimiter(',')
-      ->capture_default_str();
-  verb.app->add_option("--tolerances", task.tolerances, "of quasi and newton")
-      ->delimiter(',')
-      ->capture_default_str();
-  verb.app
-      ->add_option("--reference", names.reference,
-                   "element of the reference of discretisation errors")
-      ->capture_default_str();
-  verb.app
-      ->add_option("--refine", task.refine,
-                   "its voxels are h over this; 0: no discretisation errors")
-      ->capture_default_str();
-  verb.app
-      ->add_option("--resolutions", task.resolutions, "h of the sweep over that of the reference")
-      ->delimiter(',')
-      ->capture_default_str();
-  verb.app->add_option("--time-steps", task.time_steps, "dt over those of the sweep; 1: no sweep")
-      ->delimiter(',')
-      ->capture_default_str();
-  verb.app
-      ->add_option("--explicit-dt", names.explicit_dts,
-                   "particles: steps with a transfer after each, e.g. '10 us', or none")
-      ->delimiter(',')
-      ->capture_default_str();
-  verb.app->add_flag("--noise-floor,!--no-noise-floor", task.noise_floor,
-                     "particles: the reference also with four times the substeps");
+  add_study_options(*verb.app, task, names);
   add_scene_groups(*verb.app, verb.scene, verb.typed);
 }
 
 StudyTask take_study(Verb& verb, StudyTask task, const StudyNames& names) {
+  take_scene_file(verb);
   resolve(verb);
   check_no_boundary(verb.typed, "study");
   ELASTOGEN_CHECK(
@@ -276,30 +248,7 @@ StudyTask take_study(Verb& verb, StudyTask task, const StudyNames& names) {
   if (verb.scene.energy == EnergySource::kAuto) verb.scene.energy = EnergySource::kAnalytic;
   ELASTOGEN_CHECK(has_body(verb.scene),
                   "study needs an INPUT, a --shape, or a --scene with asset.file or shape");
-  task.reference = fem::element_from_name(names.reference);
-  task.solvers.clear();
-  for (const std::string& name : names.solvers) {
-    task.solvers.push_back(solver_from_name(name));
-    ELASTOGEN_CHECK(task.solvers.back() != SolverMode::kAuto,
-                    "--solvers: auto is one of the others; name quasi, newton or paper");
-  }
-  for (const double tolerance : task.tolerances)
-    ELASTOGEN_CHECK(tolerance > 0 && tolerance < 1, "--tolerances must lie between 0 and 1, got ",
-                    tolerance);
-  ELASTOGEN_CHECK(task.repeats >= 1 && task.repeats <= 1000,
-                  "--repeat must lie in 1 ... 1000, got ", task.repeats);
-  ELASTOGEN_CHECK(task.refine >= 0 && task.refine <= 16, "--refine must lie in 0 ... 16, got ",
-                  task.refine);
-  for (const int value : task.resolutions)
-    ELASTOGEN_CHECK(value >= 1, "--resolutions must be 1 or more, got ", value);
-  for (const int value : task.time_steps)
-    ELASTOGEN_CHECK(value >= 1, "--time-steps must be 1 or more, got ", value);
-  for (const std::string& text : names.explicit_dts) {
-    if (text == "none") continue;
-    task.explicit_dts.push_back(parse_time(text));
-    ELASTOGEN_CHECK(task.explicit_dts.back() > 0, "--explicit-dt must be positive, got '", text,
-                    "'");
-  }
+  resolve_study(names, task);
   task.scene = verb.scene;
   return task;
 }

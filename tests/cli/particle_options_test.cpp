@@ -70,6 +70,17 @@ TEST(ParticleOptions, ASceneSetsThemAll) {
   EXPECT_EQ(p.transfer.flip, 0.5);
 }
 
+TEST(ParticleOptions, ASceneFileMayStandWhereAnAssetDoes) {
+  const TempFolder folder;
+  const std::string scene = folder.write("s.toml", kScene);
+  const AnimateOptions o = animate_options({scene, "--jitter", "0"});
+  EXPECT_EQ(o.input, "");
+  EXPECT_EQ(o.particles.substeps, 40);
+  EXPECT_EQ(o.particles.jitter, 0);
+  EXPECT_EQ(parsed_words({"study", scene}).study.value().scene.particles.substeps, 40);
+  expect_says(refusal({scene, "--scene", scene}), "two files of one name");
+}
+
 TEST(ParticleOptions, TheResolvedSceneIsAFixedPoint) {
   const TempFolder folder;
   const std::string boxes = "[shape]\nkind = 'box'\nlower = [0, 0, 0]\nupper = [1, '20 cm', 3]\n";

@@ -71,7 +71,7 @@ RunDescription column() {
 
 TEST(Shape, ThePlaneIsFilledWithTheMassOfAMetre) {
   const RunDescription run = column();
-  const Setup setup = set_up(shape_asset(*run.shape), run);
+  const auto setup = set_up(shape_asset(*run.shape), run);
   const mpm::Particles& p = setup.particles->particles;
   ASSERT_EQ(p.count(), 4 * 10 * 20);
   double mass = 0;
@@ -88,7 +88,7 @@ TEST(Shape, ThePlaneIsFilledWithTheMassOfAMetre) {
 
 /// Where a column is after some steps, each of which must converge.
 CloudReport fallen(const RunDescription& run, int steps, State& state) {
-  const Setup setup = set_up(shape_asset(*run.shape), run);
+  const auto setup = set_up(shape_asset(*run.shape), run);
   std::vector<std::string> notes;
   const std::unique_ptr<Stepper> stepper = make_stepper(setup, run, {}, notes);
   stepper->begin(run.motion);
