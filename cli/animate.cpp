@@ -4,8 +4,8 @@
 #include "cli/signals.hpp"
 #include "cli/verbs.hpp"
 #include "core/stopwatch.hpp"
-#include "io/read_asset.hpp"
 #include "io/scene_file.hpp"
+#include "scene/asset_stages.hpp"
 
 #include <cstdio>
 
@@ -24,7 +24,7 @@ int animate(const AnimateOptions& options) {
     hooks.tets = &tets;
     return run_animation(tets.asset, options, watch.seconds(), hooks).code;
   }
-  const Asset asset = read_asset(options.input, options.read);
+  const Asset asset = run_asset(options);
   return run_animation(asset, options, watch.seconds()).code;
 }
 

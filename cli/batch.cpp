@@ -7,8 +7,8 @@
 #include "cli/verbs.hpp"
 #include "core/parallel.hpp"
 #include "core/stopwatch.hpp"
-#include "io/read_asset.hpp"
 #include "network/device.hpp"
+#include "scene/asset_stages.hpp"
 
 #include <fmt/format.h>
 
@@ -78,7 +78,7 @@ class Batch {
   int run_scene(const BatchScene& scene) {
     if (scene.error) throw *scene.error;
     const Stopwatch watch;
-    const Asset asset = read_asset(scene.options.input, scene.options.read);
+    const Asset asset = run_asset(scene.options);
     RunHooks hooks;
     hooks.on_warning = [&](const std::string& text) {
       const std::lock_guard lock(mutex_);

@@ -5,7 +5,6 @@
 #include "core/parallel.hpp"
 #include "core/vec3.hpp"
 #include "io/json_text.hpp"
-#include "io/read_asset.hpp"
 #include "io/scene_file.hpp"
 #include "io/scene_keys.hpp"
 #include "scene/asset_stages.hpp"
@@ -34,6 +33,7 @@ struct Cost {
 Cost cost_of(const Body& body, double longest_edge, const AnimateOptions& o) {
   Cost cost;
   cost.h = o.h > 0 ? o.h : longest_edge / o.voxels;
+  if (o.shape && o.shape->in_plane()) return cost;  // particles alone
   cost.at_most = estimate_voxels(weld(body.surface), cost.h);
   if (cost.at_most <= kMaxCounted)
     cost.voxels = voxelize(body.surface, resolution(o)).grid.voxel_count();
@@ -140,7 +140,7 @@ int inspect(const InspectTask& task) {
   }
   std::optional<ThreadLimit> threads;
   if (o.threads > 0) threads.emplace(o.threads);
-  const Asset asset = read_asset(o.input, o.read);
+  const Asset asset = run_asset(o);
   const Body body = make_body(asset, o.size, resolution(o));
   const AssetSummary summary = summary_of(asset, body, o);
   Json described = describe(asset, body, summary, cost_of(body, summary.size.longest_edge, o));

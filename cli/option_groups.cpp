@@ -41,6 +41,9 @@ void add_material_options(CLI::App& app, Typed& t) {
   app.add_option("--cohesion", t.cohesion,
                  "sand: strain that it bears; snow: tensile strength over p0")
       ->group("Material");
+  app.add_option("--keeps-volume", t.keeps_volume,
+                 "sand: true or false; true: what opens has to close before it bears again")
+      ->group("Material");
   app.add_option("--region", t.regions,
                  "part of another material: 'y>80%: foam,young=1e5'; repeatable")
       ->group("Material")
@@ -60,7 +63,7 @@ void add_constraint_options(CLI::App& app, Typed& t) {
             "hold a part: y<5%, z>0.2m, box(x,y,z,x,y,z), sphere(x,y,z,r), all; repeatable");
   add_texts("--collider", t.colliders,
             "plane(x,y,z, nx,ny,nz), sphere(x,y,z, r) or box(x0,y0,z0, x1,y1,z1), then "
-            "friction F, name NAME, path T:x,y,z; T:x,y,z; repeatable");
+            "friction F (or sticky), name NAME, path T:x,y,z; T:x,y,z; repeatable");
   add_texts("--hold", t.holds,
             "simulate: hold a part along some axes only: 'x<1%: x', 'all: yz'; repeatable");
   add_texts("--traction", t.tractions,
@@ -81,7 +84,9 @@ void add_scene_options(CLI::App& app, AnimateOptions& o, Typed& t) {
                  "floor plane AXIS=PLACE; alone: the asset's lowest point; off: none")
       ->group("Scene")
       ->expected(0, 1);
-  app.add_option("--friction", o.friction, "Coulomb's coefficient with floor and colliders")
+  app.add_option("--friction", t.friction,
+                 "Coulomb's coefficient with floor and colliders; sticky: particles that touch "
+                 "them move with them")
       ->group("Scene")
       ->capture_default_str();
   app.add_option("--voxels", o.voxels, "voxels along the longest edge")
@@ -90,6 +95,11 @@ void add_scene_options(CLI::App& app, AnimateOptions& o, Typed& t) {
   app.add_option("--h", t.h, "voxel edge, e.g. '5 mm', instead of --voxels")->group("Scene");
   app.add_option("--size", t.size, "longest edge of the asset, e.g. '30 cm'")->group("Scene");
   add_body_options(app, o, t);
+  app.add_option(
+         "--shape", t.shape,
+         "body in place of INPUT: box(x0,y0,z0, x1,y1,z1), sphere(x,y,z, r), or in the plane "
+         "rectangle(x0,y0,0, x1,y1,0), disk(x,y,0, r)")
+      ->group("Scene");
   app.add_option("--up", t.up, "direction that points up: auto, x, y, z, -x, -y or -z")
       ->group("Scene")
       ->capture_default_str();
@@ -134,6 +144,21 @@ void add_run_options(CLI::App& app, AnimateOptions& o, Typed& t) {
   app.add_flag("--quiet,!--no-quiet", o.quiet, "print errors only");
 }
 
+void add_particle_options(CLI::App& app, AnimateOptions& o, Typed& t) {
+  ParticleOptions& p = o.particles;
+  const auto add = [&](const char* name, auto& value, const char* text) {
+    app.add_option(name, value, text)->group("Particles")->capture_default_str();
+  };
+  add("--integrator", t.integrator, "implicit or explicit");
+  add("--dt", t.dt, "from transfer to transfer, e.g. '1 ms'; auto: by speed, or that of waves");
+  add("--particle-substeps", p.substeps, "explicit: steps from transfer to transfer");
+  add("--per-edge", p.per_edge, "particles of a full voxel along an axis");
+  add("--jitter", p.jitter, "share of its part of the voxel where a particle stands at random");
+  add("--transfer", t.transfer, "apic, apic-blend, rpic or flip");
+  add("--blend-time", t.blend_time, "apic-blend: time in which the grid smooths velocities");
+  add("--flip", p.transfer.flip, "flip: share of the particles' own velocity");
+}
+
 void add_output_options(CLI::App& app, AnimateOptions& o, Typed& t) {
   app.add_option(
          "-o,--output", o.outputs,
@@ -174,6 +199,7 @@ void add_scene_groups(CLI::App& app, AnimateOptions& options, Typed& typed) {
   add_material_options(app, typed);
   add_scene_options(app, options, typed);
   add_run_options(app, options, typed);
+  add_particle_options(app, options, typed);
 }
 
 void add_resolution_options(CLI::App& app, AnimateOptions& o, Typed& t) {

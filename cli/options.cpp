@@ -5,6 +5,7 @@
 #include "cli/materials_options.hpp"
 #include "cli/option_groups.hpp"
 #include "cli/scene_options.hpp"
+#include "cli/study_options.hpp"
 #include "core/error.hpp"
 #include "io/read_asset.hpp"
 #include "io/safe_file.hpp"
@@ -63,12 +64,13 @@ void fill_from_scene(Verb& verb) {
   if (taken.contains("--voxels")) taken.insert("--h");
   if (taken.contains("--material"))
     taken.insert({"--law", "--young", "--poisson", "--density", "--yield", "--hardening",
-                  "--friction-angle", "--cohesion"});
+                  "--friction-angle", "--cohesion", "--keeps-volume"});
+  if (!verb.scene.input.empty()) taken.insert("--shape");
   if (taken.contains("--analytic")) taken.insert("--energy");
   for (const SceneOption& scene : scene_options(read_scene(verb.scene_file))) {
     CLI::Option* option = app.get_option_no_throw(scene.option);
     if (scene.option == "INPUT" && verb.scene.input.empty()) {
-      verb.scene.input = scene.texts[0];
+      if (!given(app, "--shape")) verb.scene.input = scene.texts[0];
     } else if (option && !taken.contains(option->get_name())) {
       fill(*option, scene, verb.scene_file);
     }
@@ -106,7 +108,7 @@ AnimateOptions& finish_resolved(AnimateOptions& o) {
 void add_run(CLI::App& app, Verb& verb, const char* name, const char* text,
              const std::string& formats) {
   verb.app = app.add_subcommand(name, text);
-  verb.app->add_option("INPUT", verb.scene.input, "asset: " + formats);
+  verb.app->add_option("INPUT", verb.scene.input, "asset: " + formats + "; or a scene file");
   verb.app->add_option("--scene", verb.scene_file,
                        "scene file (.toml, .json): what holds for options that are not given");
   verb.app->add_flag("--print-resolved", verb.scene.print_resolved,
@@ -151,10 +153,19 @@ void add_simulate(CLI::App& app, Verb& verb) {
                      "the equilibrium under gravity, tractions and moves instead of time steps");
 }
 
+/// A scene file may stand where an asset does.
+void take_scene_file(Verb& verb) {
+  const std::string ending = ending_of(verb.scene.input);
+  if (!verb.scene_file.empty() || (ending != "toml" && ending != "json")) return;
+  verb.scene_file = std::move(verb.scene.input);
+  verb.scene.input.clear();
+}
+
 /// Options of animate or simulate, called `name`.
 AnimateOptions take_run(Verb& verb) {
   const std::string name = verb.app->get_name();
   ELASTOGEN_CHECK(!given(*verb.app, "--jobs"), "--jobs goes with --batch only");
+  take_scene_file(verb);
   resolve(verb);
   AnimateOptions& o = verb.scene;
   if (o.print_resolved) return finish_resolved(o);
@@ -163,7 +174,8 @@ AnimateOptions take_run(Verb& verb) {
                   verb.typed.method, ": no material of the scene yields");
   const std::string& file = verb.scene_file;
   const std::string scene = file.empty() ? "" : file + ": ";
-  ELASTOGEN_CHECK(!o.input.empty(), scene, name, " needs an INPUT, or a --scene with asset.file");
+  ELASTOGEN_CHECK(has_body(o), scene, name,
+                  " needs an INPUT, a --shape, or a --scene with asset.file or shape");
   ELASTOGEN_CHECK(!o.outputs.empty(), scene, name,
                   " needs an --output, or a --scene with output.files");
   check_outputs(o, verb.scene_file);
@@ -206,8 +218,8 @@ InspectTask take_inspect(Verb& verb, InspectTask task) {
   task.is_scene = ending_of(file) == "toml" || ending_of(file) == "json";
   if (!task.is_scene) verb.scene.input = file, verb.scene_file.clear();
   resolve(verb);
-  const bool named = !verb.scene.input.empty() || verb.scene.print_resolved;
-  ELASTOGEN_CHECK(named, file, ": names no asset (asset.file)");
+  const bool named = has_body(verb.scene) || verb.scene.print_resolved;
+  ELASTOGEN_CHECK(named, file, ": names no asset (asset.file) and no shape");
   task.scene = finish_resolved(verb.scene);
   return task;
 }
@@ -219,69 +231,25 @@ void add_doctor(CLI::App& app, Verb& verb, DoctorTask& task) {
   add_resolution_options(*verb.app, verb.scene, verb.typed);
 }
 
-/// Names in the options of study.
-struct StudyNames {
-  std::string reference = "hex-bbar";
-  std::vector<std::string> solvers = {"quasi", "newton", "paper"};
-};
-
 void add_study(CLI::App& app, Verb& verb, StudyTask& task, StudyNames& names) {
   verb.app = app.add_subcommand("study", "network against finite elements, error against time");
-  verb.app->add_option("INPUT", verb.scene.input, "asset");
+  verb.app->add_option("INPUT", verb.scene.input, "asset, or scene file (.toml, .json)");
   verb.app->add_option("--scene", verb.scene_file, "scene file (.toml, .json)");
-  verb.app->add_option("--folder", task.folder, "of study.json, study.csv, study.html, .pvd")
-      ->capture_default_str();
-  verb.app->add_option("--repeat", task.repeats, "runs of each kind, for their time")
-      ->capture_default_str();
-  verb.app->add_option("--solvers", names.solvers, "of the network: quasi, newton, paper")
-      ->delimiter(',')
-      ->capture_default_str();
-  verb.app->add_option("--tolerances", task.tolerances, "of quasi and newton")
-      ->delimiter(',')
-      ->capture_default_str();
-  verb.app
-      ->add_option("--reference", names.reference,
-                   "element of the reference of discretisation errors")
-      ->capture_default_str();
-  verb.app
-      ->add_option("--refine", task.refine,
-                   "its voxels are h over this; 0: no discretisation errors")
-      ->capture_default_str();
-  verb.app
-      ->add_option("--resolutions", task.resolutions, "h of the sweep over that of the reference")
-      ->delimiter(',')
-      ->capture_default_str();
-  verb.app->add_option("--time-steps", task.time_steps, "dt over those of the sweep; 1: no sweep")
-      ->delimiter(',')
-      ->capture_default_str();
+  add_study_options(*verb.app, task, names);
   add_scene_groups(*verb.app, verb.scene, verb.typed);
 }
 
 StudyTask take_study(Verb& verb, StudyTask task, const StudyNames& names) {
+  take_scene_file(verb);
   resolve(verb);
   check_no_boundary(verb.typed, "study");
-  ELASTOGEN_CHECK(method_of(verb.scene) == Method::kAuto,
-                  "study: the network steps no material that yields");
+  ELASTOGEN_CHECK(
+      method_of(verb.scene) != Method::kFem,
+      "study: the network steps no material that yields; --method mpm compares particles");
   if (verb.scene.energy == EnergySource::kAuto) verb.scene.energy = EnergySource::kAnalytic;
-  ELASTOGEN_CHECK(!verb.scene.input.empty(), "study needs an INPUT, or a --scene with asset.file");
-  task.reference = fem::element_from_name(names.reference);
-  task.solvers.clear();
-  for (const std::string& name : names.solvers) {
-    task.solvers.push_back(solver_from_name(name));
-    ELASTOGEN_CHECK(task.solvers.back() != SolverMode::kAuto,
-                    "--solvers: auto is one of the others; name quasi, newton or paper");
-  }
-  for (const double tolerance : task.tolerances)
-    ELASTOGEN_CHECK(tolerance > 0 && tolerance < 1, "--tolerances must lie between 0 and 1, got ",
-                    tolerance);
-  ELASTOGEN_CHECK(task.repeats >= 1 && task.repeats <= 1000,
-                  "--repeat must lie in 1 ... 1000, got ", task.repeats);
-  ELASTOGEN_CHECK(task.refine >= 0 && task.refine <= 16, "--refine must lie in 0 ... 16, got ",
-                  task.refine);
-  for (const int value : task.resolutions)
-    ELASTOGEN_CHECK(value >= 1, "--resolutions must be 1 or more, got ", value);
-  for (const int value : task.time_steps)
-    ELASTOGEN_CHECK(value >= 1, "--time-steps must be 1 or more, got ", value);
+  ELASTOGEN_CHECK(has_body(verb.scene),
+                  "study needs an INPUT, a --shape, or a --scene with asset.file or shape");
+  resolve_study(names, task);
   task.scene = verb.scene;
   return task;
 }

@@ -24,6 +24,11 @@ struct AnimateOptions : RunDescription {
   bool print_resolved = false;  ///< the scene that results, instead of the run
 };
 
+/// Whether it names an asset or a shape.
+inline bool has_body(const AnimateOptions& o) {
+  return !o.input.empty() || o.shape;
+}
+
 struct VoxelizeTask {
   AnimateOptions scene;  ///< input, resolution, limits, report
   std::string output;    ///< .vdb
@@ -51,6 +56,8 @@ struct StudyTask {
   int refine = 2;  ///< its grid has voxels of h / refine; 0: no such errors
   std::vector<int> resolutions = {4, 2, 1};    ///< h of the sweep over that of the reference
   std::vector<int> time_steps = {1, 2, 4, 8};  ///< dt over that of the sweep; one: no sweep
+  std::vector<double> explicit_dts;            ///< of particles with a transfer after each step [s]
+  bool noise_floor = true;  ///< of particles: the reference also with four times the substeps
 };
 
 struct DemoOptions {

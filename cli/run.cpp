@@ -9,6 +9,7 @@
 #include "core/parallel.hpp"
 #include "core/time_scheme.hpp"
 #include "io/safe_file.hpp"
+#include "scene/particle_integrator.hpp"
 #include "scene/particle_setup.hpp"
 #include "scene/particle_stepper.hpp"
 #include "scene/version.hpp"
@@ -22,9 +23,11 @@ namespace elastogen {
 namespace {
 
 /// Of particles, whose steps are taken in parts by Euler's scheme, without that of the transfers.
-void print_damping(const Setup& setup) {
+void print_damping(const Setup& setup, const ParticleOptions& options) {
   const bool parts = setup.particles.has_value();
-  const double dt = parts ? longest_part(setup.scene.dt) : setup.scene.dt;
+  if (parts && options.integrator == Integrator::kExplicit) return;
+  double dt = setup.scene.dt;
+  if (parts) dt = options.dt > 0 ? std::min(options.dt, dt) : longest_part(dt);
   const TimeScheme scheme = parts ? TimeScheme::kEuler : setup.scene.scheme;
   if (parts)
     fmt::print("numerical damping in parts of {:.4g} s at most, beside that of the grid:", dt);
@@ -37,6 +40,18 @@ void print_damping(const Setup& setup) {
   fmt::print(" of its amplitude a period\n");
 }
 
+void print_particles(const Setup& setup, const ParticleOptions& options) {
+  const ParticleSetup& p = *setup.particles;
+  const bool implicit = options.integrator == Integrator::kImplicit;
+  fmt::print("{} particles{} on a grid of {:.4g} m, {} steps", p.particles.count(),
+             p.dimension == 2 ? " in the plane" : "", setup.scene.grid.h,
+             implicit ? "implicit" : "explicit");
+  const double dt = implicit ? options.dt : explicit_dt(mpm_scene(setup, options), options);
+  if (dt > 0) fmt::print(", {:.4g} s from transfer to transfer", dt);
+  if (!implicit) fmt::print(" in {} part{}", options.substeps, options.substeps == 1 ? "" : "s");
+  fmt::print("\n");
+}
+
 /// What will be computed, in a few lines: size, up, grid, material, time step, numerical damping.
 void print_setup(const Setup& setup, const AnimateOptions& o) {
   const Scene& scene = setup.scene;
@@ -46,11 +61,11 @@ void print_setup(const Setup& setup, const AnimateOptions& o) {
     fmt::print("{} {} ({}) of {:.4g} m, {} nodes\n", setup.tets->elements.rows(),
                fem::is_plane(setup.tets->element) ? "triangles" : "tetrahedra",
                fem::element_name(setup.tets->element), scene.grid.h, scene.grid.node_count());
-  else
+  else if (scene.grid.voxel_count() > 0)
     fmt::print("{} voxels of {:.4g} m, {} nodes, {} piece{}\n", scene.grid.voxel_count(),
                scene.grid.h, scene.grid.node_count(), scene.grid.pieces,
                scene.grid.pieces == 1 ? "" : "s");
-  if (setup.particles) fmt::print("{} particles\n", setup.particles->particles.count());
+  if (setup.particles) print_particles(setup, o.particles);
   for (const Material& m : scene.materials)
     fmt::print("{}: {}, E {:.4g} Pa, nu {:.4g}, rho {:.4g} kg/m^3\n", m.name, law_name(m.law),
                m.young, m.poisson, m.density);
@@ -69,7 +84,7 @@ void print_setup(const Setup& setup, const AnimateOptions& o) {
   fmt::print("{} frames at {:.4g} fps, {} step{} a frame of {:.4g} s, Courant number {:.3g}\n",
              o.frames, o.fps, setup.substeps, setup.substeps == 1 ? "" : "s", scene.dt,
              courant_number(scene));
-  print_damping(setup);
+  print_damping(setup, o.particles);
   std::fflush(stdout);
 }
 

@@ -43,10 +43,16 @@ std::string region_text(const SceneValue& region, const std::string& preset) {
   if (region.find("gltf_material"))
     text = fmt::format("material:{}", text_of(region, "gltf_material", ""));
   text += fmt::format(": {}", text_of(region, "preset", preset));
-  for (const char* key : {"law", "young", "poisson", "density", "yield", "hardening", "cohesion"})
-    if (region.find(key)) text += fmt::format(",{}={}", key, text_of(region, key, ""));
-  if (region.find("friction_angle"))
-    text += fmt::format(",friction-angle={}", text_of(region, "friction_angle", ""));
+  for (const auto& [key, word] : {std::pair("law", "law"),
+                                  {"young", "young"},
+                                  {"poisson", "poisson"},
+                                  {"density", "density"},
+                                  {"yield", "yield"},
+                                  {"hardening", "hardening"},
+                                  {"cohesion", "cohesion"},
+                                  {"friction_angle", "friction-angle"},
+                                  {"keeps_volume", "keeps-volume"}})
+    if (region.find(key)) text += fmt::format(",{}={}", word, text_of(region, key, ""));
   return text;
 }
 
@@ -76,6 +82,13 @@ std::string collider_text(const SceneValue& c) {
   const SceneValue* path = c.find("path");
   if (path && !path->items.empty()) text += " path" + path_text(*path);
   return text;
+}
+
+std::string shape_text(const SceneValue& shape) {
+  const bool round = shape.find("radius") != nullptr;
+  return fmt::format("{}({}, {})", text_of(shape, "kind", ""),
+                     text_of(shape, round ? "centre" : "lower", ""),
+                     text_of(shape, round ? "radius" : "upper", ""));
 }
 
 std::string hold_text(const SceneValue& hold) {
@@ -180,6 +193,7 @@ void set_yield(const Yield& yield, SceneValue& t) {
   } else if (const auto* sand = std::get_if<SandYield>(&yield)) {
     t.set("friction_angle", scene_number(sand->friction));
     t.set("cohesion", scene_number(sand->cohesion));
+    t.set("keeps_volume", scene_flag(sand->keeps_volume));
   } else if (const auto* snow = std::get_if<SnowYield>(&yield)) {
     t.set("yield", scene_number(snow->pressure));
     t.set("hardening", scene_number(snow->hardening));
@@ -212,7 +226,7 @@ SceneValue floor_table(const AnimateOptions& o) {
   t.set("on", scene_flag(o.floor.has_value()));
   t.set("axis", scene_text(floor.axis < 0 ? "auto" : std::string(1, char('x' + floor.axis))));
   t.set("place", floor.place ? scene_number(*floor.place) : scene_text("auto"));
-  t.set("friction", scene_number(o.friction));
+  t.set("friction", o.friction == kSticks ? scene_text("sticky") : scene_number(o.friction));
   return t;
 }
 
@@ -238,6 +252,35 @@ SceneValue solver_table(const AnimateOptions& o) {
   t.set("skip", scene_flag(o.solver.skip));
   t.set("threads", scene_number(o.threads));
   t.set("device", scene_text(find_scene_key("solver", "device")->words[size_t(o.solver.device)]));
+  return t;
+}
+
+SceneValue shape_table(const BodyShape& shape) {
+  SceneValue t;
+  t.set("kind", scene_text(kind_name(shape.kind)));
+  if (shape.is_round()) {
+    t.set("centre", vector(shape.centre.data()));
+    t.set("radius", scene_number(shape.radius));
+  } else {
+    t.set("lower", vector(shape.lower.data()));
+    t.set("upper", vector(shape.upper.data()));
+  }
+  return t;
+}
+
+SceneValue particles_table(const ParticleOptions& p) {
+  const auto word = [](const char* key, auto value) {
+    return scene_text(find_scene_key("particles", key)->words[size_t(value)]);
+  };
+  SceneValue t;
+  t.set("integrator", word("integrator", p.integrator));
+  t.set("dt", quantity(p.dt, "auto"));
+  t.set("substeps", scene_number(p.substeps));
+  t.set("per_edge", scene_number(p.per_edge));
+  t.set("jitter", scene_number(p.jitter));
+  t.set("transfer", word("transfer", p.transfer.kind));
+  t.set("blend_time", scene_number(p.transfer.blend_time));
+  t.set("flip", scene_number(p.transfer.flip));
   return t;
 }
 
@@ -280,6 +323,8 @@ std::vector<SceneOption> scene_options(const SceneValue& scene) {
   }
   if (const SceneValue* floor = scene.find("floor"))
     options.push_back({"--floor", {floor_text(*floor)}});
+  if (const SceneValue* shape = scene.find("shape"))
+    options.push_back({"--shape", {shape_text(*shape)}});
   add_tables(scene, options);
   return options;
 }
@@ -294,11 +339,13 @@ SceneValue resolved_scene(const AnimateOptions& o) {
   scene.set("moves", texts_of(o.moves));
   scene.set("gravity", o.gravity ? vector(o.gravity->data()) : scene_text("auto"));
   scene.set("asset", asset_table(o));
+  if (o.shape) scene.set("shape", shape_table(*o.shape));
   scene.set("material", material_table(o.material, o.yield));
   scene.set("motion", motion_table(o.motion));
   scene.set("floor", floor_table(o));
   scene.set("time", time_table(o));
   scene.set("solver", solver_table(o));
+  scene.set("particles", particles_table(o.particles));
   scene.set("limits", limits_table(o));
   scene.set("output", output_table(o));
   return scene;

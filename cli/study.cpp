@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/exit_code.hpp"
+#include "cli/particle_study.hpp"
 #include "cli/signals.hpp"
 #include "cli/study_runs.hpp"
 #include "cli/verbs.hpp"
@@ -39,6 +40,12 @@ int study(const StudyTask& task) {
   std::error_code error;
   std::filesystem::create_directories(task.folder, error);
   ELASTOGEN_CHECK(!error, task.folder, ": cannot be made a folder: ", error.message());
+  if (method_of(task.scene) == Method::kMpm) {
+    const ParticleStudyResult particles = particle_study(task);
+    write_particle_study(task.folder, particles);
+    if (!task.scene.quiet) print_particle_study(particles);
+    return pending_signal() != 0 ? 128 + pending_signal() : kExitDone;
+  }
   const StudyResult result = Study(task).run();
   write_study_json(task.folder + "/study.json", result);
   write_study_csv(task.folder + "/study.csv", result);

@@ -6,7 +6,7 @@
 #include "cli/weights.hpp"
 #include "core/error.hpp"
 #include "io/animation_writer.hpp"
-#include "io/read_asset.hpp"
+#include "scene/asset_stages.hpp"
 #include "scene/version.hpp"
 
 #include <fmt/format.h>
@@ -31,8 +31,7 @@ StepTime quartiles(const std::vector<double>& ms) {
 
 }  // namespace
 
-Study::Study(const StudyTask& task)
-    : task_(task), asset_(read_asset(task.scene.input, task.scene.read)) {
+Study::Study(const StudyTask& task) : task_(task), asset_(run_asset(task.scene)) {
   stage_ = make_stage(task.scene);
 }
 

@@ -39,7 +39,8 @@ void resolve_material(const Typed& t, AnimateOptions& o) {
                                   {"yield", &t.yield},
                                   {"hardening", &t.hardening},
                                   {"friction-angle", &t.friction_angle},
-                                  {"cohesion", &t.cohesion}}) {
+                                  {"cohesion", &t.cohesion},
+                                  {"keeps-volume", &t.keeps_volume}}) {
     if (!text->empty()) change_solid(key, *text, solid);
   }
   check_solid(solid);
@@ -114,9 +115,33 @@ void convert_lists(const Typed& t, AnimateOptions& o) {
   for (const std::string& text : t.colliders) o.colliders.push_back(parse_obstacle(text));
 }
 
+/// A body without a file, and particles.
+void resolve_particles(const Typed& t, AnimateOptions& o) {
+  if (!t.shape.empty()) o.shape = parse_shape(t.shape);
+  ParticleOptions& p = o.particles;
+  p.integrator = Integrator(choice("--integrator", t.integrator, {"implicit", "explicit"}));
+  p.transfer.kind =
+      mpm::Transfer(choice("--transfer", t.transfer, {"apic", "apic-blend", "rpic", "flip"}));
+  p.transfer.blend_time = parse_time(t.blend_time);
+  if (t.dt != "auto") p.dt = parse_time(t.dt);
+  ELASTOGEN_CHECK(t.dt == "auto" || p.dt > 0, "--dt must be positive, got '", t.dt, "'");
+  ELASTOGEN_CHECK(p.transfer.blend_time > 0, "--blend-time must be positive, got '", t.blend_time,
+                  "'");
+  ELASTOGEN_CHECK(p.transfer.flip >= 0 && p.transfer.flip <= 1,
+                  "--flip must lie between 0 and 1, got ", p.transfer.flip);
+  ELASTOGEN_CHECK(p.jitter >= 0 && p.jitter <= 1, "--jitter must lie between 0 and 1, got ",
+                  p.jitter);
+  ELASTOGEN_CHECK(p.per_edge >= 1 && p.per_edge <= 8, "--per-edge must lie in 1 ... 8, got ",
+                  p.per_edge);
+  ELASTOGEN_CHECK(p.substeps >= 1 && p.substeps <= 1'000'000,
+                  "--particle-substeps must lie in 1 ... 1000000, got ", p.substeps);
+}
+
 void convert(const Typed& t, AnimateOptions& o) {
   resolve_material(t, o);
   convert_lists(t, o);
+  resolve_particles(t, o);
+  o.friction = parse_friction(t.friction);
   resolve_method(t, o);
   if (t.gravity != "auto") o.gravity = parse_vec3(t.gravity, Quantity::kAcceleration);
   if (!t.velocity.empty()) copy(parse_vec3(t.velocity, Quantity::kSpeed), o.motion.velocity);
@@ -184,8 +209,10 @@ void check_ranges(const Typed& t, const AnimateOptions& o) {
   ELASTOGEN_CHECK(o.frames >= 0 && o.frames <= 1'000'000,
                   "--frames must lie in 0 ... 1000000, got ", o.frames);
   ELASTOGEN_CHECK(o.fps > 0 && std::isfinite(o.fps), "--fps must be positive, got ", o.fps);
-  ELASTOGEN_CHECK(o.friction >= 0 && std::isfinite(o.friction), "--friction must not be negative, ",
-                  "got ", o.friction);
+  ELASTOGEN_CHECK(o.friction >= 0, "--friction must not be negative, got ", o.friction);
+  ELASTOGEN_CHECK(!o.shape || o.input.empty(), "--shape stands in place of a file, and there is '",
+                  o.input, "'");
+  ELASTOGEN_CHECK(!o.shape || t.size == "auto", "--size: a shape has the size of its numbers");
   ELASTOGEN_CHECK(o.solver.tolerance > 0 && o.solver.tolerance < 1, "--tolerance must lie between ",
                   "0 and 1, got ", o.solver.tolerance);
   ELASTOGEN_CHECK(o.threads >= 0, "--threads must not be negative, got ", o.threads);

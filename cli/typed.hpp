@@ -10,7 +10,9 @@ namespace elastogen {
 /// Values as they were typed; empty means not given.
 struct Typed {
   std::string material = "rubber", law, young, poisson, density;
-  std::string yield, hardening, friction_angle, cohesion, method = "auto";
+  std::string yield, hardening, friction_angle, cohesion, keeps_volume, method = "auto";
+  std::string shape, friction = "0.5", integrator = "implicit", dt = "auto";
+  std::string transfer = "apic", blend_time = "0.01";
   std::string gravity = "auto", velocity, spin, h = "auto", size = "auto", substeps = "auto";
   std::string max_memory = "none", max_time = "none";
   std::vector<std::string> floor;

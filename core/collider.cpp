@@ -41,8 +41,8 @@ Vec3 offset_at(const Collider& c, double time) {
 
 void check_collider(const Collider& c) {
   ELASTOGEN_CHECK(finite(c.centre), "collider '", c.name, "': its place must be finite");
-  ELASTOGEN_CHECK(c.friction >= 0 && std::isfinite(c.friction), "collider '", c.name,
-                  "': friction must not be negative, got ", c.friction);
+  ELASTOGEN_CHECK(c.friction >= 0, "collider '", c.name, "': friction must not be negative, got ",
+                  c.friction);
   if (c.shape == Collider::Shape::kPlane)
     ELASTOGEN_CHECK(std::abs(safe_norm(c.normal) - 1) < 1e-9, "collider '", c.name,
                     "': its normal must be a unit vector");

@@ -25,6 +25,7 @@ from definitions import definitions_hash  # noqa: E402
 from fit_tables import fine_tuning, fits, generation  # noqa: E402
 from metal_tables import TABLES as METAL_TABLES  # noqa: E402
 from paper_tables import TABLES as PAPER_TABLES  # noqa: E402
+from particle_tables import TABLES as PARTICLE_TABLES  # noqa: E402
 
 RESULTS = ROOT / "docs" / "results"
 BENCH_PARTS = ("ceilings", "kernels", "step", "error-time", "tip", "baseline", "startup")
@@ -247,7 +248,7 @@ TABLES: dict[str, Callable[[], str]] = {"accuracy": accuracy, "peers": peers,
     f"{title} {part.replace('-', ' ')}": (lambda f=file, p=part: bench(f, p))
     for title, file in (("bench", "benchmarks"), ("device", "device")) for part in BENCH_PARTS} | {
     name: (lambda lines=lines: table(*lines()))
-    for name, lines in (PAPER_TABLES | METAL_TABLES).items()}
+    for name, lines in (PAPER_TABLES | METAL_TABLES | PARTICLE_TABLES).items()}
 
 
 def rendered(text: str, place: str) -> str:

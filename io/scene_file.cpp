@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 
@@ -85,6 +86,8 @@ class Check {
     if (name == "move") check_move(table, line);
     if (name == "region") check_region(table, line);
     if (name == "collider") check_collider(table, line);
+    if (name == "shape")
+      check_form("shape", "kind", table, line, {kBoxKeys, kBallKeys, kBoxKeys, kBallKeys});
   }
 
   void check_region(const SceneValue& region, int line) const {
@@ -102,21 +105,29 @@ class Check {
       fail(line, "'move': needs path, or turn with turn_centre and turn_axis");
   }
 
-  /// A collider has the keys of its shape and no others.
+  using TwoKeys = std::array<std::string_view, 2>;
+  static constexpr TwoKeys kBoxKeys = {"lower", "upper"}, kBallKeys = {"centre", "radius"},
+                           kPlaneKeys = {"centre", "normal"};
+
+  /// A table has the two keys of its form and no others.
+  /// @param own  keys of each word of the key that names the form.
+  void check_form(std::string_view name, std::string_view kind, const SceneValue& table, int line,
+                  const std::vector<TwoKeys>& own) const {
+    const SceneValue* form = table.find(kind);
+    if (!form) fail(line, concat('\'', name, "': needs ", kind));
+    const auto& words = find_scene_key(name, kind)->words;
+    const TwoKeys& keys =
+        own[size_t(std::find(words.begin(), words.end(), form->text) - words.begin())];
+    for (const std::string_view key : keys)
+      if (!table.find(key))
+        fail(line, concat('\'', name, "': a ", form->text, " needs ", keys[0], " and ", keys[1]));
+    for (const std::string_view key : {"centre", "normal", "radius", "lower", "upper"})
+      if (table.find(key) && key != keys[0] && key != keys[1])
+        fail(table.find(key)->line, concat('\'', name, '.', key, "': a ", form->text, " has none"));
+  }
+
   void check_collider(const SceneValue& collider, int line) const {
-    static const std::vector<std::string> kKeys[] = {
-        {"centre", "normal"}, {"centre", "radius"}, {"lower", "upper"}};
-    const SceneValue* shape = collider.find("shape");
-    if (!shape) fail(line, "'collider': needs shape");
-    const auto& words = find_scene_key("collider", "shape")->words;
-    const auto& own = kKeys[std::find(words.begin(), words.end(), shape->text) - words.begin()];
-    for (const std::string& key : own)
-      if (!collider.find(key))
-        fail(line, concat("'collider': a ", shape->text, " needs ", own[0], " and ", own[1]));
-    for (const char* key : {"centre", "normal", "radius", "lower", "upper"})
-      if (collider.find(key) && std::find(own.begin(), own.end(), key) == own.end())
-        fail(collider.find(key)->line,
-             concat("'collider.", key, "': a ", shape->text, " has none"));
+    check_form("collider", "shape", collider, line, {kPlaneKeys, kBallKeys, kBoxKeys});
     const SceneValue* name = collider.find("name");
     static constexpr const char* kLetters =
         "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_";

@@ -3,6 +3,7 @@
 
 #include "io/scene_load_keys.hpp"
 #include "io/scene_material_keys.hpp"
+#include "io/scene_particle_keys.hpp"
 
 #include <algorithm>
 
@@ -100,8 +101,15 @@ Keys floor_keys() {
        Q::kLength,
        {},
        {"auto"}},
-      {"floor", "friction", T::kNumber, "0.5", "--friction", "Coulomb's coefficient", Q::kNumber,
-       kNotNegative},
+      {"floor",
+       "friction",
+       T::kNumber,
+       "0.5",
+       "--friction",
+       "Coulomb's coefficient; sticky: particles that touch it move with it",
+       Q::kNumber,
+       kNotNegative,
+       {"sticky"}},
   };
 }
 
@@ -125,8 +133,15 @@ Keys collider_keys() {
       {"collider", "radius", T::kNumber, "", "", "sphere", Q::kLength, kPositive},
       {"collider", "lower", T::kVector, "", "", "box: its lower corner", Q::kLength},
       {"collider", "upper", T::kVector, "", "", "box: its upper corner", Q::kLength},
-      {"collider", "friction", T::kNumber, "that of the floor", "", "Coulomb's coefficient",
-       Q::kNumber, kNotNegative},
+      {"collider",
+       "friction",
+       T::kNumber,
+       "that of the floor",
+       "",
+       "as that of the floor",
+       Q::kNumber,
+       kNotNegative,
+       {"sticky"}},
       {"collider", "path", T::kPath, "at rest", "",
        "[t, x, y, z] in s and m: how far it is from its place at a time, straight between them"},
   };
@@ -303,6 +318,8 @@ Keys output_keys() {
 std::span<const SceneTable> scene_tables() {
   static const std::vector<SceneTable> tables = {
       {"asset", false, "What is animated, how large, and how finely."},
+      {"shape", false,
+       "A body without a file, in place of asset.file; its size is that of its numbers."},
       {"material", false, "The material of what no region takes."},
       {"region", true, "A part of another material: one of select, node, gltf_material."},
       {"pin", true, "A part that is held, as in `pins`."},
@@ -314,6 +331,7 @@ std::span<const SceneTable> scene_tables() {
       {"collider", true, "An obstacle, at rest or on a path."},
       {"time", false, "Frames and time steps."},
       {"solver", false, "How a time step is solved."},
+      {"particles", false, "Particles, of what falls apart into grains."},
       {"limits", false, "Budgets."},
       {"output", false, "What is written, from the folder the command runs in."},
   };
@@ -323,9 +341,10 @@ std::span<const SceneTable> scene_tables() {
 std::span<const SceneKey> scene_keys() {
   static const Keys keys = [] {
     Keys all;
-    for (const Keys& part : {asset_keys(), main_material_keys(), region_keys(), load_keys(),
-                             floor_keys(), collider_keys(), time_keys(), solver_keys(),
-                             effort_keys(), paper_keys(), limit_keys(), output_keys()})
+    for (const Keys& part :
+         {asset_keys(), shape_keys(), particle_keys(), main_material_keys(), region_keys(),
+          load_keys(), floor_keys(), collider_keys(), time_keys(), solver_keys(), effort_keys(),
+          paper_keys(), limit_keys(), output_keys()})
       all.insert(all.end(), part.begin(), part.end());
     const auto order = [](const SceneKey& key) {
       return key.table.empty() ? 0 : 1 + (find_scene_table(key.table) - scene_tables().data());

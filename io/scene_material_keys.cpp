@@ -43,6 +43,8 @@ Keys yield_keys(const std::string& table) {
        {.least = 0, .below = true}},
       {table, "cohesion", T::kNumber, same, main ? "--cohesion" : "",
        "of sand the strain that it bears, of snow tensile strength over p0", Q::kNumber, kFromZero},
+      {table, "keeps_volume", T::kFlag, same, main ? "--keeps-volume" : "",
+       "of sand: true: what opens has to close before it bears again"},
   };
 }
 

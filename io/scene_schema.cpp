@@ -107,6 +107,7 @@ Json table_schema(const SceneTable& table) {
   if (table.name == "traction")
     schema["oneOf"] = {Json{{"required", {"force"}}}, Json{{"required", {"pressure"}}}};
   if (table.name == "collider") schema["required"] = {"shape"};
+  if (table.name == "shape") schema["required"] = {"kind"};
   if (!table.many) return schema;
   return {{"type", "array"}, {"items", std::move(schema)}};
 }

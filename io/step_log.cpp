@@ -7,7 +7,8 @@
 
 namespace elastogen {
 
-std::string step_log_line(int64_t frame, const StepReport& report) {
+std::string step_log_line(int64_t frame, const StepReport& report,
+                          const std::optional<CloudReport>& cloud) {
   const EnergyParts& energy = report.energy;
   nlohmann::ordered_json line = {
       {"frame", frame},
@@ -33,10 +34,11 @@ std::string step_log_line(int64_t frame, const StepReport& report) {
       {"deepest_overlap", report.deepest_overlap},
       {"ms", report.ms},
   };
-  if (report.yields) {
-    line["energies"]["plastic"] = energy.plastic;
-    line["fallbacks"] = report.fallbacks;
-  }
+  if (report.yields) line["energies"]["plastic"] = energy.plastic;
+  if (report.yields || cloud) line["fallbacks"] = report.fallbacks;
+  if (cloud)
+    line["particles"] = {
+        {"lower", cloud->lower}, {"upper", cloud->upper}, {"volume", cloud->volume}};
   return line.dump();  // writes null for what is not finite
 }
 
@@ -44,8 +46,9 @@ StepLog::StepLog(const std::string& path) : path_(path), file_(path, std::ios::t
   if (!file_) throw Error(concat(path, ": cannot be written"), ErrorKind::kResources);
 }
 
-void StepLog::write(int64_t frame, const StepReport& report) {
-  file_ << step_log_line(frame, report) << '\n' << std::flush;
+void StepLog::write(int64_t frame, const StepReport& report,
+                    const std::optional<CloudReport>& cloud) {
+  file_ << step_log_line(frame, report, cloud) << '\n' << std::flush;
   if (!file_) throw Error(concat(path_, ": writing failed, disk full?"), ErrorKind::kResources);
 }
 

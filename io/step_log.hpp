@@ -6,9 +6,16 @@
 #include "core/report.hpp"
 
 #include <fstream>
+#include <optional>
 #include <string>
 
 namespace elastogen {
+
+/// Where the particles of a step are.
+struct CloudReport {
+  Vec3 lower = {1e300, 1e300, 1e300}, upper = {-1e300, -1e300, -1e300};  ///< box of all [m]
+  double volume = 0;  ///< sum V det F of their elastic F [m^3]
+};
 
 /// Appends a line a step to a new file, which can be read while the run lives. A number that is
 /// not finite is written as null.
@@ -18,8 +25,9 @@ class StepLog {
   explicit StepLog(const std::string& path);
 
   /// @param frame  the frame that the step belongs to, counted from 1.
+  /// @param cloud  of steps of particles
   /// @throws Error (resources) if the disk refuses the line.
-  void write(int64_t frame, const StepReport& report);
+  void write(int64_t frame, const StepReport& report, const std::optional<CloudReport>& cloud = {});
 
  private:
   std::string path_;
@@ -27,6 +35,7 @@ class StepLog {
 };
 
 /// The line that StepLog writes, without the line break.
-std::string step_log_line(int64_t frame, const StepReport& report);
+std::string step_log_line(int64_t frame, const StepReport& report,
+                          const std::optional<CloudReport>& cloud = {});
 
 }  // namespace elastogen

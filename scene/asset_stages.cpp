@@ -15,6 +15,10 @@ constexpr int64_t kBytesOfParticles = 20'000;
 
 }  // namespace
 
+Asset run_asset(const RunDescription& run) {
+  return run.shape ? shape_asset(*run.shape) : read_asset(run.input, run.read);
+}
+
 VoxelizeOptions resolution(const RunDescription& run) {
   VoxelizeOptions v;
   v.voxels = run.voxels;
@@ -53,7 +57,7 @@ void take_findings(const Asset& asset, const Voxelized& voxels, Body& body, Asse
 VoxelizedAsset voxelize_asset(const RunDescription& run, RunReport& report) {
   VoxelizedAsset result;
   const Stopwatch watch;
-  result.asset = read_asset(run.input, run.read);
+  result.asset = run_asset(run);
   report.stage_seconds.read = watch.seconds();
   result.body = make_body(result.asset, run.size, resolution(run));
   report.asset = summary_of(result.asset, result.body, run);

@@ -16,6 +16,9 @@ struct VoxelizedAsset {
   Voxelized voxels;
 };
 
+/// The body of a run: its shape, or what its file holds. @throws Error as read_asset.
+Asset run_asset(const RunDescription& run);
+
 /// Resolution and limits of a run, without planes to align with.
 VoxelizeOptions resolution(const RunDescription& run);
 

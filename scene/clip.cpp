@@ -164,7 +164,7 @@ class Clip {
     report_.step_ms.push_back(r.ms);
     work_.push_back(r.inner);
     if (!r.converged && !r.refusal.empty()) report_.warnings.push_back(r.refusal);
-    if (log_) log_->write(frame, r);
+    if (log_) log_->write(frame, r, stepper_->cloud());
     if (state_file_) state_file_->step(stepper_->state(), r, stepper_->particles());
     if (hooks_.on_step) hooks_.on_step(r);
   }

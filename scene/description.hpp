@@ -9,10 +9,12 @@
 #include "io/asset_pose.hpp"
 #include "io/read_options.hpp"
 #include "mpm_fem/fem_scene.hpp"
+#include "mpm_fem/mpm/mpm_scene.hpp"
 #include "network/solver.hpp"
 #include "scene/boundary.hpp"
 #include "scene/material_region.hpp"
 #include "scene/obstacle.hpp"
+#include "scene/shape.hpp"
 
 #include <functional>
 #include <optional>
@@ -44,19 +46,33 @@ struct FemOptions {
 /// apart into grains (is_granular), else elements.
 enum class Method : uint8_t { kAuto, kMpm, kFem };
 
+/// What takes the steps of particles: implicit Euler, or symplectic Euler.
+enum class Integrator : uint8_t { kImplicit, kExplicit };
+
+/// Particles in place of the grid.
+struct ParticleOptions {
+  Integrator integrator = Integrator::kImplicit;
+  double dt = 0;      ///< from one transfer to the next [s], 0: by their speed, or that of waves
+  int substeps = 1;   ///< of explicit steps between two transfers, on nodes that stay
+  int per_edge = 2;   ///< of a full voxel along an axis
+  double jitter = 1;  ///< as mpm::FillOptions
+  mpm::TransferOptions transfer;
+};
+
 /// What gives the stress of a material: its law, its net, or its net where one keeps the limits.
 enum class EnergySource : uint8_t { kAuto, kAnalytic, kNeural };
 
 struct RunDescription {
   // the asset and its grid
-  std::string input;         ///< file
-  ReadOptions read;          ///< what the file does not say itself
-  double size = 0;           ///< longest edge of the asset [m], 0: as the file has it
-  std::optional<UpAxis> up;  ///< unset: as the file has it, else a guess
-  int voxels = 48;           ///< along the longest edge
-  double h = 0;              ///< voxel edge [m], 0: from voxels
-  bool part_pieces = false;  ///< pieces that do not touch are not joined
-  double thickness = 0;      ///< of sheets and shells [m], 0: that of a voxel
+  std::string input;               ///< file
+  std::optional<BodyShape> shape;  ///< in place of a file
+  ReadOptions read;                ///< what the file does not say itself
+  double size = 0;                 ///< longest edge of the asset [m], 0: as the file has it
+  std::optional<UpAxis> up;        ///< unset: as the file has it, else a guess
+  int voxels = 48;                 ///< along the longest edge
+  double h = 0;                    ///< voxel edge [m], 0: from voxels
+  bool part_pieces = false;        ///< pieces that do not touch are not joined
+  double thickness = 0;            ///< of sheets and shells [m], 0: that of a voxel
 
   // what it is made of
   Material material;                    ///< of what no region takes
@@ -73,7 +89,7 @@ struct RunDescription {
   std::vector<Move> moves;
   std::vector<Obstacle> colliders;
   std::optional<FloorPlane> floor;
-  double friction = 0.5;        ///< of the floor, and of colliders that name none
+  double friction = 0.5;        ///< of the floor, and of colliders that name none; kSticks: sticky
   std::optional<Vec3> gravity;  ///< [m/s^2]; unset: 9.81 down
   StartMotion motion;
 
@@ -85,6 +101,7 @@ struct RunDescription {
   SolverOptions solver{.device = Device::kAuto};
   std::optional<FemOptions> fem;  ///< set: finite elements take the steps
   Method method = Method::kAuto;  ///< of a run with a material that yields
+  ParticleOptions particles;
   EnergySource energy = EnergySource::kAuto;
   Hourglass hourglass = Hourglass::kFull;
 

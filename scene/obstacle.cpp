@@ -66,7 +66,7 @@ void parse_rest(std::string_view text, Obstacle& o) {
   }
   for (const auto& [key, value] : parts) {
     ELASTOGEN_CHECK(!value.empty(), "nothing follows '", key, "'");
-    if (key == "friction") o.friction = parse_number(value);
+    if (key == "friction") o.friction = parse_friction(value);
     if (key == "name") o.name = value;
     if (key == "path") o.path = parse_path(value);
   }
@@ -94,13 +94,18 @@ void quoted(std::string_view text, const Action& action) {
   try {
     action();
   } catch (const Error& error) {
-    throw Error(concat("--collider '", text, "': ", error.what(),
-                       "; it reads: plane(x,y,z, nx,ny,nz), sphere(x,y,z, r) or box(x0,y0,z0, "
-                       "x1,y1,z1), then, if wanted, friction F, name NAME, path T:x,y,z; T:x,y,z"));
+    throw Error(concat(
+        "--collider '", text, "': ", error.what(),
+        "; it reads: plane(x,y,z, nx,ny,nz), sphere(x,y,z, r) or box(x0,y0,z0, "
+        "x1,y1,z1), then, if wanted, friction F (or sticky), name NAME, path T:x,y,z; T:x,y,z"));
   }
 }
 
 }  // namespace
+
+double parse_friction(std::string_view text) {
+  return without_blanks(text) == "sticky" ? kSticks : parse_number(text);
+}
 
 Obstacle parse_obstacle(std::string_view text) {
   Obstacle o{.text = std::string(text)};

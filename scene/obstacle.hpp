@@ -7,12 +7,19 @@
 #include "voxelize/regions.hpp"
 
 #include <array>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace elastogen {
+
+/// Friction of a collider with which what touches it moves, and does not come off.
+inline constexpr double kSticks = std::numeric_limits<double>::infinity();
+
+/// A coefficient of friction, or the word sticky. @throws Error (usage) naming the text.
+double parse_friction(std::string_view text);
 
 struct Obstacle {
   std::string text;  ///< as it was said, for messages
@@ -21,15 +28,16 @@ struct Obstacle {
   std::array<Place, 3> upper = {};  ///< corner of the box
   Vec3 normal = {0, 1, 0};          ///< of the plane, to its free side, of length 1
   double radius = 0;                ///< of the sphere [m]
-  std::optional<double> friction = {};  ///< Coulomb's coefficient; unset: that of the scene
-  std::string name = {};                ///< empty: by its number
-  std::vector<PathKey> path = {};       ///< offsets [m]
+  /// Coulomb's coefficient, or kSticks; unset: that of the scene.
+  std::optional<double> friction = {};
+  std::string name = {};           ///< empty: by its number
+  std::vector<PathKey> path = {};  ///< offsets [m]
 };
 
 /// Reads
 ///
 ///     plane(PLACE x3, NUMBER x3) | sphere(PLACE x3, LENGTH) | box(PLACE x6: two corners)
-///         [friction NUMBER] [name WORD] [path TIME:x,y,z; TIME:x,y,z ...]
+///         [friction NUMBER|sticky] [name WORD] [path TIME:x,y,z; TIME:x,y,z ...]
 ///
 /// a point of the plane and a normal of any length to its free side; path keys are offsets [m] at
 /// ascending times. Blanks may stand between all parts; places are lengths or shares of the box.

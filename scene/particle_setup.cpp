@@ -2,6 +2,8 @@
 #include "scene/particle_setup.hpp"
 
 #include "core/error.hpp"
+#include "core/mat3.hpp"
+#include "core/vec3.hpp"
 #include "io/safe_file.hpp"
 #include "mpm_fem/mpm/fill.hpp"
 #include "scene/particle_colours.hpp"
@@ -44,6 +46,28 @@ Asset cloud_of(const Asset& asset, const Setup& setup, const ParticleSetup& part
   return cloud;
 }
 
+ParticleSetup filled(const RunDescription& run, const Setup& setup) {
+  const VoxelGrid& grid = setup.scene.grid;
+  const mpm::FillOptions options{.per_edge = run.particles.per_edge,
+                                 .jitter = run.particles.jitter};
+  std::vector<Solid> solids;
+  for (size_t k = 0; k < setup.scene.materials.size(); ++k)
+    solids.push_back({setup.scene.materials[k], setup.yields[k]});
+  ParticleSetup particles;
+  particles.spacing = grid.h / options.per_edge;
+  if (run.shape && run.shape->in_plane()) {
+    const PlacedBox& box = setup.body.surface.box;
+    const auto inside = [&](const Vec3& x) { return run.shape->contains(plus(x, box.origin)); };
+    particles.dimension = 2;
+    particles.particles = mpm::fill_plane(box.lower, box.upper, grid.h, solids[0], inside, options);
+    return particles;
+  }
+  mpm::Filled body = mpm::fill_body(grid, setup.scene.material, solids, options);
+  particles.particles = std::move(body.particles);
+  particles.voxel = std::move(body.voxel);
+  return particles;
+}
+
 }  // namespace
 
 void add_particles(const Asset& asset, const RunDescription& run, Setup& setup) {
@@ -54,15 +78,7 @@ void add_particles(const Asset& asset, const RunDescription& run, Setup& setup) 
   refuse(run.fem && run.fem->statics, "statics");
   check_endings(run);
   const VoxelGrid& grid = setup.scene.grid;
-  std::vector<Solid> solids;
-  for (size_t k = 0; k < setup.scene.materials.size(); ++k)
-    solids.push_back({setup.scene.materials[k], setup.yields[k]});
-  const mpm::FillOptions fill;
-  mpm::Filled filled = mpm::fill_body(grid, setup.scene.material, solids, fill);
-  ParticleSetup particles;
-  particles.particles = std::move(filled.particles);
-  particles.voxel = std::move(filled.voxel);
-  particles.spacing = grid.h / fill.per_edge;
+  ParticleSetup particles = filled(run, setup);
   const Array<double>& x = particles.particles.x;
   particles.nodes.h = grid.h;
   particles.nodes.origin = grid.origin;
@@ -73,8 +89,9 @@ void add_particles(const Asset& asset, const RunDescription& run, Setup& setup) 
     for (int a = 0; a < 3; ++a) particles.nodes.rest(k, a) += grid.origin[size_t(a)];
   }
   particles.shown = cloud_of(asset, setup, particles);
-  particles.shown.points->colour =
-      particle_colours(asset, setup, particles, setup.body.carried, particles.notes);
+  if (!run.shape)
+    particles.shown.points->colour =
+        particle_colours(asset, setup, particles, setup.body.carried, particles.notes);
   std::erase_if(setup.asset.findings, [](const Finding& f) { return f.what == "carried-columns"; });
   setup.body.carried = particles.nodes.rest;
   setup.particles = std::move(particles);
@@ -86,6 +103,27 @@ const Asset& shown_asset(const Asset& asset, const Setup& setup) {
 
 ParticleSet particle_set(const ParticleSetup& of) {
   return {of.particles.mass, of.particles.volume, of.particles.solid};
+}
+
+State particle_start(const Setup& setup, const StartMotion& motion) {
+  Scene nodes;  // only what initial_state looks at
+  nodes.grid = setup.particles->nodes;
+  nodes.mass = setup.particles->particles.mass;
+  nodes.pinned = Array<uint8_t>(nodes.grid.node_count());
+  return initial_state(nodes, motion);
+}
+
+CloudReport cloud_of(const mpm::Particles& p, const Vec3& origin) {
+  CloudReport cloud;
+  for (int64_t k = 0; k < p.count(); ++k) {
+    cloud.volume += determinant(load_matrix(p.F.row(k))) * p.volume(k);
+    for (size_t a = 0; a < 3; ++a) {
+      const double x = p.x(k, int(a)) + origin[a];
+      cloud.lower[a] = std::min(cloud.lower[a], x);
+      cloud.upper[a] = std::max(cloud.upper[a], x);
+    }
+  }
+  return cloud;
 }
 
 }  // namespace elastogen

@@ -3,7 +3,9 @@
 
 #pragma once
 
+#include "core/state.hpp"
 #include "io/particle_frame.hpp"
+#include "io/step_log.hpp"
 #include "scene/set_up.hpp"
 
 namespace elastogen {
@@ -20,5 +22,12 @@ const Asset& shown_asset(const Asset& asset, const Setup& setup);
 
 /// What stays the same of a setup's particles, which must outlive it.
 ParticleSet particle_set(const ParticleSetup& particles);
+
+/// Places [m] and velocities [m/s] of a setup's particles at the start.
+State particle_start(const Setup& setup, const StartMotion& motion);
+
+/// Box and volume of particles.
+/// @param origin  of their numbers [m]
+CloudReport cloud_of(const mpm::Particles& particles, const Vec3& origin);
 
 }  // namespace elastogen

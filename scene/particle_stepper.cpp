@@ -3,8 +3,9 @@
 
 #include "core/reduce.hpp"
 #include "core/stopwatch.hpp"
-#include "mpm_fem/integrators/implicit_mpm.hpp"
+#include "core/vec3.hpp"
 #include "scene/host_stepper.hpp"
+#include "scene/particle_integrator.hpp"
 #include "scene/particle_setup.hpp"
 
 #include <algorithm>
@@ -13,28 +14,14 @@
 namespace elastogen {
 namespace {
 
-constexpr double kCells = 0.6;     // cells that a particle crosses in a part of a step at most
-constexpr double kLongest = 2e-3;  // part of a step [s]
-constexpr int kMostHalvings = 4;   // of a part that does not converge
+constexpr double kCells = 0.6;       // cells that a particle crosses in a part of a step at most
+constexpr double kLongest = 2e-3;    // part of a step [s]
+constexpr int kMostHalvings = 4;     // of a part that does not converge
+constexpr double kTolerance = 1e-3;  // where none is asked for
 
 /// The longest equal part of a time that is no longer than the limit.
 double part_of(double time, double limit) {
   return time / std::ceil(time / limit - 1e-9);
-}
-
-mpm::MpmScene mpm_scene(const Setup& setup) {
-  mpm::MpmScene scene;
-  const Scene& of = setup.scene;
-  scene.h = of.grid.h;
-  scene.gravity = of.gravity;
-  for (size_t k = 0; k < of.materials.size(); ++k)
-    scene.solids.push_back({of.materials[k], setup.yields[k]});
-  for (const Collider& collider : of.colliders) {
-    mpm::Wall wall{.collider = collider};
-    wall.collider.centre = minus(collider.centre, of.grid.origin);
-    scene.walls.push_back(std::move(wall));
-  }
-  return scene;
 }
 
 class ParticleStepper : public HostStepper {
@@ -42,15 +29,22 @@ class ParticleStepper : public HostStepper {
   ParticleStepper(const Setup& setup, const RunDescription& run, std::function<bool()> stop)
       : HostStepper(setup.particles->nodes),
         setup_(setup),
+        options_(run.particles),
         stop_(std::move(stop)),
-        scene_(mpm_scene(setup)),
-        solver_(scene_, {.tolerance = run.solver.tolerance}),
-        tolerance_(run.solver.tolerance) {}
+        scene_(mpm_scene(setup, run.particles)),
+        tolerance_(run.fem && run.fem->any_rounding ? kTolerance : run.solver.tolerance) {
+    if (is_explicit()) options_.dt = explicit_dt(scene_, options_);
+    scene_.dt = options_.dt > 0 ? std::min(options_.dt, setup.scene.dt) : setup.scene.dt;
+    integrator_ = make_particle_integrator(scene_, options_, tolerance_);
+  }
 
   void begin(const StartMotion& motion) override;
   void begin_at(const State& state) override;
   StepReport advance() override;
   Span<const double> residual() const override { return none_; }
+  std::optional<CloudReport> cloud() const override {
+    return cloud_of(particles_, plus(setup_.scene.place, setup_.scene.grid.origin));
+  }
   void describe(StateHeader& header) const override;
   std::optional<StatePlastic> plastic() const override {
     return StatePlastic{yield_rows(setup_.yields), {}, {}};
@@ -61,23 +55,26 @@ class ParticleStepper : public HostStepper {
   }
 
  private:
-  double next_part(double left) const;
+  bool is_explicit() const { return options_.integrator == Integrator::kExplicit; }
+  double longest_part() const;
   mpm::MpmStepReport take_part(double& part);
   void measure(StepReport& report) const;
+  void measure_overlap(StepReport& report) const;
   void show();
 
   const Setup& setup_;
+  ParticleOptions options_;
   std::function<bool()> stop_;
   mpm::MpmScene scene_;
-  mpm::ImplicitMpm<3> solver_;
   double tolerance_;
+  std::unique_ptr<ParticleIntegrator> integrator_;
   mpm::Particles particles_;
   ParticleStrain strain_;
   Array<double> none_;
 };
 
 void ParticleStepper::describe(StateHeader& header) const {
-  header.solver = "mpm";
+  header.solver = is_explicit() ? "mpm-explicit" : "mpm";
   header.element = "particle";
   header.scheme = "euler";
   header.tolerance = tolerance_;
@@ -85,11 +82,7 @@ void ParticleStepper::describe(StateHeader& header) const {
 }
 
 void ParticleStepper::begin(const StartMotion& motion) {
-  Scene nodes;  // only what initial_state looks at
-  nodes.grid = setup_.particles->nodes;
-  nodes.mass = setup_.particles->particles.mass;
-  nodes.pinned = Array<uint8_t>(nodes.grid.node_count());
-  begin_at(initial_state(nodes, motion));
+  begin_at(particle_start(setup_, motion));
 }
 
 void ParticleStepper::begin_at(const State& state) {
@@ -101,8 +94,9 @@ void ParticleStepper::begin_at(const State& state) {
     particles_.x.data()[k] = state.x.data()[k] - origin[size_t(k % 3)];
 }
 
-/// A part of what is left of a step, so long that no particle crosses more than kCells.
-double ParticleStepper::next_part(double left) const {
+/// What was asked for, or so long that no particle crosses more than kCells [s].
+double ParticleStepper::longest_part() const {
+  if (options_.dt > 0) return options_.dt;
   const double h = scene_.h, g = norm(scene_.gravity);
   const double fastest = largest(particles_.count(), [&](int64_t k) {
     const double *v = particles_.v.row(k), *C = particles_.C.row(k);
@@ -112,17 +106,19 @@ double ParticleStepper::next_part(double left) const {
   });
   // v t + g t^2 = kCells h
   const double root = std::sqrt(fastest * fastest + 4 * g * kCells * h);
-  return part_of(left, std::min(kLongest, 2 * kCells * h / (fastest + root)));
+  return std::min(kLongest, 2 * kCells * h / (fastest + root));
 }
 
 /// One part, halved until it converges; what the last try leaves is kept.
 mpm::MpmStepReport ParticleStepper::take_part(double& part) {
   mpm::MpmStepReport report;
-  for (int k = 0; k <= kMostHalvings; ++k) {
+  const int most = is_explicit() ? 0 : kMostHalvings;
+  for (int k = 0; k <= most; ++k) {
     mpm::Particles tried = particles_;
     scene_.dt = part;
-    report = solver_.step(state_.time, tried);
-    if (report.converged || k == kMostHalvings) {
+    report = integrator_->step(state_.time, tried);
+    report.fallbacks = k;
+    if (report.converged || k == most) {
       if (report.finite) particles_ = std::move(tried);
       return report;
     }
@@ -143,10 +139,11 @@ StepReport ParticleStepper::advance() {
   while (left > 1e-9 * setup_.scene.dt) {
     all.interrupted = stop_();
     if (all.interrupted) break;
-    double part = next_part(left);
+    double part = part_of(left, longest_part());
     const mpm::MpmStepReport r = take_part(part);
     all.outer += r.outer;
     all.inner += r.inner;
+    all.fallbacks += r.fallbacks;
     all.converged &= r.converged;
     all.residual = std::max(all.residual, r.residual);
     all.finite = r.finite;
@@ -167,29 +164,28 @@ StepReport ParticleStepper::advance() {
   return all;
 }
 
-/// Energies, the smallest volume ratio, and how deep particles are inside of colliders.
+/// Energies, the smallest volume ratio, and where the particles are.
 void ParticleStepper::measure(StepReport& report) const {
   const mpm::Particles& p = particles_;
-  const std::vector<mpm::Wall>& walls = scene_.walls;
   report.energy.kinetic = mpm::kinetic_energy(p, scene_.h);
+  report.energy.elastic = integrator_->elastic_energy(p);
   report.min_j = 1e300;
-  double deepest = 0;
   for (int64_t k = 0; k < p.count(); ++k) {
-    const Mat3<double> F = load_matrix(p.F.row(k));
-    report.min_j = std::min(report.min_j, determinant(F));
-    for (int a = 0; a < 3; ++a)
-      report.energy.gravity -= p.mass(k) * scene_.gravity[size_t(a)] * state_.x(k, a);
-    std::visit(
-        [&](const auto& law) {
-          report.energy.elastic +=
-              p.volume(k) * energy_density(law, F, history_of(law, p.history(k)));
-        },
-        solver_.laws()[size_t(p.solid(k))]);
-    for (const mpm::Wall& wall : walls) {
-      const Vec3 x = {p.x(k, 0), p.x(k, 1), p.x(k, 2)};
-      const double distance =
-          proximity(wall.collider, offset_at(wall.collider, state_.time), x).distance;
-      deepest = std::max(deepest, -distance);
+    report.min_j = std::min(report.min_j, determinant(load_matrix(p.F.row(k))));
+    for (size_t a = 0; a < 3; ++a)
+      report.energy.gravity -= p.mass(k) * scene_.gravity[a] * state_.x(k, int(a));
+  }
+  measure_overlap(report);
+}
+
+/// How deep particles are inside of colliders.
+void ParticleStepper::measure_overlap(StepReport& report) const {
+  double deepest = 0;
+  for (const mpm::Wall& wall : scene_.walls) {
+    const Vec3 offset = offset_at(wall.collider, state_.time);
+    for (int64_t k = 0; k < particles_.count(); ++k) {
+      const double* x = particles_.x.row(k);
+      deepest = std::max(deepest, -proximity(wall.collider, offset, {x[0], x[1], x[2]}).distance);
     }
   }
   report.deepest_overlap = deepest / scene_.h;

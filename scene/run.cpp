@@ -3,8 +3,8 @@
 
 #include "core/parallel.hpp"
 #include "core/stopwatch.hpp"
-#include "io/read_asset.hpp"
 #include "io/safe_file.hpp"
+#include "scene/asset_stages.hpp"
 #include "scene/particle_setup.hpp"
 #include "scene/tet_asset.hpp"
 #include "scene/version.hpp"
@@ -24,7 +24,7 @@ RunResult run_scene(const RunDescription& run, const ClipHooks& hooks) {
   const Stopwatch watch;
   const bool tets = run.fem && is_tet_file(run.input);
   const TetAsset of_tets = tets ? read_tet_asset(run.input) : TetAsset();
-  const Asset asset = tets ? of_tets.asset : read_asset(run.input, run.read);
+  const Asset asset = tets ? of_tets.asset : run_asset(run);
   report.stage_seconds.read = watch.seconds();
   const Setup setup = tets ? set_up(of_tets, run) : set_up(asset, run);
   add_summary(setup, report);

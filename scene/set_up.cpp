@@ -26,6 +26,8 @@
 namespace elastogen {
 namespace {
 
+constexpr double kDeep = 1e3;  // half of the edge of boxes across the plane [m]
+
 /// The free side of a floor across the up axis is up, of another one the positive side; without a
 /// place it lies where the asset begins.
 Collider make_floor(const FloorPlane& option, double friction, const UpAxis& up,
@@ -39,6 +41,17 @@ Collider make_floor(const FloorPlane& option, double friction, const UpAxis& up,
   return half_space(normal, sign * place, friction);
 }
 
+/// In the plane colliders are what the plane cuts of them: of boxes their faces across z do not count.
+void flatten(Collider& c) {
+  const bool box = c.shape == Collider::Shape::kBox;
+  ELASTOGEN_CHECK(
+      c.normal[2] == 0 && (box || c.shape == Collider::Shape::kPlane || c.centre[2] == 0),
+      "collider '", c.name, "': in the plane z = 0 planes stand upright on it and spheres ",
+      "have their centre in it");
+  if (box) c.centre[2] = 0, c.half[2] = kDeep;
+  for (PathKey& key : c.path) key.offset[2] = 0;
+}
+
 /// The floor, then the colliders as they were named.
 std::vector<Collider> make_colliders(const RunDescription& run, const UpAxis& up,
                                      const PlacedBox& box) {
@@ -47,6 +60,11 @@ std::vector<Collider> make_colliders(const RunDescription& run, const UpAxis& up
   for (size_t k = 0; k < run.colliders.size(); ++k)
     colliders.push_back(
         place_obstacle(run.colliders[k], box, fmt::format("collider {}", k + 1), run.friction));
+  for (Collider& c : colliders) {
+    ELASTOGEN_CHECK(c.friction != kSticks || method_of(run) == Method::kMpm, "collider '", c.name,
+                    "': only particles stick; give a number as its friction");
+    if (run.shape && run.shape->in_plane()) flatten(c);
+  }
   return colliders;
 }
 
@@ -119,9 +137,14 @@ void check_clear(const Scene& scene, const Collider& collider) {
 }
 
 /// Steps a frame for which dt <= 1/60 s and the elastic Courant number stays at or below 50.
-/// Where a body yields, which the network does not step, dt <= 1/240 s alone.
-int automatic_substeps(const Setup& setup, double frame_seconds) {
+/// Where a body yields, which the network does not step, dt <= 1/240 s alone; implicit particles with
+/// a dt of their own take it.
+int automatic_substeps(const RunDescription& run, const Setup& setup) {
   const Scene& scene = setup.scene;
+  const double frame_seconds = 1 / run.fps;
+  const bool transfers = method_of(run) == Method::kMpm && run.particles.dt > 0;
+  if (transfers && run.particles.integrator == Integrator::kImplicit)
+    return int(std::clamp(std::ceil(frame_seconds / run.particles.dt - 1e-9), 1.0, 1e4));
   if (!setup.yields.empty())
     return int(std::clamp(std::ceil(240 * frame_seconds - 1e-9), 1.0, 16.0));
   Scene probe;
@@ -187,7 +210,7 @@ void add_time(const RunDescription& run, Setup& setup) {
   Vec3 down = {};
   down[size_t(setup.up.axis)] = -kReferenceGravity * setup.up.sign;
   scene.gravity = run.gravity.value_or(down);
-  setup.substeps = run.substeps > 0 ? run.substeps : automatic_substeps(setup, 1 / run.fps);
+  setup.substeps = run.substeps > 0 ? run.substeps : automatic_substeps(run, setup);
   scene.dt = 1 / (run.fps * setup.substeps);
   scene.scheme = run.scheme;
   scene.hourglass = run.hourglass;
@@ -248,9 +271,37 @@ void judge(const Asset& asset, const RunDescription& run, Setup& setup) {
     setup.asset.findings.push_back(std::move(finding));
 }
 
+/// A shape in the plane, which has particles and no voxels.
+Setup set_up_plane(const Asset& asset, const RunDescription& run) {
+  ELASTOGEN_CHECK(
+      method_of(run) == Method::kMpm, "--shape ", asset.path,
+      ": in the plane only particles are stepped, of a material that yields: sand, snow, ",
+      "or another one with --method mpm");
+  ELASTOGEN_CHECK(run.regions.empty(), "--region: in the plane a shape is of one material");
+  Setup setup;
+  Scene& scene = setup.scene;
+  const Stopwatch watch;
+  setup.body.surface = pose_surface(asset);
+  add_asset(asset, run, setup);
+  scene.grid.h = run.h > 0 ? run.h : setup.longest_edge / run.voxels;
+  scene.materials = {run.material};
+  setup.yields = {run.yield};
+  add_time(run, setup);
+  ELASTOGEN_CHECK(scene.gravity[2] == 0 && run.motion.velocity[2] == 0 && run.motion.spin[0] == 0 &&
+                      run.motion.spin[1] == 0,
+                  "--gravity, --velocity, --spin: nothing moves across the plane z = 0");
+  judge(asset, run, setup);
+  add_particles(run, setup);
+  scene.surface.position = setup.particles->particles.x;
+  for (const Collider& collider : scene.colliders) check_clear(scene, collider);
+  setup.other_seconds = watch.seconds();
+  return setup;
+}
+
 }  // namespace
 
 Setup set_up(const Asset& asset, const RunDescription& run) {
+  if (run.shape && run.shape->in_plane()) return set_up_plane(asset, run);
   Setup setup;
   Scene& scene = setup.scene;
   const Stopwatch watch;

@@ -18,7 +18,8 @@ namespace elastogen {
 struct ParticleSetup {
   mpm::Particles particles;        ///< places in the grid's coordinates less its origin [m]
   VoxelGrid nodes;                 ///< of h, origin and their places at rest [m] only
-  Array<int32_t> voxel;            ///< of the scene's grid that each fills, (particles, 1)
+  Array<int32_t> voxel;            ///< of the scene's grid that each fills, (particles, 1), or none
+  int dimension = 3;               ///< 2: in the plane z = 0
   double spacing = 0;              ///< of those that fill a voxel [m]
   Asset shown;                     ///< a cloud of them, with the asset's colours
   std::vector<std::string> notes;  ///< on these colours

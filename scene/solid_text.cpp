@@ -8,6 +8,11 @@
 namespace elastogen {
 namespace {
 
+bool parse_flag(std::string_view text) {
+  ELASTOGEN_CHECK(text == "true" || text == "false", "'", text, "' is neither true nor false");
+  return text == "true";
+}
+
 bool change_yield(std::string_view key, std::string_view value, Yield& yield) {
   auto* metal = std::get_if<MetalYield>(&yield);
   auto* sand = std::get_if<SandYield>(&yield);
@@ -28,13 +33,16 @@ bool change_yield(std::string_view key, std::string_view value, Yield& yield) {
     sand->cohesion = parse_number(value);
   else if (key == "cohesion" && snow)
     snow->cohesion = parse_number(value);
+  else if (key == "keeps-volume" && sand)
+    sand->keeps_volume = parse_flag(value);
   else
     return false;
   return true;
 }
 
 bool is_of_yield(std::string_view key) {
-  return key == "yield" || key == "hardening" || key == "friction-angle" || key == "cohesion";
+  return key == "yield" || key == "hardening" || key == "friction-angle" || key == "cohesion" ||
+         key == "keeps-volume";
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "io/state_writer.hpp"
+#include "io/step_log.hpp"
 #include "scene/carried_points.hpp"
 #include "scene/nets.hpp"
 #include "scene/set_up.hpp"
@@ -51,6 +52,8 @@ class Stepper {
   virtual void describe(StateHeader& header) const = 0;
   /// What its body remembers of its flow; none where no material yields.
   virtual std::optional<StatePlastic> plastic() const { return {}; }
+  /// Where its particles are; none of others.
+  virtual std::optional<CloudReport> cloud() const { return {}; }
 };
 
 /// The largest position that single precision holds with room to spare [m].

@@ -19,17 +19,19 @@ constexpr int kLeastTexture = 1024;
 
 /// Points of the asset that pictures must show: vertices of triangles, points near the solid that
 /// was made of them, so that a few far away do not make everything small.
-std::vector<int32_t> framed_points(const Body& body) {
+std::vector<int32_t> framed_points(const Setup& setup) {
+  const Body& body = setup.body;
+  const bool are_vertices = body.is_asset && !setup.particles;
   std::vector<uint8_t> framed(size_t(body.carried.rows()));
-  if (body.is_asset)
+  if (are_vertices)
     for (int64_t k = 0; k < body.surface.triangles.size(); ++k)
       framed[size_t(body.surface.triangles.data()[k])] = 1;
   const Box& box = body.surface.box;
-  for (int64_t p = 0; p < body.carried.rows() && !body.is_asset; ++p) {
+  for (int64_t p = 0; p < body.carried.rows() && !are_vertices; ++p) {
     framed[size_t(p)] = 1;
     for (int d = 0; d < 3; ++d)
-      framed[size_t(p)] &= body.carried(p, d) > box.lower[size_t(d)] - kNear * box.extent(d) &&
-                           body.carried(p, d) < box.upper[size_t(d)] + kNear * box.extent(d);
+      framed[size_t(p)] &= body.carried(p, d) >= box.lower[size_t(d)] - kNear * box.extent(d) &&
+                           body.carried(p, d) <= box.upper[size_t(d)] + kNear * box.extent(d);
   }
   return filtered(body.carried.rows(), [&](int64_t p) { return framed[size_t(p)] != 0; });
 }
@@ -83,7 +85,7 @@ class PictureWriter : public AnimationWriter {
 
   void finish() override {
     ELASTOGEN_CHECK(displacements_.frames() > 0, path_, ": there is no frame to write");
-    const std::vector<int32_t> framed = framed_points(setup_.body);
+    const std::vector<int32_t> framed = framed_points(setup_);
     const FrameSource source = {
         displacements_.frames(), setup_.body.carried.rows(), fps_,
         [this](int64_t frame, Out<double> x) {

@@ -48,14 +48,18 @@ int64_t particles_of(const VoxelGrid& grid, int64_t voxel, int per_edge) {
   return std::clamp<int64_t>(std::llround(full * grid.fill(voxel)), 1, full);
 }
 
-}  // namespace
-
-Filled fill_body(const VoxelGrid& grid, In<int32_t> material, const std::vector<Solid>& solids,
-                 const FillOptions& options) {
+void check_options(const FillOptions& options) {
   ELASTOGEN_CHECK(options.per_edge >= 1 && options.per_edge <= 8,
                   "per_edge must lie in 1 ... 8, got ", options.per_edge);
   ELASTOGEN_CHECK(options.jitter >= 0 && options.jitter <= 1, "jitter must lie in [0, 1], got ",
                   options.jitter);
+}
+
+}  // namespace
+
+Filled fill_body(const VoxelGrid& grid, In<int32_t> material, const std::vector<Solid>& solids,
+                 const FillOptions& options) {
+  check_options(options);
   const double cube = grid.h * grid.h * grid.h;
   double volume = 0;
   std::vector<int64_t> first(size_t(grid.voxel_count()) + 1);
@@ -86,6 +90,26 @@ Filled fill_body(const VoxelGrid& grid, In<int32_t> material, const std::vector<
     }
   });
   return result;
+}
+
+Particles fill_plane(const Vec3& lower, const Vec3& upper, double h, const Solid& solid,
+                     const std::function<bool(const Vec3&)>& inside, const FillOptions& options) {
+  check_options(options);
+  const double edge = h / options.per_edge;
+  std::vector<Vec3> places;
+  uint64_t random = options.seed;
+  for (auto j = int64_t(std::floor(lower[1] / edge)); double(j) * edge < upper[1]; ++j)
+    for (auto i = int64_t(std::floor(lower[0] / edge)); double(i) * edge < upper[0]; ++i) {
+      const Vec3 middle = {(double(i) + 0.5) * edge, (double(j) + 0.5) * edge, 0};
+      if (!inside(middle)) continue;
+      Vec3& place = places.emplace_back(middle);
+      for (size_t a = 0; a < 2; ++a)
+        place[a] += options.jitter * (next_number(random) - 0.5) * edge;
+    }
+  Array<double> x(int64_t(places.size()), 3);
+  for (size_t k = 0; k < places.size(); ++k)
+    std::copy(places[k].begin(), places[k].end(), x.row(int64_t(k)));
+  return particles_at(x, edge * edge, 0, solid.elastic.density);
 }
 
 }  // namespace elastogen::mpm

@@ -6,6 +6,8 @@
 #include "core/voxel_grid.hpp"
 #include "mpm_fem/mpm/particles.hpp"
 
+#include <functional>
+
 namespace elastogen::mpm {
 
 struct FillOptions {
@@ -30,5 +32,13 @@ struct Filled {
 /// @return with places in the grid's coordinates less grid.origin [m]
 Filled fill_body(const VoxelGrid& grid, In<int32_t> material, const std::vector<Solid>& solids,
                  const FillOptions& options = {});
+
+/// Fills a part of the plane z = 0, a metre thick, with particles in parts of squares of edge h whose
+/// corners are at its multiples: per_edge^2 of each square, those whose middle is inside. Each has
+/// the volume of its part.
+/// @param lower, upper  of a box around what is to be filled [m]
+Particles fill_plane(const Vec3& lower, const Vec3& upper, double h, const Solid& solid,
+                     const std::function<bool(const Vec3&)>& inside,
+                     const FillOptions& options = {});
 
 }  // namespace elastogen::mpm

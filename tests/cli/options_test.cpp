@@ -204,7 +204,9 @@ TEST(Options, TheResolvedSceneHasEveryKey) {
   for (const SceneKey& key : scene_keys()) {
     const SceneTable* table = find_scene_table(key.table);
     if (table && table->many) continue;  // they are in pins, regions and colliders
-    const std::vector<std::string> yields = {"yield", "hardening", "friction_angle", "cohesion"};
+    if (key.table == "shape") continue;  // there is none
+    const std::vector<std::string> yields = {"yield", "hardening", "friction_angle", "cohesion",
+                                             "keeps_volume"};
     if (std::find(yields.begin(), yields.end(), key.name) != yields.end())
       continue;  // not of rubber
     const SceneValue* home = table ? scene.find(key.table) : &scene;
@@ -215,14 +217,18 @@ TEST(Options, TheResolvedSceneHasEveryKey) {
 
 TEST(Options, TheDefaultsAreThoseOfTheTable) {
   const SceneValue scene = resolved_scene(AnimateOptions{});
-  for (const char* path :
-       {"asset.size",         "asset.up",          "asset.voxels",      "asset.h",
-        "asset.splat_scales", "asset.grid",        "gravity",           "floor.axis",
-        "floor.place",        "floor.friction",    "time.frames",       "time.fps",
-        "time.substeps",      "time.scheme",       "solver.mode",       "solver.tolerance",
-        "solver.outer",       "solver.inner",      "solver.modes",      "solver.threads",
-        "solver.device",      "limits.max_voxels", "limits.max_memory", "limits.max_time",
-        "output.glb_profile", "output.camera",     "output.image_size"}) {
+  for (const char* path : {"asset.size",        "asset.up",           "asset.voxels",
+                           "asset.h",           "asset.splat_scales", "asset.grid",
+                           "gravity",           "floor.axis",         "floor.place",
+                           "floor.friction",    "time.frames",        "time.fps",
+                           "time.substeps",     "time.scheme",        "solver.mode",
+                           "solver.tolerance",  "solver.outer",       "solver.inner",
+                           "solver.modes",      "solver.threads",     "particles.integrator",
+                           "particles.dt",      "particles.substeps", "particles.per_edge",
+                           "particles.jitter",  "particles.transfer", "particles.blend_time",
+                           "particles.flip",    "solver.device",      "limits.max_voxels",
+                           "limits.max_memory", "limits.max_time",    "output.glb_profile",
+                           "output.camera",     "output.image_size"}) {
     const std::string text = path;
     const size_t dot = text.find('.');
     const std::string table = dot == std::string::npos ? "" : text.substr(0, dot);

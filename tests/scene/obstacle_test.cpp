@@ -32,6 +32,15 @@ TEST(Obstacle, ReadsEveryShapeWithUnitsAndShares) {
   EXPECT_THROW(parsed_collider("box(0%,-2,-3, -1,1,5)"), Error);
 }
 
+TEST(Obstacle, SticksByAWord) {
+  const Collider c = parsed_collider("plane(0,0,0, 0,1,0) friction sticky name mud");
+  EXPECT_EQ(c.friction, kSticks);
+  EXPECT_EQ(c.name, "mud");
+  EXPECT_EQ(place_obstacle(parse_obstacle("plane(0,0,0, 0,1,0)"), kBox, "c", kSticks).friction,
+            kSticks);
+  EXPECT_THROW(parse_obstacle("plane(0,0,0, 0,1,0) friction glue"), Error);
+}
+
 TEST(Obstacle, ReadsFrictionNameAndPathInAnyOrder) {
   const Collider c = parsed_collider(
       "box(-1,-2,-3,1,0,5) path 0:0,0,0; 500ms: 0,-10cm,0 ;1s:1,2,3 name press friction 0.75");

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// Particles of one scene by several integrators from the same start, and how alike their clouds stay
+// (docs/study.md, particles).
+
+#pragma once
+
+#include "cli/options.hpp"
+#include "io/step_log.hpp"
+#include "mpm_fem/mpm/compare.hpp"
+#include "scene/particle_integrator.hpp"
+
+namespace elastogen {
+
+/// What a run is at the end of a frame, and what its steps took since the frame before.
+struct ParticleFrame {
+  double time = 0;                     ///< [s]
+  Array<double> x;                     ///< [m], (particles, 3)
+  CloudReport cloud;                   ///< box and volume
+  double kinetic = 0, elastic = 0;     ///< [J]
+  int64_t solves = 0, iterations = 0;  ///< linear solves, iterations of GMRES in them
+  int64_t not_converged = 0;           ///< steps
+  double residual = 0;                 ///< the worst
+  mpm::Likeness to_sub, to_explicit;   ///< to the references of the study
+};
+
+struct ParticleRun {
+  std::string name;  ///< implicit, explicit or explicit-sub, with its dt
+  ParticleOptions options;
+  int64_t steps = 0, solves = 0, iterations = 0, factored = 0, not_converged = 0;
+  double worst_residual = 0;
+  double step_seconds = 0;            ///< of all threads together, median
+  bool broke_off = false;             ///< a step had no finite result, the frames end before it
+  std::vector<ParticleFrame> frames;  ///< the first is the start
+};
+
+struct ParticleStudyResult {
+  std::string scene, command, commit, date, cpu;
+  int threads = 0;  ///< 0: all
+  int dimension = 3;
+  int64_t particles = 0;
+  double h = 0;                                   ///< [m]
+  double crossing = 0;                            ///< h/c [s]
+  std::string transfer;                           ///< of all runs
+  std::string sub_reference, explicit_reference;  ///< names of runs
+  std::vector<ParticleRun> runs;
+
+  const ParticleRun* find(const std::string& name) const;
+};
+
+/// Runs implicit steps of particles.dt, explicit substeps on nodes that stay between the same
+/// transfers (the reference, and for the noise floor four times as many), and explicit steps with a
+/// transfer after each. After a signal what there is.
+/// @throws Error as set_up and make_particle_integrator
+ParticleStudyResult particle_study(const StudyTask& task);
+
+/// particles.json and particles.csv in a folder (docs/study.md).
+void write_particle_study(const std::string& folder, const ParticleStudyResult& result);
+
+/// A line a run.
+void print_particle_study(const ParticleStudyResult& result);
+
+/// Worst and mean of a likeness over the frames after the first.
+struct LikenessRange {
+  double worst = 1, mean = 1;
+};
+LikenessRange range_of(const ParticleRun& run, mpm::Likeness ParticleFrame::*reference,
+                       double mpm::Likeness::*which);
+
+}  // namespace elastogen

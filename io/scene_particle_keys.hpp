@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+// Keys of scene files about bodies without a file and about particles; part of scene_keys().
+
+#pragma once
+
+#include "io/scene_keys.hpp"
+
+namespace elastogen {
+
+/// Of the table shape.
+std::vector<SceneKey> shape_keys();
+/// Of the table particles.
+std::vector<SceneKey> particle_keys();
+
+}  // namespace elastogen

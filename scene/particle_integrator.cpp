@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scene/particle_integrator.hpp"
+
+#include "core/error.hpp"
+#include "core/reduce.hpp"
+#include "core/stopwatch.hpp"
+#include "core/svd2.hpp"
+#include "mpm_fem/integrators/explicit_mpm.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace elastogen {
+namespace {
+
+constexpr double kStable = 0.3;  // of h/c: a step that is explicit
+
+/// sum V psi over particles of these laws.
+template <int d>
+double energy_of(const std::vector<PointLaw<d>>& laws, const mpm::Particles& p) {
+  return ordered_sum(p.count(), [&](int64_t begin, int64_t end) {
+    double sum = 0;
+    for (int64_t k = begin; k < end; ++k)
+      std::visit(
+          [&](const auto& law) {
+            const Svd3<double> F = decompose<d>(load_matrix(p.F.row(k)));
+            sum += p.volume(k) *
+                   law.template response<false>(F.sigma, history_of(law, p.history(k))).psi;
+          },
+          laws[size_t(p.solid(k))]);
+    return sum;
+  });
+}
+
+template <int d>
+class ImplicitParticles : public ParticleIntegrator {
+ public:
+  ImplicitParticles(const mpm::MpmScene& scene, double tolerance)
+      : solver_(scene, {.tolerance = tolerance}) {}
+
+  mpm::MpmStepReport step(double time, mpm::Particles& particles) override {
+    return solver_.step(time, particles);
+  }
+  double elastic_energy(const mpm::Particles& particles) const override {
+    return energy_of<d>(solver_.laws(), particles);
+  }
+
+ private:
+  mpm::ImplicitMpm<d> solver_;
+};
+
+template <int d>
+class ExplicitParticles : public ParticleIntegrator {
+ public:
+  ExplicitParticles(const mpm::MpmScene& scene, int substeps)
+      : scene_(scene), solver_(scene, substeps) {
+    for (const Solid& solid : scene.solids) laws_.push_back(point_law<d>(solid));
+  }
+
+  mpm::MpmStepReport step(double time, mpm::Particles& particles) override {
+    const Stopwatch watch;
+    mpm::MpmStepReport report;
+    report.finite = take_step(time, particles);
+    report.converged = report.finite;
+    report.float64 = true;
+    report.time = time + scene_.dt;
+    report.ms = watch.milliseconds();
+    return report;
+  }
+  double elastic_energy(const mpm::Particles& particles) const override {
+    return energy_of<d>(laws_, particles);
+  }
+
+ private:
+  /// Whether particles are where a grid can hold them before and after.
+  bool take_step(double time, mpm::Particles& particles) {
+    try {
+      solver_.step(time, particles);
+    } catch (const Error& error) {
+      if (error.kind() != ErrorKind::kResources) throw;
+      return false;
+    }
+    return all_finite(particles.x.data(), particles.x.size());
+  }
+
+  const mpm::MpmScene& scene_;
+  mpm::ExplicitMpm<d> solver_;
+  std::vector<PointLaw<d>> laws_;
+};
+
+void check_stable(const mpm::MpmScene& scene, const ParticleOptions& options) {
+  const double step = scene.dt / options.substeps, crossing = crossing_time(scene);
+  ELASTOGEN_CHECK(step <= crossing, "particles: explicit steps of ", step,
+                  " s blow up, waves cross ", "a cell in ", crossing,
+                  " s: give a smaller --dt or more --particle-substeps");
+}
+
+}  // namespace
+
+mpm::MpmScene mpm_scene(const Setup& setup, const ParticleOptions& options) {
+  mpm::MpmScene scene;
+  const Scene& of = setup.scene;
+  scene.dimension = setup.particles->dimension;
+  scene.h = of.grid.h;
+  scene.gravity = of.gravity;
+  scene.transfer = options.transfer;
+  for (size_t k = 0; k < of.materials.size(); ++k)
+    scene.solids.push_back({of.materials[k], setup.yields[k]});
+  for (const Collider& collider : of.colliders) {
+    mpm::Wall wall{collider, collider.friction == kSticks};
+    wall.collider.centre = minus(collider.centre, of.grid.origin);
+    scene.walls.push_back(std::move(wall));
+  }
+  return scene;
+}
+
+double crossing_time(const mpm::MpmScene& scene) {
+  double fastest = 0;
+  for (const Solid& solid : scene.solids)
+    fastest = std::max(fastest, mpm::wave_speed(solid.elastic));
+  return scene.h / fastest;
+}
+
+double explicit_dt(const mpm::MpmScene& scene, const ParticleOptions& options) {
+  return options.dt > 0 ? options.dt : options.substeps * kStable * crossing_time(scene);
+}
+
+std::unique_ptr<ParticleIntegrator> make_particle_integrator(const mpm::MpmScene& scene,
+                                                             const ParticleOptions& options,
+                                                             double tolerance) {
+  const bool plane = scene.dimension == 2;
+  if (options.integrator == Integrator::kExplicit) {
+    check_stable(scene, options);
+    if (plane) return std::make_unique<ExplicitParticles<2>>(scene, options.substeps);
+    return std::make_unique<ExplicitParticles<3>>(scene, options.substeps);
+  }
+  if (plane) return std::make_unique<ImplicitParticles<2>>(scene, tolerance);
+  return std::make_unique<ImplicitParticles<3>>(scene, tolerance);
+}
+
+}  // namespace elastogen
