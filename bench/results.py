@@ -100,7 +100,7 @@ SOURCES = {"ceilings": ["ceilings.cpp", "card_ceilings.cu"],
            "tip": ["tip.cpp"],
            "baseline": ["baseline.cpp", "baselines/dense_grid.py", "baselines/elastogen_paper.py",
                         "baselines/local_step.py", "measure.cpp"],
-           "startup": ["startup.cpp"]}
+           "particles": ["particles.cpp"], "startup": ["startup.cpp"]}
 COMMON = ["lattice.cpp", "scenes.cpp", "timing.cpp"]
 
 

@@ -28,7 +28,7 @@ from paper_tables import TABLES as PAPER_TABLES  # noqa: E402
 from particle_tables import TABLES as PARTICLE_TABLES  # noqa: E402
 
 RESULTS = ROOT / "docs" / "results"
-BENCH_PARTS = ("ceilings", "kernels", "step", "error-time", "tip", "baseline", "startup")
+BENCH_PARTS = ("ceilings", "kernels", "step", "error-time", "tip", "baseline", "particles", "startup")
 STUDIES = ("beam", "twist", "torus", "knot", "porous", "asset")
 
 
