@@ -30,7 +30,7 @@ void check_endings(const RunDescription& run) {
 }
 
 /// The particles as a cloud, in the numbers of the asset.
-Asset cloud_of(const Asset& asset, const Setup& setup, const ParticleSetup& particles) {
+Asset shown_cloud(const Asset& asset, const Setup& setup, const ParticleSetup& particles) {
   Asset cloud;
   cloud.path = asset.path;
   cloud.format = "particles";
@@ -88,7 +88,7 @@ void add_particles(const Asset& asset, const RunDescription& run, Setup& setup) 
     setup.node_of(k) = int32_t(k);
     for (int a = 0; a < 3; ++a) particles.nodes.rest(k, a) += grid.origin[size_t(a)];
   }
-  particles.shown = cloud_of(asset, setup, particles);
+  particles.shown = shown_cloud(asset, setup, particles);
   if (!run.shape)
     particles.shown.points->colour =
         particle_colours(asset, setup, particles, setup.body.carried, particles.notes);

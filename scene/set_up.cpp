@@ -291,7 +291,7 @@ Setup set_up_plane(const Asset& asset, const RunDescription& run) {
                       run.motion.spin[1] == 0,
                   "--gravity, --velocity, --spin: nothing moves across the plane z = 0");
   judge(asset, run, setup);
-  add_particles(run, setup);
+  add_particles(asset, run, setup);
   scene.surface.position = setup.particles->particles.x;
   for (const Collider& collider : scene.colliders) check_clear(scene, collider);
   setup.other_seconds = watch.seconds();
