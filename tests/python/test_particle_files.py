@@ -278,6 +278,14 @@ class Limits(unittest.TestCase):
             self.assertIn("particles", done.err)
         self.expect_nothing_written()
 
+    def test_a_surface_of_particles_in_the_plane_is_refused(self) -> None:
+        for ending in ("obj", "vdb", "mesh.ply"):
+            done = run("animate", "--shape", "rectangle(0,0,0, 0.1,0.1,0)", "--h", "1cm", "--material",
+                       "sand", "--frames", 1, "--floor", "-o", self.folder / f"r.{ending}")
+            self.assertEqual(done.code, 2, done.out)
+            self.assertIn("in the plane have no surface", done.err)
+        self.expect_nothing_written()
+
     def test_memory_that_is_not_there_is_refused_before_it_is_taken(self) -> None:
         done = self.animate("p.ply", "--floor", "--max-memory", "2 MB")
         self.assertEqual(done.code, 6, done.out)
