@@ -10,8 +10,13 @@
 namespace elastogen {
 namespace {
 
-/// Memory that a voxel takes that is filled with particles [bytes]. Measured 16000 to 17000.
+/// Memory that a voxel takes that is filled with eight particles [bytes]. Measured 16000 to 17000.
 constexpr int64_t kBytesOfParticles = 20'000;
+
+int64_t bytes_of(const ParticleOptions& particles) {
+  const int64_t edge = particles.per_edge;
+  return kBytesOfParticles * std::max<int64_t>(8, edge * edge * edge) / 8;
+}
 
 }  // namespace
 
@@ -25,7 +30,7 @@ VoxelizeOptions resolution(const RunDescription& run) {
   v.h = run.h;
   v.max_voxels = run.max_voxels;
   v.max_memory = run.max_memory;
-  if (method_of(run) == Method::kMpm) v.bytes_per_voxel = kBytesOfParticles;
+  if (method_of(run) == Method::kMpm) v.bytes_per_voxel = bytes_of(run.particles);
   v.part_pieces = run.part_pieces;
   v.thickness = run.thickness;
   return v;

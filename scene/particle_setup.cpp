@@ -7,6 +7,7 @@
 #include "io/safe_file.hpp"
 #include "mpm_fem/mpm/fill.hpp"
 #include "scene/particle_colours.hpp"
+#include "scene/particle_surface_writer.hpp"
 
 #include <filesystem>
 
@@ -27,6 +28,13 @@ void check_endings(const RunDescription& run) {
                     ".ply (points, one file a frame), ", name, ".mesh.ply or ", name,
                     ".obj (their surface), ", name, ".vdb, ", name, ".pvd or ", name, ".pc2");
   }
+}
+
+/// Surfaces and volumes are those of bodies in space.
+void check_surfaces(const RunDescription& run) {
+  for (const std::string& path : run.outputs)
+    ELASTOGEN_CHECK(!shows_surface(path), path,
+                    ": particles in the plane have no surface; write .ply (points), .pvd or .pc2");
 }
 
 /// The particles as a cloud, in the numbers of the asset.
@@ -79,6 +87,7 @@ void add_particles(const Asset& asset, const RunDescription& run, Setup& setup) 
   check_endings(run);
   const VoxelGrid& grid = setup.scene.grid;
   ParticleSetup particles = filled(run, setup);
+  if (particles.dimension == 2) check_surfaces(run);
   const Array<double>& x = particles.particles.x;
   particles.nodes.h = grid.h;
   particles.nodes.origin = grid.origin;

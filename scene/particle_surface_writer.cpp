@@ -124,18 +124,18 @@ class ParticleSurfaceWriter : public AnimationWriter {
   int64_t frames_ = 0;
 };
 
-bool is_mesh_ply(const std::string& path) {
-  return ending_of(path) == "ply" &&
-         ending_of(std::filesystem::path(path).stem().string()) == "mesh";
-}
-
 }  // namespace
+
+bool shows_surface(const std::string& path) {
+  const std::string ending = ending_of(path);
+  const std::string before = ending_of(std::filesystem::path(path).stem().string());
+  return ending == "obj" || ending == "vdb" || (ending == "ply" && before == "mesh");
+}
 
 std::unique_ptr<AnimationWriter> make_particle_surface_writer(const std::string& path,
                                                               const Asset& shown,
                                                               const Setup& setup) {
-  const std::string ending = ending_of(path);
-  if (ending != "obj" && ending != "vdb" && !is_mesh_ply(path)) return nullptr;
+  if (!shows_surface(path)) return nullptr;
   return std::make_unique<ParticleSurfaceWriter>(path, shown, setup);
 }
 

@@ -8,6 +8,9 @@
 
 namespace elastogen {
 
+/// Whether an output is one of these: .obj, .mesh.ply or .vdb.
+bool shows_surface(const std::string& path);
+
 /// A writer of NAME_00000.obj, ... for a path NAME.obj, in the same way for NAME.mesh.ply and
 /// NAME.vdb; each file is whole as soon as its frame has come, also without finish(). Meshes
 /// (voxelize/particle_surface.hpp) are in the asset's own numbers and axes, their vertices have the

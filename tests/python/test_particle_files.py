@@ -4,10 +4,8 @@
 from __future__ import annotations
 
 import json
-import struct
 import tempfile
 import unittest
-import zlib
 from pathlib import Path
 
 import h5py
@@ -16,6 +14,7 @@ import numpy as np
 from command import Run, run
 from particle_files import enclosed_volume, is_closed, read_obj, read_ply, read_state, read_vtu
 from test_particles import EDGE, write_cube
+from test_pictures import read_png, write_png
 
 G = 9.81
 COUNT = 8 ** 3 * 8  # particles of the cube at 8 voxels
@@ -165,15 +164,6 @@ class Files(unittest.TestCase):
         self.assertLess(abs(enclosed_volume(x, triangles) / EDGE ** 3 - 1), 0.02)
 
 
-def png(width: int, height: int, rows: bytes) -> bytes:
-    """A PNG of RGB rows."""
-    def chunk(kind: bytes, data: bytes) -> bytes:
-        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-    lines = b"".join(b"\0" + rows[3 * width * y:3 * width * (y + 1)] for y in range(height))
-    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0))
-            + chunk(b"IDAT", zlib.compress(lines)) + chunk(b"IEND", b""))
-
-
 class Colours(unittest.TestCase):
     def setUp(self) -> None:
         folder = tempfile.TemporaryDirectory()
@@ -202,7 +192,9 @@ class Colours(unittest.TestCase):
         return asset
 
     def test_of_a_texture_are_those_of_its_places(self) -> None:
-        (self.folder / "t.png").write_bytes(png(16, 16, (b"\xff\0\0" * 8 + b"\0\xff\0" * 8) * 16))
+        pixels = np.zeros((16, 16, 3), np.uint8)
+        pixels[:, :8, 0] = pixels[:, 8:, 1] = 255
+        write_png(self.folder / "t.png", pixels)
         x, colour = self.first_frame(self.write_textured("t.png"))
         away = np.abs(x[:, 0]) > 0.03  # but for the seam, which is blurred
         np.testing.assert_array_equal(colour[away, 0] > 200, x[away, 0] < 0)
@@ -242,6 +234,20 @@ class Colours(unittest.TestCase):
             np.testing.assert_array_equal(colour[away, 2] > 200, x[away, 0] > 0, asset.name)
 
 
+    def test_a_picture_shows_all_of_the_sand(self) -> None:
+        cube = write_cube(self.folder / "cube.obj")
+        done = run("animate", cube, "--material", "sand", "--voxels", 6, "--frames", 1, "--quiet", "-o",
+                   self.folder / "p_%d.png")
+        self.assertEqual(done.code, 0, done.err)
+        picture = read_png(self.folder / "p_0.png").astype(int)
+        red = (picture[..., 0] > 200) & (picture[..., 2] < 50)
+        blue = (picture[..., 2] > 200) & (picture[..., 0] < 50)
+        for colour in (red, blue):
+            self.assertGreater(colour.mean(), 0.05)
+            rim = np.concatenate([colour[0], colour[-1], colour[:, 0], colour[:, -1]])
+            self.assertFalse(rim.any())
+
+
 class Limits(unittest.TestCase):
     def setUp(self) -> None:
         folder = tempfile.TemporaryDirectory()
@@ -270,6 +276,14 @@ class Limits(unittest.TestCase):
                        self.folder / f"r.{ending}")
             self.assertEqual(done.code, 2, done.out)
             self.assertIn("particles", done.err)
+        self.expect_nothing_written()
+
+    def test_a_surface_of_particles_in_the_plane_is_refused(self) -> None:
+        for ending in ("obj", "vdb", "mesh.ply"):
+            done = run("animate", "--shape", "rectangle(0,0,0, 0.1,0.1,0)", "--h", "1cm", "--material",
+                       "sand", "--frames", 1, "--floor", "-o", self.folder / f"r.{ending}")
+            self.assertEqual(done.code, 2, done.out)
+            self.assertIn("in the plane have no surface", done.err)
         self.expect_nothing_written()
 
     def test_memory_that_is_not_there_is_refused_before_it_is_taken(self) -> None:
