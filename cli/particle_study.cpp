@@ -83,6 +83,7 @@ void ParticleStudy::take_runs() {
   ParticleOptions implicit = task_.scene.particles, sub = implicit, plain = implicit;
   if (implicit.dt == 0) implicit.dt = kImplicitDt;
   implicit.integrator = Integrator::kImplicit;
+  implicit.substeps = 1;
   sub.integrator = plain.integrator = Integrator::kExplicit;
   sub.dt = implicit.dt;
   if (sub.substeps == 1)
@@ -194,7 +195,7 @@ LikenessRange range_of(const ParticleRun& run, mpm::Likeness ParticleFrame::*ref
   double sum = 0;
   for (size_t k = 1; k < run.frames.size(); ++k) {
     const double value = run.frames[k].*reference.*which;
-    range.worst = std::min(range.worst, value);
+    if (value < range.worst || std::isnan(value)) range.worst = value;
     sum += value;
   }
   if (run.frames.size() > 1) range.mean = sum / double(run.frames.size() - 1);

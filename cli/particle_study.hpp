@@ -9,7 +9,12 @@
 #include "mpm_fem/mpm/compare.hpp"
 #include "scene/particle_integrator.hpp"
 
+#include <cmath>
+
 namespace elastogen {
+
+/// Of a cloud without a reference.
+inline constexpr mpm::Likeness kUnknown = {NAN, NAN, NAN, NAN};
 
 /// What a run is at the end of a frame, and what its steps took since the frame before.
 struct ParticleFrame {
@@ -20,7 +25,7 @@ struct ParticleFrame {
   int64_t solves = 0, iterations = 0;  ///< linear solves, iterations of GMRES in them
   int64_t not_converged = 0;           ///< steps
   double residual = 0;                 ///< the worst
-  mpm::Likeness to_sub, to_explicit;   ///< to the references of the study
+  mpm::Likeness to_sub = kUnknown, to_explicit = kUnknown;  ///< to the references of the study
 };
 
 struct ParticleRun {
@@ -59,7 +64,7 @@ void write_particle_study(const std::string& folder, const ParticleStudyResult& 
 /// A line a run.
 void print_particle_study(const ParticleStudyResult& result);
 
-/// Worst and mean of a likeness over the frames after the first.
+/// Worst and mean of a likeness over the frames after the first; not a number without a reference.
 struct LikenessRange {
   double worst = 1, mean = 1;
 };

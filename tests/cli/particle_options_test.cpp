@@ -11,7 +11,7 @@ namespace {
 using test::animate_options, test::parsed_words, test::refusal;
 using test::error_of, test::expect_says, test::TempFolder;
 
-constexpr const char* kScene = R"~(
+constexpr const char* kParticleScene = R"~(
 [shape]
 kind = "disk"
 centre = [0, "12 cm", 0]
@@ -43,13 +43,13 @@ flip = 0.5
 files = ["a.ply"]
 )~";
 
-std::string resolved_text(const std::string& path) {
+std::string resolved_particles(const std::string& path) {
   return scene_json(resolved_scene(animate_options({"--scene", path, "--print-resolved"})));
 }
 
 TEST(ParticleOptions, ASceneSetsThemAll) {
   const TempFolder folder;
-  const AnimateOptions o = animate_options({"--scene", folder.write("s.toml", kScene)});
+  const AnimateOptions o = animate_options({"--scene", folder.write("s.toml", kParticleScene)});
   ASSERT_TRUE(o.shape);
   EXPECT_EQ(o.shape->kind, BodyShape::Kind::kDisk);
   EXPECT_EQ(o.shape->centre, (Vec3{0, 0.12, 0}));
@@ -72,7 +72,7 @@ TEST(ParticleOptions, ASceneSetsThemAll) {
 
 TEST(ParticleOptions, ASceneFileMayStandWhereAnAssetDoes) {
   const TempFolder folder;
-  const std::string scene = folder.write("s.toml", kScene);
+  const std::string scene = folder.write("s.toml", kParticleScene);
   const AnimateOptions o = animate_options({scene, "--jitter", "0"});
   EXPECT_EQ(o.input, "");
   EXPECT_EQ(o.particles.substeps, 40);
@@ -84,15 +84,15 @@ TEST(ParticleOptions, ASceneFileMayStandWhereAnAssetDoes) {
 TEST(ParticleOptions, TheResolvedSceneIsAFixedPoint) {
   const TempFolder folder;
   const std::string boxes = "[shape]\nkind = 'box'\nlower = [0, 0, 0]\nupper = [1, '20 cm', 3]\n";
-  for (const std::string& text : {std::string(kScene), boxes}) {
-    const std::string first = resolved_text(folder.write("s.toml", text));
-    EXPECT_EQ(resolved_text(folder.write("again.json", first)), first);
+  for (const std::string& text : {std::string(kParticleScene), boxes}) {
+    const std::string first = resolved_particles(folder.write("s.toml", text));
+    EXPECT_EQ(resolved_particles(folder.write("again.json", first)), first);
   }
 }
 
 TEST(ParticleOptions, WhatIsTypedWinsOverTheScene) {
   const TempFolder folder;
-  const std::string scene = folder.write("s.toml", kScene);
+  const std::string scene = folder.write("s.toml", kParticleScene);
   const AnimateOptions o =
       animate_options({"--scene", scene, "--shape", "sphere(0,1,0, 2)", "--dt", "auto",
                        "--integrator", "implicit", "--friction", "0.25", "--keeps-volume", "true"});

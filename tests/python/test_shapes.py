@@ -103,12 +103,26 @@ class Shapes(unittest.TestCase):
         self.assertGreaterEqual(implicit["solves_a_step"], 1)
         self.assertGreater(implicit["to_sub"]["iou_w"]["worst"], 0.9)
         self.assertLess(implicit["to_sub"]["iou_w"]["worst"], 1)
+        self.assertEqual(implicit["substeps"], 1)
+        self.assertLess(implicit["to_explicit"]["iou_w"]["mean"], 1)
         floor = next(r for r in study["runs"] if r["substeps"] == 4 * reference["substeps"])
         self.assertGreater(floor["to_sub"]["iou_w"]["mean"], implicit["to_sub"]["iou_w"]["mean"])
         with (self.folder / "study" / "particles.csv").open() as file:
             rows = list(csv.DictReader(file))
         self.assertEqual(len(rows), 4 * 3)
         self.assertEqual(float(rows[-1]["top [m]"]), study["runs"][-1]["frames"][-1]["top"])
+
+
+    def test_without_explicit_steps_nothing_is_like_them(self) -> None:
+        done = run("study", COLUMN, "--frames", 1, "--h", "2 cm", "--dt", "2 ms", "--explicit-dt",
+                   "none", "--no-noise-floor", "--folder", self.folder / "study")
+        self.assertEqual(done.code, 0, done.err)
+        study = json.loads((self.folder / "study" / "particles.json").read_text())
+        self.assertEqual(len(study["runs"]), 2)
+        self.assertIsNone(study["explicit_steps_an_implicit_step"])
+        for r in study["runs"]:
+            self.assertEqual(r["to_explicit"]["iou_w"], {"worst": None, "mean": None})
+            self.assertIsNotNone(r["to_sub"]["iou_w"]["worst"])
 
 
 if __name__ == "__main__":

@@ -39,9 +39,9 @@ STUDIES: dict[str, tuple[str, tuple[str, ...]]] = {
                                      "--particle-substeps", "100", "--no-noise-floor")),
     "snow, 0.2 ms": ("snowball_2d", ("--dt", "2e-4", "--explicit-dt", "1e-5",
                                      "--particle-substeps", "40", "--no-noise-floor")),
-    "sand in space": ("sand_column_3d", ("--frames", "25", "--explicit-dt", "7e-5",
+    "sand in space": ("sand_column_3d", ("--frames", "8", "--explicit-dt", "7e-5",
                                          "--no-noise-floor")),
-    "snow in space": ("snowball_3d", ("--frames", "12", "--explicit-dt", "4e-5",
+    "snow in space": ("snowball_3d", ("--frames", "6", "--explicit-dt", "4e-5",
                                       "--no-noise-floor")),
 }
 
