@@ -54,7 +54,7 @@ struct AnimationOptions {
   /// Nodes of tetrahedra in place of the scene's voxels, (tetrahedra, 4 or 10), the material of
   /// each in scene->material; outlives the writer.
   const Array<int32_t>* tets = nullptr;
-  std::optional<ParticleSet> particles;  ///< the nodes are particles
+  std::optional<ParticleSet> particles = {};  ///< the nodes are particles
 };
 
 /// Writes an animation frame by frame; the first frame is the start. Frames wait in an unnamed

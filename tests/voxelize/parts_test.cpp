@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pieces that voxels would join: found with their gap, and kept apart where that is asked for.
 
+#include "core/error.hpp"
 #include "tests/voxelize/shapes.hpp"
 #include "voxelize/embedding.hpp"
 #include "voxelize/labels.hpp"
