@@ -11,8 +11,8 @@ namespace elastogen {
 std::string frame_path(const std::string& path, int64_t frame, const std::string& ending);
 
 /// The numbered file of a frame of an animation of this name: NAME_00012.ply for NAME.ply, in the
-/// same way .obj and .vdb, NAME_00012.vtu for NAME.pvd, the name with its number for a .png that has one; "" for an
-/// animation that is a single file.
+/// same way .obj and .vdb, NAME_00012.vtu for NAME.pvd, the name with its number for a .png that has
+/// one; "" for an animation that is a single file.
 /// @throws Error (usage) as check_number.
 std::string frame_file(const std::string& path, int64_t frame);
 

@@ -6,8 +6,8 @@
 //     d2E     = sum_q w_q [ dFbar : A : dFbar + 2 r xi P : dF + t (xi^2 - a' dJ^2) + kappa d2J ]
 //               + T abar' dJbar^2,
 //
-// P, A the first two derivatives of psi at Fbar, or a stress without potential and its derivative, t = P : Fbar, C the cofactor of F, T = sum_q w_q
-// t_q, kappa_q = T abar/W - t_q a_q, W = sum_q w_q.
+// P, A the first two derivatives of psi at Fbar, or a stress without potential and its derivative,
+// t = P : Fbar, C the cofactor of F, T = sum_q w_q t_q, kappa_q = T abar/W - t_q a_q, W = sum_q w_q.
 
 #include "mpm_fem/fem/mean_dilatation.hpp"
 

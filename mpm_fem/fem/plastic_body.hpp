@@ -6,7 +6,8 @@
 //
 // the gradient of E(u) = sum w_q psi of laws with a potential; of the others, sand and snow, a
 // potential can be frozen at a state (materials/frozen_potential.hpp), with the same forces there.
-// Triangles flow in their plane (materials with d = 2). With bbar F_q has a share of the mean dilatation (fem/mean_dilatation.hpp).
+// Triangles flow in their plane (materials with d = 2). With bbar F_q has a share of the mean
+// dilatation (fem/mean_dilatation.hpp).
 
 #pragma once
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A quadrature point of a solid that flows, in space or in the plane. F is measured from the rest of the body, the law's
-// stretches from what has flowed, Fe = F Fp^-1 (Lee 1969):
+// A quadrature point of a solid that flows, in space or in the plane. F is measured from the rest
+// of the body, the law's stretches from what has flowed, Fe = F Fp^-1 (Lee 1969):
 //
 //     P = P_e Fp^-T,   dP_ij/dF_kl = sum_ab (dP_e,ia/dFe_kb) Fp^-1_ja Fp^-1_lb.
 

@@ -21,7 +21,8 @@ class ExplicitFem {
   ///         carried by one node; on voxel elements, whose torsion takes frozen rotations.
   explicit ExplicitFem(const FemScene& scene);
 
-  /// Advances the state by dt; the flow is kept here, not in the state. Same bits on every run and any number of threads.
+  /// Advances the state by dt; the flow is kept here, not in the state. Same bits on every run and
+  /// any number of threads.
   /// @throws Error unless the arrays of the state are (nodes, 3).
   void step(FemState& state);
 

@@ -72,7 +72,8 @@ void ImplicitFem::begin(FemState& state) {
   const bool newmark = scene_.scheme == Scheme::kNewmark;
   if (newmark && state.a.empty()) start_newmark(state);
   Array<double> force = applied_force(scene_, period_.end, 1);
-  if (terms_.contact.exists()) terms_.contact.begin_step(state.u, period_.start, dt, dt / scene_.dt);
+  if (terms_.contact.exists())
+    terms_.contact.begin_step(state.u, period_.start, dt, dt / scene_.dt);
   const bool history = !state.u_before.empty();
   for (int64_t k = 0; k < predictor_.size(); ++k) {
     const double u = state.u.data()[k], v = state.v.data()[k];

@@ -32,7 +32,7 @@ ElementMesh rectangle(int nx, int ny, double h) {
   return mesh;
 }
 
-Solid solid_of(const Yield& yield, Law law = Law::kHencky) {
+Solid plane_solid(const Yield& yield, Law law = Law::kHencky) {
   return {test::solid(law, 1e7, 0.3, 1000), yield};
 }
 const MetalYield kMetal = {.stress = 2e4, .hardening = 1e6};
@@ -49,7 +49,7 @@ Array<double> shaken_plane(const ElementMesh& mesh, double size, test::Random& r
 
 TEST(Plane, MassAndRimAreThoseOfAPlateOneMetreThick) {
   const ElementMesh mesh = rectangle(3, 2, 0.1);
-  const fem::ElasticBody body(mesh, {solid_of({}).elastic});
+  const fem::ElasticBody body(mesh, {plane_solid({}).elastic});
   const Array<double> mass = body.lumped_mass();
   EXPECT_NEAR(test::total(mass, 0), 1000 * 0.3 * 0.2, 1e-12);
   EXPECT_NEAR(test::total(fem::rim_area(mesh), 0), 2 * (0.3 + 0.2), 1e-15);
@@ -60,7 +60,7 @@ TEST(Plane, MassAndRimAreThoseOfAPlateOneMetreThick) {
 
 TEST(Plane, ElasticTrianglesAreHexahedraHeldInPlaneStrain) {
   // one homogeneous state: the energy of a cube of edge 0.1 held across, per its thickness
-  const Material m = solid_of({}, Law::kNeoHookean).elastic;
+  const Material m = plane_solid({}, Law::kNeoHookean).elastic;
   const ElementMesh plane = rectangle(1, 1, 0.1), cube = test::block(Element::kHex, 1, 1, 1, 0.1);
   const auto energy = [&](const ElementMesh& mesh) {
     Array<double> u(mesh.rest.rows(), 3);
@@ -80,7 +80,7 @@ TEST(Plane, ForcesAndStiffnessAreTheDerivatives) {
     int good = 0;
     for (int sample = 0; sample < kSamples; ++sample) {
       const ElementMesh mesh = rectangle(1, 1, 1);
-      PlasticBody body(mesh, {solid_of(yield)});
+      PlasticBody body(mesh, {plane_solid(yield)});
       body.set_history(body.history_after(shaken_plane(mesh, 0.05, random)));
       const Array<double> u = shaken_plane(mesh, 0.03, random), d = shaken_plane(mesh, 1, random);
       const auto force = [&](double along) {
@@ -117,7 +117,7 @@ TEST(Plane, ABarYieldsAtItsStressAndHardensWithTheSlopeOfThePlane) {
   const double young = 1e7 / (1 - 0.09), yield = kMetal.stress / young;
   const double slope = young * kMetal.hardening / (young + kMetal.hardening);
   for (const Law law : {Law::kHencky, Law::kNeoHookean}) {
-    test::FemScene scene = test::scene_of(rectangle(2, 1, 1), solid_of(kMetal, law).elastic);
+    test::FemScene scene = test::scene_of(rectangle(2, 1, 1), plane_solid(kMetal, law).elastic);
     scene.yields = {kMetal};
     scene.dt = 1e4;  // so long that inertia does not count
     for (int64_t n = 0; n < scene.fixed.rows(); ++n) scene.fixed(n, 2) = 1;
@@ -134,7 +134,7 @@ TEST(Plane, ABarYieldsAtItsStressAndHardensWithTheSlopeOfThePlane) {
     fem::FemState state = rest_state(scene);
     for (const double strain : strains) {
       EXPECT_LT(solver.step(state).residual, 1e-6);
-      PlasticBody body(scene.mesh, {solid_of(kMetal, law)});
+      PlasticBody body(scene.mesh, {plane_solid(kMetal, law)});
       body.set_history(state.plastic);
       Array<double> f(state.u.rows(), 3);
       body.add_gradient(state.u, f);
@@ -153,7 +153,7 @@ TEST(Plane, ABarYieldsAtItsStressAndHardensWithTheSlopeOfThePlane) {
 TEST(Plane, FlowStaysInThePlaneAndKeepsItsArea) {
   test::Random random(8);
   const ElementMesh mesh = rectangle(2, 2, 1);
-  const PlasticBody body(mesh, {solid_of(MetalYield{.stress = 2e4})});
+  const PlasticBody body(mesh, {plane_solid(MetalYield{.stress = 2e4})});
   const fem::PlasticHistory after = body.history_after(shaken_plane(mesh, 0.1, random));
   double largest = 0;
   for (int64_t k = 0; k < after.memory.rows(); ++k) {
