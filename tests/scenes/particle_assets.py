@@ -48,10 +48,11 @@ def is_closed(binary: Path, asset: Path) -> bool:
 
 
 def filled_volume(binary: Path, asset: Path, voxels: int, folder: Path) -> float:
-    """Volume of the filled voxels [m^3], by the nodes' masses of an elastic run that does not move."""
+    """Volume of the filled voxels [m^3], by the nodes' masses of an elastic run that does not move; the
+    floor has the voxels lie as in the other runs."""
     state = folder / "state.h5"
     subprocess.run([binary, "animate", asset, *BODY, "--voxels", str(voxels), "--frames", "1",
-                    "--density", "1", "--gravity", "0,0,0", "--quiet", "--state", state, "-o",
+                    "--density", "1", "--gravity", "0,0,0", "--floor", "--quiet", "--state", state, "-o",
                     folder / "still.pc2"], capture_output=True, check=True)
     with h5py.File(state) as file:
         return float(file["grid/mass"][()].sum())
@@ -112,6 +113,8 @@ def main() -> int:
     if options.short:
         options.voxels, options.frames = 6, 3
     rows = []
+    version = subprocess.run([options.binary, "--version"], capture_output=True, text=True,
+                             check=True).stdout
     with tempfile.TemporaryDirectory() as text:
         for asset, name in assets_of(options, Path(text)):
             volume = filled_volume(options.binary, asset, options.voxels, Path(text))
@@ -120,7 +123,7 @@ def main() -> int:
                 print(json.dumps(rows[-1]), flush=True)
                 if options.json:  # what there is, should the run be ended
                     result = {"header": run_header() | {
-                        "voxels": options.voxels, "frames": options.frames,
+                        "commit": version.split()[-1].strip("()"), "voxels": options.voxels, "frames": options.frames,
                         "max_time": options.max_time, "run": " ".join(BODY + DROP)}, "rows": rows,
                         "definitions": {"files": FILES, "sha256": definitions_hash(FILES)}}
                     options.json.write_text(json.dumps(result, indent=1) + "\n")
