@@ -13,8 +13,7 @@ from command import run
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests" / "scenes"))
-from frame_mesh import tets, triangles  # noqa: E402
-from tet_mesh import write_msh  # noqa: E402
+from frame_mesh import tets, triangles, write_triangles  # noqa: E402
 
 SCENES = ROOT / "examples" / "scenes"
 
@@ -28,7 +27,7 @@ class Frames(unittest.TestCase):
     def test_the_mesh_is_what_its_script_makes(self) -> None:
         mesh = triangles()
         self.assertEqual((len(mesh.x), len(mesh.tets)), (512, 768))
-        made = write_msh(self.folder / "frame.msh", mesh).read_text()
+        made = write_triangles(self.folder / "frame.msh", mesh).read_text()
         self.assertEqual(made, (SCENES / "metal_frame_2d.msh").read_text())
         deep = tets()
         self.assertEqual((len(deep.x), len(deep.tets)), (5632, 23040))

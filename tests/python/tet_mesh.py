@@ -52,9 +52,8 @@ def quadratic(mesh: TetMesh) -> TetMesh:
 
 
 def write_msh(path: Path, mesh: TetMesh, groups: list[int] | None = None) -> Path:
-    """Gmsh MSH 2.2 in ASCII; groups are the physical groups of the tetrahedra, else 1. Three columns
-    are triangles."""
-    kind, order = {3: (2, (0, 1, 2)), 4: (4, (0, 1, 2, 3)), 10: (11, GMSH)}[mesh.tets.shape[1]]
+    """Gmsh MSH 2.2 in ASCII; groups are the physical groups of the tetrahedra, else 1."""
+    kind, order = (4, (0, 1, 2, 3)) if mesh.tets.shape[1] == 4 else (11, GMSH)
     lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$Nodes", str(len(mesh.x))]
     lines += [f"{n + 1} {x!r} {y!r} {z!r}" for n, (x, y, z) in enumerate(mesh.x.tolist())]
     lines += ["$EndNodes", "$Elements", str(len(mesh.tets))]

@@ -64,10 +64,24 @@ def tets() -> TetMesh:
     return used(mesh.x, mesh.tets[kept])
 
 
+def write_triangles(path: Path, mesh: TetMesh) -> Path:
+    """Gmsh MSH 2.2 in ASCII."""
+    lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$Nodes", str(len(mesh.x))]
+    lines += [f"{n + 1} {x!r} {y!r} {z!r}" for n, (x, y, z) in enumerate(mesh.x.tolist())]
+    lines += ["$EndNodes", "$Elements", str(len(mesh.tets))]
+    lines += [f"{e + 1} 2 2 1 1 {a + 1} {b + 1} {c + 1}"
+              for e, (a, b, c) in enumerate(mesh.tets.tolist())]
+    path.write_text("\n".join([*lines, "$EndElements", ""]))
+    return path
+
+
 def main() -> None:
     """Writes one of them."""
     kind, path = sys.argv[1:]
-    write_msh(Path(path), triangles() if kind == "2d" else tets())
+    if kind == "2d":
+        write_triangles(Path(path), triangles())
+    else:
+        write_msh(Path(path), tets())
 
 
 if __name__ == "__main__":
