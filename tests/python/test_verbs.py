@@ -102,14 +102,15 @@ class Scenes(Verbs):
         schema = self.printed("inspect", "--schema")
         self.assertEqual(schema, json.loads((DOCS / "scene.schema.json").read_text()))
         resolved = self.printed("animate", "--scene", self.scene(), "--print-resolved")
-        of_yield = {"yield", "hardening", "friction_angle", "cohesion"}  # of what yields alone
+        of_yield = {"yield", "hardening", "friction_angle", "cohesion", "keeps_volume"}  # if it yields
         for key, value in resolved.items():
             known = schema["properties"][key]
             if known.get("type") == "object":
                 left_out = of_yield if key == "material" else set()
                 self.assertEqual(set(value), set(known["properties"]) - left_out, key)
         sand = self.printed("animate", "--scene", self.scene(), "--material", "sand", "--print-resolved")
-        self.assertEqual(set(sand["material"]) & of_yield, {"friction_angle", "cohesion"})
+        self.assertEqual(set(sand["material"]) & of_yield,
+                         {"friction_angle", "cohesion", "keeps_volume"})
 
 
 class Up(Verbs):

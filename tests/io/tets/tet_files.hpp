@@ -84,7 +84,7 @@ inline int msh_number(size_t point) {
 }
 
 inline int msh_type(int vtk_type) {
-  return vtk_type == 5 ? 2 : vtk_type == 10 ? 4 : vtk_type == 24 ? 11 : 5;
+  return vtk_type == 3 ? 1 : vtk_type == 5 ? 2 : vtk_type == 10 ? 4 : vtk_type == 24 ? 11 : 5;
 }
 
 template <class Int>
