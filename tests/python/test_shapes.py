@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 from command import run
-from test_particles import read_points
+from particle_files import read_ply
 from test_pictures import read_png
 
 SCENES = Path(__file__).resolve().parents[2] / "examples" / "scenes"
@@ -47,8 +47,8 @@ class Shapes(unittest.TestCase):
         self.assertEqual(done.code, 0, done.err)
         self.assertIn("1200 particles in the plane", done.out)
         self.assertEqual(json.loads((self.folder / "r.json").read_text())["converged_share"], 1)
-        first, _ = read_points(self.folder / "s_00000.ply")
-        last, _ = read_points(self.folder / "s_00005.ply")
+        first = read_ply(self.folder / "s_00000.ply").x
+        last = read_ply(self.folder / "s_00005.ply").x
         self.assertEqual(first.shape, (1200, 3))
         self.assertTrue(np.all(first[:, 2] == 0) and np.all(last[:, 2] == 0))
         log = self.log("log")
