@@ -6,6 +6,7 @@
 #include "mpm_fem/fem/point_location.hpp"
 #include "mpm_fem/fem/voxel_tets.hpp"
 #include "scene/fem_boundary.hpp"
+#include "scene/host_stepper.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -69,24 +70,6 @@ fem::Element yielding_element(const std::vector<Yield>& yields) {
     if (yield.index() != 0 && !hardens) return fem::Element::kHex;
   }
   return fem::Element::kHexBbar;
-}
-
-/// Rows of a kind and the numbers of its parameters, in the order of their declaration.
-Array<double> yield_rows(const std::vector<Yield>& yields) {
-  Array<double> rows(int64_t(yields.size()), 5);
-  for (size_t m = 0; m < yields.size(); ++m) {
-    double* row = rows.row(int64_t(m));
-    row[0] = double(yields[m].index());
-    if (const auto* metal = std::get_if<MetalYield>(&yields[m]))
-      row[1] = metal->stress, row[2] = metal->hardening;
-    if (const auto* sand = std::get_if<SandYield>(&yields[m]))
-      row[1] = sand->friction, row[2] = sand->cohesion, row[3] = sand->keeps_volume;
-    if (const auto* snow = std::get_if<SnowYield>(&yields[m])) {
-      row[1] = snow->slope, row[2] = snow->cohesion;
-      row[3] = snow->hardening, row[4] = snow->pressure;
-    }
-  }
-  return rows;
 }
 
 fem::Scheme scheme_of(const Scene& scene, const FemOptions& options) {
