@@ -78,5 +78,5 @@ install_packages
 build
 case "$verb" in
   demo) cd "$here" && exec "$repository/build/cpu/elastogen" demo "$@" ;;
-  test) exec ctest --preset cpu "$@" ;;
+  test) exec ctest --preset cpu -j "$(nproc)" "$@" ;;
 esac

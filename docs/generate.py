@@ -152,6 +152,17 @@ def particle_assets() -> str:
                   "mass over fill, less 1", "least J at the end", "seconds", "exit code", "fault"], lines)
 
 
+def dent() -> str:
+    """Depths of dents, and how far apart they are."""
+    rows = read("dent")["rows"]
+    lines = [[r["body"], f"1/{r['steps_a_second']}", f"{r['deepest']:.3f}", f"{r['stays']:.3f}",
+              f"{r['certified']}/{r['steps']}"] for r in rows]
+    for body in dict.fromkeys(r["body"] for r in rows):
+        depths = [[r[d] for r in rows if r["body"] == body] for d in ("deepest", "stays")]
+        lines.append([body, "spread", *(f"{100 * (max(d) / min(d) - 1):.1f} %" for d in depths), ""])
+    return table(["body", "steps [s]", "deepest [mm]", "stays [mm]", "certified"], lines)
+
+
 def values(numbers: list[float]) -> str:
     """Numbers in one cell."""
     return " / ".join(f"{number:.4g}" for number in numbers)
@@ -237,6 +248,7 @@ def bench(file: str, part: str) -> str:
 
 TABLES: dict[str, Callable[[], str]] = {"accuracy": accuracy, "peers": peers,
                                     "assets": assets, "particle assets": particle_assets,
+                                    "dent": dent,
                                     "discretisation": discretisation, "curved": curved,
                                     "real shape": real_shape,
                                     "time to error": time_to_error, "sweeps": sweeps,
