@@ -325,5 +325,26 @@ TEST(Mpm, SlidesOnAnInclineByCoulombsLaw) {
   }
 }
 
+/// What Newton's method does where it does not come to the tolerance, or GMRES not to its own.
+TEST(Mpm, ImplicitStepsSayWhatTheyMissAndWhatTheyFactored) {
+  MpmScene s = test::column_scene(test::sand(1e8), 1e-2);
+  const auto step = [&](const ImplicitMpmOptions& options) {
+    Particles p = test::column(4, 8);
+    return ImplicitMpm<2>(s, options).step(0, p);
+  };
+  const MpmStepReport few = step({.max_newton = 2});
+  EXPECT_FALSE(few.converged);
+  EXPECT_TRUE(few.finite);
+  EXPECT_EQ(few.stop, fem::RootStop::kIterations);
+  EXPECT_EQ(few.outer, 2);
+  EXPECT_GT(few.residual, 1e-3);
+  const MpmStepReport factored = step({}),
+                      krylov = step({.max_iterations = 4000, .most_factored = 0});
+  EXPECT_TRUE(factored.converged);
+  EXPECT_GT(factored.factored, 0);
+  EXPECT_TRUE(krylov.converged);
+  EXPECT_EQ(krylov.factored, 0);
+}
+
 }  // namespace
 }  // namespace elastogen::mpm
