@@ -20,7 +20,7 @@ RunDescription falling_sand(double speed, double dt) {
   run.material = {"sand", Law::kHencky, 1e7, 0.3, 1000};
   run.floor.emplace();
   run.friction = kSticks;
-  run.motion.velocity = {0, -speed, 0};
+  run.motion.velocity[1] = -speed;
   run.particles.jitter = 0;
   run.particles.dt = dt;
   run.fps = 1 / dt;
