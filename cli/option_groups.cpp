@@ -149,9 +149,10 @@ void add_particle_options(CLI::App& app, AnimateOptions& o, Typed& t) {
   const auto add = [&](const char* name, auto& value, const char* text) {
     app.add_option(name, value, text)->group("Particles")->capture_default_str();
   };
-  add("--integrator", t.integrator, "implicit or explicit");
+  add("--integrator", t.integrator, "implicit, explicit, frozen-fixed-point or pn-fixed-point");
   add("--dt", t.dt, "from transfer to transfer, e.g. '1 ms'; auto: by speed, or that of waves");
   add("--particle-substeps", p.substeps, "explicit: steps from transfer to transfer");
+  add("--passes", p.passes, "pn-fixed-point: minima of a step");
   add("--per-edge", p.per_edge, "particles of a full voxel along an axis");
   add("--jitter", p.jitter, "share of its part of the voxel where a particle stands at random");
   add("--transfer", t.transfer, "apic, apic-blend, rpic or flip");

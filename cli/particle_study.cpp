@@ -90,6 +90,11 @@ void ParticleStudy::take_runs() {
     sub.substeps = int(std::ceil(sub.dt / (kFineSubstep * result_.crossing) - 1e-9));
   result_.sub_reference = add("explicit-sub", sub);
   add("implicit", implicit);
+  const Integrator asked = task_.scene.particles.integrator;
+  if (asked == Integrator::kFrozenFixedPoint || asked == Integrator::kPnFixedPoint) {
+    implicit.integrator = asked;
+    add(std::string(integrator_name(asked)).c_str(), implicit);
+  }
   plain.substeps = 1;
   double finest = 1e300;
   for (const double dt : task_.explicit_dts) {

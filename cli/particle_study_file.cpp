@@ -70,9 +70,8 @@ Json to_json(const ParticleFrame& f) {
 Json to_json(const ParticleRun& run) {
   Json frames = Json::array();
   for (const ParticleFrame& frame : run.frames) frames.push_back(to_json(frame));
-  const bool implicit = run.options.integrator == Integrator::kImplicit;
   return {{"name", run.name},
-          {"integrator", implicit ? "implicit" : "explicit"},
+          {"integrator", integrator_name(run.options.integrator)},
           {"dt", run.options.dt},
           {"substeps", run.options.substeps},
           {"steps", run.steps},

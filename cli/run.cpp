@@ -42,10 +42,10 @@ void print_damping(const Setup& setup, const ParticleOptions& options) {
 
 void print_particles(const Setup& setup, const ParticleOptions& options) {
   const ParticleSetup& p = *setup.particles;
-  const bool implicit = options.integrator == Integrator::kImplicit;
+  const bool implicit = options.integrator != Integrator::kExplicit;
   fmt::print("{} particles{} on a grid of {:.4g} m, {} steps", p.particles.count(),
              p.dimension == 2 ? " in the plane" : "", setup.scene.grid.h,
-             implicit ? "implicit" : "explicit");
+             integrator_name(options.integrator));
   const double dt = implicit ? options.dt : explicit_dt(mpm_scene(setup, options), options);
   if (dt > 0) fmt::print(", {:.4g} s from transfer to transfer", dt);
   if (!implicit) fmt::print(" in {} part{}", options.substeps, options.substeps == 1 ? "" : "s");

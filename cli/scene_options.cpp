@@ -276,6 +276,7 @@ SceneValue particles_table(const ParticleOptions& p) {
   t.set("integrator", word("integrator", p.integrator));
   t.set("dt", quantity(p.dt, "auto"));
   t.set("substeps", scene_number(p.substeps));
+  t.set("passes", scene_number(p.passes));
   t.set("per_edge", scene_number(p.per_edge));
   t.set("jitter", scene_number(p.jitter));
   t.set("transfer", word("transfer", p.transfer.kind));

@@ -119,7 +119,9 @@ void convert_lists(const Typed& t, AnimateOptions& o) {
 void resolve_particles(const Typed& t, AnimateOptions& o) {
   if (!t.shape.empty()) o.shape = parse_shape(t.shape);
   ParticleOptions& p = o.particles;
-  p.integrator = Integrator(choice("--integrator", t.integrator, {"implicit", "explicit"}));
+  p.integrator =
+      Integrator(choice("--integrator", t.integrator,
+                        {"implicit", "explicit", "frozen-fixed-point", "pn-fixed-point"}));
   p.transfer.kind =
       mpm::Transfer(choice("--transfer", t.transfer, {"apic", "apic-blend", "rpic", "flip"}));
   p.transfer.blend_time = parse_time(t.blend_time);
@@ -135,6 +137,8 @@ void resolve_particles(const Typed& t, AnimateOptions& o) {
                   p.per_edge);
   ELASTOGEN_CHECK(p.substeps >= 1 && p.substeps <= 1'000'000,
                   "--particle-substeps must lie in 1 ... 1000000, got ", p.substeps);
+  ELASTOGEN_CHECK(p.passes >= 1 && p.passes <= 1000, "--passes must lie in 1 ... 1000, got ",
+                  p.passes);
 }
 
 void convert(const Typed& t, AnimateOptions& o) {

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 RESULTS = Path(__file__).resolve().parent / "results" / "particles.json"
+COLLAPSE = RESULTS.with_name("collapse.json")
 Lines = tuple[list[str], list[list[str]]]
 # Li et al. 2022, table 1: dt of both, seconds a frame of the implicit and of the explicit run
 PUBLISHED = {"sand": (1e-3, 1e-5, 12.58, 6.20), "snow": (1e-3, 1e-5, 35.56, 6.78)}
@@ -69,4 +70,14 @@ def against_explicit() -> Lines:
             "published: dt", "explicit steps", "faster by"], lines
 
 
-TABLES = {"particles": comparison, "particles against explicit": against_explicit}
+def collapse() -> Lines:
+    """Columns of sand that collapse: run-out and slope."""
+    return ["aspect a", "angle of friction, in the plane [degrees]", "h [mm]", "particles",
+            "run-out (L - l)/l", "over 1.2 a", "top/l", "slope [degrees]", "volume", "drafts"], [
+        [f"{r['aspect']:g}", f"{r['angle']:g}, {r['plane_angle']:.1f}", f"{1e3 * r['h']:g}",
+         str(r["particles"]), f"{r['run_out']:.2f}", f"{r['run_out'] / (1.2 * r['aspect']):.2f}",
+         f"{r['top']:.2f}", f"{r['slope']:.1f}", f"{r['volume']:.4f}", str(r["drafts"])]
+        for r in json.loads(COLLAPSE.read_text())["rows"]]
+
+
+TABLES = {"column collapse": collapse, "particles": comparison, "particles against explicit": against_explicit}

@@ -46,14 +46,16 @@ struct FemOptions {
 /// apart into grains (is_granular), else elements.
 enum class Method : uint8_t { kAuto, kMpm, kFem };
 
-/// What takes the steps of particles: implicit Euler, or symplectic Euler.
-enum class Integrator : uint8_t { kImplicit, kExplicit };
+/// What takes the steps of particles: implicit Euler, symplectic Euler, or implicit Euler by passes of
+/// minima with the plastic part frozen, until they solve it or as PlasticityNet has them.
+enum class Integrator : uint8_t { kImplicit, kExplicit, kFrozenFixedPoint, kPnFixedPoint };
 
 /// Particles in place of the grid.
 struct ParticleOptions {
   Integrator integrator = Integrator::kImplicit;
   double dt = 0;      ///< from one transfer to the next [s], 0: by their speed, or that of waves
   int substeps = 1;   ///< of explicit steps between two transfers, on nodes that stay
+  int passes = 3;     ///< of kPnFixedPoint
   int per_edge = 2;   ///< of a full voxel along an axis
   double jitter = 1;  ///< as mpm::FillOptions
   mpm::TransferOptions transfer;

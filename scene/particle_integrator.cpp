@@ -6,6 +6,7 @@
 #include "core/stopwatch.hpp"
 #include "core/svd2.hpp"
 #include "mpm_fem/integrators/explicit_mpm.hpp"
+#include "mpm_fem/integrators/fixed_point_mpm.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -32,11 +33,12 @@ double energy_of(const std::vector<PointLaw<d>>& laws, const mpm::Particles& p) 
   });
 }
 
-template <int d>
+/// Steps of ImplicitMpm or FixedPointMpm.
+template <int d, class Solver>
 class ImplicitParticles : public ParticleIntegrator {
  public:
-  ImplicitParticles(const mpm::MpmScene& scene, double tolerance)
-      : solver_(scene, {.tolerance = tolerance}) {}
+  template <class Options>
+  ImplicitParticles(const mpm::MpmScene& scene, const Options& options) : solver_(scene, options) {}
 
   mpm::MpmStepReport step(double time, mpm::Particles& particles) override {
     return solver_.step(time, particles);
@@ -46,7 +48,7 @@ class ImplicitParticles : public ParticleIntegrator {
   }
 
  private:
-  mpm::ImplicitMpm<d> solver_;
+  Solver solver_;
 };
 
 template <int d>
@@ -95,7 +97,34 @@ void check_stable(const mpm::MpmScene& scene, const ParticleOptions& options) {
                   " s: give a smaller --dt or more --particle-substeps");
 }
 
+template <int d>
+std::unique_ptr<ParticleIntegrator> integrator_in(const mpm::MpmScene& scene,
+                                                  const ParticleOptions& options,
+                                                  double tolerance) {
+  mpm::FixedPointOptions passes{.tolerance = tolerance};
+  switch (options.integrator) {
+    case Integrator::kImplicit:
+      return std::make_unique<ImplicitParticles<d, mpm::ImplicitMpm<d>>>(
+          scene, mpm::ImplicitMpmOptions{.tolerance = tolerance});
+    case Integrator::kPnFixedPoint:
+      passes.published = true;
+      passes.passes = options.passes;
+      [[fallthrough]];
+    case Integrator::kFrozenFixedPoint:
+      return std::make_unique<ImplicitParticles<d, mpm::FixedPointMpm<d>>>(scene, passes);
+    default:
+      check_stable(scene, options);
+      return std::make_unique<ExplicitParticles<d>>(scene, options.substeps);
+  }
+}
+
 }  // namespace
+
+std::string_view integrator_name(Integrator integrator) {
+  constexpr std::string_view kNames[] = {"implicit", "explicit", "frozen-fixed-point",
+                                         "pn-fixed-point"};
+  return kNames[int(integrator)];
+}
 
 mpm::MpmScene mpm_scene(const Setup& setup, const ParticleOptions& options) {
   mpm::MpmScene scene;
@@ -128,14 +157,8 @@ double explicit_dt(const mpm::MpmScene& scene, const ParticleOptions& options) {
 std::unique_ptr<ParticleIntegrator> make_particle_integrator(const mpm::MpmScene& scene,
                                                              const ParticleOptions& options,
                                                              double tolerance) {
-  const bool plane = scene.dimension == 2;
-  if (options.integrator == Integrator::kExplicit) {
-    check_stable(scene, options);
-    if (plane) return std::make_unique<ExplicitParticles<2>>(scene, options.substeps);
-    return std::make_unique<ExplicitParticles<3>>(scene, options.substeps);
-  }
-  if (plane) return std::make_unique<ImplicitParticles<2>>(scene, tolerance);
-  return std::make_unique<ImplicitParticles<3>>(scene, tolerance);
+  if (scene.dimension == 2) return integrator_in<2>(scene, options, tolerance);
+  return integrator_in<3>(scene, options, tolerance);
 }
 
 }  // namespace elastogen

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The integrators of particles behind one door: implicit or explicit, in space or in the plane.
+// The integrators of particles behind one door, in space or in the plane.
 
 #pragma once
 
@@ -7,6 +7,7 @@
 #include "scene/set_up.hpp"
 
 #include <memory>
+#include <string_view>
 
 namespace elastogen {
 
@@ -21,6 +22,9 @@ class ParticleIntegrator {
   /// sum V psi [J]
   virtual double elastic_energy(const mpm::Particles& particles) const = 0;
 };
+
+/// As it is chosen: "implicit", "explicit", ...
+std::string_view integrator_name(Integrator integrator);
 
 /// Solids, walls, gravity and transfers of a setup; dt is to be set.
 mpm::MpmScene mpm_scene(const Setup& setup, const ParticleOptions& options);

@@ -14,10 +14,10 @@
 namespace elastogen {
 namespace {
 
-constexpr double kCells = 0.6;       // cells that a particle crosses in a part of a step at most
-constexpr double kLongest = 2e-3;    // part of a step [s]
-constexpr int kMostHalvings = 4;     // of a part that does not converge
-constexpr double kTolerance = 1e-3;  // where none is asked for
+constexpr double kCells = 0.6;          // cells that a particle crosses in a part of a step at most
+constexpr double kLongest = 2e-3;       // part of a step [s]
+constexpr double kShortest = 1.0 / 16;  // of the longest part, to which one is halved at most
+constexpr double kTolerance = 1e-3;     // where none is asked for
 
 /// The longest equal part of a time that is no longer than the limit.
 double part_of(double time, double limit) {
@@ -56,8 +56,10 @@ class ParticleStepper : public HostStepper {
 
  private:
   bool is_explicit() const { return options_.integrator == Integrator::kExplicit; }
+  /// Whether a part that does not converge is halved; the published loop does not ask.
+  bool halves() const { return !is_explicit() && options_.integrator != Integrator::kPnFixedPoint; }
   double longest_part() const;
-  mpm::MpmStepReport take_part(double& part);
+  mpm::MpmStepReport take_part(double shortest, double& part);
   void measure(StepReport& report) const;
   void measure_overlap(StepReport& report) const;
   void show();
@@ -74,7 +76,9 @@ class ParticleStepper : public HostStepper {
 };
 
 void ParticleStepper::describe(StateHeader& header) const {
-  header.solver = is_explicit() ? "mpm-explicit" : "mpm";
+  header.solver = options_.integrator == Integrator::kImplicit
+                      ? "mpm"
+                      : concat("mpm-", integrator_name(options_.integrator));
   header.element = "particle";
   header.scheme = "euler";
   header.tolerance = tolerance_;
@@ -110,21 +114,21 @@ double ParticleStepper::longest_part() const {
 }
 
 /// One part, halved until it converges; what the last try leaves is kept.
-mpm::MpmStepReport ParticleStepper::take_part(double& part) {
-  mpm::MpmStepReport report;
-  const int most = is_explicit() ? 0 : kMostHalvings;
-  for (int k = 0; k <= most; ++k) {
+mpm::MpmStepReport ParticleStepper::take_part(double shortest, double& part) {
+  int outer = 0, inner = 0;  // of what was taken back
+  for (int k = 0;; ++k) {
     mpm::Particles tried = particles_;
     scene_.dt = part;
-    report = integrator_->step(state_.time, tried);
+    mpm::MpmStepReport report = integrator_->step(state_.time, tried);
+    outer = report.outer += outer;
+    inner = report.inner += inner;
     report.fallbacks = k;
-    if (report.converged || k == most) {
+    if (report.converged || !halves() || part / 2 < (1 - 1e-9) * shortest) {
       if (report.finite) particles_ = std::move(tried);
       return report;
     }
     part /= 2;
   }
-  return report;
 }
 
 StepReport ParticleStepper::advance() {
@@ -135,12 +139,15 @@ StepReport ParticleStepper::advance() {
   all.step = state_.steps + 1;
   all.converged = all.float64 = true;
   const double end = state_.time + setup_.scene.dt;
-  double left = setup_.scene.dt;
+  double left = setup_.scene.dt, before_it = left;  // the part before, which grows twofold at most
   while (left > 1e-9 * setup_.scene.dt) {
     all.interrupted = stop_();
     if (all.interrupted) break;
-    double part = part_of(left, longest_part());
-    const mpm::MpmStepReport r = take_part(part);
+    const double longest = longest_part();
+    double part = part_of(left, std::min(longest, 2 * before_it));
+    const double shortest = kShortest * std::min(longest, setup_.scene.dt);
+    const mpm::MpmStepReport r = take_part(shortest, part);
+    before_it = part;
     all.outer += r.outer;
     all.inner += r.inner;
     all.fallbacks += r.fallbacks;

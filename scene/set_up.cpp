@@ -143,7 +143,7 @@ int automatic_substeps(const RunDescription& run, const Setup& setup) {
   const Scene& scene = setup.scene;
   const double frame_seconds = 1 / run.fps;
   const bool transfers = method_of(run) == Method::kMpm && run.particles.dt > 0;
-  if (transfers && run.particles.integrator == Integrator::kImplicit)
+  if (transfers && run.particles.integrator != Integrator::kExplicit)
     return int(std::clamp(std::ceil(frame_seconds / run.particles.dt - 1e-9), 1.0, 1e4));
   if (!setup.yields.empty())
     return int(std::clamp(std::ceil(240 * frame_seconds - 1e-9), 1.0, 16.0));

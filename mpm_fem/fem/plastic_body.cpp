@@ -28,23 +28,10 @@ void store(int64_t k, const Point& point, PlasticHistory& history) {
   history.memory(k) = memory_of(point.history);
 }
 
-/// The potential that is frozen of a law without one.
-template <class L>
-struct FrozenOf;
-template <int d>
-struct FrozenOf<DruckerPrager<double, d>> {
-  using Law = FrozenDruckerPrager<double, d>;
-};
-template <int d>
-struct FrozenOf<CamClay<double, d>> {
-  using Law = FrozenCamClay<double, d>;
-};
 template <class Point>
-using FrozenLaw = typename FrozenOf<std::decay_t<decltype(std::declval<Point>().law)>>::Law;
-
+using LawOf = std::decay_t<decltype(std::declval<Point>().law)>;
 template <class Point>
-constexpr bool kHasEnergy =
-    elastogen::has_energy<std::decay_t<decltype(std::declval<Point>().law)>>;
+constexpr bool kHasEnergy = elastogen::has_energy<LawOf<Point>>;
 
 }  // namespace
 
@@ -110,7 +97,7 @@ void PlasticBody::for_points(int64_t element, const Visit& visit) const {
     if constexpr (kHasEnergy<Point>) {
       visit(q, point);
     } else {
-      using Law = FrozenLaw<Point>;
+      using Law = FrozenLaw<LawOf<Point>>;
       const Law law{point.law};
       visit(q, PlasticPoint<Law>{law, std::get<typename Law::History>(frozen), point.Fp_inverse});
     }
@@ -128,7 +115,8 @@ void PlasticBody::freeze(In<double> u) {
         for_laws(element, [&]<class Point>(int q, const Point& point) {
           if constexpr (!kHasEnergy<Point>)
             frozen[size_t(element * tables_.points() + q)] =
-                FrozenLaw<Point>{point.law}.frozen(point.elastic(points.F(q)).sigma, point.history);
+                FrozenLaw<LawOf<Point>>{point.law}.frozen(point.elastic(points.F(q)).sigma,
+                                                          point.history);
         });
       },
       kElementBlock);

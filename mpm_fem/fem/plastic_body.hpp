@@ -14,8 +14,7 @@
 #include "mpm_fem/fem/element_tables.hpp"
 #include "mpm_fem/fem/plastic_point.hpp"
 #include "mpm_fem/fem/point_gradients.hpp"
-#include "mpm_fem/materials/frozen_cam_clay.hpp"
-#include "mpm_fem/materials/frozen_potential.hpp"
+#include "mpm_fem/materials/frozen_law.hpp"
 
 namespace elastogen::fem {
 

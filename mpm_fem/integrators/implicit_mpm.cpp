@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mpm_fem/integrators/implicit_mpm.hpp"
 
+#include "core/error.hpp"
 #include "core/stopwatch.hpp"
-#include "mpm_fem/mpm/g2p.hpp"
-#include "mpm_fem/mpm/pack_laws.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace elastogen::mpm {
@@ -14,7 +14,9 @@ constexpr int kFewIterations = 60;   // of GMRES, after which factors cost less
 
 template <int d>
 ImplicitMpm<d>::ImplicitMpm(const MpmScene& scene, const ImplicitMpmOptions& options)
-    : scene_(scene), options_(options), equations_(scene) {}
+    : scene_(scene), options_(options), equations_(scene) {
+  ELASTOGEN_CHECK(options.substeps >= 1, "substeps must be at least 1, got ", options.substeps);
+}
 
 /// step = -J^-1 r.
 template <int d>
@@ -64,40 +66,34 @@ fem::RootResult ImplicitMpm<d>::solve(std::vector<double>& y) {
 }
 
 template <int d>
-void ImplicitMpm<d>::finish(const std::vector<double>& y, Particles& p) {
-  const ParticleGrid<d>& grid = equations_.grid();
-  Array<double> u(grid.nodes(), 3);
-  equations_.motion(y.data(), u);
-  gather<d>(grid, u, [&](int64_t k, const PackSpline<d>& s, const double* tile) {
-    const CellPack& pack = grid.packs()[size_t(k)];
-    const Mat3<Eight> now = deformed(nodal_gradient<d>(grid, k, s, tile));
-    end_step<d>(equations_.laws(), pack, now * matrix_lanes(p.F, pack), p);
-  });
-  Array<double> v = u;
-  for (int64_t k = 0; k < v.size(); ++k) v.data()[k] /= scene_.dt;
-  grid_to_particles<d>(grid, u, equations_.start().velocity, v, scene_.transfer, scene_.dt, p);
-}
-
-template <int d>
 MpmStepReport ImplicitMpm<d>::step(double time, Particles& p) {
   const Stopwatch watch;
   MpmStepReport report;
-  equations_.begin(p, time, scene_.dt);
+  const double dt = scene_.dt / options_.substeps;
+  const Particles before = options_.substeps > 1 ? p : Particles();
+  equations_.begin(p, time, dt);
   factors_first_ = false;
+  const int64_t iterations = iterations_, factored = factored_;
   std::vector<double> y(size_t(equations_.unknowns()));
-  equations_.predict(y.data());
-  const int64_t before = iterations_, factored = factored_;
-  const fem::RootResult result = solve(y);
-  report.stop = result.stop;
-  report.outer = result.iterations;
-  report.inner = int(iterations_ - before);
+  for (int k = 0; k < options_.substeps && report.finite; ++k) {
+    if (k > 0) equations_.go_on(time + k * dt);
+    equations_.predict(y.data());
+    const fem::RootResult result = solve(y);
+    report.stop = result.stop;
+    report.outer += result.iterations;
+    report.residual = std::max(report.residual, result.residual / equations_.reference());
+    report.finite = std::isfinite(result.residual);
+    if (report.finite) equations_.commit(y.data(), p);
+  }
+  report.inner = int(iterations_ - iterations);
   report.factored = int(factored_ - factored);
-  report.residual = result.residual / equations_.reference();
-  report.converged = report.residual <= options_.tolerance;
-  report.finite = std::isfinite(result.residual);
+  report.converged = report.finite && report.residual <= options_.tolerance;
   report.float64 = true;
   report.time = time + scene_.dt;
-  if (report.finite) finish(y, p);
+  if (report.finite)
+    equations_.transfer(p);
+  else if (options_.substeps > 1)
+    p = before;
   report.ms = watch.milliseconds();
   return report;
 }

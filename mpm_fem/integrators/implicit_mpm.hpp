@@ -15,6 +15,7 @@ namespace elastogen::mpm {
 struct ImplicitMpmOptions {
   double tolerance = 1e-3;  ///< of |r| / |M g_ref|_{M^-1}
   int max_newton = 40;
+  int substeps = 1;          ///< of a step, on nodes that stay from transfer to transfer
   int max_iterations = 400;  ///< of GMRES in a solve
   int64_t most_factored =
       20'000;  ///< unknowns of plane scenes, up to which LU factors stand in for GMRES
@@ -24,12 +25,14 @@ struct ImplicitMpmOptions {
 struct MpmStepReport : StepReport {
   fem::RootStop stop = fem::RootStop::kConverged;
   int factored = 0;  ///< linear systems that GMRES left to factors
+  int passes = 0;    ///< of FixedPointMpm
 };
 
 template <int d>
 class ImplicitMpm {
  public:
   /// The scene must outlive it; its dt may change between steps.
+  /// @throws Error as check_scene and point_law, and on substeps below 1.
   explicit ImplicitMpm(const MpmScene& scene, const ImplicitMpmOptions& options = {});
 
   /// Advances by scene.dt from `time` [s]. If the result is not finite the particles stay as they
@@ -41,7 +44,6 @@ class ImplicitMpm {
  private:
   bool find_step(const double* y, const double* r, double tolerance, double* step);
   fem::RootResult solve(std::vector<double>& y);
-  void finish(const std::vector<double>& y, Particles& particles);
 
   const MpmScene& scene_;
   ImplicitMpmOptions options_;

@@ -5,6 +5,7 @@
 #include "core/constitutive.hpp"
 #include "core/svd2.hpp"
 #include "mpm_fem/fem/inversion_bound.hpp"
+#include "mpm_fem/mpm/g2p.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -64,10 +65,10 @@ void MpmEquations<d>::begin(const Particles& particles, double time, double dt) 
   pack_.resize(grid_.packs().size());
   for_each(int64_t(pack_.size()), [&](int64_t k) {
     const CellPack& pack = grid_.packs()[size_t(k)];
-    pack_[size_t(k)] = {matrix_lanes(particles.F, pack), counted_lanes(particles.volume, pack, 0)};
+    pack_[size_t(k)] = {matrix_lanes(particles.F, pack), identity<Eight>(),
+                        counted_lanes(particles.volume, pack, 0)};
   });
-  walls_.begin(grid_, scene_.walls, time, dt);
-  wall_tangent_.resize(size_t(walls_.count()));
+  go_on(time);
   root_mass_.resize(size_t(grid_.nodes()));
   inverse_root_.resize(root_mass_.size());
   double total = 0;
@@ -78,18 +79,22 @@ void MpmEquations<d>::begin(const Particles& particles, double time, double dt) 
     inverse_root_[i] = m > 0 ? 1 / root_mass_[i] : 0;
   }
   reference_ = kReferenceGravity * std::sqrt(total);
-  u_ = force_ = Array<double>(grid_.nodes(), 3);
+  u_ = force_ = motion_ = Array<double>(grid_.nodes(), 3);
+  before_ = start_.velocity;
   r0_.assign(size_t(unknowns()), 0);
+}
+
+template <int d>
+void MpmEquations<d>::go_on(double time) {
+  walls_.begin(grid_, scene_.walls, time, dt_);
+  wall_tangent_.resize(size_t(walls_.count()));
 }
 
 template <int d>
 void MpmEquations<d>::predict(double* y) const {
   std::vector<double> free(r0_.size());
   for_each(grid_.nodes(), [&](int64_t i) {
-    for (int a = 0; a < d; ++a) {
-      const double u = dt_ * start_.velocity(i, a) + dt_ * dt_ * scene_.gravity[size_t(a)];
-      free[size_t(3 * i + a)] = root_mass_[size_t(i)] * u;
-    }
+    for (int a = 0; a < d; ++a) free[size_t(3 * i + a)] = root_mass_[size_t(i)] * predicted(i, a);
   });
   apply_walls(free.data(), y);
 }
@@ -115,16 +120,30 @@ void MpmEquations<d>::apply_walls(const double* free, double* result) const {
   });
 }
 
+template <int d>
+Mat3<Eight> MpmEquations<d>::piola(int64_t k, const Mat3<Eight>& F) {
+  const Svd3<Eight> svd = decompose_lanes<d>(F);
+  Eight t[3];
+  respond<false, d>(laws_, *particles_, grid_.packs()[size_t(k)], svd.sigma, t, nullptr);
+  return first_piola(svd, t);
+}
+
+template <int d>
+PrincipalHessian<Eight, Mat3<Eight>> MpmEquations<d>::piola_derivative(int64_t k,
+                                                                       const Svd3<Eight>& F,
+                                                                       Eight t[3]) {
+  Mat3<Eight> D;
+  respond<true, d>(laws_, *particles_, grid_.packs()[size_t(k)], F.sigma, t, &D);
+  return hessian_lanes(F.sigma, t, D);
+}
+
 /// Forces of the stress at u_ on the nodes into force_; magnitude: of the magnitudes of its parts.
 template <int d>
 void MpmEquations<d>::add_stress(bool magnitude) {
   const auto add = [&](int64_t k, const PackSpline<d>& s, const double* read, double* write) {
     const Start& own = pack_[size_t(k)];
-    const Svd3<Eight> svd =
-        decompose_lanes<d>(deformed(nodal_gradient<d>(grid_, k, s, read)) * own.F);
-    Eight t[3];
-    respond<false, d>(laws_, *particles_, grid_.packs()[size_t(k)], svd.sigma, t, nullptr);
-    Mat3<Eight> A = times_transposed(first_piola(svd, t), own.F);
+    const Mat3<Eight> F = own.after(nodal_gradient<d>(grid_, k, s, read)) * own.F;
+    Mat3<Eight> A = times_transposed(piola(k, F), own.F);
     for (Eight& a : A.m) a *= own.volume;
     if (!magnitude) return add_nodal_product<d>(grid_, k, s, A, write);
     Eight size = {};
@@ -143,12 +162,9 @@ void MpmEquations<d>::equilibrium(const double* y, double* r0) {
   add_stress(false);
   for_each(grid_.nodes(), [&](int64_t i) {
     const size_t n = size_t(i);
-    for (int a = 0; a < 3; ++a) {
-      const double predicted =
-          dt_ * start_.velocity(i, a) + (a < d ? dt_ * dt_ * scene_.gravity[size_t(a)] : 0);
-      r0[3 * i + a] = (y[3 * i + a] - root_mass_[n] * predicted) / (dt_ * dt_) +
+    for (int a = 0; a < 3; ++a)
+      r0[3 * i + a] = (y[3 * i + a] - root_mass_[n] * predicted(i, a)) / (dt_ * dt_) +
                       inverse_root_[n] * force_(i, a);
-    }
   });
 }
 
@@ -193,7 +209,7 @@ double MpmEquations<d>::longest_step(const double* y, const double* end) {
     read_tile(grid_, b, from, at);
     read_tile(grid_, b, way, to);
     for_packs<d>(grid_, b, [&](int64_t k, const PackSpline<d>& s) {
-      const Mat3<Eight> now = deformed(nodal_gradient<d>(grid_, k, s, at));
+      const Mat3<Eight> now = pack_[size_t(k)].after(nodal_gradient<d>(grid_, k, s, at));
       Mat3<Eight> then = nodal_gradient<d>(grid_, k, s, to);
       for (int e = 0; e < 9; ++e) then.m[e] += now.m[e];
       for (int lane = 0; lane < grid_.packs()[size_t(k)].count; ++lane)
@@ -209,13 +225,10 @@ template <int d>
 PrincipalHessian<Eight> MpmEquations<d>::set_tangent(int64_t k, const Mat3<Eight>& gradient) {
   const Start& own = pack_[size_t(k)];
   Tangent& tangent = tangent_[size_t(k)];
-  tangent.frame = decompose_lanes<d>(deformed(gradient) * own.F);
-  const Eight* sigma = tangent.frame.sigma;
+  tangent.frame = decompose_lanes<d>(own.after(gradient) * own.F);
   Eight t[3];
-  Mat3<Eight> D;
-  respond<true, d>(laws_, *particles_, grid_.packs()[size_t(k)], sigma, t, &D);
-  tangent.hessian = hessian_lanes(sigma, t, D);
-  PrincipalHessian<Eight> frozen = frozen_hessian<d>(sigma, t, tangent.hessian);
+  tangent.hessian = piola_derivative(k, tangent.frame, t);
+  PrincipalHessian<Eight> frozen = frozen_hessian<d>(tangent.frame.sigma, t, tangent.hessian);
   scale(own.volume, tangent.hessian);
   scale(own.volume, frozen);
   tangent.frame.V = own.F * tangent.frame.V;
@@ -242,15 +255,24 @@ void MpmEquations<d>::linearise(const double* y) {
       });
     });
   });
-  for_each(walls_.count(), [&](int64_t k) {
-    const int64_t i = walls_.node(k);
-    Vec3 free;
-    for (int a = 0; a < 3; ++a)
-      free[size_t(a)] =
-          inverse_root_[size_t(i)] * (y[3 * i + a] - dt_ * dt_ * r0_[size_t(3 * i + a)]);
-    walls_.allowed(k, free, &wall_tangent_[size_t(k)]);
-  });
+  linearise_walls(y);
   invert_blocks(block);
+}
+
+template <int d>
+Vec3 MpmEquations<d>::free_motion(int64_t k, const double* y) const {
+  const int64_t i = walls_.node(k);
+  Vec3 free;
+  for (int a = 0; a < 3; ++a)
+    free[size_t(a)] =
+        inverse_root_[size_t(i)] * (y[3 * i + a] - dt_ * dt_ * r0_[size_t(3 * i + a)]);
+  return free;
+}
+
+template <int d>
+void MpmEquations<d>::linearise_walls(const double* y) {
+  for_each(walls_.count(),
+           [&](int64_t k) { walls_.allowed(k, free_motion(k, y), &wall_tangent_[size_t(k)]); });
 }
 
 /// The blocks of dr/dy: B/m + I/dt^2, with walls (I - dPi (I - dt^2 (B/m + I/dt^2)))/dt^2.
@@ -348,6 +370,27 @@ void MpmEquations<d>::put_wall(int64_t node, const Mat3<double>& D) {
   Mat3<double> rest;
   for (int e = 0; e < 9; ++e) rest.m[e] = ((e % 4 == 0) - D.m[e]) / (dt_ * dt_);
   jacobian_.add_block(node, node, rest.m);
+}
+
+template <int d>
+void MpmEquations<d>::commit(const double* y, Particles& p) {
+  motion(y, u_);
+  gather<d>(grid_, u_, [&](int64_t k, const PackSpline<d>& s, const double* tile) {
+    Start& own = pack_[size_t(k)];
+    const CellPack& pack = grid_.packs()[size_t(k)];
+    own.moved = own.after(nodal_gradient<d>(grid_, k, s, tile));
+    end_step<d>(laws_, pack, own.moved * own.F, p);
+    own.F = inverse(own.moved) * matrix_lanes(p.F, pack);
+  });
+  for_each(u_.size(), [&](int64_t k) {
+    motion_.data()[k] += u_.data()[k];
+    start_.velocity.data()[k] = u_.data()[k] / dt_;
+  });
+}
+
+template <int d>
+void MpmEquations<d>::transfer(Particles& p) const {
+  grid_to_particles<d>(grid_, motion_, before_, start_.velocity, scene_.transfer, scene_.dt, p);
 }
 
 template class MpmEquations<2>;

@@ -31,6 +31,8 @@ class MpmEquations {
   /// The scene must outlive it.
   /// @throws Error as check_scene and point_law
   explicit MpmEquations(const MpmScene& scene);
+  virtual ~MpmEquations() = default;
+  MpmEquations(const MpmEquations&) = delete;
 
   /// Takes the state at the start of a step of dt from `time`. The particles must stay until the
   /// next begin.
@@ -38,7 +40,6 @@ class MpmEquations {
 
   int64_t unknowns() const { return 3 * grid_.nodes(); }
   const ParticleGrid<d>& grid() const { return grid_; }
-  const NodeMotion& start() const { return start_; }
   const std::vector<PointLaw<d>>& laws() const { return laws_; }
   /// |M g|_{M^-1} of g = 9.81 m/s^2, what residuals are measured by [sqrt(kg) m/s^2].
   double reference() const { return reference_; }
@@ -65,39 +66,72 @@ class MpmEquations {
   /// Changes with the pattern of jacobian().
   int64_t pattern_version() const { return cells_.version(); }
 
- private:
-  struct Start {  // of a pack
+  /// Strain, stress and history of the particles of begin, where the nodes have moved by y.
+  void commit(const double* y, Particles& particles);
+  /// After commit another step of dt, from `time`, on nodes that stay where they are.
+  void go_on(double time);
+  /// After commit places and velocities of the particles.
+  void transfer(Particles& particles) const;
+
+ protected:
+  struct Start {  // of a pack; its trial is (moved + grad u) F
     Mat3<Eight> F;
-    Eight volume;  // [m^3], 0 beyond its count
+    Mat3<Eight> moved;  // I + the gradient of the motion between begin and go_on
+    Eight volume;       // [m^3], 0 beyond its count
+
+    Mat3<Eight> after(Mat3<Eight> gradient) const {
+      for (int e = 0; e < 9; ++e) gradient.m[e] += moved.m[e];
+      return gradient;
+    }
   };
-  struct Tangent {  // of a pack: dA = V dP Fe^T in the gradient of u
-    PrincipalHessian<Eight, Mat3<Eight>> hessian;
-    Svd3<Eight> frame;  // U and Fe^n V, so that core/principal.hpp's apply is from gradient to A
-  };
-  void add_stress(bool magnitude);
+  /// Stress P of a pack's particles at their trial F.
+  virtual Mat3<Eight> piola(int64_t pack, const Mat3<Eight>& F);
+  /// Its derivative in the principal frame of F.
+  virtual PrincipalHessian<Eight, Mat3<Eight>> piola_derivative(int64_t pack, const Svd3<Eight>& F,
+                                                                Eight t[3]);
+  /// Fills wall_tangent_ at y.
+  virtual void linearise_walls(const double* y);
+  /// Of the k-th node at a wall the motion in the step without it: y - dt^2 r0, unscaled [m].
+  Vec3 free_motion(int64_t k, const double* y) const;
+  /// r0 at y.
   void equilibrium(const double* y, double* r0);
-  PrincipalHessian<Eight> set_tangent(int64_t pack, const Mat3<Eight>& gradient);
-  void invert_blocks(In<double> sums);
-  void put_wall(int64_t node, const Mat3<double>& D);
-  void apply_walls(const double* free, double* result) const;
+  /// Motion of a node without stress and walls [m].
+  double predicted(int64_t node, int a) const {
+    return dt_ * start_.velocity(node, a) + (a < d ? dt_ * dt_ * scene_.gravity[size_t(a)] : 0);
+  }
 
   const MpmScene& scene_;
   std::vector<PointLaw<d>> laws_;
   ParticleGrid<d> grid_;
   const Particles* particles_ = nullptr;
-  double dt_ = 0, reference_ = 0;
-  NodeMotion start_;
+  double dt_ = 0;
+  NodeMotion start_;  // with the velocity of now
   WallContact walls_;
   std::vector<double> root_mass_, inverse_root_;  // sqrt(m_i), its inverse or 0
   std::vector<Mat3<double>> wall_tangent_;        // dPi of each node at a wall
   std::vector<Start> pack_;
+  std::vector<double> r0_;
+  Array<double> u_;  // (nodes, 3)
+
+ private:
+  struct Tangent {  // of a pack: dA = V dP Fe^T in the gradient of u
+    PrincipalHessian<Eight, Mat3<Eight>> hessian;
+    Svd3<Eight> frame;  // U and Fe^n V, so that core/principal.hpp's apply is from gradient to A
+  };
+  void add_stress(bool magnitude);
+  PrincipalHessian<Eight> set_tangent(int64_t pack, const Mat3<Eight>& gradient);
+  void invert_blocks(In<double> sums);
+  void put_wall(int64_t node, const Mat3<double>& D);
+  void apply_walls(const double* free, double* result) const;
+
+  double reference_ = 0;
+  Array<double> motion_, before_;  // of the nodes since begin [m], their velocity there, (nodes, 3)
   std::vector<Tangent> tangent_;
   std::vector<Mat3<double>> inverse_block_;
   CellAssembly<d> cells_;
   fem::SparseMatrix jacobian_;
-  bool has_cells_ = false;   // cells_ are those of the step
-  Array<double> u_, force_;  // (nodes, 3)
-  std::vector<double> r0_;
+  bool has_cells_ = false;  // cells_ are those of the step
+  Array<double> force_;     // (nodes, 3)
   Zeroed<double> scratch_;
 };
 

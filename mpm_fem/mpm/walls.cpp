@@ -11,24 +11,26 @@ namespace {
 /// A node that lies on a wall to rounding counts as inside [h].
 constexpr double kOn = 1e-9;
 
+enum class Touch { kNone, kSlides, kSticks };
+
 /// Takes what points into the wall off m, and friction.
-void apply(const NodeWall& wall, Vec3& m, Mat3<double>& D) {
+Touch apply(const NodeWall& wall, Vec3& m, Mat3<double>& D) {
   D = {};
   if (wall.sticky) {
     m = wall.motion;
-    return;
+    return Touch::kSticks;
   }
   const Vec3 relative = minus(m, wall.motion);
   const double into = -dot(relative, wall.normal);
   if (into <= 0) {
     D = identity<double>();
-    return;
+    return Touch::kNone;
   }
   Vec3 along;
   for (size_t a = 0; a < 3; ++a) along[a] = relative[a] + into * wall.normal[a];
   const double size = safe_norm(along), limit = wall.friction * into;
   m = wall.motion;
-  if (size <= limit) return;
+  if (size <= limit) return wall.friction > 0 ? Touch::kSticks : Touch::kSlides;
   const double left = 1 - limit / size;
   const Vec3& n = wall.normal;
   Vec3 t;
@@ -37,6 +39,7 @@ void apply(const NodeWall& wall, Vec3& m, Mat3<double>& D) {
     for (size_t b = 0; b < 3; ++b)
       D(int(a), int(b)) =
           left * ((a == b) - n[a] * n[b] - t[a] * t[b]) + t[a] * t[b] + wall.friction * t[a] * n[b];
+  return Touch::kSlides;
 }
 
 }  // namespace
@@ -79,6 +82,25 @@ Vec3 WallContact::allowed(int64_t k, const Vec3& motion, Mat3<double>* derivativ
   }
   if (derivative) *derivative = all;
   return m;
+}
+
+Mat3<double> WallContact::free_part(int64_t k, const Vec3& motion) const {
+  constexpr double kHeld = 1e-12;  // |Q n|^2 of a normal that is held already
+  Vec3 m = motion;
+  Mat3<double> Q = identity<double>(), D;
+  for (int32_t w = first_[size_t(k)]; w < first_[size_t(k) + 1]; ++w) {
+    const Touch touch = apply(wall_[size_t(w)], m, D);
+    if (touch == Touch::kSticks) Q = {};
+    if (touch != Touch::kSlides) continue;
+    const Vec3& n = wall_[size_t(w)].normal;
+    Vec3 Qn;
+    for (int a = 0; a < 3; ++a) Qn[size_t(a)] = Q(a, 0) * n[0] + Q(a, 1) * n[1] + Q(a, 2) * n[2];
+    const double square = dot(Qn, Qn);
+    if (square <= kHeld) continue;
+    for (size_t a = 0; a < 3; ++a)
+      for (size_t b = 0; b < 3; ++b) Q(int(a), int(b)) -= Qn[a] * Qn[b] / square;
+  }
+  return Q;
 }
 
 template void WallContact::begin(const ParticleGrid<2>&, const std::vector<Wall>&, double, double);

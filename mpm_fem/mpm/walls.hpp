@@ -40,6 +40,10 @@ class WallContact {
   /// @param derivative  of the result in m; null: not asked for
   Vec3 allowed(int64_t k, const Vec3& m, Mat3<double>* derivative) const;
 
+  /// The projector onto what no wall holds of that motion: where it sticks none of it, where it
+  /// slides what is along the wall.
+  Mat3<double> free_part(int64_t k, const Vec3& m) const;
+
  private:
   std::vector<int32_t> node_;
   std::vector<int32_t> first_;  // wall of each node, (count + 1)

@@ -226,9 +226,9 @@ TEST(Options, TheDefaultsAreThoseOfTheTable) {
                            "solver.modes",      "solver.threads",     "particles.integrator",
                            "particles.dt",      "particles.substeps", "particles.per_edge",
                            "particles.jitter",  "particles.transfer", "particles.blend_time",
-                           "particles.flip",    "solver.device",      "limits.max_voxels",
-                           "limits.max_memory", "limits.max_time",    "output.glb_profile",
-                           "output.camera",     "output.image_size"}) {
+                           "particles.flip",    "particles.passes",   "solver.device",
+                           "limits.max_voxels", "limits.max_memory",  "limits.max_time",
+                           "output.camera",     "output.image_size",  "output.glb_profile"}) {
     const std::string text = path;
     const size_t dot = text.find('.');
     const std::string table = dot == std::string::npos ? "" : text.substr(0, dot);

@@ -34,6 +34,7 @@ friction = "sticky"
 integrator = "explicit"
 dt = "500 us"
 substeps = 40
+passes = 5
 per_edge = 3
 jitter = 0.25
 transfer = "apic-blend"
@@ -63,6 +64,7 @@ TEST(ParticleOptions, ASceneSetsThemAll) {
   EXPECT_EQ(p.integrator, Integrator::kExplicit);
   EXPECT_EQ(p.dt, 5e-4);
   EXPECT_EQ(p.substeps, 40);
+  EXPECT_EQ(p.passes, 5);
   EXPECT_EQ(p.per_edge, 3);
   EXPECT_EQ(p.jitter, 0.25);
   EXPECT_EQ(p.transfer.kind, mpm::Transfer::kBlend);
@@ -150,6 +152,7 @@ TEST(ParticleOptions, BadOptionsAreNamed) {
                                       {"--per-edge", "9"},
                                       {"--jitter", "-1"},
                                       {"--particle-substeps", "0"},
+                                      {"--passes", "0"},
                                       {"--blend-time", "0"},
                                       {"--flip", "1.5"},
                                       {"--keeps-volume", "maybe"}})

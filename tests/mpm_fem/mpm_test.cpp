@@ -8,7 +8,7 @@
 #include "mpm_fem/integrators/implicit_mpm.hpp"
 #include "mpm_fem/mpm/fill.hpp"
 #include "mpm_fem/mpm/g2p.hpp"
-#include "tests/support/matrices.hpp"
+#include "tests/mpm_fem/particle_scenes.hpp"
 #include "voxelize/bricks.hpp"
 
 #include <gtest/gtest.h>
@@ -19,39 +19,7 @@
 namespace elastogen::mpm {
 namespace {
 
-constexpr double kH = 0.1;
-
-Solid solid(double young, double density) {
-  Solid s;
-  s.elastic = {"test", Law::kHencky, young, 0.3, density};
-  return s;
-}
-
-MpmScene scene(int dimension) {
-  MpmScene s;
-  s.dimension = dimension;
-  s.h = kH;
-  s.dt = 1e-3;
-  s.solids = {solid(1e4, 1000)};
-  return s;
-}
-
-/// Particles at random in a unit cube or square, with velocities and affine parts at random.
-template <int d>
-Particles random_particles(int64_t count, uint64_t seed) {
-  test::Random random(seed);
-  std::uniform_real_distribution<double> in(-0.5, 0.5);
-  Array<double> x(count, 3);
-  for (int64_t k = 0; k < count; ++k)
-    for (int a = 0; a < d; ++a) x(k, a) = in(random);
-  Particles p = particles_at(x, 1.0 / double(count), 0, 1000);
-  for (int64_t k = 0; k < count; ++k)
-    for (int a = 0; a < d; ++a) {
-      p.v(k, a) = in(random);
-      for (int b = 0; b < d; ++b) p.C(k, 3 * a + b) = in(random);
-    }
-  return p;
-}
+using test::kH, test::particle_scene, test::particle_solid, test::random_particles;
 
 /// Mass, momentum and angular momentum of the nodes.
 template <int d>
@@ -167,7 +135,7 @@ TEST(Fill, HasTheMassOfTheVoxelsAndPlacesWithinThem) {
   grid.fill(0) = 0.3;
   grid.volume = 0;
   const Array<int32_t> material(grid.voxel_count());
-  const std::vector<Solid> solids = {solid(1e4, 800)};
+  const std::vector<Solid> solids = {particle_solid(1e4, 800)};
   const Filled filled = fill_body(grid, material, solids);
   const Particles& p = filled.particles;
   EXPECT_EQ(p.x, fill_body(grid, material, solids).particles.x);
@@ -219,7 +187,7 @@ TEST(InversionBound, StopsShortOfTheFirstRootOfTheDeterminant) {
 /// that yields and slides along a wall.
 template <int d>
 void check_jacobian() {
-  MpmScene s = scene(d);
+  MpmScene s = particle_scene(d);
   s.solids[0].yield = SandYield{.friction = 0.5, .keeps_volume = false};
   s.gravity = {2, -10, 0};
   s.walls.push_back({half_space({0, 1, 0}, -0.35, 0.2), false});
@@ -261,7 +229,7 @@ TEST(MpmEquations, JacobianIsTheDerivativeOfTheResidual) {
 
 /// A free body keeps its momenta, explicit and implicit, and so does one that yields.
 TEST(Mpm, FreeFlightKeepsMomentumAndAngularMomentum) {
-  MpmScene s = scene(3);
+  MpmScene s = particle_scene(3);
   for (const bool metal : {false, true}) {
     if (metal) s.solids[0].yield = MetalYield{.stress = 200};
     Particles p = random_particles<3>(2000, 10);
@@ -281,7 +249,7 @@ TEST(Mpm, FreeFlightKeepsMomentumAndAngularMomentum) {
 
 /// Both follow the parabola of a body in free fall: of Euler's steps, y = g t (t + dt)/2.
 TEST(Mpm, FallsFreely) {
-  MpmScene s = scene(2);
+  MpmScene s = particle_scene(2);
   s.gravity = {0, -10, 0};
   for (const bool implicit_step : {false, true}) {
     Particles p = random_particles<2>(400, 11);
@@ -321,7 +289,7 @@ double distance(const Particles& a, const Particles& b) {
 }
 
 TEST(Mpm, SubstepsConvergeAndTheImplicitStepIsFirstOrder) {
-  MpmScene s = scene(2);
+  MpmScene s = particle_scene(2);
   s.solids[0].yield = SandYield{.friction = 0.5, .keeps_volume = false};
   s.dt = 4e-3;
   const Particles fine = sheared(s, 800);
@@ -339,8 +307,8 @@ TEST(Mpm, SubstepsConvergeAndTheImplicitStepIsFirstOrder) {
 /// friction and slides above it with g (sin - mu cos).
 TEST(Mpm, SlidesOnAnInclineByCoulombsLaw) {
   for (const double friction : {0.3, 0.7}) {
-    MpmScene s = scene(2);
-    s.solids[0] = solid(1e8, 1000);  // so stiff that it hardly oscillates
+    MpmScene s = particle_scene(2);
+    s.solids[0] = particle_solid(1e8, 1000);  // so stiff that it hardly oscillates
     const double angle = std::atan(0.5), g = 10;
     s.gravity = {g * std::sin(angle), -g * std::cos(angle), 0};
     s.walls.push_back({half_space({0, 1, 0}, 0, friction), false});
@@ -355,6 +323,27 @@ TEST(Mpm, SlidesOnAnInclineByCoulombsLaw) {
         friction < 0.5 ? g * 0.05 * (std::sin(angle) - friction * std::cos(angle)) : 0;
     EXPECT_NEAR(end.linear[0] / end.mass, expected, 0.02 * g * 0.05 * std::sin(angle));
   }
+}
+
+/// What Newton's method does where it does not come to the tolerance, or GMRES not to its own.
+TEST(Mpm, ImplicitStepsSayWhatTheyMissAndWhatTheyFactored) {
+  MpmScene s = test::column_scene(test::sand(1e8), 1e-2);
+  const auto step = [&](const ImplicitMpmOptions& options) {
+    Particles p = test::column(4, 8);
+    return ImplicitMpm<2>(s, options).step(0, p);
+  };
+  const MpmStepReport few = step({.max_newton = 2});
+  EXPECT_FALSE(few.converged);
+  EXPECT_TRUE(few.finite);
+  EXPECT_EQ(few.stop, fem::RootStop::kIterations);
+  EXPECT_EQ(few.outer, 2);
+  EXPECT_GT(few.residual, 1e-3);
+  const MpmStepReport factored = step({}),
+                      krylov = step({.max_iterations = 4000, .most_factored = 0});
+  EXPECT_TRUE(factored.converged);
+  EXPECT_GT(factored.factored, 0);
+  EXPECT_TRUE(krylov.converged);
+  EXPECT_EQ(krylov.factored, 0);
 }
 
 }  // namespace
