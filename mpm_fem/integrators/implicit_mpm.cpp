@@ -2,6 +2,7 @@
 #include "mpm_fem/integrators/implicit_mpm.hpp"
 
 #include "core/stopwatch.hpp"
+#include "mpm_fem/mpm/end_step.hpp"
 #include "mpm_fem/mpm/g2p.hpp"
 #include "mpm_fem/mpm/pack_laws.hpp"
 
@@ -66,16 +67,15 @@ fem::RootResult ImplicitMpm<d>::solve(std::vector<double>& y) {
 template <int d>
 void ImplicitMpm<d>::finish(const std::vector<double>& y, Particles& p) {
   const ParticleGrid<d>& grid = equations_.grid();
-  Array<double> u(grid.nodes(), 3);
-  equations_.motion(y.data(), u);
-  gather<d>(grid, u, [&](int64_t k, const PackSpline<d>& s, const double* tile) {
-    const CellPack& pack = grid.packs()[size_t(k)];
-    const Mat3<Eight> now = deformed(nodal_gradient<d>(grid, k, s, tile));
-    end_step<d>(equations_.laws(), pack, now * matrix_lanes(p.F, pack), p);
-  });
-  Array<double> v = u;
+  Array<double> v(grid.nodes(), 3);
+  equations_.motion(y.data(), v);
   for (int64_t k = 0; k < v.size(); ++k) v.data()[k] /= scene_.dt;
-  grid_to_particles<d>(grid, u, equations_.start().velocity, v, scene_.transfer, scene_.dt, p);
+  grid_to_particles<d>(grid, {}, equations_.start().velocity, v, scene_.transfer, scene_.dt, p,
+                       [&](int64_t k, int begin, const Mat3<WidePack>& G) {
+                         const CellPack& pack = grid.packs()[size_t(k)];
+                         end_step<d>(equations_.laws(), pack, begin,
+                                     deformed(G) * matrix_lanes<WidePack>(p.F, pack, begin), p);
+                       });
 }
 
 template <int d>
