@@ -27,7 +27,7 @@
 #pragma once
 
 #include "core/material.hpp"
-#include "core/pack.hpp"
+#include "core/pack_functions.hpp"
 
 namespace elastogen {
 

@@ -10,6 +10,7 @@
 
 #pragma once
 
+#include "core/pack_functions.hpp"
 #include "core/svd3.hpp"
 #include "network/local_model.hpp"
 

@@ -7,7 +7,7 @@
 
 #pragma once
 
-#include "core/pack.hpp"
+#include "core/pack_functions.hpp"
 
 #include <cmath>
 #include <cstring>

@@ -2,8 +2,8 @@
 #include "mpm_fem/integrators/explicit_mpm.hpp"
 
 #include "core/error.hpp"
+#include "mpm_fem/mpm/end_step.hpp"
 #include "mpm_fem/mpm/g2p.hpp"
-#include "mpm_fem/mpm/pack_laws.hpp"
 
 #include <algorithm>
 
@@ -33,64 +33,94 @@ double ExplicitMpm<d>::stable_step() const {
   return 0.5 * scene_.h / fastest;
 }
 
+/// -V tau Finc^-T of a pack [N m].
 template <int d>
-void ExplicitMpm<d>::begin_packs(const Particles& p) {
-  increment_.assign(grid_.packs().size(), identity<Eight>());
-  volume_.resize(grid_.packs().size());
-  for_each(int64_t(volume_.size()), [&](int64_t k) {
-    volume_[size_t(k)] = counted_lanes(p.volume, grid_.packs()[size_t(k)], 0);
-  });
+Mat3<Eight> ExplicitMpm<d>::force_of(int64_t k, const Particles& p) const {
+  const CellPack& pack = grid_.packs()[size_t(k)];
+  Mat3<Eight> A = stress_lanes(p.stress, pack);
+  if (!increment_.empty()) A = times_transposed(A, inverse(increment_[size_t(k)]));
+  const Eight volume = counted_lanes(p.volume, pack, 0);
+  for (Eight& a : A.m) a *= -volume;
+  return A;
 }
 
-/// Forces of the particles' stress on the nodes [N].
+/// Forces of the particles' stress on the nodes [N] at the start of a step.
 template <int d>
 void ExplicitMpm<d>::add_forces(const Particles& p, Array<double>& force) {
   add_tiles<d, kFour>(grid_, scratch_, force, [&](int64_t b, double* tile) {
     for_packs<d>(grid_, b, [&](int64_t k, const PackSpline<d>& s) {
-      Mat3<Eight> A = times_transposed(stress_lanes(p.stress, grid_.packs()[size_t(k)]),
-                                       inverse(increment_[size_t(k)]));
-      for (Eight& a : A.m) a *= -volume_[size_t(k)];
-      add_nodal_product<d>(grid_, k, s, A, tile);
+      add_nodal_product<d>(grid_, k, s, force_of(k, p), tile);
     });
   });
 }
 
-/// Strain, stress and history of the particles when the nodes have moved so far since the transfer.
+/// Strain, stress and history of the particles when the nodes have moved so far since the transfer,
+/// and the forces of that stress.
 template <int d>
-void ExplicitMpm<d>::strain_particles(const Array<double>& motion, Particles& p) {
-  gather<d>(grid_, motion, [&](int64_t k, const PackSpline<d>& s, const double* tile) {
-    const CellPack& pack = grid_.packs()[size_t(k)];
-    const Mat3<Eight> now = deformed(nodal_gradient<d>(grid_, k, s, tile));
-    Mat3<Eight>& before = increment_[size_t(k)];
-    end_step<d>(laws_, pack, now * (inverse(before) * matrix_lanes(p.F, pack)), p);
-    before = now;
+void ExplicitMpm<d>::strain_particles(const Array<double>& motion, Particles& p,
+                                      Array<double>& force) {
+  if (increment_.empty()) increment_.assign(grid_.packs().size(), identity<Eight>());
+  const auto add = [&](int64_t k, const PackSpline<d>& s, const double* read, double* write) {
+    const Mat3<Eight> now = deformed(nodal_gradient<d>(grid_, k, s, read));
+    end_pack(k, now, p);
+    increment_[size_t(k)] = now;
+    add_nodal_product<d>(grid_, k, s, force_of(k, p), write);
+  };
+  gather_scatter<d>(grid_, motion, scratch_, force, add);
+}
+
+/// Ends a substep at a pack.
+/// @param now  Finc
+template <int d>
+void ExplicitMpm<d>::end_pack(int64_t k, const Mat3<Eight>& now, Particles& p) {
+  const CellPack& pack = grid_.packs()[size_t(k)];
+  for (int begin = 0; begin < pack.count; begin += lane_count<WidePack>)
+    end_lanes(k, begin, part<WidePack>(now, begin), p);
+}
+template <int d>
+void ExplicitMpm<d>::end_lanes(int64_t k, int begin, const Mat3<WidePack>& now, Particles& p) {
+  const CellPack& pack = grid_.packs()[size_t(k)];
+  Mat3<WidePack> F = matrix_lanes<WidePack>(p.F, pack, begin);
+  if (!increment_.empty()) F = inverse(part<WidePack>(increment_[size_t(k)], begin)) * F;
+  end_step<d>(laws_, pack, begin, now * F, p);
+}
+
+/// Gravity and walls; the nodes move on.
+template <int d>
+void ExplicitMpm<d>::move_nodes(double time, double delta, const NodeMotion& start,
+                                const Array<double>& force, Array<double>& v, Array<double>& u) {
+  for_each(grid_.nodes(), [&](int64_t i) {
+    if (start.mass(i) == 0) return;
+    for (int a = 0; a < d; ++a)
+      v(i, a) += delta * (force(i, a) / start.mass(i) + scene_.gravity[size_t(a)]);
   });
+  walls_.begin(grid_, scene_.walls, time, delta);
+  for_each(walls_.count(), [&](int64_t c) {
+    double* own = v.row(walls_.node(c));
+    const Vec3 m = walls_.allowed(c, {delta * own[0], delta * own[1], delta * own[2]}, nullptr);
+    for (size_t a = 0; a < 3; ++a) own[a] = m[a] / delta;
+  });
+  for_each(u.size(), [&](int64_t i) { u.data()[i] += delta * v.data()[i]; });
 }
 
 template <int d>
 void ExplicitMpm<d>::step(double time, Particles& p) {
   grid_.update(p.x);
-  const NodeMotion start = particles_to_grid<d>(grid_, p, scratch_);
-  begin_packs(p);
-  Array<double> v = start.velocity, u(grid_.nodes(), 3), force(u);
+  increment_.clear();
+  // the first force goes with the momenta where nobody asks for velocities before it
   const double delta = scene_.dt / substeps_;
+  const bool apart = looks_back(scene_.transfer);
+  const NodeMotion start = particles_to_grid<d>(grid_, p, scratch_, apart ? 0 : delta);
+  Array<double> v = start.velocity, u(substeps_ > 1 ? grid_.nodes() : 0, 3);
+  Array<double> force(grid_.nodes(), 3);
+  if (apart) add_forces(p, force);
   for (int k = 0; k < substeps_; ++k) {
-    add_forces(p, force);
-    for_each(grid_.nodes(), [&](int64_t i) {
-      if (start.mass(i) == 0) return;
-      for (int a = 0; a < d; ++a)
-        v(i, a) += delta * (force(i, a) / start.mass(i) + scene_.gravity[size_t(a)]);
-    });
-    walls_.begin(grid_, scene_.walls, time + k * delta, delta);
-    for_each(walls_.count(), [&](int64_t c) {
-      double* own = v.row(walls_.node(c));
-      const Vec3 m = walls_.allowed(c, {delta * own[0], delta * own[1], delta * own[2]}, nullptr);
-      for (size_t a = 0; a < 3; ++a) own[a] = m[a] / delta;
-    });
-    for_each(u.size(), [&](int64_t i) { u.data()[i] += delta * v.data()[i]; });
-    strain_particles(u, p);
+    move_nodes(time + k * delta, delta, start, force, v, u);
+    if (k + 1 < substeps_) strain_particles(u, p, force);
   }
-  grid_to_particles<d>(grid_, u, start.velocity, v, scene_.transfer, scene_.dt, p);
+  grid_to_particles<d>(
+      grid_, u, start.velocity, v, scene_.transfer, scene_.dt, p,
+      [&](int64_t k, int begin, const Mat3<WidePack>& G) { end_lanes(k, begin, deformed(G), p); });
 }
 
 template class ExplicitMpm<2>;

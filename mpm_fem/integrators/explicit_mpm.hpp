@@ -30,17 +30,20 @@ class ExplicitMpm {
   double stable_step() const;
 
  private:
+  Mat3<Eight> force_of(int64_t pack, const Particles& particles) const;
   void add_forces(const Particles& particles, Array<double>& force);
-  void strain_particles(const Array<double>& motion, Particles& particles);
-  void begin_packs(const Particles& particles);
+  void strain_particles(const Array<double>& motion, Particles& particles, Array<double>& force);
+  void end_pack(int64_t pack, const Mat3<Eight>& now, Particles& particles);
+  void end_lanes(int64_t pack, int begin, const Mat3<WidePack>& now, Particles& particles);
+  void move_nodes(double time, double delta, const NodeMotion& start, const Array<double>& force,
+                  Array<double>& v, Array<double>& u);
 
   const MpmScene& scene_;
   int substeps_;
   std::vector<PointLaw<d>> laws_;
   ParticleGrid<d> grid_;
   WallContact walls_;
-  std::vector<Mat3<Eight>> increment_;  // Finc of each pack
-  std::vector<Eight> volume_;           // of each pack [m^3], 0 beyond its count
+  std::vector<Mat3<Eight>> increment_;  // Finc of each pack; empty: I
   Zeroed<double> scratch_;
 };
 

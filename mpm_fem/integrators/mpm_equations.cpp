@@ -5,6 +5,7 @@
 #include "core/constitutive.hpp"
 #include "core/svd2.hpp"
 #include "mpm_fem/fem/inversion_bound.hpp"
+#include "mpm_fem/mpm/end_step.hpp"
 #include "mpm_fem/mpm/g2p.hpp"
 
 #include <algorithm>
@@ -379,8 +380,10 @@ void MpmEquations<d>::commit(const double* y, Particles& p) {
     Start& own = pack_[size_t(k)];
     const CellPack& pack = grid_.packs()[size_t(k)];
     own.moved = own.after(nodal_gradient<d>(grid_, k, s, tile));
-    end_step<d>(laws_, pack, own.moved * own.F, p);
-    own.F = inverse(own.moved) * matrix_lanes(p.F, pack);
+    const Mat3<Eight> trial = own.moved * own.F;
+    for (int begin = 0; begin < pack.count; begin += lane_count<WidePack>)
+      end_step<d>(laws_, pack, begin, part<WidePack>(trial, begin), p);
+    own.F = inverse(own.moved) * matrix_lanes<Eight>(p.F, pack);
   });
   for_each(u_.size(), [&](int64_t k) {
     motion_.data()[k] += u_.data()[k];

@@ -120,7 +120,12 @@ struct AssociativeNeoVonMises {
     return symmetric_in_stretches(s, returned<kTangent>(hencky_strain<3>(s), history));
   }
 
-  ELASTOGEN_HD void commit(T s[3], History& history) const { commit_flow<3>(*this, s, history); }
+  ELASTOGEN_HD Returned<T> commit(const HenckyStrain<T, 3>& e, History& history) const {
+    return commit_flow(*this, e, history);
+  }
+  ELASTOGEN_HD void commit(T s[3], History& history) const {
+    commit_stretches<3>(*this, s, history);
+  }
 };
 
 }  // namespace elastogen

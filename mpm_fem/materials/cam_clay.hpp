@@ -87,10 +87,16 @@ struct CamClay {
     return in_stretches(s, returned<kTangent>(hencky_strain<d>(s), history));
   }
 
+  /// Ends a step: what the map leaves, and the hardening.
+  ELASTOGEN_HD Returned<T> commit(const HenckyStrain<T, d>& e, History& history) const {
+    const Returned<T> r = returned<false>(e, history);
+    bool flows = false;
+    for (int i = 0; i < d; ++i) flows |= r.e[i] != e.e[i];
+    if (flows) history.compaction += compaction(e, history);
+    return r;
+  }
   ELASTOGEN_HD void commit(T s[3], History& history) const {
-    const HenckyStrain<T, d> e = hencky_strain<d>(s);
-    set_stretches(e, returned<false>(e, history).e, s);
-    history.compaction += compaction(e, history);
+    commit_stretches<d>(*this, s, history);
   }
 
   /// The change of a in a step: of ln J at a tip; beside it, of ln J against that where the way from

@@ -52,11 +52,15 @@ struct DruckerPrager {
     return in_stretches(s, returned<kTangent>(hencky_strain<d>(s), history));
   }
 
-  ELASTOGEN_HD void commit(T s[3], History& history) const {
-    const HenckyStrain<T, d> e = hencky_strain<d>(s);
-    set_stretches(e, returned<false>(e, history).e, s);
+  /// Ends a step: what the map leaves, and the opening.
+  ELASTOGEN_HD Returned<T> commit(const HenckyStrain<T, d>& e, History& history) const {
+    const Returned<T> r = returned<false>(e, history);
     const T t = trace(e, history);
     history.opening = keeps_volume && t > 0 ? t : T(0);
+    return r;
+  }
+  ELASTOGEN_HD void commit(T s[3], History& history) const {
+    commit_stretches<d>(*this, s, history);
   }
 };
 

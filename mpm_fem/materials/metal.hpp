@@ -13,15 +13,15 @@ struct FlowHistory {
   T flow = 0;
 };
 
-/// Ends the step of a metal: stretches become elastic; what the deviator lost is flow.
+/// Ends the step of a metal: what its map leaves; what the deviator lost is flow.
 template <int d, class Law, class T>
-ELASTOGEN_HD inline void commit_flow(const Law& law, T s[3], FlowHistory<T>& history) {
-  const HenckyStrain<T, d> e = hencky_strain<d>(s);
+ELASTOGEN_HD inline Returned<T> commit_flow(const Law& law, const HenckyStrain<T, d>& e,
+                                            FlowHistory<T>& history) {
   const Returned<T> r = law.template returned<false>(e, history);
   T lost[3] = {};
   for (int i = 0; i < d; ++i) lost[i] = e.e[i] - r.e[i];
-  set_stretches(e, r.e, s);
   history.flow += split_strain<d>(lost).size;
+  return r;
 }
 
 }  // namespace elastogen

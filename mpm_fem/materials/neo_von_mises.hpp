@@ -119,7 +119,12 @@ struct NeoVonMises {
       return in_stretches(s, r);
   }
 
-  ELASTOGEN_HD void commit(T s[3], History& history) const { commit_flow<d>(*this, s, history); }
+  ELASTOGEN_HD Returned<T> commit(const HenckyStrain<T, d>& e, History& history) const {
+    return commit_flow(*this, e, history);
+  }
+  ELASTOGEN_HD void commit(T s[3], History& history) const {
+    commit_stretches<d>(*this, s, history);
+  }
 };
 
 /// @throws Error as check_yield.

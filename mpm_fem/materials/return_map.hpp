@@ -51,15 +51,26 @@ ELASTOGEN_HD inline HenckyStrain<T, d> hencky_strain(const T s[3]) {
   return split_strain<d>(e);
 }
 
-/// Writes the stretches whose Hencky strains are `after`; those that stay are left to the bit.
+/// Writes the stretches whose Hencky strains are `after`, of numbers or packs; those that stay are
+/// left to the bit.
 template <int d, class T>
-ELASTOGEN_HD inline void set_stretches(const HenckyStrain<T, d>& before, const T after[3], T s[3]) {
-  constexpr T kStart = T(0.1), kLogStart = T(-2.302585092994045684);
+ELASTOGEN_HD inline void set_stretches(const T before[3], const T after[3], T s[3]) {
+  constexpr auto kStart = Scalar<T>(0.1), kLogStart = Scalar<T>(-2.302585092994045684);
   for (int i = 0; i < d; ++i) {
-    if (after[i] == before.e[i]) continue;
+    const auto moves = after[i] != before[i];
+    if (!any(moves)) continue;
     const T below = after[i] - kLogStart;  // = x - x^2/2 in x = s/0.1 - 1
-    s[i] = below > 0 ? exponential(after[i]) : kStart * (2 - square_root(1 - 2 * below));
+    const T continued = kStart * (2 - square_root(T(1 - 2 * smaller(below, constant<T>(0)))));
+    const T stretch = below > 0 ? exponential(after[i]) : continued;
+    s[i] = moves ? stretch : s[i];
   }
+}
+
+/// Ends the step of a law that has commit(strain, history), in stretches.
+template <int d, class Law, class T>
+ELASTOGEN_HD inline void commit_stretches(const Law& law, T s[3], typename Law::History& history) {
+  const HenckyStrain<T, d> e = hencky_strain<d>(s);
+  set_stretches<d>(e.e, law.commit(e, history).e, s);
 }
 
 /// The strain (trace/d) 1 + size n.

@@ -40,7 +40,12 @@ struct VonMises {
     return symmetric_in_stretches(s, returned<kTangent>(hencky_strain<d>(s), history));
   }
 
-  ELASTOGEN_HD void commit(T s[3], History& history) const { commit_flow<d>(*this, s, history); }
+  ELASTOGEN_HD Returned<T> commit(const HenckyStrain<T, d>& e, History& history) const {
+    return commit_flow(*this, e, history);
+  }
+  ELASTOGEN_HD void commit(T s[3], History& history) const {
+    commit_stretches<d>(*this, s, history);
+  }
 };
 
 /// @throws Error as check_yield.

@@ -14,8 +14,9 @@ struct NodeMotion {
 };
 
 /// Nodes whose mass is below 1e-12 of a particle's mean stay with velocity and mass 0.
+/// @param dt  velocities are those after the particles' stress has acted so long [s]
 template <int d>
 NodeMotion particles_to_grid(const ParticleGrid<d>& grid, const Particles& particles,
-                             Zeroed<double>& scratch);
+                             Zeroed<double>& scratch, double dt = 0);
 
 }  // namespace elastogen::mpm

@@ -76,42 +76,4 @@ PrincipalHessian<Eight> frozen_hessian(const Eight s[3], const Eight t[3],
   return positive_part(h);
 }
 
-/// Ends a step at the particles of a pack: the trial F becomes elastic, history and stress those
-/// after the step; the stress is Kirchhoff's, U diag(t_i s_i) U^T of the trial.
-template <int d>
-void end_step(const std::vector<PointLaw<d>>& laws, const CellPack& pack, const Mat3<Eight>& trial,
-              Particles& p) {
-  constexpr int kRow[6] = {0, 1, 2, 0, 1, 2}, kColumn[6] = {0, 1, 2, 1, 2, 0};
-  Svd3<Eight> svd = decompose_lanes<d>(trial);
-  Eight t[3];
-  respond<false, d>(laws, p, pack, svd.sigma, t, nullptr);
-  for (int i = 0; i < 3; ++i) t[i] *= svd.sigma[i];
-  Eight stress[6];
-  for (int k = 0; k < 6; ++k) {
-    stress[k] = Eight{};
-    for (int i = 0; i < 3; ++i) stress[k] += svd.U(kRow[k], i) * t[i] * svd.U(kColumn[k], i);
-  }
-  bool flows[kLanes];
-  for (int lane = 0; lane < pack.count; ++lane) {
-    const int32_t k = pack.particle[lane];
-    std::visit(
-        [&](const auto& law) {
-          auto history = history_of(law, p.history(k));
-          flows[lane] = !std::is_empty_v<decltype(history)>;
-          if (!flows[lane]) return;
-          double s[3] = {svd.sigma[0][lane], svd.sigma[1][lane], svd.sigma[2][lane]};
-          law.commit(s, history);
-          for (int i = 0; i < 3; ++i) svd.sigma[i][lane] = s[i];
-          p.history(k) = memory_of(history);
-        },
-        laws[size_t(p.solid(k))]);
-  }
-  const Mat3<Eight> elastic = first_piola(svd, svd.sigma);
-  for (int lane = 0; lane < pack.count; ++lane) {
-    const int32_t k = pack.particle[lane];
-    store_matrix(lane_of(flows[lane] ? elastic : trial, lane), p.F.row(k));
-    for (int e = 0; e < 6; ++e) p.stress(k, e) = stress[e][lane];
-  }
-}
-
 }  // namespace elastogen::mpm

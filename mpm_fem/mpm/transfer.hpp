@@ -20,14 +20,18 @@ template <int d>
 using PackSpline = Spline<d, Eight>;
 
 /// Three components of a node, and one more number.
-typedef double Four __attribute__((vector_size(32)));
+using Four = HalfPack;
 inline constexpr int kFour = 4;
 
-/// Adds the sums over the particles of four packs to four numbers.
-inline void add_sums(const Eight& a, const Eight& b, const Eight& c, const Eight& d, double* to) {
-  const auto halves = [](const Eight& v) {
-    return Four(__builtin_shufflevector(v, v, 0, 1, 2, 3)) +
-           Four(__builtin_shufflevector(v, v, 4, 5, 6, 7));
+/// Adds the sums over the particles of four packs, or of their first halves, to four numbers.
+template <class T>
+void add_sums(const T& a, const T& b, const T& c, const T& d, double* to) {
+  const auto halves = [](const T& v) {
+    if constexpr (lane_count<T> == kFour)
+      return v;
+    else
+      return Four(__builtin_shufflevector(v, v, 0, 1, 2, 3)) +
+             Four(__builtin_shufflevector(v, v, 4, 5, 6, 7));
   };
   const auto pairs = [](const Four& v, const Four& w) {  // v0 + v1, w0 + w1, v2 + v3, w2 + w3
     return Four(__builtin_shufflevector(v, w, 0, 4, 2, 6)) +

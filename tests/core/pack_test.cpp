@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/pack.hpp"
+#include "core/pack_functions.hpp"
 
 #include <gtest/gtest.h>
 
