@@ -76,4 +76,31 @@ PrincipalHessian<Eight> frozen_hessian(const Eight s[3], const Eight t[3],
   return positive_part(h);
 }
 
+/// The block of one node, with z = (Fe V)^T grad w: U M U^T, xx yy zz xy yz zx,
+/// M_kk = A_kk z_k^2 + sum_j (flip + twist)/2 z_j^2, M_lk = (A_lk + (flip - twist)/2) z_k z_l.
+inline void node_block(const PrincipalHessian<Eight>& h, const Svd3<Eight>& frame, const Eight g[3],
+                       Eight block[6]) {
+  Eight z[3];
+  for (int i = 0; i < 3; ++i)
+    z[i] = frame.V(0, i) * g[0] + frame.V(1, i) * g[1] + frame.V(2, i) * g[2];
+  Mat3<Eight> M;
+  for (int i = 0; i < 3; ++i) M(i, i) = h.A.m[i] * z[i] * z[i];
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3;
+    const Eight sum = (h.flip[i] + h.twist[i]) * 0.5, difference = (h.flip[i] - h.twist[i]) * 0.5;
+    M(i, i) += sum * z[j] * z[j];
+    M(j, j) += sum * z[i] * z[i];
+    M(i, j) = M(j, i) = (h.A.m[3 + i] + difference) * z[i] * z[j];
+  }
+  const Mat3<Eight> UM = frame.U * M;
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3;
+    block[i] = block[3 + i] = Eight{};
+    for (int k = 0; k < 3; ++k) {
+      block[i] += UM(i, k) * frame.U(i, k);
+      block[3 + i] += UM(i, k) * frame.U(j, k);
+    }
+  }
+}
+
 }  // namespace elastogen::mpm

@@ -35,7 +35,8 @@ struct Refinement {
   }
   Particles implicitly(int substeps) const {
     Particles p = start;
-    ImplicitMpm<2> steps(scene, {.tolerance = 1e-7, .substeps = substeps});
+    // the longest take more Newton steps than the default, where users' are halved
+    ImplicitMpm<2> steps(scene, {.tolerance = 1e-7, .max_newton = 300, .substeps = substeps});
     for (int k = 0; k < transfers; ++k) {
       const MpmStepReport report = steps.step(k * scene.dt, p);
       EXPECT_TRUE(report.converged) << substeps << ": " << report.residual;
