@@ -78,7 +78,7 @@ TEST(MpmRefinement, ImplicitSubstepsOfAnElasticBarAreFirstOrder) {
 
 /// Sand that begins to flow.
 TEST(MpmRefinement, ImplicitSubstepsOfAColumnOfSandAreFirstOrder) {
-  check_order({column_scene(sand(1e8), 1), column(4, 8), 6});
+  check_order({column_scene(sand(2e8), 1), column(4, 12), 6});
 }
 
 }  // namespace
