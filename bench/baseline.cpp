@@ -12,7 +12,7 @@
 #include "core/reduce.hpp"
 #include "core/time_scheme.hpp"
 #include "io/safe_file.hpp"
-#include "network/incremental_potential.hpp"
+#include "network/potential/incremental_potential.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -2,7 +2,7 @@
 #include "bench/bench.hpp"
 
 #include "core/error.hpp"
-#include "network/device.hpp"
+#include "network/step/step_work.hpp"
 
 #include <nlohmann/json.hpp>
 

@@ -3,7 +3,7 @@
 #include "bench/card_tangents.hpp"
 #include "bench/timing.hpp"
 #include "core/error.hpp"
-#include "network/device_quasi.hpp"
+#include "network/step/quasi_solver_device.hpp"
 
 #include <cuda_runtime_api.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/card_tangents.hpp"
-#include "network/device_potential_impl.cuh"
+#include "network/potential/incremental_potential.cuh"
 
 namespace elastogen::bench {
 

@@ -5,7 +5,7 @@
 
 #pragma once
 
-#include "network/device_potential.hpp"
+#include "network/potential/incremental_potential_device.hpp"
 
 #include <memory>
 

@@ -5,7 +5,7 @@
 #include "bench/card.hpp"
 #include "bench/timing.hpp"
 #include "core/parallel.hpp"
-#include "network/device.hpp"
+#include "network/step/step_work.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

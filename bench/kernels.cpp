@@ -4,8 +4,8 @@
 #include "bench/lattice.hpp"
 #include "bench/timing.hpp"
 #include "core/reduce.hpp"
-#include "network/lbfgs.hpp"
-#include "network/preconditioner.hpp"
+#include "network/precondition/preconditioner.hpp"
+#include "network/step/lbfgs.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -7,7 +7,7 @@
 #include "bench/scenes.hpp"
 #include "core/parallel.hpp"
 #include "core/principal.hpp"
-#include "network/mtl_weights.hpp"
+#include "network/law/mtl_weights.hpp"
 #include "network/solver.hpp"
 
 #include <Eigen/Dense>

@@ -7,7 +7,7 @@
 #include "cli/verbs.hpp"
 #include "core/parallel.hpp"
 #include "core/stopwatch.hpp"
-#include "network/device.hpp"
+#include "network/step/step_work.hpp"
 #include "scene/asset_stages.hpp"
 
 #include <fmt/format.h>

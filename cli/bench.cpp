@@ -6,7 +6,7 @@
 #include "cli/verbs.hpp"
 #include "core/parallel.hpp"
 #include "io/safe_file.hpp"
-#include "network/device.hpp"
+#include "network/step/step_work.hpp"
 #include "scene/version.hpp"
 
 #include <fmt/format.h>

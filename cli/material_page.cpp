@@ -5,7 +5,7 @@
 #include "io/html_page.hpp"
 #include "io/html_table.hpp"
 #include "io/text_format.hpp"
-#include "network/mtl_weights.hpp"
+#include "network/law/mtl_weights.hpp"
 #include "scene/version.hpp"
 #include "training/cells.hpp"
 #include "training/fit_report.hpp"

@@ -66,9 +66,13 @@ void print_setup(const Setup& setup, const AnimateOptions& o) {
                scene.grid.h, scene.grid.node_count(), scene.grid.pieces,
                scene.grid.pieces == 1 ? "" : "s");
   if (setup.particles) print_particles(setup, o.particles);
-  for (const Material& m : scene.materials)
-    fmt::print("{}: {}, E {:.4g} Pa, nu {:.4g}, rho {:.4g} kg/m^3\n", m.name, law_name(m.law),
-               m.young, m.poisson, m.density);
+  for (size_t k = 0; k < scene.materials.size(); ++k) {
+    const Material& m = scene.materials[k];
+    const bool yields = !setup.yields.empty() && setup.yields[k].index() > 0;
+    fmt::print("{}: {}, E {:.4g} Pa, nu {:.4g}, rho {:.4g} kg/m^3\n", m.name,
+               yields ? yield_name(setup.yields[k]) : law_name(m.law), m.young, m.poisson,
+               m.density);
+  }
   if (setup.sheet_volume > 0)
     fmt::print("{} of {:.4g} m ({}), {:.4g} kg\n", setup.body.shell > 0 ? "shell" : "sheets",
                setup.sheet_thickness,

@@ -7,7 +7,7 @@
 #include "core/tensor_file.hpp"
 #include "diffusion/make_dataset.hpp"
 #include "io/safe_file.hpp"
-#include "network/learn_library.hpp"
+#include "network/law/learn_library.hpp"
 #include "training/hidden_layers.hpp"
 
 #include <fmt/format.h>

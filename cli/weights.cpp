@@ -5,7 +5,7 @@
 #include "core/error.hpp"
 #include "core/stopwatch.hpp"
 #include "io/safe_file.hpp"
-#include "network/mtl_weights.hpp"
+#include "network/law/mtl_weights.hpp"
 #include "training/hidden_layers.hpp"
 #include "training/last_layer_fit.hpp"
 #include "training/mtl_files.hpp"

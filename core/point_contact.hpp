@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Contact of surface points with colliders: the lengths and the stiffness that every solver takes,
 // and energy, force and stiffness of one point at one wall, a collider whose core the point keeps
-// away from, as in network/contact.hpp. Shared by host and device.
+// away from, as in network/contact/contact.hpp. Shared by host and device.
 
 #pragma once
 

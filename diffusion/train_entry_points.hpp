@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "network/learn_library.hpp"
+#include "network/law/learn_library.hpp"
 
 extern "C" {
 

@@ -3,7 +3,7 @@
 
 #include "core/error.hpp"
 #include "io/safe_file.hpp"
-#include "network/mtl_weights.hpp"
+#include "network/law/mtl_weights.hpp"
 
 #include <fmt/format.h>
 

@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "network/learned_law.hpp"
+#include "network/law/learned_law.hpp"
 #include "scene/description.hpp"
 
 #include <functional>

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scene/network_stepper.hpp"
 
-#include "network/contact.hpp"
-#include "scene/host_stepper.hpp"
+#include "network/contact/contact.hpp"
 
 namespace elastogen {
 namespace {
@@ -18,81 +17,52 @@ StateNet state_net(const LearnedLaw& net) {
   return result;
 }
 
-/// What both machines share.
-struct Network {
-  const Scene& scene;
-  LearnedLaws nets;
-  double tolerance;
-  std::unique_ptr<Solver> solver;
-
-  void describe(StateHeader& header) const {
-    header.solver = solver_name(solver->mode());
-    header.tolerance = tolerance;
-    for (const auto& net : nets) header.nets.push_back(net ? state_net(*net) : StateNet());
-    if (!nets.empty()) header.energy = "neural";
-    if (!scene.colliders.empty())
-      header.contact = {{"layer", contact_layer(scene)}, {"slip_range", slip_range(scene)}};
-  }
-};
-
-/// Steps work on the state in place.
-class CpuStepper : public HostStepper {
+/// Steps by a Solver, which holds the state, on the host or on a card.
+class NetworkStepper : public Stepper {
  public:
-  explicit CpuStepper(Network network)
-      : HostStepper(network.scene.grid), network_(std::move(network)) {}
+  NetworkStepper(const Scene& scene, const SolverOptions& options)
+      : scene_(scene),
+        nets_(options.learned),
+        tolerance_(options.tolerance),
+        solver_(scene, options) {}
 
-  void begin(const StartMotion& motion) override {
-    begin_at(initial_state(network_.scene, motion));
-  }
-  StepReport advance() override { return network_.solver->step(state_); }
-  Span<const double> residual() const override { return network_.solver->residual(); }
-  void describe(StateHeader& header) const override { network_.describe(header); }
-
- private:
-  Network network_;
-};
-
-/// The state stays on the card, where frames are made too.
-class CardStepper : public Stepper {
- public:
-  explicit CardStepper(Network network) : network_(std::move(network)) {}
-
-  void begin(const StartMotion& motion) override {
-    begin_at(initial_state(network_.scene, motion));
-  }
-  void begin_at(const State& state) override {
-    state_ = state;
-    network_.solver->begin(state);
-  }
-  StepReport advance() override { return network_.solver->advance(); }
+  void begin(const StartMotion& motion) override { begin_at(initial_state(scene_, motion)); }
+  void begin_at(const State& state) override { solver_.begin(state); }
+  StepReport advance() override { return solver_.advance(); }
   const State& state() override {
-    network_.solver->read(state_);
+    solver_.read(state_);
     return state_;
   }
-  bool fits_single() const override { return network_.solver->reach() < kLargestSingle; }
+  bool fits_single() const override { return solver_.reach() < kLargestSingle; }
   void carry(const CarriedPoints& points, bool with_gradient) override {
-    network_.solver->carry(points.embedding, with_gradient);
+    solver_.carry(points.embedding, with_gradient);
   }
-  int64_t start_frame() override { return network_.solver->start_frame(); }
-  CarriedFrame take_frame(int64_t number) const override {
-    return network_.solver->take_frame(number);
+  int64_t start_frame() override { return solver_.start_frame(); }
+  CarriedFrame take_frame(int64_t number) const override { return solver_.take_frame(number); }
+  Span<const double> residual() const override { return solver_.residual(); }
+  std::string device() const override { return solver_.device(); }
+
+  void describe(StateHeader& header) const override {
+    header.solver = solver_name(solver_.mode());
+    header.tolerance = tolerance_;
+    for (const auto& net : nets_) header.nets.push_back(net ? state_net(*net) : StateNet());
+    if (!nets_.empty()) header.energy = "neural";
+    if (!scene_.colliders.empty())
+      header.contact = {{"layer", contact_layer(scene_)}, {"slip_range", slip_range(scene_)}};
   }
-  Span<const double> residual() const override { return network_.solver->residual(); }
-  std::string device() const override { return network_.solver->device(); }
-  void describe(StateHeader& header) const override { network_.describe(header); }
 
  private:
-  Network network_;
+  const Scene& scene_;
+  LearnedLaws nets_;
+  double tolerance_;
+  Solver solver_;
   State state_;  ///< as it was read last
 };
 
 }  // namespace
 
 std::unique_ptr<Stepper> make_network_stepper(const Scene& scene, const SolverOptions& options) {
-  Network network = {scene, options.learned, options.tolerance,
-                     std::make_unique<Solver>(scene, options)};
-  if (network.solver->device() == "cpu") return std::make_unique<CpuStepper>(std::move(network));
-  return std::make_unique<CardStepper>(std::move(network));
+  return std::make_unique<NetworkStepper>(scene, options);
 }
 
 }  // namespace elastogen

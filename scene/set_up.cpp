@@ -8,7 +8,7 @@
 #include "core/vec3.hpp"
 #include "io/output_findings.hpp"
 #include "mpm_fem/fem/tet_surface.hpp"
-#include "network/contact.hpp"
+#include "network/contact/contact.hpp"
 #include "scene/asset_stages.hpp"
 #include "scene/fem_boundary.hpp"
 #include "scene/fem_scene.hpp"

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The limits of CONTRIBUTING.md: lines of files, headers and functions, and how a file begins.
+"""The limits of CONTRIBUTING.md: lines of files, headers and functions, outlines of long functions, and
+how a file begins.
 
     limits.py [FOLDER]
 
@@ -13,6 +14,7 @@ import sys
 from pathlib import Path
 
 FILE, HEADER, FUNCTION = 400, 150, 40  # everything stays below these numbers of lines
+OUTLINE = 25  # a function of so many lines has a comment of its own line inside
 SOURCES, HEADERS, SCRIPTS = (".cpp", ".cu"), (".hpp", ".cuh"), (".py",)
 
 # comments, texts, letters and lines of the preprocessor: braces in them are none
@@ -50,7 +52,7 @@ def name_of(head):
 
 
 def functions(text):
-    """[(name, lines)] of the functions with a body; those inside others belong to them.
+    """[(name, first line, last line)] of the functions with a body; those inside others belong to them.
     @raise ValueError  where braces do not match."""
     code = code_of(text)
     line, last, begin, found = 1, 0, 0, []
@@ -75,7 +77,7 @@ def functions(text):
                 raise ValueError(f"line {line}: nothing is open here")
             closed = braces.pop()
             if isinstance(closed, tuple) and closed[0]:
-                found.append((closed[0], line - closed[1] + 1))
+                found.append((closed[0], closed[1], line))
             if closed == "scope" or isinstance(closed, tuple):
                 begin = at + 1
         elif not is_inside:
@@ -115,8 +117,11 @@ def measured(folder, complain):
         if path.endswith(HEADERS) and not lines[1].startswith("//"):
             complain(f"{path}: no comment says what the header is for")
         try:
-            for name, count in functions(text):
-                take(f"{path}:{name}", count, FUNCTION)
+            for name, first, last in functions(text):
+                take(f"{path}:{name}", last - first + 1, FUNCTION)
+                if last - first + 1 >= OUTLINE and not any(
+                        line.lstrip().startswith("//") for line in lines[first:last]):
+                    complain(f"{path}:{name}: {last - first + 1} lines without a comment that outlines them")
         except ValueError as error:
             complain(f"{path}: {error}")
     return beyond

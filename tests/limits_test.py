@@ -13,9 +13,9 @@ SPDX = "// SPDX-License-Identifier: Apache-2.0\n"
 HEAD = SPDX + "// What it is for.\n\n#pragma once\n"
 
 
-def body(lines):
-    """A function of so many lines."""
-    return "int f(int x) {\n" + "  ++x;\n" * (lines - 3) + "  return x;\n}\n"
+def body(lines, outline="  // counts up\n"):
+    """A function of so many lines, of which one outlines it."""
+    return "int f(int x) {\n" + (outline or "  ++x;\n") + "  ++x;\n" * (lines - 4) + "  return x;\n}\n"
 
 
 class Limits(unittest.TestCase):
@@ -50,6 +50,13 @@ class Limits(unittest.TestCase):
                              [f"{name}: 150 lines, 149 are allowed"])
         self.assertEqual(self.complaints("\n" * 400, "docs/a.py"), ["docs/a.py: 400 lines, 399 are allowed"])
 
+    def test_a_long_function_has_an_outline(self):
+        self.assertEqual(self.complaints(SPDX + body(24, "")), [])
+        self.assertEqual(self.complaints(SPDX + body(25)), [])
+        for no_outline in ("", "  ++x;  // beside\n"):
+            self.assertEqual(self.complaints(SPDX + body(25, no_outline)),
+                             ["core/a.cpp:f: 25 lines without a comment that outlines them"])
+
     def test_a_file_begins_with_its_licence_and_a_header_with_its_purpose(self):
         self.assertEqual(len(self.complaints("int x;\n")), 1)
         self.assertEqual(len(self.complaints(SPDX + "#pragma once\n", "core/a.hpp")), 1)
@@ -72,7 +79,7 @@ class Functions(unittest.TestCase):
     """What has a body and how long it is."""
 
     def found(self, text):
-        return limits.functions(text)
+        return [(name, last - first + 1) for name, first, last in limits.functions(text)]
 
     def test_names_are_those_of_the_definition(self):
         cases = {

@@ -3,7 +3,7 @@
 
 #include "core/error.hpp"
 #include "core/parallel.hpp"
-#include "network/neural_mtl.hpp"
+#include "network/law/neural_mtl.hpp"
 #include "training/law_targets.hpp"
 #include "training/strain_sampler.hpp"
 

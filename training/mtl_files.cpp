@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "training/mtl_files.hpp"
 
-#include "network/neural_mtl.hpp"
+#include "network/law/neural_mtl.hpp"
 
 #include <algorithm>
 #include <charconv>

@@ -2,7 +2,7 @@
 #include "training/net_curve.hpp"
 
 #include "core/error.hpp"
-#include "network/neural_mtl.hpp"
+#include "network/law/neural_mtl.hpp"
 #include "training/fit_report.hpp"
 #include "training/strain_sampler.hpp"
 

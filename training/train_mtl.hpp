@@ -4,7 +4,7 @@
 
 #pragma once
 
-#include "network/learn_library.hpp"
+#include "network/law/learn_library.hpp"
 #include "training/fit_neural_mtl.hpp"
 
 namespace elastogen {

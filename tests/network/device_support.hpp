@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "network/device.hpp"
+#include "network/step/step_work.hpp"
 #include "tests/network/scenes.hpp"
 #include "tests/support/on_card.hpp"
 

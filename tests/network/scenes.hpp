@@ -7,7 +7,7 @@
 #include "core/reduce.hpp"
 #include "core/scene.hpp"
 #include "core/state.hpp"
-#include "network/incremental_potential.hpp"
+#include "network/potential/incremental_potential.hpp"
 #include "voxelize/bricks.hpp"
 #include "voxelize/slivers.hpp"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/stress/floor.hpp"
 
-#include "network/contact.hpp"
+#include "network/contact/contact.hpp"
 #include "tests/network/scenes.hpp"
 
 #include <cmath>

@@ -4,7 +4,7 @@
 
 #pragma once
 
-#include "network/local_model.hpp"
+#include "network/potential/local_model.hpp"
 
 #include <Eigen/SparseCore>
 

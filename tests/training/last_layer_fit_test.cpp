@@ -5,7 +5,7 @@
 #include "core/parallel.hpp"
 #include "core/tensor_file.hpp"
 #include "io/safe_file.hpp"
-#include "network/neural_mtl.hpp"
+#include "network/law/neural_mtl.hpp"
 #include "training/fit_neural_mtl.hpp"
 #include "training/fit_report.hpp"
 #include "training/hidden_layers.hpp"

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+// What DeviceContact holds, for the files that make it up: contact.cu (energy, force,
+// stiffness), carry.cu (where steps start and end).
+
+#pragma once
+
+#include "core/cuda/reduce.cuh"
+#include "network/contact/contact.hpp"
+#include "network/contact/contact_device.hpp"
+
+namespace elastogen::cuda {
+
+/// A collider's core on its way through the step.
+struct DeviceWall : WallPath {
+  ColliderForm core;
+  double friction = 0;
+};
+
+/// The points of the surface and the walls, as kernels take them.
+struct ContactView {
+  const int32_t* corners;                        ///< (points, 8)
+  const double *weights, *position, *stiffness;  ///< (points, 8), (points, 3), (points)
+  const DeviceWall* walls;
+  ContactLag* lags;  ///< (walls, points)
+  Vec3* start;       ///< (points)
+  int64_t points;
+  int wall_count;
+  ContactLengths lengths;
+
+  __device__ Vec3 place(int64_t p, const double* u) const {
+    Vec3 sum = {};
+    for (int c = 0; c < 8; ++c) {
+      const double w = weights[8 * p + c];
+      const double* of = u + 3 * int64_t(corners[8 * p + c]);
+      for (int i = 0; i < 3; ++i) sum[i] += w * of[i];
+    }
+    for (int i = 0; i < 3; ++i) sum[i] += position[3 * p + i];
+    return sum;
+  }
+  __device__ const ContactLag& lag(int wall, int64_t p) const { return lags[wall * points + p]; }
+  __device__ ContactPoint point(int64_t p, const double* u) const {
+    return {place(p, u), start[p], stiffness[p]};
+  }
+};
+
+/// The points of each node of the surface that is not pinned, and their weights there.
+struct GatherView {
+  const int32_t *nodes, *begin, *point;  ///< (count), (count + 1), (entries)
+  const double* weight;                  ///< (entries)
+  int64_t count;
+};
+
+/// Energy and deepest overlap.
+struct ContactSums {
+  double energy = 0, deepest = 0;
+  __device__ void add(const ContactSums& o) {
+    energy += o.energy;
+    deepest = o.deepest > deepest ? o.deepest : deepest;
+  }
+};
+
+/// What points allow of a way: the least share, and the first wall that one lies in at its start.
+struct Way {
+  double share = 1, inside = 1e300;
+  __device__ void add(const Way& o) {
+    share = o.share < share ? o.share : share;
+    inside = o.inside < inside ? o.inside : inside;
+  }
+};
+
+/// What the host asks for.
+struct ContactNumbers {
+  ContactSums sums;
+  Way way;
+  double crowded = 0;  ///< points that a wall crowds
+};
+
+struct DeviceContact::Impl {
+  explicit Impl(const PotentialTerms& host);
+
+  ContactView view() {
+    return {corners.data(), weights.data(), position.data(),  stiffness.data(),  walls.data(),
+            lags.data(),    start.data(),   stiffness.size(), int(walls.size()), lengths};
+  }
+  GatherView gather() const {
+    return {nodes.data(), begin.data(), point.data(), weight.data(), nodes.size()};
+  }
+  void list_entries();
+  void place_walls(double time);
+  void take_lags(const double* u);
+  void find_way(const double* u, const double* end);
+  bool crowds(int wall, const double* u, double motion);
+  void carry(double* u);
+  void carry_along(int wall, const Vec3& way, double motion, double* u);
+  template <class T>
+  void gather_forces(T* to) const;
+
+  const Scene& scene;
+  ContactLengths lengths;
+  std::vector<Collider> cores;
+  std::vector<DeviceWall> host_walls;
+  std::vector<int32_t> surface_nodes;
+  bool moving = false;  // some wall has a path
+  bool stiff = false;
+
+  DeviceArray<int32_t> corners;
+  DeviceArray<double> weights, position, stiffness;
+  DeviceArray<DeviceWall> walls;
+  DeviceArray<ContactLag> lags;
+  DeviceArray<Vec3> start, force;
+  DeviceArray<int32_t> nodes, begin, point;
+  DeviceArray<double> weight;
+  DeviceArray<double> frozen;    // symmetric, (points, 6)
+  DeviceArray<double> blocks;    // of nodal_stiffness
+  DeviceArray<int32_t> touched;  // 1: forces are not all 0
+  DeviceArray<double> rest;      // of the nodes, with moving walls, as the next two
+  DeviceArray<uint8_t> pinned, carried;
+  DeviceArray<SumRoom<ContactSums>> energy_sums;
+  DeviceArray<SumRoom<Way>> way_sums;
+  DeviceArray<SumRoom<Sums<1>>> crowd_sums;
+  DeviceArray<Way> way;
+  PinnedArray<ContactNumbers> numbers;
+};
+
+}  // namespace elastogen::cuda

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: Apache-2.0
+// The loop of network/potential/brick_rows.hpp on the device: a block of threads a brick, a thread a voxel,
+// the tile in shared memory (core/cuda/tiles.cuh). Voxels add what they give their corners there,
+// corner by corner: no two voxels share a node as the same corner.
+
+#pragma once
+
+#include "core/cuda/bricks.cuh"
+#include "core/cuda/tiles.cuh"
+#include "network/potential/brick_rows.hpp"
+
+namespace elastogen::cuda {
+
+/// The tables of BrickRows, as kernels take them.
+struct RowsView : TilesView {
+  const VoxelRow* rows;
+  const int32_t* row_begin;
+};
+
+/// BrickRows of a scene, and what its voxels weigh in them, made on the device.
+class DeviceRows {
+ public:
+  /// @param level  the finest of make_stencil_levels.
+  /// @throws Error (resources) where the device has no room.
+  DeviceRows(const Scene& scene, const BrickLevel& level);
+
+  RowsView view() const {
+    return {{tile_begin_.data(), tile_node_.data(), tile_part_.data(), shared_node_.data(),
+             shared_begin_.data(), tile_place_.data(), row_begin_.size() - 1, shared_node_.size()},
+            rows_.data(),
+            row_begin_.data()};
+  }
+  int64_t bricks() const { return row_begin_.size() - 1; }
+  int64_t row_count() const { return rows_.size(); }
+  /// Partial sums that a loop in T needs, three numbers each.
+  int64_t parts() const { return parts_; }
+
+  /// Fill and variance weights, [row][5][lane].
+  const DeviceArray<double>& weights() const { return weights_; }
+  /// BrickRows::border.
+  const DeviceArray<double>& border() const { return border_; }
+
+  /// All tables, for tests.
+  BrickRows download() const;
+
+ private:
+  void count(const BrickRows& g);
+  struct Bricks;
+  void make_rows(const Scene& scene, const Bricks& bricks);
+  void make_tiles(const Bricks& bricks);
+
+  DeviceArray<VoxelRow> rows_;
+  DeviceArray<int32_t> row_begin_, tile_begin_, tile_node_, tile_part_, shared_node_, shared_begin_;
+  DeviceArray<int16_t> tile_place_;
+  DeviceArray<double> weights_, border_;
+  int64_t parts_ = 0;
+};
+
+/// finish of a loop whose voxels give their corners nothing.
+struct NoFinish {
+  template <class T>
+  __device__ void operator()(int64_t, const NodeSum<T>&) const {}
+};
+
+namespace bricks {
+
+template <class Finish>
+inline constexpr bool kGives = !std::is_same_v<Finish, NoFinish>;
+
+/// Shared memory of a block: what nodes have and what they are given, (3, kTile) each.
+template <class T, class Finish>
+inline constexpr int kSharedBytes = (kGives<Finish> ? 6 : 3) * kTile* int(sizeof(T));
+
+/// Row r, or one without voxels behind the last; before the wait and after it.
+__device__ inline VoxelRow row_at(const RowsView& g, int32_t r, int32_t end) {
+  return r < end ? read_early(g.rows + r) : VoxelRow{};
+}
+
+template <class T, class Sums, class Read, class Voxel, class Finish>
+__global__ void __launch_bounds__(kThreads, sizeof(T) == 4 ? 2 : 1)
+    voxel_kernel(RowsView g, T* parts, Sums* sums, Read read, Voxel voxel, Finish finish) {
+  extern __shared__ __align__(16) unsigned char room[];
+  T *const in = reinterpret_cast<T*>(room), *const given = in + 3 * kTile;
+  const int64_t b = blockIdx.x;
+  const bool few = gridDim.x <= kFewBlocks;  // then the next kernel has few blocks too
+  if (!few) let_next_start();
+  const int32_t begin = read_early(g.tile_begin + b), end = read_early(g.tile_begin + b + 1),
+                row_begin = read_early(g.row_begin + b), row_end = read_early(g.row_begin + b + 1);
+  const int lane = int(threadIdx.x) % kLanes;
+  int32_t r = row_begin + int32_t(threadIdx.x) / kLanes;
+  VoxelRow next = row_at(g, r, row_end);
+  if constexpr (kGives<Finish>) clear_tile(given);
+  read_tile(g, begin, end, read, in, [] { wait_for_before(); });
+  __syncthreads();
+  Sums mine;
+  for (int32_t first = row_begin; first < row_end; first += kThreads / kLanes) {
+    const VoxelRow row = next;
+    const int64_t number = r;
+    r += kThreads / kLanes;
+    next = row_at(g, r, row_end);
+    const bool there = row.mask >> lane & 1;
+    const int place = pitched(row.offset) + lane;
+    T u[3][8], f[3][8];
+    if (there) {
+      for (int i = 0; i < 3; ++i)
+        for (int c = 0; c < 8; ++c) u[i][c] = in[i * kTile + place + corner_offset(c)], f[i][c] = 0;
+      voxel(row, number, lane, u, f, mine);
+    }
+    for (int c = 0; kGives<Finish> && c < 8; ++c) {
+      __syncthreads();
+      if (there)
+        for (int i = 0; i < 3; ++i) given[i * kTile + place + corner_offset(c)] += f[i][c];
+    }
+  }
+  if (few) let_next_start();
+  if constexpr (kGives<Finish>) {
+    __syncthreads();
+    finish_tile(g, begin, end, finish, given, parts);
+  }
+  if constexpr (!std::is_same_v<Sums, NoSums>) {
+    __syncthreads();
+    const Sums sum = block_sum(mine, reinterpret_cast<Sums*>(room));
+    if (threadIdx.x == 0) sums[b] = sum;
+  }
+}
+
+/// Finishes the nodes that bricks share, a thread each; the first block adds the sums of the
+/// bricks.
+template <class T, class Sums, class Finish, class Then>
+__global__ void __launch_bounds__(kThreads)
+    shared_kernel(RowsView g, const T* parts, const Sums* sums, Finish finish, Then then) {
+  let_next_start();
+  int64_t block = blockIdx.x;
+  if constexpr (!std::is_same_v<Sums, NoSums>) {
+    if (block-- == 0) {
+      wait_for_before();
+      alignas(Sums) __shared__ unsigned char all[kSumWarps * sizeof(Sums)];
+      const Sums sum = detail::sum_of_partials(
+          g.bricks, [&](int64_t k) { return sums[k]; }, reinterpret_cast<Sums*>(all));
+      if (threadIdx.x == 0) then(sum);
+      return;
+    }
+  }
+  const int64_t s = block * kThreads + threadIdx.x;
+  if (s >= g.shared) return;
+  const int64_t node = read_early(g.shared_node + s);
+  const NodeSum<T> sum{
+      parts, read_early(g.shared_begin + s), read_early(g.shared_begin + s + 1), {}};
+  wait_for_before();
+  finish(node, sum);
+}
+
+/// What is done with the sum of NoSums.
+struct NoThen {
+  __device__ void operator()(const NoSums&) const {}
+};
+
+}  // namespace bricks
+
+/// voxel(row, index of the row, lane, u, f, sums) for every voxel: u and f (component, corner) as
+/// in the loop of the CPU; f is 0 at first. read as there; finish(node, sum) gets a NodeSum. Each
+/// brick's sums go to sums (bricks), and then(their sum) is called by one thread of the device;
+/// NoSums leaves both alone; a Sums has add(other).
+/// @param parts  3 rows.parts() numbers.
+template <class T, class Sums, class Read, class Voxel, class Finish, class Then = bricks::NoThen>
+void for_each_voxel(const DeviceRows& rows, T* parts, Sums* sums, const Read& read,
+                    const Voxel& voxel, const Finish& finish, const Then& then = {}) {
+  const RowsView g = rows.view();
+  if (g.bricks == 0) return;
+  const auto kernel = bricks::voxel_kernel<T, Sums, Read, Voxel, Finish>;
+  constexpr int kBytes = bricks::kSharedBytes<T, Finish>;
+  check(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, kBytes));
+  launch(kernel, unsigned(g.bricks), bricks::kThreads, kBytes, g, parts, sums, read, voxel, finish);
+  const int64_t shared = bricks::kGives<Finish> ? g.shared : 0;
+  const int64_t blocks =
+      (shared + bricks::kThreads - 1) / bricks::kThreads + (std::is_same_v<Sums, NoSums> ? 0 : 1);
+  if (blocks == 0) return;
+  launch(bricks::shared_kernel<T, Sums, Finish, Then>, unsigned(blocks), bricks::kThreads, 0, g,
+         static_cast<const T*>(parts), static_cast<const Sums*>(sums), finish, then);
+}
+
+}  // namespace elastogen::cuda

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+// The incremental potential of a step, whose minimum is the next state:
+//
+//     Phi(u) = a0/(2 dt^2) sum_c m_c |u_c - uhat_c|^2 + sum_v W_v psi(F_v)
+//              + E_hourglass + E_contact,
+//
+// u = x - X, and its gradient and Hessian products. The state is float64; the maths of the voxels
+// runs in T = float or double on displacements relative to a node of the voxel's brick, so that
+// float loses no digits to the motion of the body.
+
+#pragma once
+
+#include "core/state.hpp"
+#include "network/potential/brick_rows.hpp"
+#include "network/potential/local_model.hpp"
+#include "network/potential/potential_terms.hpp"
+
+#include <memory>
+
+namespace elastogen {
+
+class IncrementalPotential : public PotentialTerms {
+ public:
+  /// @throws Error as PotentialTerms.
+  explicit IncrementalPotential(const Scene& scene, LearnedLaws learned = {})
+      : IncrementalPotential(PotentialTerms(scene, std::move(learned))) {}
+  /// With the inertia of their scheme, if they have one.
+  explicit IncrementalPotential(PotentialTerms&& terms);
+
+  /// Sets scheme and inertia alone, for what is built on the Hessian at rest.
+  void set_scheme(const StepScheme& scheme);
+
+  /// Sets the predictor, the frozen voxel rotations and the lagged normal forces of friction, all
+  /// from the state at the start of the step.
+  void begin_step(const State& state, const StepScheme& scheme);
+
+  /// Takes the nodal rotations of the preconditioner, polar factors of the fill-weighted sum of
+  /// F_v, from the start value of the iteration.
+  void set_nodal_rotations(const double* u);
+
+  /// Value and gradient [N], (nodes, 3), 0 on pinned nodes, at displacement u; null: the value
+  /// alone.
+  template <class T>
+  PotentialValue evaluate(const double* u, T* gradient);
+
+  /// evaluate in float64 with the smallest Jacobians, for the certificate.
+  PotentialValue residual(const double* u, double* gradient);
+
+  /// Freezes the Hessian at u, that of the contact projected in both kinds; hessian_product then
+  /// gives A p, 0 on pinned nodes.
+  void linearise(const double* u, TangentKind kind = TangentKind::kProjected);
+  /// The part of linearise that belongs to the contact.
+  void linearise_contact(const double* u) { contact_.linearise(u); }
+  void hessian_product(const float* p, float* product);
+
+  /// The same with the Hessian at rest, in float64, without contact.
+  void rest_hessian_product(const double* p, double* product);
+
+  const BrickRows& rows() const { return *rows_; }
+  /// The same, for what outlives it or shares them.
+  std::shared_ptr<const BrickRows> shared_rows() const { return rows_; }
+  /// Predictor uhat = xhat - X [m], (nodes, 3).
+  const Zeroed<double>& predictor() const { return predictor_; }
+  /// Displacement at the start of the step [m], (nodes, 3).
+  const Zeroed<double>& now() const { return now_; }
+  /// Nodal rotations, (nodes, 9).
+  const Zeroed<float>& nodal_rotation() const { return nodal_rotation_; }
+  /// Inertial diagonal a0 m / dt^2 [N/m] of a node, and of all, (nodes).
+  double inertia(int64_t node) const { return inertia_[size_t(node)]; }
+  const Zeroed<double>& inertia() const { return inertia_; }
+  /// Fill and variance weights of the voxels, [row][5][lane].
+  const Zeroed<double>& voxel_weights() const { return weights_; }
+  /// What the voxels of a row are besides their displacement; T float or double.
+  template <class T>
+  void read_voxel_data(int64_t row, VoxelData<Pack<T>>& data) const;
+
+ private:
+  struct Sums {
+    Pack<double> elastic = {}, hourglass = {};
+    Pack<double> min_j = Pack<double>{} + 1e300, min_corner_j = min_j;
+    Pack<double> outside = {};
+  };
+  void fill_weights();
+  void freeze_rotations();
+  uint32_t full_lanes(int64_t row) const;
+  template <class T, bool kQuality>
+  PotentialValue evaluate_all(const double* u, T* gradient);
+  double inertial_energy(const double* u) const;
+  void deformation_gradients(const double* u, Zeroed<double>& F);
+
+  std::shared_ptr<const BrickRows> rows_;
+  Zeroed<double> weights_;    ///< phi, c_xy, c_yz, c_zx, c_xyz, [row][5][lane]
+  Zeroed<double> rotation_;   ///< R_v, [row][9][lane]
+  Zeroed<double> gradients_;  ///< F_v of set_nodal_rotations, [row][9][lane]
+  Zeroed<float> nodal_rotation_;
+  Zeroed<double> predictor_, inertia_, now_;
+  Zeroed<float> tangent_;  ///< [row][45][lane]; filled by linearise
+  BrickScratch<float> scratch_float_;
+  BrickScratch<double> scratch_double_;
+  std::vector<Sums> sums_;
+  std::vector<NoSums> no_sums_;
+};
+
+}  // namespace elastogen

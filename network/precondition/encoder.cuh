@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+// The encoder of network/precondition/encoder.hpp on the device, beside multigrid: modes and operators are made
+// here, corrections on the host, and the map takes three launches, all sums in a fixed order.
+
+#pragma once
+
+#include "core/cuda/array.cuh"
+#include "network/contact/contact_device.hpp"
+#include "network/precondition/encoder_modes.cuh"
+#include "network/precondition/reduced_operator.hpp"
+
+namespace elastogen::cuda {
+
+__device__ inline float mode_value(__half mode) {
+  return __half2float(mode);
+}
+__device__ inline double mode_value(double mode) {
+  return mode;
+}
+
+/// Neighbouring entries of the list of all pieces' nodes, of one piece.
+struct EncoderChunk {
+  int32_t piece, begin, end;
+};
+
+/// A node with a further stiffness: its place in the list of those, and in that of all nodes.
+struct StiffEntry {
+  int32_t stiff, node;
+};
+
+/// @tparam T  float or double.
+template <class T>
+class DeviceEncoder {
+ public:
+  /// Modes and operators at rest of a potential, which must have its inertia.
+  /// @param pieces  nodes of encoder_pieces.
+  /// @throws Error (resources) where the device has no room.
+  DeviceEncoder(DevicePotential& potential, const std::vector<std::vector<int32_t>>& pieces);
+
+  /// As Encoder::softness; while room is counted there are no operators, and it is infinite.
+  double softness() const;
+
+  /// Makes room for a further stiffness of these nodes, in this order; `pieces` are those of the
+  /// constructor.
+  void expect_stiffness(const std::vector<std::vector<int32_t>>& pieces,
+                        const std::vector<int32_t>& nodes);
+  /// As Encoder::set_nodal_stiffness; only once it is expected.
+  void set_nodal_stiffness(const NodalStiffness& stiffness);
+  /// Whether apply() takes it into account.
+  void use_stiffness(bool use) { use_stiffness_ = use; }
+
+  /// z = B (A_r^-1 - s D_r^-1) B^T r on the nodes of the pieces; (nodes, 3), on the device.
+  void apply(const T* r, T* z, cudaStream_t stream);
+
+ private:
+  int64_t piece_count() const { return chunk_begin_.size() - 1; }
+
+  PieceModesOnDevice<T> modes_;
+  std::vector<ReducedOperator> operators_;  // of the pieces
+  DeviceArray<double>
+      corrections_;  // A_r^-1 - s D_r^-1, (pieces, 3 kModes, 3 kModes), column-major
+  DeviceArray<EncoderChunk> chunks_;  // in the order of the pieces
+  DeviceArray<int32_t> chunk_begin_;  // first chunk of each piece, (pieces + 1)
+  DeviceArray<T> partial_;            // B^T r of each chunk, (chunks, 3 kModes)
+  DeviceArray<double> solution_;      // those times B^T r, (pieces, 3 kModes)
+
+  // of a further stiffness, where one is expected
+  bool use_stiffness_ = false;
+  DeviceArray<double> rest_;                // A_r without it, (pieces, 3 kModes, 3 kModes)
+  DeviceArray<StiffEntry> stiff_;           // piece by piece
+  DeviceArray<EncoderChunk> stiff_chunks_;  // of stiff_
+  DeviceArray<int32_t> stiff_begin_;        // first chunk of each piece, (pieces + 1)
+  DeviceArray<double> products_;            // of the chunks, (chunks, kProducts)
+  DeviceArray<int32_t> touched_;            // chunks whose products are not all 0
+  DeviceArray<double> stiff_corrections_;   // like corrections_
+};
+
+}  // namespace elastogen::cuda

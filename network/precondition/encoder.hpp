@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+// The low-frequency encoder: smooth modes of each connected piece, Galerkin with the elastic
+// operator at rest. With it the iteration counts hardly depend on the time step: the scalar
+// hierarchies of multigrid charge rotations and bending, which elasticity gets nearly for nothing.
+//
+//     B_k = c_k(X) d/(d + L/8),     c_k = prod_d cos(pi k_d (X_d - X_d,min)/L_d) and X, Y, Z,
+//     A_r = B^T A B,                alone:              z  = B A_r^-1 B^T r,
+//                                   beside multigrid:   z += B (A_r^-1 - s D_r^-1) B^T r,
+//
+// D_r the blocks of A_r within a component: that is what multigrid knows of A_r and has answered
+// already, to within its own error, which s = 0.8 allows for: the sum stays positive definite where
+// multigrid gives B D_r^-1 B^T to 7 parts in 15 or better, as A_r <= 3 D_r. Where A_r is close to
+// D_r, in bodies that elastic waves do not cross within a step, the encoder has nothing to add.
+//
+// 18 cosines of lowest frequency and the three linear functions for each displacement component; d
+// the distance to the nearest pinned node of the piece, L its longest extent (factor 1 where
+// nothing is pinned).
+
+#pragma once
+
+#include "core/pack.hpp"
+#include "network/potential/incremental_potential.hpp"
+#include "network/precondition/reduced_operator.hpp"
+
+#include <optional>
+#include <vector>
+
+namespace elastogen {
+
+/// Where the modes of a node are.
+struct EncoderPlace {
+  int32_t piece, local;  ///< and its place there; piece -1: none
+};
+
+template <class T>
+class Encoder {
+ public:
+  static constexpr int kModes = kEncoderModes;
+  static constexpr int kPacks = (kModes + kLanes - 1) / kLanes;  ///< that hold the modes of a node
+
+  /// A connected piece.
+  struct Piece : ReducedOperator {
+    std::vector<int32_t> nodes;
+    Zeroed<T> modes;  ///< (nodes, kModes), and zeros that fill the last pack; in float they are
+                      ///< numbers of half precision
+  };
+
+  /// Builds modes and A_r; the potential must have the scheme that will be used.
+  explicit Encoder(const IncrementalPotential& potential);
+
+  /// The encoder, or none where softness() is below `least`; of large bodies that is estimated from
+  /// a sample of their voxels first.
+  static std::optional<Encoder> if_soft(const IncrementalPotential& potential, double least);
+
+  /// z += B A_r^-1 B^T r; (nodes, 3).
+  void add(const T* r, T* z) { add(&ReducedOperator::inverse, r, z); }
+  /// z += B (A_r^-1 - s D_r^-1) B^T r, beside multigrid.
+  void add_correction(const T* r, T* z) { add(&ReducedOperator::correction, r, z); }
+
+  /// How many times softer than multigrid takes it for the elastic operator at rest is to a mode,
+  /// at most: ReducedOperator::softness of a piece.
+  double softness() const;
+
+  /// Adds the stiffness of some nodes, symmetric 3x3 blocks [N/m], (stiff nodes, 9), to the
+  /// operator, in place of the one added before.
+  void set_nodal_stiffness(const std::vector<int32_t>& nodes, const std::vector<double>& blocks);
+
+  /// The modes alone: y = B^T r and z = B y, 3 kModes numbers a piece; for tests.
+  void encode(const T* r, double* y) const;
+  void decode(const double* y, T* z) const;
+
+  const std::vector<Piece>& pieces() const { return pieces_; }
+  int piece_count() const { return int(pieces_.size()); }
+
+ private:
+  Encoder() = default;
+  void build_modes(const Scene& scene);
+  void fill_modes(const Scene& scene, const PinTrees& pins, Piece& piece);
+  std::vector<std::vector<double>> rest_operators(const IncrementalPotential& potential,
+                                                  int64_t stride) const;
+  void take_operators(std::vector<std::vector<double>>&& operators);
+  static void load_modes(const Piece& piece, int64_t k, Pack<T> mode[kPacks]);
+  void add(std::vector<double> ReducedOperator::*matrix, const T* r, T* z);
+
+  std::vector<Piece> pieces_;
+  Zeroed<EncoderPlace> place_;  // of each node
+  std::vector<double> reduced_, solution_;
+};
+
+}  // namespace elastogen

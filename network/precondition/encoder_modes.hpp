@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// The modes of the encoder (network/precondition/encoder.hpp) at a node, and the pieces that have them.
+
+#pragma once
+
+#include "network/precondition/smooth_modes.hpp"
+
+namespace elastogen {
+
+inline constexpr int kEncoderCosines = 18;
+inline constexpr int kEncoderModes = kEncoderCosines + 3;  ///< of a displacement component
+
+/// Nodes of the largest connected pieces, those that have an encoder; the largest first, ties by
+/// number.
+std::vector<std::vector<int32_t>> encoder_pieces(const VoxelGrid& grid);
+
+/// What the modes of a piece are made of.
+struct ModeShape {
+  CosineTables cosines;
+  double lower[3], upper[3];  ///< of its nodes at rest [m]
+  double size;                ///< longest of the box's edges [m]
+};
+
+/// @param cosines  must outlive it.
+ModeShape mode_shape(const Box& box, const PlaneCosines& cosines);
+
+/// A mode's value to the digits that are kept of it: in float those of half precision, in which a
+/// card holds it. All uses of a mode agree in them, so that it is as good a mode as before.
+ELASTOGEN_HD inline float kept_value(double mode, float) {
+  // Veltkamp's splitting: the 11 leading bits; as it stands, without fused operations
+  const float x = float(mode), c = x * 8193;
+  return c - (c - x);
+}
+ELASTOGEN_HD inline double kept_value(double mode, double) {
+  return mode;
+}
+
+/// put(m, value) for the modes at a node.
+/// @param distance  to the nearest pin [m]
+/// @param at        lattice coordinates
+/// @param X         position at rest [m]
+template <class T, class Put>
+ELASTOGEN_HD inline void for_modes(const ModeShape& shape, double distance, const int32_t at[3],
+                                   const double X[3], const Put& put) {
+  const double factor = distance / (distance + shape.size / 8);
+  for (int w = 0; w < kEncoderCosines; ++w) put(w, kept_value(factor * shape.cosines(w, at), T{}));
+  for (int i = 0; i < 3; ++i)
+    put(kEncoderCosines + i,
+        kept_value(factor * (2 * X[i] - shape.lower[i] - shape.upper[i]) / shape.size, T{}));
+}
+
+}  // namespace elastogen

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// Constant-coefficient multigrid, the encoder of many levels: three scalar hierarchies, one a
+// displacement component d, built once a scene,
+//
+//     A_d = a0 M / dt^2 + sum_v phi_v h^3 sum_e k_de (dN/dX_e)(dN/dX_e)^T + variance term,
+//     k_dd = 2 mu + lambda,  k_de = mu (e != d),
+//
+// with the border voxels' own mean gradients on the finest level and averaged moduli, centre
+// gradients and twice the edge on each coarser one. One V-cycle with Chebyshev smoothing is a fixed
+// symmetric positive definite map: a preconditioner, never an iteration of its own.
+
+#pragma once
+
+#include "network/potential/brick_rows.hpp"
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace elastogen {
+
+/// What the cycle reads of one level, for tests: borrowed from the hierarchy, which must outlive it
+/// and keep its nodal stiffness.
+template <class T>
+struct MultigridLevel {
+  const BrickRows& rows;
+  const Zeroed<T>& moduli;            ///< h / unit times those of LevelGrid, [row][6][lane]
+  const Zeroed<T>& added;             ///< inertia and nodal stiffness over unit, (nodes, 3)
+  const Zeroed<T>& inverse_diagonal;  ///< times unit, (nodes, 3); 0 on pinned nodes
+  const Zeroed<uint8_t>& pinned;      ///< (nodes)
+  const Array<int32_t>& node_coord;   ///< lattice coordinates of this level, (nodes, 3)
+  double lambda_max, unit;  ///< bound of the smoother; [N/m], what the operator is divided by
+  int64_t nodes;
+};
+
+/// @tparam T  float, or double where the condition number asks for it (Courant number above 1e3).
+template <class T>
+class Multigrid {
+ public:
+  /// @param a0    mass factor of the time scheme.
+  /// @param rows   those of the scene; made where they are not given.
+  /// @param dense  nodes at most of a level that is solved; dense_nodes of the scene where it is
+  ///               not given.
+  Multigrid(const Scene& scene, double a0, std::shared_ptr<const BrickRows> rows = {},
+            std::optional<int64_t> dense = {});
+  ~Multigrid();
+
+  /// z = B r, one V-cycle from z = 0; r and z are (nodes, 3), r is 0 on pinned nodes.
+  void apply(const T* r, T* z);
+
+  /// product = A p on the finest level (the three scalar operators, not the elastic one).
+  void operator_product(const T* p, T* product);
+
+  int level_count() const { return int(levels_.size()); }
+  /// Level l, 0 the finest.
+  MultigridLevel<T> level(int l) const;
+
+  /// Adds a diagonal stiffness [N/m], (3 nodes), to the operator, in place of the one added before;
+  /// on coarser levels P^T of it, lumped like the mass. An empty vector takes it away.
+  void set_nodal_stiffness(const std::vector<double>& stiffness);
+
+ private:
+  struct Level;
+  void smooth_from_zero(Level& level);
+  void smooth(Level& level);
+  void cycle(size_t l);
+  std::vector<std::unique_ptr<Level>> levels_;
+};
+
+}  // namespace elastogen

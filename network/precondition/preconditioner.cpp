@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "network/precondition/preconditioner.hpp"
+
+#include "core/reduce.hpp"
+
+namespace elastogen {
+
+template <class T>
+Preconditioner<T>::Preconditioner(IncrementalPotential& potential, const EncoderChoice& encoder,
+                                  std::optional<int64_t> dense)
+    : potential_(potential),
+      multigrid_(potential.scene(), potential.scheme().a0, potential.shared_rows(), dense),
+      encoder_(encoder.make<T>(potential)) {
+  const size_t size = 3 * size_t(potential.scene().grid.node_count());
+  r_.resize(size);
+  z_.resize(size);
+}
+
+template <class T>
+void Preconditioner<T>::update_contact() {
+  const Contact& contact = potential_.contact();
+  const std::vector<int32_t>& nodes = contact.stiff_nodes();
+  if (nodes.empty() && !in_contact_) return;
+  in_contact_ = !nodes.empty();
+  std::vector<double> diagonal(nodes.empty() ? 0 : r_.size()), blocks(9 * nodes.size());
+  for (size_t s = 0; s < nodes.size(); ++s) {
+    if (potential_.scene().pinned(nodes[s])) continue;
+    // the block in the frame of the node
+    Mat3<double> R, K;
+    for (size_t k = 0; k < 9; ++k) {
+      R.m[k] = double(potential_.nodal_rotation()[9 * size_t(nodes[s]) + k]);
+      K.m[k] = contact.stiff_blocks()[9 * s + k];
+    }
+    const Mat3<double> turned = transposed_times(R, K * R);
+    std::copy(turned.m, turned.m + 9, blocks.begin() + int64_t(9 * s));
+    for (size_t i = 0; i < 3; ++i) diagonal[3 * size_t(nodes[s]) + i] = turned.m[4 * i];
+  }
+  multigrid_.set_nodal_stiffness(diagonal);
+  if (encoder_) encoder_->set_nodal_stiffness(nodes, blocks);
+}
+
+template <class T>
+template <class In>
+void Preconditioner<T>::apply(const In* r, In* z) {
+  const int64_t nodes = potential_.scene().grid.node_count();
+  const float* rotation = potential_.nodal_rotation().data();
+  for_each(nodes, [&](int64_t n) {
+    const float* R = rotation + 9 * n;
+    const In* v = r + 3 * n;
+    for (int i = 0; i < 3; ++i)
+      r_[size_t(3 * n + i)] = T(R[i]) * T(v[0]) + T(R[3 + i]) * T(v[1]) + T(R[6 + i]) * T(v[2]);
+  });
+  multigrid_.apply(r_.data(), z_.data());
+  if (encoder_) encoder_->add_correction(r_.data(), z_.data());
+  for_each(nodes, [&](int64_t n) {
+    const float* R = rotation + 9 * n;
+    const T* w = z_.data() + 3 * n;
+    for (int i = 0; i < 3; ++i)
+      z[3 * n + i] = potential_.scene().pinned(n)
+                         ? In(0)
+                         : In(T(R[3 * i]) * w[0] + T(R[3 * i + 1]) * w[1] + T(R[3 * i + 2]) * w[2]);
+  });
+}
+
+template class Preconditioner<float>;
+template class Preconditioner<double>;
+template void Preconditioner<float>::apply(const float*, float*);
+template void Preconditioner<float>::apply(const double*, double*);
+template void Preconditioner<double>::apply(const double*, double*);
+template void Preconditioner<double>::apply(const float*, float*);
+
+}  // namespace elastogen

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+// RNN-2's pass on the device (network/precondition/preconditioner.hpp), B = R (V-cycle + encoder) R^T, in three
+// parts, so that what makes its argument and what takes its result needs no pass of its own.
+
+#pragma once
+
+#include "core/cuda/branch.cuh"
+#include "core/cuda/graph.cuh"
+#include "network/potential/incremental_potential_device.hpp"
+#include "network/precondition/encoder.cuh"
+#include "network/precondition/multigrid.cuh"
+#include "network/precondition/preconditioner.hpp"
+#include "network/precondition/stencil.cuh"
+
+#include <optional>
+
+namespace elastogen::cuda {
+
+/// The result of a pass before it is turned back.
+struct UnturnedResult {
+  const Quaternion<float>* rotation;
+  const float* values;
+  const uint8_t* pinned;
+
+  /// B q at a node, 0 where it is pinned.
+  template <class T>
+  __device__ void at(int64_t n, T v[3]) const {
+    const Mat3<float> R = rotation_matrix(rotation[n]);
+    const float* w = values + 3 * n;
+    for (int i = 0; i < 3; ++i)
+      v[i] = pinned[n] ? T(0) : T(R(i, 0) * w[0] + R(i, 1) * w[1] + R(i, 2) * w[2]);
+  }
+};
+
+class DevicePreconditioner {
+ public:
+  /// The potential must outlive it, and have the scheme that will be used.
+  DevicePreconditioner(DevicePotential& potential, const EncoderChoice& choice)
+      : potential_(potential), multigrid_(potential), z_(3 * potential.nodes()) {
+    const DeviceContact* contact = potential.contact();
+    if (contact) multigrid_.expect_stiffness();
+    if (!choice.wanted) return;
+    const std::vector<std::vector<int32_t>> pieces = encoder_pieces(potential.terms().scene().grid);
+    encoder_.emplace(potential, pieces);
+    if (encoder_->softness() < choice.least_softness) {
+      encoder_.reset();
+      return;
+    }
+    turned_ = DeviceArray<float>(z_.size());
+    encoded_ = DeviceArray<float>(z_.size());
+    if (contact) encoder_->expect_stiffness(pieces, contact->surface_nodes());
+  }
+
+  /// Freezes the contact stiffness of the potential at u and takes it.
+  /// @param touching  false where the contact energy at u is known to be 0.
+  void update_contact(const double* u, bool touching) {
+    if (DeviceContact* contact = potential_.contact()) contact->linearise(u, touching);
+    take_contact();
+  }
+
+  /// Takes the contact stiffness that is frozen, as Preconditioner::update_contact.
+  void take_contact() {
+    DeviceContact* contact = potential_.contact();
+    if (!contact || !(contact->is_stiff() || in_contact_)) return;
+    in_contact_ = contact->is_stiff();
+    multigrid_.use_stiffness(in_contact_);
+    if (encoder_) encoder_->use_stiffness(in_contact_);
+    if (!in_contact_) return;
+    update_graph_.run([&] {
+      const NodalStiffness k = contact->nodal_stiffness(potential_.nodal_rotation());
+      multigrid_.set_nodal_stiffness(k);
+      if (encoder_) encoder_->set_nodal_stiffness(k);
+    });
+  }
+
+  /// R^T q into the cycle; read(n, v) gives the values q of a node.
+  template <class Read>
+  void turn(const Read& read) {
+    const Quaternion<float>* rotation = potential_.nodal_rotation();
+    const ResidualInput<float> input = multigrid_.input();
+    float* turned = turned_.data();
+    cuda::for_each(
+        potential_.nodes(),
+        [=] __device__(int64_t n) {
+          const Mat3<float> R = rotation_matrix(rotation[n]);
+          float v[3];
+          read(n, v);
+          float r[3];
+          for (int i = 0; i < 3; ++i) r[i] = R(0, i) * v[0] + R(1, i) * v[1] + R(2, i) * v[2];
+          if (turned != nullptr)
+            for (int i = 0; i < 3; ++i) turned[3 * n + i] = r[i];
+          input.set(n, r);
+        },
+        {}, input.finest.bricks <= kFewBlocks);
+  }
+
+  /// V-cycle and encoder on what turn() has left.
+  void cycle() {
+    multigrid_.start();  // while the host launches the rest
+    (in_contact_ ? contact_graph_ : graph_).run([&] {
+      Companion<float> encoder;
+      if (encoder_) {
+        encoder.begin = [this] {
+          branch_.begin([this](cudaStream_t stream) {
+            encoder_->apply(turned_.data(), encoded_.data(), stream);
+          });
+        };
+        encoder.end = [this] { branch_.end(); };
+        encoder.result = encoded_.data();
+      }
+      multigrid_.cycle(z_.data(), encoder);
+    });
+  }
+
+  UnturnedResult result() const {
+    return {potential_.nodal_rotation(), z_.data(), potential_.pinned()};
+  }
+
+ private:
+  DevicePotential& potential_;
+  DeviceMultigrid<float> multigrid_;
+  std::optional<DeviceEncoder<float>> encoder_;
+  DeviceBranch branch_;  // of the encoder, beside the coarse levels
+  DeviceArray<float> z_;
+  DeviceArray<float> turned_, encoded_;  // what the encoder takes and gives
+  DeviceGraph graph_, contact_graph_, update_graph_;
+  bool in_contact_ = false;
+};
+
+}  // namespace elastogen::cuda

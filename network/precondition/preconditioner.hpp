@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// RNN-2's one pass: V-cycle plus encoder in nodal rotations,
+//
+//     z = R ( MG + B (A_r^-1 - s D_r^-1) B^T ) R^T r        (network/precondition/encoder.hpp),
+//
+// R the block diagonal of nodal rotations at the start of the iteration. Contact adds the stiffness
+// K of its nodes to both: its diagonal in the rotated frames to multigrid, the 3x3 blocks to A_r.
+// Symmetric and positive definite: the first matrix of L-BFGS and the preconditioner of CG.
+
+#pragma once
+
+#include "network/precondition/encoder.hpp"
+#include "network/precondition/multigrid.hpp"
+
+#include <optional>
+
+namespace elastogen {
+
+/// Whether a preconditioner has an encoder.
+struct EncoderChoice {
+  bool wanted = true;         ///< small time steps do without (docs/physics.md)
+  double least_softness = 0;  ///< of Encoder::softness() below which it is left out as well
+
+  /// The encoder, or none.
+  template <class T>
+  std::optional<Encoder<T>> make(const IncrementalPotential& potential) const {
+    if (!wanted) return {};
+    if (least_softness > 0) return Encoder<T>::if_soft(potential, least_softness);
+    return Encoder<T>(potential);
+  }
+};
+
+template <class T>
+class Preconditioner {
+ public:
+  /// @param dense  of Multigrid.
+  Preconditioner(IncrementalPotential& potential, const EncoderChoice& encoder,
+                 std::optional<int64_t> dense = {});
+
+  /// z = B r, both (nodes, 3); In is the type of the iteration, the work is done in T.
+  template <class In>
+  void apply(const In* r, In* z);
+
+  /// Takes the frozen contact stiffness of the potential.
+  void update_contact();
+
+  const Encoder<T>* encoder() const { return encoder_ ? &*encoder_ : nullptr; }
+
+ private:
+  const IncrementalPotential& potential_;
+  Multigrid<T> multigrid_;
+  std::optional<Encoder<T>> encoder_;
+  Zeroed<T> r_, z_;
+  bool in_contact_ = false;
+};
+
+}  // namespace elastogen

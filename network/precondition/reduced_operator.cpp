@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "network/precondition/reduced_operator.hpp"
+
+#include <Eigen/Cholesky>
+
+#include <algorithm>
+
+namespace elastogen {
+namespace {
+
+using Reduced = Eigen::Matrix<double, kReducedSize, kReducedSize, Eigen::RowMajor>;
+using ReducedVector = Eigen::Matrix<double, kReducedSize, 1>;
+
+/// The entries of a reduced operator that couple a component with itself; the others 0.
+Reduced within_components(const Reduced& A) {
+  Reduced D = A;
+  for (int a = 0; a < kReducedSize; ++a)
+    for (int b = 0; b < kReducedSize; ++b)
+      if (a % 3 != b % 3) D(a, b) = 0;
+  return D;
+}
+
+}  // namespace
+
+ReducedOperator::ReducedOperator(std::vector<double>&& at_rest) : rest(std::move(at_rest)) {
+  invert(rest);
+}
+
+/// Of A scaled to unit diagonal; 1e-9 keeps directions that the modes hold twice harmless.
+void ReducedOperator::invert(const std::vector<double>& A) {
+  const Eigen::Map<const Reduced> full(A.data());
+  const ReducedVector scale = full.diagonal().array().max(1e-300).sqrt().inverse().matrix();
+  Reduced scaled = scale.asDiagonal() * (full + full.transpose()) * scale.asDiagonal() / 2;
+  scaled.diagonal().array() += 1e-9;
+  const auto take_inverse = [&](const Reduced& of) {
+    const Reduced result = of.llt().solve(Reduced::Identity());
+    return Reduced(scale.asDiagonal() * (result + result.transpose()) * scale.asDiagonal() / 2);
+  };
+  const Reduced whole = take_inverse(scaled);
+  const Reduced more = whole - kKnown * take_inverse(within_components(scaled));
+  inverse.assign(whole.data(), whole.data() + whole.size());
+  correction.assign(more.data(), more.data() + more.size());
+}
+
+/// By the power method on A_r^-1 D_r, symmetric in the product with D_r.
+double ReducedOperator::softness() const {
+  constexpr int kSteps = 50;
+  const Eigen::Map<const Reduced> A(rest.data()), inverted(inverse.data());
+  const Reduced D = within_components(A);
+  ReducedVector x = A.diagonal().array().max(1e-300).sqrt().inverse().matrix();
+  for (int k = 0; k < kReducedSize; ++k)
+    x(k) *= 1 + 0.1 * (k % 7);  // not orthogonal to any direction
+  double value = 1;
+  for (int step = 0; step < kSteps; ++step) {
+    const ReducedVector Dx = D * x, y = inverted * Dx;
+    value = y.dot(Dx) / x.dot(Dx);
+    x = y / y.norm();
+  }
+  return std::max(1.0, value);
+}
+
+}  // namespace elastogen

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+// The step on the device and the state that stays there, for the files that make it up:
+// predictor.cu (where iterations begin), device_step.cu (all else).
+
+#pragma once
+
+#include "core/cuda/signal.cuh"
+#include "network/paper/paper_solver_device.hpp"
+#include "network/step/frames.cuh"
+#include "network/step/free_flight.cuh"
+#include "network/step/host_frames.hpp"
+#include "network/step/newton_solver_device.hpp"
+#include "network/step/quasi_solver_device.hpp"
+#include "network/step/step_work.hpp"
+
+#include <optional>
+
+namespace elastogen::cuda {
+
+/// What a step reads of the state and of its scene.
+struct Motion {
+  const double *x, *v, *x_before, *v_before;  ///< those before are those now in an Euler step
+  const double *rest, *mass;
+  const uint8_t* pinned;
+  StepScheme scheme;
+  double gravity[3];
+};
+
+/// The largest of what it is given.
+struct Largest {
+  double value = 0;
+  __device__ void add(const Largest& o) { value = o.value > value ? o.value : value; }
+};
+
+/// Where kernels leave what the host asks for.
+struct StepNumbers {
+  double farthest, reach, square, not_finite;
+  MotionEnergy energy;
+};
+
+class StepOnDevice : public StepWork {
+ public:
+  /// @param encoder  of the first matrix; null: the published algorithm, without one.
+  StepOnDevice(const PotentialTerms& terms, const EncoderChoice* encoder, const PaperLoops& loops);
+
+  std::string machine() const override { return device_name(); }
+  void upload(const State& state) override;
+  void download(State& state, StateParts parts) override;
+  double reach() override;
+
+  void begin_step(const StepScheme& scheme, double time) override;
+  void evaluate_starts(int count, double* phi) override;
+  void use_start(int start) override;
+  double farthest() override;
+  const Collider* clear_start() override;
+  bool is_below_clear_start() override;
+  void return_to_clear_start() override;
+  void set_nodal_rotations() override;
+
+  IterationResult quasi(double target, int max_outer, double precise_below,
+                        const Interrupted& interrupted) override {
+    return quasi_.solve(target, max_outer, precise_below, interrupted);
+  }
+  IterationResult newton(double target, int max_outer, int max_inner,
+                         const Interrupted& interrupted) override {
+    if (!newton_) newton_.emplace(quasi_);
+    return newton_->solve(target, max_outer, max_inner, interrupted);
+  }
+  IterationResult paper(const Interrupted& interrupted) override {
+    return paper_.value().solve(interrupted);
+  }
+  double phi() override { return phi_at(quasi_.u()); }
+  double phi_now() override { return phi_at(now()); }
+  void return_to_now() override { find_now(quasi_.u()); }
+
+  Certificate certify() override;
+  MotionEnergy finish() override;
+  void download_gradient(double* gradient) const override { gradient_.download(gradient); }
+
+  void upload_u(const double* u) override;
+  void download_u(double* u) override;
+
+  void carry(const Embedding& embedding, bool with_gradient) override;
+  void start_frame(int slot) override;
+  CarriedFrame take_frame(int slot) const override {
+    return frames_ ? frames_->take(slot) : host_frames_->get(slot);
+  }
+
+  /// What steps take beyond what the constructor does, at most.
+  size_t later_bytes() {
+    if (paper_) return 0;
+    return DeviceQuasi::later_bytes(size() / 3) + DeviceNewton::bytes(potential());
+  }
+
+  // called by the above; kernels may not be started from private functions
+  DevicePotential& potential() { return quasi_.potential(); }
+  Motion motion();
+  void round_positions();
+  bool balance();
+  void extrapolate(int order, double* u);
+  void find_now(double* u);
+  void find_flight_velocities();
+  void find_energies();
+
+ private:
+  int64_t size() const { return x_.size(); }
+  bool touches();
+  /// u_now, in the room of a gradient.
+  const double* now() {
+    find_now(gradient_.data());
+    return gradient_.data();
+  }
+  double phi_at(const double* u);
+  void copy(const double* from, double* to) const;
+  double rough_phi(const double* u) {
+    potential().start_energy(u, 0);
+    potential().wait_for_energy();
+    return potential().value().total();
+  }
+  void send(const Array<double>& from, DeviceArray<double>& to);
+  void fetch(const DeviceArray<double>& from, Array<double>& to);
+
+  const Scene& scene_;
+  DeviceQuasi quasi_;
+  std::optional<DeviceNewton> newton_;  // from its first step on
+  std::optional<DevicePaper> paper_;
+  DevicePieces pieces_;
+  DeviceArray<double> x_, v_, x_before_, v_before_;  // the state
+  DeviceArray<double> v_next_;                       // of a scene with free pieces, in flight
+  DeviceArray<double> gradient_;                     // of the certificate
+  DeviceArray<SumRoom<Largest>> largest_;
+  DeviceArray<SumRoom<Sums<2>>> pair_sums_;
+  PinnedArray<StepNumbers> numbers_;
+  Signal signal_;                         // of numbers_
+  std::optional<PinnedChunks> chunks_;    // that arrays of the state go through, if any did
+  std::unique_ptr<DeviceFrames> frames_;  // where the card has memory for them, else
+  std::optional<HostFrames> host_frames_;
+  StepScheme scheme_;
+  bool has_before_ = false;
+  bool in_flight_ = false;      // that of the certificate
+  bool has_rotations_ = false;  // the preconditioner has the nodal rotations of u
+};
+
+}  // namespace elastogen::cuda

@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "network/step/host_step.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace elastogen {
+
+HostStep::HostStep(PotentialTerms&& terms, const EncoderChoice* encoder, const PaperLoops& loops,
+                   bool in_float)
+    : scene_(terms.scene()),
+      potential_(std::move(terms)),
+      predictor_(scene_),
+      flight_(scene_),
+      u_(3 * size_t(scene_.grid.node_count())),
+      gradient_(u_.size()) {
+  if (!encoder)
+    paper_.emplace(potential_, loops);
+  else if (in_float)
+    single_.emplace(potential_, *encoder);
+  else
+    precise_.emplace(potential_, *encoder);
+}
+
+void HostStep::download(State& state, StateParts parts) {
+  if (parts == StateParts::kAll)
+    state = *state_;
+  else
+    state.x = state_->x;
+}
+
+double HostStep::reach() {
+  double largest = 0;
+  for (int64_t k = 0; k < state_->x.size(); ++k)
+    largest = std::max(largest, std::abs(state_->x.data()[k]));
+  return largest;
+}
+
+/// Phi in float64.
+double HostStep::phi_at(const Zeroed<double>& u) {
+  return potential_.evaluate<double>(u.data(), gradient_.data()).total();
+}
+
+/// Phi in float where that has the digits, to find where iterations begin.
+double HostStep::rough_phi(const Zeroed<double>& u) {
+  if (precise_) return phi_at(u);
+  return potential_.evaluate(u.data(), static_cast<float*>(nullptr)).total();
+}
+
+void HostStep::begin_step(const StepScheme& scheme, double time) {
+  scheme_ = scheme;
+  state_->time = time;
+  potential_.begin_step(*state_, scheme);
+  if (!paper_) predictor_.start(*state_, potential_.predictor(), u_.data());
+}
+
+void HostStep::evaluate_starts(int count, double* phi) {
+  phi[0] = rough_phi(u_);
+  starts_.clear();
+  for (int order = 1; order < count; ++order) {
+    Zeroed<double>& start = starts_.emplace_back(u_);
+    predictor_.extrapolate(*state_, scheme_, order, start.data());
+    phi[order] = rough_phi(start);
+  }
+}
+
+void HostStep::use_start(int start) {
+  if (start > 0) u_.swap(starts_[size_t(start - 1)]);
+}
+
+double HostStep::farthest() {
+  const Zeroed<double>& now = potential_.now();
+  double farthest = 0;
+  for (size_t k = 0; k < u_.size(); ++k) farthest = std::max(farthest, std::abs(u_[k] - now[k]));
+  return farthest;
+}
+
+const Collider* HostStep::clear_start() {
+  clear_ = potential_.now();
+  Contact& contact = potential_.contact();
+  if (!contact.exists()) return nullptr;
+  contact.carry(clear_.data());
+  if (const Collider* inside = contact.obstacle(clear_.data())) return inside;
+  const double share = contact.longest_step(clear_.data(), u_.data());
+  if (share < 1)
+    for (size_t k = 0; k < u_.size(); ++k) u_[k] = clear_[k] + share * (u_[k] - clear_[k]);
+  return nullptr;
+}
+
+template <class T, class P>
+IterationResult HostStep::quasi(std::unique_ptr<QuasiSolver<T>>& solver, double target,
+                                int max_outer, Preconditioner<P>& first,
+                                const Interrupted& interrupted) {
+  if (!solver) solver = std::make_unique<QuasiSolver<T>>(potential_);
+  return solver->solve(u_.data(), target, max_outer, first, interrupted);
+}
+
+IterationResult HostStep::quasi(double target, int max_outer, double precise_below,
+                                const Interrupted& interrupted) {
+  if (precise_) return quasi(quasi_double_, target, max_outer, *precise_, interrupted);
+  if (precise_below <= target) return quasi(quasi_float_, target, max_outer, *single_, interrupted);
+  return quasi(quasi_double_, target, max_outer, *single_, interrupted);
+}
+
+IterationResult HostStep::newton(double target, int max_outer, int max_inner,
+                                 const Interrupted& interrupted) {
+  if (!newton_) newton_ = std::make_unique<NewtonSolver>(potential_);
+  const auto solve = [&](auto& first) {
+    return newton_->solve(u_.data(), target, max_outer, max_inner, first, interrupted);
+  };
+  return precise_ ? solve(*precise_) : solve(*single_);
+}
+
+/// Whether something feels a collider at u.
+bool HostStep::touches() {
+  return potential_.contact().evaluate(u_.data(), static_cast<double*>(nullptr)) != 0;
+}
+
+/// Gives pieces in free flight the mean motion of their predictor, which iterations know to the
+/// tolerance only, unless something touches before or after. Says whether they got it.
+bool HostStep::balance() {
+  if (!flight_.exists() || paper_ || touches()) return false;
+  u_before_shift_ = u_;
+  const Zeroed<double>& aim = potential_.predictor();
+  flight_.match_means(u_.data(), [&](size_t n, size_t d) { return aim[3 * n + d]; });
+  if (!touches()) return true;
+  u_.swap(u_before_shift_);
+  return false;
+}
+
+/// x_next = X + u on the free nodes, the present x on the others; u = x_next - X.
+void HostStep::round_positions() {
+  const Array<double>& X = scene_.grid.rest;
+  x_ = state_->x;
+  for_each(X.rows(), [&](int64_t n) {
+    for (int d = 0; d < 3; ++d) {
+      if (!scene_.pinned(n)) x_(n, d) = X(n, d) + u_[size_t(3 * n + d)];
+      u_[size_t(3 * n + d)] = x_(n, d) - X(n, d);
+    }
+  });
+}
+
+Certificate HostStep::certify() {
+  in_flight_ = balance();
+  round_positions();
+  Certificate result{potential_.residual(u_.data(), gradient_.data())};
+  result.size = norm(gradient_.data(), int64_t(gradient_.size()));
+  result.finite = std::isfinite(result.value.total()) && std::isfinite(result.size) &&
+                  all_finite(u_.data(), int64_t(u_.size()));
+  return result;
+}
+
+/// Takes from v what the rounding of positions brings into its mean.
+void HostStep::conserve_momentum(Array<double>& v) {
+  const Array<double>& before = state_->v_before.empty() ? state_->v : state_->v_before;
+  flight_.match_means(v.data(), [&](size_t n, size_t d) {
+    const auto node = int64_t(n);
+    return free_velocity(scheme_, state_->v(node, int64_t(d)), before(node, int64_t(d)),
+                         scene_.gravity[d]);
+  });
+}
+
+/// Of the free nodes; pinned ones rest.
+Array<double> HostStep::next_velocities() const {
+  const Array<double>& x_before = state_->x_before.empty() ? state_->x : state_->x_before;
+  Array<double> v(x_.rows(), 3);
+  for_each(x_.rows(), [&](int64_t n) {
+    for (int d = 0; d < 3; ++d)
+      if (!scene_.pinned(n))
+        v(n, d) = velocity_after(scheme_, x_(n, d), state_->x(n, d), x_before(n, d));
+  });
+  return v;
+}
+
+MotionEnergy HostStep::finish() {
+  Array<double> v = next_velocities();
+  if (in_flight_) conserve_momentum(v);
+  MotionEnergy energy;
+  for (int64_t n = 0; n < x_.rows(); ++n)
+    for (int d = 0; d < 3; ++d) {
+      energy.kinetic += scene_.mass(n) / 2 * v(n, d) * v(n, d);
+      energy.gravity -= scene_.mass(n) * scene_.gravity[size_t(d)] * x_(n, d);
+    }
+  state_->x_before = std::move(state_->x);
+  state_->v_before = std::move(state_->v);
+  state_->x = std::move(x_);
+  state_->v = std::move(v);
+  return energy;
+}
+
+std::unique_ptr<StepWork> make_host_step(PotentialTerms&& terms, const EncoderChoice* encoder,
+                                         const PaperLoops& loops, bool in_float) {
+  return std::make_unique<HostStep>(std::move(terms), encoder, loops, in_float);
+}
+
+}  // namespace elastogen

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+// Steps on the host (step_work.hpp).
+
+#pragma once
+
+#include "network/paper/paper_solver.hpp"
+#include "network/step/free_flight.hpp"
+#include "network/step/host_frames.hpp"
+#include "network/step/newton_solver.hpp"
+#include "network/step/predictor.hpp"
+#include "network/step/quasi_solver.hpp"
+#include "network/step/step_work.hpp"
+
+#include <optional>
+
+namespace elastogen {
+
+class HostStep : public StepWork {
+ public:
+  /// @param arguments  as make_host_step.
+  HostStep(PotentialTerms&& terms, const EncoderChoice* encoder, const PaperLoops& loops,
+           bool in_float);
+
+  std::string machine() const override { return "cpu"; }
+  void upload(const State& state) override { own_ = state, state_ = &own_; }
+  void download(State& state, StateParts parts) override;
+  void borrow(State& state) override { state_ = &state; }
+  void give_back(State&) override { state_ = &own_; }
+  double reach() override;
+
+  void begin_step(const StepScheme& scheme, double time) override;
+  void evaluate_starts(int count, double* phi) override;
+  void use_start(int start) override;
+  double farthest() override;
+  const Collider* clear_start() override;
+  bool is_below_clear_start() override { return rough_phi(u_) < rough_phi(clear_); }
+  void return_to_clear_start() override { u_ = clear_; }
+  void set_nodal_rotations() override { potential_.set_nodal_rotations(u_.data()); }
+
+  IterationResult quasi(double target, int max_outer, double precise_below,
+                        const Interrupted& interrupted) override;
+  IterationResult newton(double target, int max_outer, int max_inner,
+                         const Interrupted& interrupted) override;
+  IterationResult paper(const Interrupted& interrupted) override {
+    return paper_.value().solve(u_.data(), interrupted);
+  }
+  double phi() override { return phi_at(u_); }
+  double phi_now() override { return phi_at(potential_.now()); }
+  void return_to_now() override { u_ = potential_.now(); }
+
+  Certificate certify() override;
+  MotionEnergy finish() override;
+  void download_gradient(double* gradient) const override {
+    std::copy(gradient_.begin(), gradient_.end(), gradient);
+  }
+
+  void upload_u(const double* u) override { std::copy(u, u + u_.size(), u_.begin()); }
+  void download_u(double* u) override { std::copy(u_.begin(), u_.end(), u); }
+
+  void carry(const Embedding& embedding, bool with_gradient) override {
+    frames_.emplace(scene_.grid, embedding, with_gradient);
+  }
+  void start_frame(int slot) override { frames_->make(slot, state_->x); }
+  CarriedFrame take_frame(int slot) const override { return frames_->get(slot); }
+
+ private:
+  template <class T, class P>
+  IterationResult quasi(std::unique_ptr<QuasiSolver<T>>& solver, double target, int max_outer,
+                        Preconditioner<P>& first, const Interrupted& interrupted);
+  double phi_at(const Zeroed<double>& u);
+  double rough_phi(const Zeroed<double>& u);
+  bool touches();
+  bool balance();
+  void round_positions();
+  void conserve_momentum(Array<double>& v);
+  Array<double> next_velocities() const;
+
+  const Scene& scene_;
+  IncrementalPotential potential_;
+  Predictor predictor_;
+  FreeFlight flight_;
+  StepScheme scheme_;
+  State own_;             // of a clip
+  State* state_ = &own_;  // the present one: that, or one that is borrowed
+  Zeroed<double> u_, gradient_;
+  Zeroed<double> clear_;                // the clear start
+  std::vector<Zeroed<double>> starts_;  // extrapolations, from order 1 on
+  Zeroed<double> u_before_shift_;       // by balance
+  Array<double> x_;                     // of the new state
+  bool in_flight_ = false;              // free pieces are there, and nothing touches
+
+  // where float has too few digits for the scene, the preconditioner in double; else that in float
+  std::optional<Preconditioner<float>> single_;
+  std::optional<Preconditioner<double>> precise_;
+  // from their first use on
+  std::unique_ptr<QuasiSolver<float>> quasi_float_;
+  std::unique_ptr<QuasiSolver<double>> quasi_double_;
+  std::unique_ptr<NewtonSolver> newton_;
+  std::optional<PaperSolver> paper_;
+  std::optional<HostFrames> frames_;
+};
+
+}  // namespace elastogen

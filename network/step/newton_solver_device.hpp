@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// The newton mode (newton_loop.hpp) on the device, on the potential, preconditioner and displacement
+// of a DeviceQuasi. The host decides, on a few numbers an iteration.
+
+#pragma once
+
+#include "network/step/quasi_solver_device.hpp"
+
+namespace elastogen::cuda {
+
+class DeviceNewton {
+ public:
+  /// @throws Error (resources) where the device has no room.
+  explicit DeviceNewton(DeviceQuasi& quasi);
+  ~DeviceNewton();
+
+  /// newton_loop on the displacement of the DeviceQuasi.
+  IterationResult solve(double target, int max_outer, int max_inner,
+                        const Interrupted& interrupted);
+
+  /// What it takes of the device's memory, with the tangents of the potential.
+  static size_t bytes(const DevicePotential& potential);
+
+  struct Impl;
+
+ private:
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace elastogen::cuda

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "network/contact/contact.hpp"
+
+#include "core/error.hpp"
+#include "network/solver.hpp"
+#include "tests/network/scenes.hpp"
+
+#include <gtest/gtest.h>
+
+namespace elastogen::test {
+namespace {
+
+/// A free full box above the floor y = 0, with its surface points; finished.
+Scene box_on_floor(int nx, int ny, int nz, double h, double gap, double friction,
+                   const Material& material, const Vec3& gravity = {0, -9.81, 0}) {
+  Scene scene = scene_on(make_box(nx, ny, nz, h, {0, gap, 0}), material);
+  scene.surface = face_points(scene.grid);
+  scene.colliders = {half_space({0, 1, 0}, 0, friction)};
+  scene.gravity = gravity;
+  finish_scene(scene);
+  return scene;
+}
+
+TEST(Contact, ABodyThatStandsExactlyOnTheFloorFeelsNoForce) {
+  const Scene scene = box_on_floor(4, 4, 4, 0.05, 0, 0.5, solid(1e5, 0.3));
+  Contact contact(scene);
+  const std::vector<double> u(3 * size_t(scene.grid.node_count()));
+  std::vector<double> g(u.size());
+  contact.begin_step(u.data());
+  EXPECT_EQ(contact.evaluate(u.data(), g.data()), 0);
+  EXPECT_EQ(norm(g), 0);
+  EXPECT_EQ(contact.deepest_overlap(u.data()), 0);
+}
+
+TEST(Contact, ForceIsTheDerivativeOfTheBarrierTimesArea) {
+  // pressed down by half the layer: each bottom point of area h^2 carries
+  // kappa h^2 b'(1/2)/dhat with kappa = E dhat^2/h, b' = 2(1-s) ln s - (1-s)^2/s
+  const double h = 0.05, young = 1e5, layer = h / 4;
+  const Scene scene = box_on_floor(4, 3, 2, h, 0, 0, solid(young, 0.3));
+  Contact contact(scene);
+  std::vector<double> u(3 * size_t(scene.grid.node_count())), g(u.size());
+  for (size_t k = 1; k < u.size(); k += 3) u[k] = -layer / 2;
+  contact.begin_step(u.data());
+  contact.evaluate(u.data(), g.data());
+  double sum[3] = {};
+  for (size_t k = 0; k < g.size(); ++k) sum[k % 3] += g[k];
+  const double slope = 2 * 0.5 * std::log(0.5) - 0.25 / 0.5;
+  EXPECT_NEAR(sum[1], 4 * 2 * h * h * young * layer * layer / h * slope / layer,
+              1e-9 * std::abs(sum[1]));
+  EXPECT_LT(sum[1], 0);  // the gradient: energy falls upwards
+  EXPECT_EQ(sum[0], 0);
+  EXPECT_NEAR(contact.deepest_overlap(u.data()), layer / 2, 1e-15);
+}
+
+TEST(Contact, EnergyIsInfiniteBehindTheWallAndStepsStopBeforeIt) {
+  const Scene scene = box_on_floor(2, 2, 2, 0.05, 0.02, 0.5, solid(1e5, 0.3));
+  Contact contact(scene);
+  std::vector<double> u(3 * size_t(scene.grid.node_count())), p(u.size());
+  for (size_t k = 1; k < p.size(); k += 3) p[k] = -1;
+  // wall at 0.02 + 0.0125 below: nine tenths of that share may be gone
+  EXPECT_NEAR(contact.longest_step(u.data(), p.data()), 0.9 * 0.0325, 1e-12);
+  contact.begin_step(u.data());
+  EXPECT_EQ(contact.evaluate<double>(p.data(), nullptr), std::numeric_limits<double>::infinity());
+  for (double& value : p) value = -value;
+  EXPECT_EQ(contact.longest_step(u.data(), p.data()), 1);
+  // from 1 cm lower the wall is nearer, and standing still is no approach
+  for (size_t k = 1; k < u.size(); k += 3) u[k] = -0.01, p[k] = -1.01;
+  EXPECT_NEAR(contact.longest_step(u.data(), p.data()), 0.9 * 0.0225, 1e-12);
+  EXPECT_EQ(contact.longest_step(u.data(), u.data()), 1);
+}
+
+TEST(Contact, AFloorNeedsSurfacePoints) {
+  Scene scene = scene_on(make_box(2, 2, 2, 0.1), solid(1e5, 0.3));
+  scene.colliders = {half_space({0, 1, 0}, 0, 0.5)};
+  finish_scene(scene);
+  EXPECT_THROW(Contact{scene}, Error);
+}
+
+TEST(Contact, AStandingBodySinksByLessThanTheLayerAndSettles) {
+  for (const SolverMode mode : {SolverMode::kQuasi, SolverMode::kNewton}) {
+    const Scene scene = box_on_floor(4, 4, 4, 0.05, 0, 0.5, solid(1e5, 0.3));
+    Solver solver(scene, {.mode = mode});
+    State state = initial_state(scene);
+    StepReport report;
+    for (int k = 0; k < 60; ++k) {
+      report = solver.step(state);
+      EXPECT_TRUE(report.converged) << "step " << k << " residual " << report.residual;
+      EXPECT_LT(report.deepest_overlap, 0.25);
+    }
+    EXPECT_GT(report.deepest_overlap, 0);
+    double fastest = 0;
+    for (int64_t k = 0; k < state.v.size(); ++k)
+      fastest = std::max(fastest, std::abs(state.v.data()[k]));
+    printf("standing box (%s): overlap %.3f h, fastest node %.1e m/s\n", solver_name(mode).data(),
+           report.deepest_overlap, fastest);
+    EXPECT_LT(fastest, 1e-3);
+  }
+}
+
+TEST(Contact, TheFloorCarriesTheWeight) {
+  const Scene scene = box_on_floor(4, 4, 4, 0.05, 0, 0.5, solid(1e5, 0.3));
+  Solver solver(scene, {.tolerance = 1e-5});
+  State state = initial_state(scene);
+  for (int k = 0; k < 120; ++k) ASSERT_TRUE(solver.step(state).converged);
+  Contact contact(scene);
+  const std::vector<double> u = displacement(scene, state);
+  std::vector<double> g(u.size());
+  contact.begin_step(u.data());
+  contact.evaluate(u.data(), g.data());
+  double push = 0, weight = 0;
+  for (size_t k = 1; k < g.size(); k += 3) push -= g[k];
+  for (int64_t n = 0; n < scene.grid.node_count(); ++n) weight += 9.81 * scene.mass(n);
+  EXPECT_NEAR(push / weight, 1, 1e-3);
+}
+
+TEST(Contact, ADroppedBeamNeverPassesTheLayer) {
+  for (const SolverMode mode : {SolverMode::kQuasi, SolverMode::kNewton, SolverMode::kAuto}) {
+    const double h = 0.025;
+    const Scene scene =
+        box_on_floor(20, 5, 5, h, 2 * h, 0.3, solid(young_of_courant(6.7, h, 1.0 / 60), 0.4));
+    Solver solver(scene, {.mode = mode});
+    State state = initial_state(scene, {.velocity = {0.3, -1, 0}, .spin = {0, 0, 0.5}});
+    printf("dropped beam (%s), outer/inner a step:", solver_name(mode).data());
+    for (int k = 0; k < 15; ++k) {
+      const StepReport report = solver.step(state);
+      printf(" %d/%d", report.outer, report.inner);
+      EXPECT_TRUE(report.converged)
+          << solver_name(mode) << " step " << k << " residual " << report.residual;
+      EXPECT_LT(report.deepest_overlap, 0.25);
+    }
+    printf("\n");
+  }
+}
+
+TEST(Contact, AFastBodyDoesNotTunnel) {
+  // a hundred voxels a step towards the floor
+  const double h = 0.025;
+  const Scene scene = box_on_floor(4, 4, 4, h, 0.5 * h, 0.3, solid(1e6, 0.3));
+  Solver solver(scene, {});
+  State state = initial_state(scene, {.velocity = {0, -100 * h * 60, 0}});
+  for (int k = 0; k < 5; ++k) {
+    const StepReport report = solver.step(state);
+    EXPECT_TRUE(report.finite);
+    EXPECT_LT(report.deepest_overlap, 0.25);
+  }
+}
+
+/// A stiff block under gravity turned by atan(1/2): an inclined plane. Mean slip speed [m/s] after
+/// each step, which starts from a settled block.
+std::vector<double> slide(double friction, int steps, double& size) {
+  const double g = 9.81, s = 1 / std::sqrt(5.0), h = 0.1;
+  const Scene scene =
+      box_on_floor(3, 2, 2, h, 0, friction, solid(1e6, 0.2), {g * s, -2 * g * s, 0});
+  size = 3 * h;
+  Solver solver(scene, {.mode = SolverMode::kNewton, .tolerance = 1e-6});
+  State state = initial_state(scene);
+  std::vector<double> speed;
+  double mass = 0;
+  for (int64_t n = 0; n < scene.grid.node_count(); ++n) mass += scene.mass(n);
+  for (int k = 0; k < steps; ++k) {
+    EXPECT_TRUE(solver.step(state).converged) << "step " << k;
+    double sum = 0;
+    for (int64_t n = 0; n < scene.grid.node_count(); ++n) sum += scene.mass(n) * state.v(n, 0);
+    speed.push_back(sum / mass);
+  }
+  return speed;
+}
+
+TEST(Contact, AnImpactBeyondWhatConvergesBringsNoEnergy) {
+  // drafts end no higher than they began, and the body is found again
+  Scene scene = box_on_floor(4, 4, 4, 0.05, 0.1, 0.5, solid(1e6, 0.3));
+  scene.dt = 1.0 / 240;
+  finish_scene(scene);
+  Solver solver(scene, {});
+  State state = initial_state(scene, {.velocity = {0, -3e4, 0}});
+  const double start = 0.5 * (1000 * 0.2 * 0.2 * 0.2) * 9e8;
+  int drafts = 0;
+  StepReport report;
+  for (int k = 0; k < 12; ++k) {
+    report = solver.step(state);
+    ASSERT_TRUE(report.finite) << k;
+    drafts += !report.converged;
+    ASSERT_LT(report.energy.kinetic + report.energy.elastic + report.energy.hourglass, start) << k;
+  }
+  EXPECT_GT(drafts, 0);  // else this asks for nothing
+  EXPECT_TRUE(report.converged);
+}
+
+TEST(Contact, ABlockSlidesWhereFrictionIsTooSmall) {
+  double size;
+  const std::vector<double> speed = slide(0.49, 120, size);
+  const double acceleration = (speed[119] - speed[59]) * 60 / 60;
+  printf("mu 0.49: acceleration %.5f m/s^2, Coulomb 0.08774\n", acceleration);
+  EXPECT_NEAR(acceleration, 0.08774, 0.02 * 0.08774);
+}
+
+TEST(Contact, ABlockHoldsWhereFrictionSufficesAndCreepsBelowTheSmoothingSpeed) {
+  // creep at which 2 r - r^2 = 0.5/0.51, r = v/v_e, v_e = 1e-3 sqrt(g size)
+  double size;
+  const std::vector<double> speed = slide(0.51, 90, size);
+  const double limit = 1e-3 * std::sqrt(9.81 * size), r = 1 - std::sqrt(1 - 0.5 / 0.51);
+  printf("mu 0.51: creep %.3e m/s, predicted %.3e\n", speed.back(), r * limit);
+  EXPECT_LT(speed.back(), limit);
+  EXPECT_NEAR(speed.back(), r * limit, 0.05 * limit);
+}
+
+}  // namespace
+}  // namespace elastogen::test
