@@ -5,7 +5,8 @@ network/weights, in place.
 
     docs/generate.py            writes them
     docs/generate.py --check    exit status 1, naming the place, if a table is not what the results
-                                say, or the results are older than the scenes that they are of
+                                say, the results are older than the scenes that they are of, or a
+                                line of prose is too long
 
 A table stands between `<!-- table NAME -->` and `<!-- end -->`."""
 
@@ -26,6 +27,7 @@ from fit_tables import fine_tuning, fits, generation  # noqa: E402
 from metal_tables import TABLES as METAL_TABLES  # noqa: E402
 from paper_tables import TABLES as PAPER_TABLES  # noqa: E402
 from particle_tables import TABLES as PARTICLE_TABLES  # noqa: E402
+from prose import long_lines  # noqa: E402
 
 RESULTS = ROOT / "docs" / "results"
 BENCH_PARTS = ("ceilings", "kernels", "step", "error-time", "tip", "baseline", "particles", "startup")
@@ -289,7 +291,7 @@ def main() -> int:
     options = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     options.add_argument("--check", action="store_true")
     check = options.parse_args().check
-    faults = outdated()
+    faults = outdated() + long_lines(ROOT)
     for page in sorted((ROOT / "docs").glob("*.md")):
         text = page.read_text()
         new = rendered(text, str(page.relative_to(ROOT)))

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The tables of docs/papers.md, from docs/results/paper.json (tests/scenes/paper.py) and
-docs/results/bench_paper.json (bench/paper_results.py)."""
+"""The tables of docs/papers.md and docs/papers_tables.md, from docs/results/paper.json
+(tests/scenes/paper.py) and docs/results/bench_paper.json (bench/paper_results.py)."""
 
 from __future__ import annotations
 
