@@ -23,6 +23,7 @@ from typing import Any
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tests" / "scenes"))
 from definitions import definitions_hash  # noqa: E402
+from equation_names import missing_names  # noqa: E402
 from fit_tables import fine_tuning, fits, generation  # noqa: E402
 from metal_tables import TABLES as METAL_TABLES  # noqa: E402
 from paper_tables import TABLES as PAPER_TABLES  # noqa: E402
@@ -291,7 +292,7 @@ def main() -> int:
     options = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     options.add_argument("--check", action="store_true")
     check = options.parse_args().check
-    faults = outdated() + long_lines(ROOT)
+    faults = outdated() + long_lines(ROOT) + missing_names(ROOT)
     for page in sorted((ROOT / "docs").glob("*.md")):
         text = page.read_text()
         new = rendered(text, str(page.relative_to(ROOT)))

@@ -30,7 +30,7 @@ def neo_hookean(xp: Any, stretches: list[Array], mu: float, lam: float) -> Array
 
 def fitted_stretches(xp: Any, sigma: list[Array], young: float, poisson: float) -> list[Array]:
     """n_i: the strain sigma_i n_i - 1 has the direction that is exact at rest and the length that
-    gives the energy (network/paper/paper_model.hpp)."""
+    gives the energy (network/paper_model.hpp)."""
     mu = young / (2 * (1 + poisson))
     lam = young * poisson / ((1 + poisson) * (1 - 2 * poisson))
     a = math.sqrt(2 * mu / young)
