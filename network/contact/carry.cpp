@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A start value of a step that is clear of colliders which have moved.
+// The start value of a step, moved clear of colliders that have moved.
 #include "core/parallel.hpp"
 #include "network/contact/contact.hpp"
 
@@ -7,8 +7,8 @@
 
 namespace elastogen {
 
-/// Whether a wall's motion takes a point more than half of its distance; marks the nodes of all
-/// points that it may reach.
+/// Whether the motion of a collider halves its distance to some point; marks the nodes of all
+/// points that the collider may reach.
 bool Contact::crowds(const Wall& wall, double motion) {
   bool found = false;
   std::fill(carried_.begin(), carried_.end(), uint8_t(0));

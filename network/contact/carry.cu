@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where steps begin, clear of colliders that have moved, and where they must end; carry.cpp on the
-// device.
+// Start and end of steps clear of colliders that have moved: carry.cpp on the device.
 #include "network/contact/contact.cuh"
 
 namespace elastogen::cuda {
 
-/// The walls at the start and at the end of a step.
+/// Positions of the colliders at the start and at the end of a step.
 void DeviceContact::Impl::place_walls(double time) {
   for (size_t w = 0; w < cores.size(); ++w) {
     host_walls[w].from = offset_at(cores[w], time);
@@ -29,8 +28,8 @@ void DeviceContact::begin_step(const double* u, double time) {
   impl_->take_lags(u);
 }
 
-/// Whether a wall's motion takes a point more than half of its distance; marks the nodes of all
-/// points that it may reach.
+/// Whether the motion of a collider halves its distance to some point; marks the nodes of all
+/// points that the collider may reach.
 bool DeviceContact::Impl::crowds(int wall, const double* u, double motion) {
   const ContactView v = view();
   uint8_t* mark = carried.data();
@@ -52,7 +51,7 @@ bool DeviceContact::Impl::crowds(int wall, const double* u, double motion) {
   return numbers[0].crowded > 0;
 }
 
-/// Moves the marked nodes along with a wall.
+/// Moves the marked nodes along with a collider.
 void DeviceContact::Impl::carry_along(int wall, const Vec3& motion, double size, double* u) {
   const ContactView v = view();
   const double* X = rest.data();
@@ -77,7 +76,8 @@ void DeviceContact::Impl::carry(double* u) {
   }
 }
 
-/// What the points allow of the straight way from u to `end`.
+/// Finds the share of the straight path from u to `end` that all points allow, and a collider whose
+/// core contains a point at u.
 void DeviceContact::Impl::find_way(const double* u, const double* end) {
   const ContactView v = view();
   Way* on_device = way.data();

@@ -62,7 +62,8 @@ Contact::Ball Contact::find_places(const double* u, std::vector<Vec3>& places) {
   return ball;
 }
 
-/// Whether a point of the body may be nearer to a core than `within`; distances are 1-Lipschitz.
+/// Whether a point of the body may be nearer to a core than `within`; distances are 1-Lipschitz, so
+/// the ball around the body decides.
 bool Contact::reaches(const Wall& wall, const Ball& body, double within) const {
   return !(proximity(wall.core, wall.to, body.centre).distance - body.radius > within);
 }
@@ -139,7 +140,7 @@ void Contact::linearise(const double* u) {
   }
 }
 
-/// Row sums of one point's stiffness.
+/// Adds one point's stiffness to the row sums of its nodes.
 void Contact::add_nodal(const Frozen& frozen) {
   const int32_t* corners = scene_.grid.corners.row(scene_.surface.voxel(frozen.point));
   for (int c = 0; c < 8; ++c) {
@@ -164,7 +165,7 @@ void Contact::add_hessian_product(const float* p, float* f) const {
     Vec3 d = {};
     for (int c = 0; c < 8; ++c)
       for (size_t i = 0; i < 3; ++i) d[i] += w[c] * double(p[3 * size_t(corners[c]) + i]);
-    // normal n n^T + across (I - m m^T - t t^T) + along t t^T, m the normal that friction has
+    // normal n n^T + across (I - m m^T - t t^T) + along t t^T, m the normal at the step's start
     const double normal = k.normal * dot(d, k.n), lagged = k.across * dot(d, k.lagged);
     const double along = (k.along - k.across) * dot(d, k.direction);
     for (size_t i = 0; i < 3; ++i)
@@ -180,7 +181,7 @@ double Contact::longest_step(const double* u, const double* end) {
   const Ball from = find_places(u, place_), to = find_places(end, end_);
   double longest = 1;
   for (const Wall& wall : walls_) {
-    // no point leaves the hull of both balls
+    // one ball holds all points on their paths
     const double way = std::hypot(to.centre[0] - from.centre[0], to.centre[1] - from.centre[1],
                                   to.centre[2] - from.centre[2]);
     const Ball swept = {from.centre, std::max(from.radius, way + to.radius)};

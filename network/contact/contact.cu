@@ -45,12 +45,14 @@ DeviceContact::Impl::Impl(const PotentialTerms& host)
       crowd_sums(1),
       way(1),
       numbers(1) {
+  // the cores of the colliders, which begin at rest
   for (const Collider& c : scene.colliders) {
     cores.push_back(core_of(c, lengths.layer));
     host_walls.push_back({{}, cores.back(), c.friction});
   }
   list_entries();
   blocks = DeviceArray<double>(6 * nodes.size());
+  // nodes move along only with colliders that move
   if (!moving) return;
   rest = DeviceArray<double>(numbers_of(scene.grid.rest));
   pinned = DeviceArray<uint8_t>(
@@ -58,9 +60,10 @@ DeviceContact::Impl::Impl(const PotentialTerms& host)
   carried = DeviceArray<uint8_t>(pinned.size());
 }
 
-/// The points of each node, in their order.
+/// Lists the points of each surface node, in the order of the points.
 void DeviceContact::Impl::list_entries() {
   const Array<double>& w = scene.surface.weights;
+  // body(point, node, weight) for every weight of a node that is not pinned
   const auto for_entries = [&](const auto& body) {
     for (int64_t p = 0; p < w.rows(); ++p)
       for (int c = 0; c < 8; ++c) {
@@ -68,6 +71,7 @@ void DeviceContact::Impl::list_entries() {
         if (w(p, c) != 0 && !scene.pinned(node)) body(p, node, w(p, c));
       }
   };
+  // nodes with points are surface nodes; the sums of counts are where their lists begin
   std::vector<int32_t> count(size_t(scene.grid.node_count())), next(count.size());
   for_entries([&](int64_t, int32_t node, double) { ++count[size_t(node)]; });
   std::vector<int32_t> first = {0};
@@ -77,6 +81,7 @@ void DeviceContact::Impl::list_entries() {
     surface_nodes.push_back(int32_t(n));
     first.push_back(first.back() + count[n]);
   }
+  // fill the lists point by point
   std::vector<int32_t> points(size_t(first.back()));
   std::vector<double> values(points.size());
   for_entries([&](int64_t p, int32_t node, double value) {
@@ -114,6 +119,7 @@ void DeviceContact::start_evaluation(const double* u, T* g) {
   Vec3* forces = impl_->force.data();
   int32_t* any = impl_->touched.data();
   ContactNumbers* to = impl_->numbers.data();
+  // energy and force of each point over all colliders; infinite inside a core
   ordered_sum(
       v.points, impl_->energy_sums.data(),
       [=] __device__(int64_t p, ContactSums & sum) {
@@ -132,6 +138,7 @@ void DeviceContact::start_evaluation(const double* u, T* g) {
         forces[p] = all;
       },
       [=] __device__(const ContactSums& sum) { to->sums = sum, *any = sum.energy != 0; });
+  // nodes gather the forces of their points
   if (g) impl_->gather_forces(g);
 }
 

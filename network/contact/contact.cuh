@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What DeviceContact holds, for the files that make it up: contact.cu (energy, force,
-// stiffness), carry.cu (where steps start and end).
+// The data of DeviceContact, for its two sources: contact.cu (energy, force, stiffness) and
+// carry.cu (where steps start and end).
 
 #pragma once
 
@@ -10,13 +10,13 @@
 
 namespace elastogen::cuda {
 
-/// A collider's core on its way through the step.
+/// A collider's core and its path through the step.
 struct DeviceWall : WallPath {
   ColliderForm core;
   double friction = 0;
 };
 
-/// The points of the surface and the walls, as kernels take them.
+/// The points of the surface and the colliders, as kernels read them.
 struct ContactView {
   const int32_t* corners;                        ///< (points, 8)
   const double *weights, *position, *stiffness;  ///< (points, 8), (points, 3), (points)
@@ -43,7 +43,7 @@ struct ContactView {
   }
 };
 
-/// The points of each node of the surface that is not pinned, and their weights there.
+/// For each surface node that is not pinned: its points and their weights.
 struct GatherView {
   const int32_t *nodes, *begin, *point;  ///< (count), (count + 1), (entries)
   const double* weight;                  ///< (entries)
@@ -59,7 +59,8 @@ struct ContactSums {
   }
 };
 
-/// What points allow of a way: the least share, and the first wall that one lies in at its start.
+/// The largest share of a path that all points allow, and the first collider whose core contains a
+/// point at its start (1e300: none).
 struct Way {
   double share = 1, inside = 1e300;
   __device__ void add(const Way& o) {
@@ -68,11 +69,11 @@ struct Way {
   }
 };
 
-/// What the host asks for.
+/// Numbers that the host reads.
 struct ContactNumbers {
   ContactSums sums;
   Way way;
-  double crowded = 0;  ///< points that a wall crowds
+  double crowded = 0;  ///< points that a collider crowds
 };
 
 struct DeviceContact::Impl {
@@ -100,7 +101,7 @@ struct DeviceContact::Impl {
   std::vector<Collider> cores;
   std::vector<DeviceWall> host_walls;
   std::vector<int32_t> surface_nodes;
-  bool moving = false;  // some wall has a path
+  bool moving = false;  // some collider has a path
   bool stiff = false;
 
   DeviceArray<int32_t> corners;
@@ -113,7 +114,7 @@ struct DeviceContact::Impl {
   DeviceArray<double> frozen;    // symmetric, (points, 6)
   DeviceArray<double> blocks;    // of nodal_stiffness
   DeviceArray<int32_t> touched;  // 1: forces are not all 0
-  DeviceArray<double> rest;      // of the nodes, with moving walls, as the next two
+  DeviceArray<double> rest;      // of the nodes; like the next two for moving colliders only
   DeviceArray<uint8_t> pinned, carried;
   DeviceArray<SumRoom<ContactSums>> energy_sums;
   DeviceArray<SumRoom<Way>> way_sums;

@@ -4,11 +4,12 @@
 //
 //     E = sum_pc A_p kappa b(d_pc / dhat) + sum_pc mu_c N_pc f0(|slip_pc|)
 //
-// d_pc is the distance of point p from the core of collider c, what is left of it below the layer
-// dhat, where its path says at the end of the step. kappa = E dhat^2 / h, so that a voxel in
-// contact is held with a stiffness of about E h. A body that only touches feels no force; it sinks
-// by a few per cent of h under its own weight and never by more than dhat. N_pc and the normal that
-// slip is measured across are those of the start of the step; slip is relative to the collider.
+// The core of a collider is the collider without its outermost layer of depth dhat. d_pc is the
+// distance of point p from the core of collider c, at the collider's position at the end of the
+// step. kappa = E dhat^2 / h, so that a voxel in contact is held with a stiffness of about E h. A
+// body that only touches feels no force; it sinks by a few per cent of h under its own weight and
+// never by more than dhat. N_pc, and the normal across which slip is measured, are from the start
+// of the step; slip is relative to the collider.
 
 #pragma once
 
@@ -24,22 +25,23 @@ class Contact {
   explicit Contact(const Scene& scene);
 
   bool exists() const { return points_ > 0; }
-  /// A kappa of each point [J].
+  /// A_p kappa of each point [J].
   const std::vector<double>& stiffness() const { return stiffness_; }
   const ContactLengths& lengths() const { return lengths_; }
   /// Time at the start of the step [s].
   double start_time() const { return start_time_; }
 
-  /// Puts the colliders where they are at the end of a step that starts at `time`, and takes slip,
-  /// normals and normal forces from the displacement u at its start, (nodes, 3).
+  /// Moves the colliders to the end of a step that starts at `time`. Finds the normals, the normal
+  /// forces and the start of the slip from the displacement u at the start of the step, (nodes, 3).
   void begin_step(const double* u, double time = 0);
 
-  /// Where a collider comes closer to the body than half the distance of its start, moves the nodes
-  /// that it can reach along with it, so that they keep their distance. Towards another collider
-  /// they move by the share w = d_other / (d_other + d), which squeezes the gap evenly.
+  /// If a collider comes closer to the body than half its distance at the start, moves the nodes
+  /// that it can reach along with it, so that they keep their distance. Nodes ahead of which
+  /// another collider lies move by the share w = d_other / (d_other + a d), which closes the gap
+  /// evenly; a is the cosine between the motion and the direction to the other collider.
   void carry(double* u);
 
-  /// The collider whose core a point lies in at u, null if none.
+  /// The collider whose core contains a point at u, null if none.
   const Collider* obstacle(const double* u);
 
   /// Energy [J] at u; adds its gradient [N] to g where g is not null. Infinite if a point is in the
@@ -47,21 +49,21 @@ class Contact {
   template <class T>
   double evaluate(const double* u, T* g);
 
-  /// Freezes the positive stiffness at u: per point and collider along the normal and across it
-  /// [N/m], without the turning of the normal, which lowers it.
+  /// Freezes the stiffness at u, along the normal of each point and collider and across it [N/m].
+  /// It stays positive, because the rotation of the normal, which lowers it, is left out.
   void linearise(const double* u);
   /// Adds the frozen Hessian times p to f.
   void add_hessian_product(const float* p, float* f) const;
-  /// Nodes with frozen stiffness, and the row sums of it, symmetric 3x3 blocks [N/m], (stiff nodes,
-  /// 9).
+  /// Nodes with frozen stiffness, and their row sums of it: symmetric 3x3 blocks [N/m],
+  /// (stiff nodes, 9).
   const std::vector<int32_t>& stiff_nodes() const { return stiff_nodes_; }
   const std::vector<double>& stiff_blocks() const { return stiff_blocks_; }
 
-  /// Largest share, at most 1, of the way from u to `end` on which each point keeps 10 % of its
-  /// distance all along.
+  /// Largest share, at most 1, of the straight path from u to `end` along which each point keeps at
+  /// least 10 % of its distance.
   double longest_step(const double* u, const double* end);
 
-  /// Deepest place of a point below a collider's surface [m], 0 if none.
+  /// Largest depth of a point below a collider's surface [m], 0 if none.
   double deepest_overlap(const double* u);
 
  private:
@@ -69,7 +71,7 @@ class Contact {
     Collider core = {};
     bool rubs = false;  // friction acts on some point
   };
-  /// Frozen stiffness of a point at a wall.
+  /// Frozen stiffness of a point at a collider.
   struct Frozen {
     int64_t point = 0;
     PointStiffness k = {};
@@ -97,10 +99,10 @@ class Contact {
   double start_time_ = 0;
   ContactLengths lengths_;
   std::vector<double> stiffness_;          // of each point [J]
-  std::vector<ContactLag> lags_;           // wall by wall
+  std::vector<ContactLag> lags_;           // collider by collider
   std::vector<Vec3> start_, place_, end_;  // of each point [m]
   std::vector<Box> boxes_;                 // of blocks of points
-  std::vector<Proximity> near_;            // of each point to the core in question
+  std::vector<Proximity> near_;            // of each point, to the core of one collider at a time
   std::vector<uint8_t> carried_;           // nodes
   std::vector<Frozen> active_;
   std::vector<int32_t> stiff_nodes_, stiff_place_;  // stiff_place_: of each node, -1 if none

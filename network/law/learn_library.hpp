@@ -13,10 +13,10 @@
 
 namespace elastogen {
 
-/// Changes with the tasks, LearnReply and the functions.
+/// Version of the tasks, LearnReply and the functions; it changes with them.
 inline constexpr int kLearnVersion = 4;
 
-/// What `elastogen train mtl` asks of the library; texts end with a zero.
+/// Arguments of `elastogen train mtl` for the library; texts end with a zero.
 struct TrainMtlTask {
   const char* law = "neo-hookean";  ///< of a single material, or a sum "0.3*stvk+0.7*hencky"
   double poisson = 0.45;
@@ -25,17 +25,18 @@ struct TrainMtlTask {
   const char* out = "";    ///< file of a single material, folder of a list
   int64_t steps = 0, samples = 0;
   uint64_t seed = 0;
-  double rate = 0;          ///< largest one of the optimiser
+  double rate = 0;          ///< largest rate of the optimiser
   const char* device = "";  ///< "cpu" or "cuda"
   int last_layer = 0;       ///< iterations on the last layer
   int shared = 0;           ///< 1: one pair of hidden layers for a list
   int resume = 0;           ///< 1: from the checkpoint, where there is one
 };
 
-/// What `elastogen train autoencoder` and `train diffusion` ask (diffusion/train_generator.hpp).
+/// Arguments of `elastogen train autoencoder` and `train diffusion`
+/// (diffusion/train_generator.hpp).
 struct TrainGeneratorTask {
   const char* dataset = "";      ///< file of `elastogen train dataset`
-  const char* autoencoder = "";  ///< file that codes are taken from
+  const char* autoencoder = "";  ///< file whose codes are used
   const char* out = "";
   const char* size = "compact";  ///< or "paper"
   const char* layers = "";       ///< "N,N,..." in place of the paper's
@@ -43,7 +44,7 @@ struct TrainGeneratorTask {
   int components = 0;            ///< of a compact code
   int64_t steps = 0, batch = 0;
   uint64_t seed = 0;
-  double rate = 0;  ///< largest one of the optimiser
+  double rate = 0;  ///< largest rate of the optimiser
   int resume = 0;   ///< 1: from the checkpoint, where there is one
 };
 

@@ -7,13 +7,13 @@
 namespace elastogen {
 namespace {
 
-/// Cells of a table in a unit of log stretch: a limit of Gent's law in or near the box takes the
-/// net back within a few of them.
+/// Cells of a table in a unit of log stretch. Gent's law needs more where its limit is in or near
+/// the box, because the weight of the net falls to 0 within a few cells there.
 int table_cells(const Law& law) {
   return law.kind == Law::Kind::kGent && law.shape < 12 ? 24 : 16;
 }
 
-/// Those of some log stretches where the net has a say, and their places.
+/// The log stretches of a list at which the net has weight, and their indices in it.
 struct Reached {
   std::vector<double> e;
   std::vector<int64_t> index;
@@ -29,7 +29,7 @@ Reached reached_by_net(const Law& law, const double* e, int64_t n) {
   return reached;
 }
 
-/// By the net, lane by lane packed into one call.
+/// Evaluates the net for all lanes in one call.
 template <bool kHessian, class T>
 LogResponse<T> by_net(const LearnedLaw& learned, const T e[3]) {
   using S = Scalar<T>;

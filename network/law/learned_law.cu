@@ -26,11 +26,14 @@ __device__ inline double warp_sum(double value) {
   return value;
 }
 
-/// f and its derivatives in x at one x, by a warp: each lane has four units of either layer, whose
-/// jets pass from the first to the second through `hidden` (kWidth kChannels).
+/// f and its derivatives in x at one x, by a warp. Each lane has four units of either layer. A jet
+/// is a value and its derivatives, kChannels numbers. The jets of the first layer go through
+/// `hidden`, (kWidth, kChannels) in shared memory, so that every lane reads all of them for the
+/// second layer. The output is a sum over the warp, which every lane gets.
 template <int kChannels>
 __device__ inline void net_jets(const Layers& net, int lane, const double x[3], double* hidden,
                                 double f[kChannels]) {
+  // first layer, into shared memory
   for (int j = 0; j < kUnits; ++j) {
     const int k = lane + j * kWarp;
     double z[kChannels];
@@ -38,6 +41,7 @@ __device__ inline void net_jets(const Layers& net, int lane, const double x[3], 
     for (int c = 0; c < kChannels; ++c) hidden[k * kChannels + c] = z[c];
   }
   __syncwarp();
+  // second layer, over all units of the first
   double z[kUnits][kChannels] = {};
 #pragma unroll 4
   for (int m = 0; m < kWidth; ++m)
@@ -46,6 +50,7 @@ __device__ inline void net_jets(const Layers& net, int lane, const double x[3], 
       for (int c = 0; c < kChannels; ++c) z[j][c] = fma(w, hidden[m * kChannels + c], z[j][c]);
     }
   __syncwarp();
+  // output, a sum over the lanes
   for (int c = 0; c < kChannels; ++c) f[c] = 0;
   for (int j = 0; j < kUnits; ++j) {
     const int k = lane + j * kWarp;
@@ -57,7 +62,7 @@ __device__ inline void net_jets(const Layers& net, int lane, const double x[3], 
   f[0] += double(*net.b3);
 }
 
-/// What a net adds at e, from f and its derivatives of the three axes, kChannels each.
+/// The correction of a net at e, from f and its derivatives for the three axes, kChannels each.
 template <bool kHessian>
 __device__ inline LogJet added_by_net(const DeviceMaterial& m, const double e[3], const double* f) {
   constexpr int kChannels = kHessian ? 10 : 4;
@@ -68,7 +73,7 @@ __device__ inline LogJet added_by_net(const DeviceMaterial& m, const double e[3]
   return learned::difference({m.law.law, m.net.mu, m.net.lambda}, e, theta);
 }
 
-/// f and its derivatives of the three axes at the log stretches of a voxel, [axis][channel], by a
+/// f and its derivatives for the three axes at the log stretches of a voxel, [axis][channel], by a
 /// warp.
 template <int kChannels>
 __device__ inline void voxel_jets(const Layers& net, int lane, const double e[3], double* hidden,
@@ -82,8 +87,10 @@ __device__ inline void voxel_jets(const Layers& net, int lane, const double e[3]
   }
 }
 
-/// A warp has a row of eight voxels and takes one after another; what comes of f is left to the
-/// lanes of the voxels.
+/// Corrections of a row of eight voxels, one warp for each row. The whole warp evaluates the net at
+/// one voxel after another, and leaves f and its derivatives in shared memory; it skips voxels
+/// where the correction has weight 0. Then each of the first eight lanes makes the correction of
+/// its own voxel from them and stores it.
 template <bool kHessian>
 __global__ void __launch_bounds__(kWarp* kWarps)
     net_kernel(int64_t rows, const VoxelRow* row_of, const DeviceMaterial* materials,
@@ -99,12 +106,14 @@ __global__ void __launch_bounds__(kWarp* kWarps)
   const DeviceMaterial& material = materials[row.material];
   if (!material.net.weights) return;
   const double* asked = logs + r * 3 * kLanes;
+  // log stretches of this lane's voxel, and whether the net has weight there
   const bool mine = lane < kLanes && (row.mask >> lane & 1);
   double e[3] = {};
   if (mine)
     for (int i = 0; i < 3; ++i) e[i] = asked[i * kLanes + lane];
   const bool reached = mine && learned::weight(material.law.law, e).psi > 0;
   const unsigned all_reached = __ballot_sync(0xffffffff, reached);
+  // the net at each voxel in turn
   for (int v = 0; v < kLanes; ++v) {
     const double at[3] = {asked[v], asked[kLanes + v], asked[2 * kLanes + v]};
     if (all_reached >> v & 1)
@@ -112,6 +121,7 @@ __global__ void __launch_bounds__(kWarp* kWarps)
   }
   __syncwarp();
   if (!mine) return;
+  // each lane's own correction
   const LogJet jet = reached ? added_by_net<kHessian>(material, e, f[warp][lane]) : LogJet{};
   double* to = results + r * kNetFields * kLanes + lane;
   to[0] = jet.psi;

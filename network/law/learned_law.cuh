@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Materials on the device: a law, and what a net adds to it, by its table or by the net itself. The
-// latter takes three passes: one over the voxels leaves the log stretches at which they ask, a
-// kernel evaluates the nets at all of them, in float64 as on the host, and the pass that needs what
-// they add finds it there.
+// Materials on the device: a law, and the correction that a net adds to it, from a table or from
+// the net itself. The net itself takes three passes: a pass over the voxels stores the log
+// stretches at which nets are needed, a kernel evaluates the nets there, in float64 as on the host,
+// and the pass that needs the corrections reads them.
 
 #pragma once
 
@@ -11,21 +11,21 @@
 
 namespace elastogen::cuda {
 
-/// A net that is evaluated itself.
+/// A net that is evaluated itself, without a table.
 struct NetView {
   const float* weights = nullptr;  ///< of NeuralMtl, W2 column-major; null: there is none
   MtlTerms terms;
-  double mu = 0, lambda = 0;  ///< of its law with E = 1
+  double mu = 0, lambda = 0;  ///< of the net's law with E = 1
 };
 
-/// A material, as kernels take it.
+/// A material, as kernels read it.
 struct DeviceMaterial {
   LawParameters<double> law;
-  MtlTableView table = {};  ///< without coefficients: the law itself, or the net
+  MtlTableView table = {};  ///< without coefficients: the law alone, or the net
   NetView net = {};
 };
 
-/// Response of a material to stretches; `added` is what a net adds to its law.
+/// Response of a material to stretches; `added` is the correction by a net.
 template <class T, bool kHessian, class Added>
 struct Respond {
   LawParameters<T> law;
@@ -49,7 +49,7 @@ __device__ inline Respond<T, kHessian, Added> response_of(const LawParameters<T>
   return {law, added};
 }
 
-/// Scenes without nets, whose kernels have no code for them.
+/// For scenes without nets: their kernels contain no code for them.
 struct NoNets {
   struct Added {
     __device__ static constexpr bool exists() { return false; }
@@ -62,7 +62,7 @@ struct NoNets {
   __device__ Added operator()(const VoxelRow&, int64_t, int) const { return {}; }
 };
 
-/// What nets add by their tables.
+/// Corrections by tables of nets.
 struct NetTables {
   struct Added {
     MtlTableView table;
@@ -81,7 +81,7 @@ struct NetTables {
 
 inline constexpr int kNetFields = 10;  ///< psi, w, ww
 
-/// What nets add where they have been evaluated, [row][10][lane]; by tables where there are some.
+/// Corrections that evaluate_nets has found, [row][10][lane], or by tables of nets.
 struct NetResults {
   struct Added {
     MtlTableView table;
@@ -107,10 +107,10 @@ struct NetResults {
   }
 };
 
-/// Leaves the log stretches at which a net is asked, [row][3][lane], and adds nothing.
+/// Stores the log stretches at which a net is needed, [row][3][lane]; the correction is 0.
 struct NetQuestions {
   struct Added {
-    double* logs;  ///< of the voxel's row and lane; null: no net to ask
+    double* logs;  ///< of the voxel's row and lane; null: no net
     __device__ bool exists() const { return logs != nullptr; }
     template <bool kHessian, class T>
     __device__ LogResponse<T> at(const T e[3]) const {
@@ -126,8 +126,8 @@ struct NetQuestions {
   }
 };
 
-/// What nets add at the log stretches, with second derivatives or without; in the rows whose
-/// material is one that is evaluated itself.
+/// Evaluates the nets at the log stretches, with second derivatives if kHessian, in the rows of
+/// materials whose net is evaluated itself.
 template <bool kHessian>
 void evaluate_nets(const DeviceRows& rows, const DeviceMaterial* materials, const double* logs,
                    double* results);

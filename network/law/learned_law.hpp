@@ -4,10 +4,9 @@
 //
 //     psi = w psi_theta + (1 - w) psi_law,     w = prod_i r(|e_i|; 0.9, 1.25) r(|tr e|; ln 2, 1.2),
 //
-// r falls from 1 to 0 as a polynomial of degree five, so psi is C2 everywhere; at rest it is
-// psi_theta, far away the law with its extension to inverted states. Gent's law, which is singular
-// at a limit of I1 - 3, has a box that ends at 0.9 of it: one more factor r((I1 - 3)/limit;
-// 0.9, 1.5).
+// r falls from 1 to 0 as a polynomial of degree five, so psi is C2 everywhere: psi_theta at rest,
+// and far away the law with its extension to inverted states. Gent's law is singular at a limit of
+// I1 - 3; its box ends at 0.9 of the limit, by one more factor r((I1 - 3)/limit; 0.9, 1.5).
 
 #pragma once
 
@@ -22,17 +21,16 @@
 
 namespace elastogen {
 
-/// The box that nets are fitted in, |e_i| and |tr e|, and where the law alone is left.
+/// Bounds of |e_i| and |tr e|: of the box that nets are fitted in, and where only the law is left.
 inline constexpr double kFittedStretch = 0.9, kFittedTrace = 0.69314718055994530942;
 inline constexpr double kBlendedStretch = MtlTable::kReach, kBlendedTrace = 1.2;
-/// The same of I1 - 3 over the limit of Gent's law.
+/// These bounds for I1 - 3 over the limit of Gent's law.
 inline constexpr double kFittedShare = 0.9, kBlendedShare = 1.5;
 
-/// How psi_theta is evaluated: from the table of its difference to the law, or by the net itself in
-/// float64.
+/// How psi_theta is evaluated: by a table of its difference to the law, or by the net in float64.
 enum class Evaluation : uint8_t { kTable, kNet };
 
-/// A net with what it is blended into; shared by the materials that use it, whatever their E.
+/// A net and the law that it is blended with; shared by materials that differ only in E.
 class LearnedLaw {
  public:
   /// @param weights  of the net; @param law, poisson  that it was fitted to.
@@ -52,7 +50,7 @@ class LearnedLaw {
   /// (psi - psi_law)/E and its derivatives at n log stretches, (n, 3), in float64 by the net.
   template <bool kHessian>
   void difference(const double* e, int64_t n, LogJet* result) const;
-  /// Its values alone, of which the table is made: a quarter of the work.
+  /// Values alone, as the table needs them: a quarter of the work.
   void difference(const double* e, int64_t n, double* psi) const;
 
  private:
@@ -89,7 +87,7 @@ ELASTOGEN_HD inline S young_of(const LawParameters<S>& law) {
   return law.mu * (3 * law.lambda + 2 * law.mu) / (law.lambda + law.mu);
 }
 
-/// Response of a law and what a net adds to it, `difference(e)` over E in the log stretches e:
+/// Response of a law plus the correction by a net, E times `difference(e)` in the log stretches e:
 ///
 ///     t_i = w_i/s_i,     H_ij = (w_ij - d_ij w_i)/(s_i s_j).
 ///
@@ -100,6 +98,7 @@ ELASTOGEN_HD inline Response<T> corrected_response(const LawParameters<Scalar<T>
                                                    T& outside) {
   using S = Scalar<T>;
   constexpr S kSmallest = S(0.1), kLargest = S(10);  // there the difference is 0
+  // log stretches, of stretches within these bounds
   T e[3], safe[3], inverse[3];
   for (int i = 0; i < 3; ++i) {
     safe[i] = smaller(larger(s[i], constant<T>(kSmallest)), constant<T>(kLargest));
@@ -107,6 +106,7 @@ ELASTOGEN_HD inline Response<T> corrected_response(const LawParameters<Scalar<T>
   }
   outside = in_fitted_box(law.law, e) ? T{} : constant<T>(1);
   const S young = young_of(law);
+  // the law, then the difference in terms of stretches
   Response<T> r = elastic_response<kHessian>(law, s);
   const LogResponse<T> d = difference(e);
   r.psi += young * d.psi;
@@ -122,7 +122,7 @@ ELASTOGEN_HD inline Response<T> corrected_response(const LawParameters<Scalar<T>
   return r;
 }
 
-/// What a net adds to energy and second Piola stress of its law at Green's strain
+/// Adds the correction by a net to energy and second Piola stress of its law at Green's strain
 /// E = sum_i E_i v_i v_i^T:
 ///
 ///     psi += E D(e),     S += sum_i E w_i/s_i^2 v_i v_i^T,     s_i^2 = 1 + 2 E_i,  e_i = ln s_i.
@@ -150,11 +150,11 @@ ELASTOGEN_HD inline void add_difference(const LawParameters<Scalar<T>>& law, con
   for (int k = 0; k < 6; ++k) S.m[k] += more.m[k];
 }
 
-/// D of a net with its slope, by its evaluation.
+/// D of a net with its slope, evaluated as learned.evaluation() says.
 template <class T>
 LogResponse<T> learned_difference(const LearnedLaw& learned, const T e[3]);
 
-/// corrected_response with a net by its evaluation; the law's where the net has no say.
+/// corrected_response with a net, evaluated as learned.evaluation() says.
 template <bool kHessian, class T>
 Response<T> learned_response(const LearnedLaw& learned, const LawParameters<Scalar<T>>& law,
                              const T s[3], T& outside);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The maths of what a net adds to its law (learned_law.hpp) for host and device: the weight w of
-// the net and its derivatives in the log stretches e, the law in e, and w (psi_theta - psi_law).
+// The correction of a law by a net (learned_law.hpp), for host and device: the weight w of the net
+// and its derivatives in the log stretches e, the law in e, and w (psi_theta - psi_law).
 
 #pragma once
 
@@ -53,7 +53,7 @@ ELASTOGEN_HD inline LogJet composed(const Ramp& r, const double y_i[3], const do
   return jet;
 }
 
-/// The factor of the limit of I1 - 3 = sum E_i - 3, E_i = exp(2 e'_i).
+/// The factor of w for the limit of I1 - 3 = sum E_i - 3, E_i = exp(2 e'_i).
 ELASTOGEN_HD inline LogJet limit_weight(const double e[3], double limit) {
   const double mean = (e[0] + e[1] + e[2]) / 3;
   double E[3], y_i[3], y_ij[6];

@@ -11,7 +11,7 @@
 namespace elastogen {
 namespace {
 
-// knots beyond the reach: what the spline rings there decays by 0.27 a knot, then it is cut off
+// knots beyond the reach: the ringing of the spline decays by 0.27 a knot there, then it is cut off
 constexpr int kPad = 8;
 
 /// A cube of numbers around rest.
@@ -54,7 +54,7 @@ void prefilter(Cube& cube) {
   });
 }
 
-/// Values of the source at the knots: a sixth of them asked for, the others by symmetry.
+/// Values of the source at the knots: a sixth of them are computed, the others follow by symmetry.
 Cube sample(const MtlTable::Source& source, int cells) {
   const int reach = int(MtlTable::kReach * cells);
   Cube cube(reach + kPad);
@@ -76,8 +76,8 @@ Cube sample(const MtlTable::Source& source, int cells) {
   return cube;
 }
 
-/// A quadratic symmetric in three arguments, value + slope sum x + square/2 sum x^2 + product sum
-/// x y, in coefficients of the spline with knots at integers.
+/// The quadratic value + slope sum x + square/2 sum x^2 + product sum x y, symmetric in three
+/// arguments, as coefficients of the spline with knots at integers.
 struct Quadratic {
   double value = 0, slope = 0, square = 0, product = 0;
 
@@ -106,8 +106,8 @@ Quadratic at_rest(Cube& c) {
   return q;
 }
 
-/// 1 for the knots next to rest, 0 six knots away from it: what the spline has wrong at rest is
-/// taken off there and not everywhere.
+/// 1 for the knots next to rest, 0 six knots away from it: the error of the spline at rest is
+/// subtracted near rest alone.
 double window(int k) {
   const double x = std::clamp((std::abs(k) - 1.0) / 5, 0.0, 1.0);
   return 1 - x * x * x * (10 + x * (6 * x - 15));
@@ -128,7 +128,7 @@ MtlTable::MtlTable(const Source& source, int cells) : cells_(cells) {
     for (int y = -edge; y <= edge; ++y)
       for (int x = -edge; x <= edge; ++x, ++next) {
         int k[3] = {x, y, z};
-        std::sort(k, k + 3);  // the same bits whatever the order of the stretches
+        std::sort(k, k + 3);                         // equal bits for every order of the stretches
         if (std::max(-k[0], k[2]) > zero) continue;  // C2 to 0 at the end of the table
         const double taken = rest.coefficient(k[0], k[1], k[2]) * window(x) * window(y) * window(z);
         coefficients_[next] = float(cube.at(k[0], k[1], k[2]) - taken);

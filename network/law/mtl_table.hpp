@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a net adds to the law that it stands for, as a table: a C2 function D of the log stretches
-// e whose gradient and Hessian are its exact derivatives, a tricubic B-spline. D is symmetric in
-// its three arguments, has no value, slope and curvature at rest, and is 0 far from it.
+// The correction of a law by a net, as a table: a tricubic B-spline D of the log stretches e. It is
+// C2, and its gradient and Hessian are exact derivatives. D is symmetric in its three arguments;
+// its value, slope and curvature are 0 at rest, and it is 0 far from rest.
 //
 //     psi = psi_law + E D(e),      D = w (psi_theta - psi_law)/E       (network/law/learned_law.hpp)
 //
@@ -22,7 +22,7 @@ struct LogResponse {
   T psi, w[3], ww[6];
 };
 
-/// The coefficients of a table, wherever they lie.
+/// The coefficients of a table, on the host or on a device.
 struct MtlTableView {
   const float* coefficients;  ///< of the B-splines, a cube, the first index the fastest
   int cells;                  ///< in a unit of log stretch
@@ -47,7 +47,6 @@ class MtlTable {
   /// @param cells  in a unit of log stretch, 8 to 64.
   MtlTable(const Source& source, int cells);
 
-  /// The spline at any log stretches; 0 a little beyond kReach.
   template <bool kHessian, class T>
   LogResponse<T> evaluate(const T e[3]) const {
     return view().evaluate<kHessian>(e);
@@ -55,7 +54,7 @@ class MtlTable {
   MtlTableView view() const { return {coefficients_.data(), cells_, half_}; }
 
   int cells() const { return cells_; }
-  /// Of the B-splines, a cube, the first index the fastest; rest is in its middle.
+  /// Coefficients of the B-splines, a cube, the first index the fastest; rest is in its middle.
   const std::vector<float>& coefficients() const { return coefficients_; }
   int64_t bytes() const { return int64_t(coefficients_.size() * sizeof(float)); }
 
@@ -126,14 +125,14 @@ ELASTOGEN_HD inline Cell<T> cell(const T& y, int half) {
   return c;
 }
 
-/// Four numbers in a row at an offset from a place of each lane.
+/// Loads four consecutive numbers for each lane, at an offset from its place.
 template <class T>
 requires is_pack<T>
 inline void gather(const float* from, const int* place, int offset, T result[4]) {
   using Four = float __attribute__((vector_size(16)));
   Four of[kLanes];
   for (int l = 0; l < kLanes; ++l) std::memcpy(&of[l], from + place[l] + offset, sizeof(Four));
-  // transposed: pairs of lanes four apart, then of neighbours, then of those
+  // transposes: joins lanes four apart, then neighbours, then these
   Pack<float> pair[4], low[2], high[2];
   for (int l = 0; l < 4; ++l)
     pair[l] = __builtin_shufflevector(of[l], of[l + 4], 0, 1, 2, 3, 4, 5, 6, 7);
@@ -149,7 +148,7 @@ inline void gather(const float* from, const int* place, int offset, T result[4])
   result[3] = numbers(__builtin_shufflevector(high[0], high[1], 2, 3, 10, 11, 6, 7, 14, 15));
 }
 
-/// The same of one place.
+/// gather for one place.
 template <class T>
 ELASTOGEN_HD inline void gather(const float* from, const int* place, int offset, T result[4]) {
   for (int k = 0; k < 4; ++k) result[k] = Scalar<T>(from[place[0] + offset + k]);
@@ -161,7 +160,7 @@ struct Plane {
   T value, x, y, xx, yy, xy;
 };
 
-/// @param place  of each lane's first coefficient; @param row  between two rows of them.
+/// @param place  of each lane's first coefficient. @param row  from a row of them to the next.
 template <bool kHessian, class T>
 ELASTOGEN_HD inline Plane<T> plane(const float* from, const int* place, int row, const Basis<T>& bx,
                                    const Basis<T>& by) {
@@ -198,6 +197,7 @@ ELASTOGEN_HD LogResponse<T> MtlTableView::evaluate(const T e[3]) const {
     corner[l] = (place[2].index[l] * n + place[1].index[l]) * n + place[0].index[l];
 
   LogResponse<T> r{};
+  // sum over four planes of coefficients
   for (int z = 0; z < 4; ++z) {
     const float* from = coefficients + size_t(z) * size_t(n) * size_t(n);
     const spline::Plane<T> p = spline::plane<kHessian>(from, corner, n, b[0], b[1]);

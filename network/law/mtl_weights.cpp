@@ -24,7 +24,7 @@ double card_number(const TensorFile& file, const std::string& key, const std::st
   return value;
 }
 
-/// A strain of the box of a law; small ones on spheres around rest.
+/// Draws a strain from the box of a law; a small one from a sphere around rest.
 void draw(const Law& law, std::mt19937_64& random, bool small, double e[3]) {
   std::uniform_real_distribution<double> uniform(-1, 1);
   std::normal_distribution<double> normal;

@@ -15,7 +15,7 @@ struct FitErrors {
   double stress_median = 0, stress_p99 = 0, stress_max = 0, tangent_p99 = 0;
 };
 
-/// What a fit must keep: 0.1 %, 0.5 %, 2 % of the local stress, 2 % of the tangent.
+/// Limits of a fit: 0.1 %, 0.5 %, 2 % of the local stress, 2 % of the tangent.
 inline constexpr FitErrors kFitLimits{1e-3, 5e-3, 2e-2, 2e-2};
 
 /// Whether every error is a number within its limit.
@@ -28,9 +28,9 @@ FitErrors fit_errors(const LearnedLaw& learned, int count = 20000, uint64_t seed
 /// Name of the file of a law at a Poisson ratio, "neo-hookean-0.45.weights".
 std::string weight_file_name(Law law, double poisson);
 
-/// What the bytes of a weight file hold.
+/// The law in the bytes of a weight file.
 /// @param place  name of the file, for messages.
-/// @throws Error (asset) as decode_tensors, and where the card is of another law or Poisson ratio,
+/// @throws Error (asset) as decode_tensors, and if the card is of another law or Poisson ratio,
 ///         lacks an error, or has one beyond its limit.
 std::shared_ptr<const LearnedLaw> read_weights(std::string_view bytes, const std::string& place,
                                                Law law, double poisson, Evaluation evaluation);

@@ -36,6 +36,7 @@ NeuralMtl::NeuralMtl(std::span<const float> weights, double poisson) {
                         poisson);
   mu_ = 1 / (2 * (1 + poisson));
   lambda_ = poisson / ((1 + poisson) * (1 - 2 * poisson));
+  // the layers, one after another; the first column by column
   const float* next = weights.data();
   const auto take = [&](std::vector<double>& to, int64_t count) {
     to.assign(next, next + count);
@@ -50,6 +51,7 @@ NeuralMtl::NeuralMtl(std::span<const float> weights, double poisson) {
   take(b2_, kWidth);
   take(w3_, kWidth);
   b3_ = double(*next);
+  // f and its slopes at rest, which strains subtract
   const double rest[3] = {};
   double jet[4];
   jets<4>(rest, 1, jet);

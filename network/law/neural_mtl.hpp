@@ -8,10 +8,10 @@
 //
 // with f_0, f_1 the derivatives of f at 0 in its first two inputs.
 //
-// The inputs do not tell j from k, so the law is isotropic exactly; the terms of f that are taken
-// off make psi = 0, t = 0 and H = 2 mu I + lambda 1 1^T at rest exact for any weights. The slope in
-// e_j e_k stays: it is of second order in e, changes none of the three, and without it q could not
-// have such a term (docs/papers.md).
+// The inputs are symmetric in j and k, so the law is exactly isotropic. The subtracted terms of f
+// make psi = 0, t = 0 and H = 2 mu I + lambda 1 1^T at rest exact for any weights. The slope in e_j
+// e_k is not subtracted: it is of second order in e, changes none of the three, and without it q
+// could not have such a term (docs/papers.md).
 // Stress and Hessian are the exact derivatives, by jets through the net. Energies in units of E.
 
 #pragma once
@@ -24,7 +24,7 @@
 
 namespace elastogen {
 
-/// Names the formula of psi_theta in model cards; weights of another one are of no use.
+/// Name of this formula of psi_theta in model cards; weights for another one cannot be used.
 inline constexpr const char* kMtlForm = "log stretches 2";
 
 class NeuralMtl {
@@ -34,7 +34,7 @@ class NeuralMtl {
 
   /// @param weights  W1 (128, 3), b1, W2 (128, 128), b2, w3 (128), b3, row-major, one after
   /// another.
-  /// @param poisson  that they were fitted for; gives a and b.
+  /// @param poisson  ratio that they were fitted for; gives a and b.
   /// @throws Error (asset) unless there are 17153 finite weights and 0 <= poisson < 0.5.
   NeuralMtl(std::span<const float> weights, double poisson);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The maths of psi_theta (neural_mtl.hpp) for host and device: jets through the activation and a
-// unit of the first layer, and from f and its derivatives to the energy and its own.
+// The formulas of psi_theta (neural_mtl.hpp) for host and device: jets through the activation and a
+// unit of the first layer, and the energy and its derivatives from f and those of f.
 
 #pragma once
 
@@ -17,7 +17,7 @@ struct LogJet {
   double ww[6] = {};  ///< d2psi/de_i de_j: 00, 11, 22, 01, 12, 20
 };
 
-/// What psi_theta has besides the net.
+/// The constants of psi_theta besides the weights.
 struct MtlTerms {
   double omega = 0, a = 0, b = 0;
   double f0[3] = {};  ///< f, f_0 and f_1 at rest
@@ -44,7 +44,7 @@ struct Silu {
   A value, first, second;
 };
 
-/// At z, of which s = 1/(1 + exp(-z)).
+/// SiLU at z, with s = 1/(1 + exp(-z)).
 template <class A>
 ELASTOGEN_HD inline Silu<A> silu(const A& z, const A& s) {
   const A slope = s * (1 - s);
@@ -64,7 +64,7 @@ ELASTOGEN_HD inline void activate(const Silu<A>& act, const Channel& channel) {
   channel(0) = act.value;
 }
 
-/// The same of one number.
+/// Jet of one number through the activation.
 template <int kChannels>
 ELASTOGEN_HD inline void activate(double z[kChannels]) {
   const double s = 1 / (1 + std::exp(-z[0]));
@@ -96,7 +96,7 @@ struct Strain {
   double q, d[3], dd[6];
 };
 
-/// From f and its derivatives in x_i, anchored.
+/// The strain from f and its derivatives in x_i, with the terms at rest subtracted.
 template <bool kHessian>
 ELASTOGEN_HD inline Strain strain(const double e[3], int i, const double f[10],
                                   const MtlTerms& terms) {

@@ -16,7 +16,7 @@
 
 namespace elastogen {
 
-/// What a voxel's lagged quadratic freezes.
+/// Frozen data of a voxel's lagged quadratic.
 template <class T>
 struct LaggedTarget {
   T NN[6];          ///< N N^T: 00, 11, 22, 01, 12, 20
@@ -61,7 +61,7 @@ ELASTOGEN_HD inline void fit_stretches(const Respond& respond, const LawParamete
   for (int i = 0; i < 3; ++i) n[i] = (1 + q[i] * scale) / s[i];
 }
 
-/// The same for a law, or its net.
+/// fit_stretches for a law, or its net.
 template <class T>
 inline void energy_fitted_stretches(const LearnedLaw* learned, const LawParameters<Scalar<T>>& law,
                                     const T sigma[3], T n[3]) {

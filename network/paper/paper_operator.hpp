@@ -16,8 +16,8 @@ ELASTOGEN_HD inline void times_slope(const T NN[6], const T d[3], T result[3]) {
   result[2] = d[0] * NN[5] + d[1] * NN[4] + d[2] * NN[2];
 }
 
-/// Stress of the lagged quadratic, omega (dF N N^T + rest), rest with kAffine only; dF is the
-/// gradient of the motion times 4 h, and so is the result.
+/// Stress of the lagged quadratic, omega (dF N N^T + rest), with rest only if kAffine; dF is the
+/// gradient of the motion times 4 h, and the result has this factor too.
 template <bool kAffine, class T>
 ELASTOGEN_HD inline void lagged_stress(Scalar<T> h, Scalar<T> omega, const T NN[6], const T rest[9],
                                        const T dF[9], T dP[9]) {
@@ -31,14 +31,15 @@ ELASTOGEN_HD inline void lagged_stress(Scalar<T> h, Scalar<T> omega, const T NN[
   }
 }
 
-/// Shares of a voxel's corners in the diagonal D of RNN-2's sweeps [N/m] (paper_solver.hpp): by the
-/// majorant of a full voxel with the variance term, by absolute row sums of a border voxel with it,
-/// else the diagonal itself.
+/// Shares of a voxel's corners in the diagonal D of RNN-2's sweeps [N/m] (paper_solver.hpp). With
+/// the variance term a full voxel has its majorant and a border voxel the absolute row sums;
+/// without it both have the diagonal itself.
 template <class S>
 ELASTOGEN_HD inline void diagonal_shares(const VoxelData<S>& v, bool border, const S NN[6],
                                          S largest_slope, S share[8]) {
   const S omega = lagged_weight(v.law);
   const bool variance = v.hourglass != Hourglass::kOff;
+  // the majorant of a full voxel
   if (!border && variance) {
     S kappa = largest_slope;
     for (int k = 0; k < 4; ++k) kappa = larger(kappa, S(v.c[k] / omega));
@@ -46,6 +47,7 @@ ELASTOGEN_HD inline void diagonal_shares(const VoxelData<S>& v, bool border, con
       share[c] = v.phi * omega * v.h * (S(3.0 / 16) * largest_slope + S(7.0 / 48) * kappa);
     return;
   }
+  // gradient and patterns of a unit displacement of each corner
   S D[8][3], q[8][4], M[7];
   for (int p = 0; p < 7; ++p) M[p] = border ? v.M[p] : S(0);
   for (int c = 0; c < 8; ++c) {
@@ -55,6 +57,7 @@ ELASTOGEN_HD inline void diagonal_shares(const VoxelData<S>& v, bool border, con
     hex8::gradient<true>(g, M, D[c]);  // times 4 h
     hex8::centred_patterns<true>(g, M, q[c]);
   }
+  // absolute row sums, or the diagonal
   for (int c = 0; c < 8; ++c) {
     S sum = 0, along[3];
     times_slope(NN, D[c], along);

@@ -10,15 +10,15 @@
 namespace elastogen {
 namespace {
 
-/// What is made of the voxels [begin, end) of a brick before the numbers of those before are known.
+/// The rows of the voxels [begin, end) of a brick, before their numbers in the grid are known.
 struct Brick {
   int32_t begin, end;
-  std::vector<VoxelRow> rows;   ///< border as yet a mark: 0
-  std::vector<int32_t> row_of;  ///< of each voxel
+  std::vector<VoxelRow> rows;   ///< border is a mark here: 0 with border voxels, else -1
+  std::vector<int32_t> row_of;  ///< row of each voxel
   int32_t first_row = 0, first_border = 0, borders = 0;
 };
 
-/// Rows of a line of voxels, a material each, in the order of the materials.
+/// Adds the rows of a line of voxels, one for each material, in the order of the materials.
 void add_line(const VoxelGrid& grid, In<int32_t> material, int64_t begin, int64_t end,
               Brick& brick) {
   const int32_t y = grid.voxel_coord(begin, 1) & 7, z = grid.voxel_coord(begin, 2) & 7;
@@ -60,7 +60,7 @@ std::vector<Brick> make_bricks(const VoxelGrid& grid, const std::vector<int32_t>
   return bricks;
 }
 
-/// Makes room for all, and gives each brick its place.
+/// Allocates the tables, and finds the first row and the first border index of each brick.
 void number_bricks(std::vector<Brick>& bricks, BrickRows& g) {
   int32_t rows = 0, borders = 0;
   g.row_begin.push_back(0);
@@ -74,7 +74,7 @@ void number_bricks(std::vector<Brick>& bricks, BrickRows& g) {
   g.border.resize(size_t(borders) * 7 * kLanes);
 }
 
-/// Rows, slots and the moments of border voxels.
+/// Writes rows, slots and the moments of border voxels.
 void write_rows(const VoxelGrid& grid, const Brick& brick, BrickRows& g) {
   int32_t border = brick.first_border;
   for (size_t r = 0; r < brick.rows.size(); ++r) {

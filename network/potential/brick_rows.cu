@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The tables of make_brick_rows, made on the device from masks of voxels and nodes: what a brick
-// has is counted, the host adds the counts up, and each brick writes its own. Of what voxels are
-// only fill, variance weights and, where there are several, materials go there; shape means of
-// border voxels alone.
+// The tables of make_brick_rows, made on the device from masks of voxels and nodes. Kernels count
+// the entries of each brick, the host adds the counts up, then each brick writes its own entries.
+// The host uploads fill, variance weights and, if there are several, materials of all voxels, but
+// moments of the fill of border voxels alone.
 #include "core/hex8.hpp"
 #include "network/potential/brick_rows.cuh"
 
@@ -13,10 +13,10 @@ namespace elastogen::cuda {
 namespace {
 
 constexpr int kTilePlaces = ::elastogen::bricks::kTile;
-constexpr int kThreads = 768, kWarps = kThreads / 32;  // a thread a place of a tile
+constexpr int kThreads = 768, kWarps = kThreads / 32;  // one thread for each place of a tile
 static_assert(kTilePlaces <= kThreads && kSlots <= kThreads);
 
-/// The voxels that are not full, by the bricks of nodes.
+/// The border voxels, which are not full, listed by bricks of nodes.
 struct BorderVoxels {
   BorderVoxels(const VoxelGrid& grid, const BrickLevel& level)
       : masks(size_t(8 * level.brick_count())), first(size_t(level.brick_count()) + 1) {
@@ -31,6 +31,7 @@ struct BorderVoxels {
           },
           1);
     };
+    // mark and count border voxels
     in_bricks([&](int32_t brick, int64_t v) {
       if (is_full(grid, v)) return;
       const int32_t* at = grid.voxel_coord.row(v);
@@ -41,6 +42,7 @@ struct BorderVoxels {
     moments.resize(6 * size_t(first.back()));
     std::vector<int32_t> next(first.begin(), first.end() - 1);
     if (moments.empty()) return;
+    // their moments in the order of the bricks
     in_bricks([&](int32_t brick, int64_t v) {
       const int32_t* at = grid.voxel_coord.row(v);
       if (!(masks[size_t(8 * brick + (at[2] & 7))] >> ((at[0] & 7) + 8 * (at[1] & 7)) & 1)) return;
@@ -51,11 +53,11 @@ struct BorderVoxels {
   }
 
   std::vector<uint64_t> masks;
-  std::vector<int32_t> first;  // of each brick, and their count
-  Zeroed<double> moments;      // M_1 ... M_6 of each
+  std::vector<int32_t> first;  // first border voxel of each brick, then their count
+  Zeroed<double> moments;      // M_1 ... M_6 of each border voxel
 };
 
-/// What is known of voxels by their number, and of border voxels by theirs.
+/// Tables of voxels by their number, and of border voxels by theirs.
 struct VoxelSource {
   const int32_t* material;  ///< null: all have the first one
   const double *fill, *variance;
@@ -64,7 +66,7 @@ struct VoxelSource {
   const double* moments;
 };
 
-/// A line of eight voxels along x.
+/// The voxels on a line of eight places along x.
 struct VoxelLine {
   const int32_t* material;
   int32_t first;  ///< number of its first voxel
@@ -87,7 +89,7 @@ struct VoxelLine {
     for (int l = 0; l < kLanes; ++l) lanes |= unsigned(has(l) && material_of(l) == m) << l;
     return lanes;
   }
-  /// Rows, and those with border voxels, of the materials below m.
+  /// Adds the count of rows of materials below m, and of those rows that have border voxels.
   __device__ void count_rows(int32_t m, int& rows, int& borders) const {
     for (int l = 0; l < kLanes; ++l) {
       if (!has(l) || material_of(l) >= m) continue;
@@ -99,7 +101,7 @@ struct VoxelLine {
   }
 };
 
-/// Sum over the threads of a block before this one, and over all. @param room  (kWarps)
+/// Sum over the threads before this one, and over all. @param room  shared memory, (kWarps)
 __device__ int sum_before(int value, int* room, int& total) {
   const int lane = int(threadIdx.x) % 32, warp = int(threadIdx.x) / 32;
   const int warps = int(blockDim.x) / 32;
@@ -108,7 +110,7 @@ __device__ int sum_before(int value, int* room, int& total) {
     const int below = __shfl_up_sync(~0u, sum, step);
     if (lane >= step) sum += below;
   }
-  __syncthreads();  // room may still be read
+  __syncthreads();  // earlier sums may still be read
   if (lane == 31) room[warp] = sum;
   __syncthreads();
   int before = sum - value;
@@ -132,7 +134,7 @@ __device__ bool is_corner(const BrickTables& g, int64_t brick, int place) {
   return false;
 }
 
-/// Bricks below `limit` that hold a node.
+/// Count of the bricks below `limit` that hold a node.
 __device__ int holders(const BrickTables& g, int64_t slot, int32_t limit) {
   const Place at(slot);
   // one for each side of the planes between bricks on which the node lies
@@ -146,14 +148,16 @@ __device__ int holders(const BrickTables& g, int64_t slot, int32_t limit) {
   return __popc(sides);
 }
 
-/// Partial sums of a node, 0 where one brick alone holds it.
+/// Count of a node's partial sums, 0 where one brick alone holds it.
 __device__ int part_count(const BrickTables& g, int64_t slot) {
   if (!g.has_node(slot)) return 0;
   const int count = holders(g, slot, INT_MAX);
   return count > 1 ? count : 0;
 }
 
-/// Rows, rows with border voxels and tile entries of a brick of voxels, [kind][brick].
+/// Counts rows, rows with border voxels and tile entries, [kind][brick]; one block for each brick
+/// of voxels, a thread for each place of its tile. The first 64 threads count the rows of one line
+/// of voxels each, all threads test whether their place is a corner; then the block adds up.
 __global__ void __launch_bounds__(kThreads)
     count_kernel(BrickTables g, VoxelSource source, const int32_t* home, int32_t* counts) {
   __shared__ int room[kWarps];
@@ -171,7 +175,10 @@ __global__ void __launch_bounds__(kThreads)
   }
 }
 
-/// Rows, what their voxels weigh and the moments of border voxels, of a brick.
+/// Writes rows, weights of their voxels and moments of border voxels; one block for each brick, a
+/// thread for each voxel. First one thread for each line counts its rows, and sums over the threads
+/// before give where the line's rows begin. Within a line, rows are in the order of materials. The
+/// first lane of a row writes the row, each thread the data of its voxel.
 __global__ void __launch_bounds__(kSlots)
     row_kernel(BrickTables g, VoxelSource source, const int32_t* home, const int32_t* row_begin,
                const int32_t* border_begin, VoxelRow* rows, double* weights, double* moments) {
@@ -180,6 +187,7 @@ __global__ void __launch_bounds__(kSlots)
   begin_kernel();
   const int t = int(threadIdx.x), lane = t % kLanes, line = t / kLanes;
   const int64_t first = kSlots * int64_t(home[blockIdx.x]);
+  // first row, and first row with border voxels, of each line
   int count = 0, borders = 0, total;
   if (t < kLinesOfBrick)
     VoxelLine(g, source, first + kLanes * t).count_rows(INT_MAX, count, borders);
@@ -189,6 +197,7 @@ __global__ void __launch_bounds__(kSlots)
   __syncthreads();
   const VoxelLine voxels(g, source, first + kLanes * line);
   if (!voxels.has(lane)) return;
+  // row of this voxel, behind those of smaller materials
   const int32_t v = voxels.voxel(lane), material = voxels.material_of(lane);
   int row = row_begin[blockIdx.x] + row_of[line];
   int border = border_begin[blockIdx.x] + border_of[line];
@@ -209,8 +218,9 @@ __global__ void __launch_bounds__(kSlots)
         source.moments[6 * int64_t(number) + p - 1];
 }
 
-/// Nodes that several bricks hold, and their partial sums, of a brick of nodes: counted, or where
-/// there is a list of them, written behind those of the bricks before.
+/// Nodes that several bricks of voxels hold, and their partial sums; one block for each brick of
+/// nodes, a thread for each slot. Without a list of nodes they are only counted, else written
+/// behind those of earlier bricks.
 __global__ void __launch_bounds__(kSlots)
     shared_kernel(BrickTables g, int32_t* counts, const int32_t* shared_first,
                   const int32_t* part_first, int32_t* shared_node, int32_t* shared_begin,
@@ -234,7 +244,9 @@ __global__ void __launch_bounds__(kSlots)
   first_part[n] = 1 + first;
 }
 
-/// Entries of a brick's tile. @param first_part  1 + that of each node, 0 where there is none.
+/// Entries of a brick's tile, by one block; threads whose place is a corner count those before
+/// them. A brick's partial sum of a node lies behind those of the bricks before it.
+/// @param first_part  1 + index of each node's first partial sum, 0 where there is none.
 __global__ void __launch_bounds__(kThreads)
     tile_kernel(BrickTables g, const int32_t* home, const int32_t* tile_begin,
                 const int32_t* first_part, int32_t* tile_node, int16_t* tile_place,
@@ -254,7 +266,7 @@ __global__ void __launch_bounds__(kThreads)
   tile_part[entry] = first == 0 ? -1 : first - 1 + holders(g, slot, brick);
 }
 
-/// What comes before each of some counts, and their sum.
+/// The sum of the counts before each one, then the sum of all.
 std::vector<int32_t> summed(const int32_t* counts, int64_t size) {
   std::vector<int32_t> result(size_t(size) + 1);
   std::partial_sum(counts, counts + size, result.begin() + 1);
@@ -289,7 +301,7 @@ DeviceRows::DeviceRows(const Scene& scene, const BrickLevel& level) {
   make_tiles(bricks);
 }
 
-/// The room of these tables.
+/// Counts the memory of these tables, which are not made.
 void DeviceRows::count(const BrickRows& g) {
   rows_ = DeviceArray<VoxelRow>(g.row_count());
   row_begin_ = DeviceArray<int32_t>(int64_t(g.row_begin.size()));
@@ -318,6 +330,7 @@ void DeviceRows::make_rows(const Scene& scene, const Bricks& bricks) {
   const VoxelSource source{material.data(), fill.data(),         variance.data(),
                            masks.data(),    first_border.data(), moments.data()};
   const BrickTables g = bricks.on_device.tables();
+  // counts of each brick, added up
   const int64_t count = bricks.home.size();
   DeviceArray<int32_t> counts(3 * count);
   launch(count_kernel, unsigned(count), kThreads, 0, g, source, bricks.home.data(), counts.data());
@@ -334,6 +347,7 @@ void DeviceRows::make_rows(const Scene& scene, const Bricks& bricks) {
   rows_ = DeviceArray<VoxelRow>(rows.back());
   weights_ = DeviceArray<double>(rows_.size() * 5 * kLanes);
   border_ = DeviceArray<double>(int64_t(of_border.back()) * 7 * kLanes);
+  // each brick writes its rows
   const DeviceArray<int32_t> border_begin(of_border);
   launch(row_kernel, unsigned(count), kSlots, 0, g, source, bricks.home.data(), row_begin_.data(),
          border_begin.data(), rows_.data(), weights_.data(), border_.data());
@@ -355,6 +369,7 @@ void DeviceRows::make_tiles(const Bricks& bricks) {
   shared_node_ = DeviceArray<int32_t>(shared.back());
   shared_begin_ = DeviceArray<int32_t>(shared.back() + 1);
   shared_begin_.upload(&parts.back(), shared.back(), 1);
+  // nodes that several bricks hold, then the tiles
   if (shared.back() > 0) {
     const DeviceArray<int32_t> shared_first(shared), part_first(parts);
     launch(shared_kernel, unsigned(g.bricks), kSlots, 0, g, nowhere, shared_first.data(),

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The loop of network/potential/brick_rows.hpp on the device: a block of threads a brick, a thread a voxel,
-// the tile in shared memory (core/cuda/tiles.cuh). Voxels add what they give their corners there,
-// corner by corner: no two voxels share a node as the same corner.
+// The loop of network/potential/brick_rows.hpp on the device: one block of threads for each brick, one thread
+// for each voxel, the tile in shared memory (core/cuda/tiles.cuh). Voxels add their results to the
+// tile corner by corner, because no two voxels have the same node as the same corner.
 
 #pragma once
 
@@ -11,17 +11,17 @@
 
 namespace elastogen::cuda {
 
-/// The tables of BrickRows, as kernels take them.
+/// The tables of BrickRows, as kernels read them.
 struct RowsView : TilesView {
   const VoxelRow* rows;
   const int32_t* row_begin;
 };
 
-/// BrickRows of a scene, and what its voxels weigh in them, made on the device.
+/// BrickRows of a scene and the weights of its voxels, made on the device.
 class DeviceRows {
  public:
   /// @param level  the finest of make_stencil_levels.
-  /// @throws Error (resources) where the device has no room.
+  /// @throws Error (resources) if the device has too little memory.
   DeviceRows(const Scene& scene, const BrickLevel& level);
 
   RowsView view() const {
@@ -32,7 +32,7 @@ class DeviceRows {
   }
   int64_t bricks() const { return row_begin_.size() - 1; }
   int64_t row_count() const { return rows_.size(); }
-  /// Partial sums that a loop in T needs, three numbers each.
+  /// Count of the partial sums that a loop needs, three numbers each.
   int64_t parts() const { return parts_; }
 
   /// Fill and variance weights, [row][5][lane].
@@ -56,7 +56,7 @@ class DeviceRows {
   int64_t parts_ = 0;
 };
 
-/// finish of a loop whose voxels give their corners nothing.
+/// finish of a loop whose voxels give nothing to their corners.
 struct NoFinish {
   template <class T>
   __device__ void operator()(int64_t, const NodeSum<T>&) const {}
@@ -67,15 +67,22 @@ namespace bricks {
 template <class Finish>
 inline constexpr bool kGives = !std::is_same_v<Finish, NoFinish>;
 
-/// Shared memory of a block: what nodes have and what they are given, (3, kTile) each.
+/// Bytes of shared memory of a block: the values of nodes and, unless NoFinish, their sums,
+/// (3, kTile) each.
 template <class T, class Finish>
 inline constexpr int kSharedBytes = (kGives<Finish> ? 6 : 3) * kTile* int(sizeof(T));
 
-/// Row r, or one without voxels behind the last; before the wait and after it.
+/// Row r, or a row without voxels behind the last one; may be called before the wait.
 __device__ inline VoxelRow row_at(const RowsView& g, int32_t r, int32_t end) {
   return r < end ? read_early(g.rows + r) : VoxelRow{};
 }
 
+/// Runs one brick by a block. Before the wait the block reads the brick's tables and first rows. It
+/// then copies the values of the tile's nodes into shared memory. Eight threads share a row of
+/// voxels: each calls voxel() with the corner values of its voxel in registers, while the next row
+/// is being loaded. Behind a barrier for each corner, voxels add their results in shared memory. At
+/// the end the block finishes nodes that this brick alone holds, stores its sums of shared nodes in
+/// `parts`, and adds the Sums of its threads in a fixed order.
 template <class T, class Sums, class Read, class Voxel, class Finish>
 __global__ void __launch_bounds__(kThreads, sizeof(T) == 4 ? 2 : 1)
     voxel_kernel(RowsView g, T* parts, Sums* sums, Read read, Voxel voxel, Finish finish) {
@@ -124,8 +131,8 @@ __global__ void __launch_bounds__(kThreads, sizeof(T) == 4 ? 2 : 1)
   }
 }
 
-/// Finishes the nodes that bricks share, a thread each; the first block adds the sums of the
-/// bricks.
+/// Finishes the nodes that bricks share, one thread for each; where there are Sums, the first block
+/// adds those of the bricks instead.
 template <class T, class Sums, class Finish, class Then>
 __global__ void __launch_bounds__(kThreads)
     shared_kernel(RowsView g, const T* parts, const Sums* sums, Finish finish, Then then) {
@@ -150,18 +157,18 @@ __global__ void __launch_bounds__(kThreads)
   finish(node, sum);
 }
 
-/// What is done with the sum of NoSums.
+/// With NoSums there is no sum to do anything with.
 struct NoThen {
   __device__ void operator()(const NoSums&) const {}
 };
 
 }  // namespace bricks
 
-/// voxel(row, index of the row, lane, u, f, sums) for every voxel: u and f (component, corner) as
-/// in the loop of the CPU; f is 0 at first. read as there; finish(node, sum) gets a NodeSum. Each
-/// brick's sums go to sums (bricks), and then(their sum) is called by one thread of the device;
-/// NoSums leaves both alone; a Sums has add(other).
-/// @param parts  3 rows.parts() numbers.
+/// Calls voxel(row, index of the row, lane, u, f, sums) for every voxel: u and f (component,
+/// corner) are as in the loop of the CPU, and f is 0 at first. read is as there; finish(node, sum)
+/// gets a NodeSum. Each brick's sums go to `sums`, (bricks), and one thread of the device calls
+/// then(their sum); with NoSums neither happens. A Sums has add(other).
+/// @param parts  memory for 3 rows.parts() numbers.
 template <class T, class Sums, class Read, class Voxel, class Finish, class Then = bricks::NoThen>
 void for_each_voxel(const DeviceRows& rows, T* parts, Sums* sums, const Read& read,
                     const Voxel& voxel, const Finish& finish, const Then& then = {}) {

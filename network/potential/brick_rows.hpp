@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The loop that every operation on voxels shares: in the tile of a brick (core/bricks/tiles.hpp) it
-// works on rows of eight voxels along x.
+// The loop that all operations on voxels share. It runs over the tile of each brick
+// (core/bricks/tiles.hpp), in rows of eight voxels along x.
 
 #pragma once
 
@@ -28,8 +28,8 @@ struct VoxelRow {
 struct BrickRows : BrickTiles {
   Zeroed<VoxelRow> rows;
   std::vector<int32_t> row_begin;  ///< first row of each brick, (bricks + 1)
-  Zeroed<int32_t> slot;            ///< of each voxel
-  Zeroed<int32_t> voxel;           ///< of each slot, -1 if none
+  Zeroed<int32_t> slot;            ///< slot of each voxel
+  Zeroed<int32_t> voxel;           ///< voxel of each slot, -1 if none
   Zeroed<double> border;  ///< moments M_0 ... M_6 of the rows with border voxels, [border][7][8]
 
   int64_t row_count() const { return int64_t(rows.size()); }
@@ -43,14 +43,14 @@ inline bool is_full(const VoxelGrid& grid, int64_t v) {
   return true;
 }
 
-/// Builds rows and tiles; `material` (voxels) splits rows, and voxels that are not full get border
-/// data. Of the grid it needs coordinates and tables.
+/// Builds rows and tiles. A row has voxels of one material of `material`, (voxels); rows with
+/// voxels that are not full get border data. Only coordinates and tables of the grid are read.
 BrickRows make_brick_rows(const VoxelGrid& grid, In<int32_t> material);
 BrickRows make_brick_rows(const Scene& scene);
 
 namespace bricks {
 
-/// What one brick works on; on the stack of its task.
+/// Working data of one brick, on the stack of its task.
 template <class T>
 struct Tile {
   T in[3][kTile + 7];
@@ -85,10 +85,10 @@ void node_sum(const Tile<T>& tile, int place, T sum[3]) {
 
 }  // namespace bricks
 
-/// Runs `row(r, u, f, sums)` on every row: u the corner values (component, corner), f the corner
-/// results to be summed over the voxels of each node. `read(node, reference, value)` fills the
-/// three values of a node (reference is the first node of the brick), `finish(node, sum)` takes the
-/// sum of a node, once. Returns each brick's Sums in order.
+/// Runs `row(r, u, f, sums)` on every row: u are the values at the corners (component, corner), f
+/// what the row adds to them, summed over the voxels of each node. `read(node, reference, value)`
+/// fills the three values of a node (reference is the first node of the brick), and `finish(node,
+/// sum)` is called once for each node with its sum. `sums` gets each brick's Sums, in order.
 template <class T, class Sums, class Read, class RowKernel, class Finish>
 void for_each_row(const BrickRows& g, BrickScratch<T>& scratch, std::vector<Sums>& sums,
                   const Read& read, const RowKernel& row, const Finish& finish) {

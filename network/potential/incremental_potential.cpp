@@ -42,7 +42,7 @@ Pack<double> in_mask(const P& values, uint32_t mask) {
   return result;
 }
 
-/// The parts of the energy that voxels have, and the smallest J; sums in the order of the rows.
+/// Energies of the voxels and the smallest J, over the sums of the bricks in order.
 template <class Sums>
 PotentialValue total(const std::vector<Sums>& sums) {
   PotentialValue value;
@@ -233,6 +233,7 @@ PotentialValue IncrementalPotential::evaluate_all(const double* u, T* gradient) 
           scene_.pinned(n) ? T(0) : T(inertia_[size_t(n)] * away + double(force[i]));
     }
   };
+  // voxels and the force at nodes, then inertia
   for_each_row(*rows_, *scratch, sums_, read, row, finish);
 
   PotentialValue value = total(sums_);

@@ -7,7 +7,7 @@
 namespace elastogen::cuda {
 namespace {
 
-/// The weights of a net with those of the second layer column by column.
+/// The weights of a net, with those of the second layer column by column.
 std::vector<float> by_columns(const std::vector<float>& weights) {
   constexpr size_t kWidth = NeuralMtl::kWidth, kSecond = 4 * kWidth;
   std::vector<float> result = weights;
@@ -19,7 +19,7 @@ std::vector<float> by_columns(const std::vector<float>& weights) {
 
 }  // namespace
 
-/// Laws, and tables or weights of nets.
+/// Uploads laws, and tables or weights of nets.
 void DevicePotential::Impl::take_materials() {
   std::vector<DeviceMaterial> list;
   bool asked = false;
@@ -106,7 +106,7 @@ void DevicePotential::freeze_rotations(const double* u) {
   impl_->freeze_rotations(u);
 }
 
-/// Of the fill-weighted sums of F_v over the voxels of each node.
+/// The nodal rotations are those of the fill-weighted sums of F_v over the voxels of each node.
 void DevicePotential::set_nodal_rotations(const double* u) {
   const VoxelTables<float> table = impl_->voxels<float>();
   Quaternion<float>* rotation = impl_->nodal_rotation.data();

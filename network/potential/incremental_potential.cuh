@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What DevicePotential holds, and what its kernels know of a voxel, for the files that make it up:
-// incremental_potential.cu (energy and gradient), tangent.cu (Hessian), law/learned_law.cu (nets).
+// The tables of DevicePotential, and the data of a voxel that its passes read there. The passes are
+// in incremental_potential.cu (energy and gradient), tangent.cu (Hessian), learned_law.cu (nets).
 
 #pragma once
 
@@ -13,8 +13,8 @@
 
 namespace elastogen::cuda {
 
-/// Frozen rotations of voxels, 0 where there is no unique one. In double as quaternions, 32 B of
-/// 72; in float, which most evaluations take, making the matrix costs more time than loading it.
+/// Frozen rotations of voxels, 0 where there is no unique one: in double as quaternions, 32 B of
+/// 72; in float, which most evaluations use, as matrices, which load faster than they are made.
 template <class T>
 struct FrozenRotations;
 template <>
@@ -34,7 +34,7 @@ struct FrozenRotations<float> {
   }
 };
 
-/// What voxels have, each [row][field][lane].
+/// Tables of voxels, each [row][field][lane].
 template <class T>
 struct VoxelTables {
   const T *weights, *border;
@@ -61,7 +61,7 @@ struct VoxelTables {
   }
 };
 
-/// A voxel of the grid that is filled to its corners.
+/// Whether a voxel is filled to its corners.
 template <class T>
 __device__ bool is_full(const VoxelData<T>& v) {
   for (int p = 1; p < 7; ++p)
@@ -69,7 +69,7 @@ __device__ bool is_full(const VoxelData<T>& v) {
   return true;
 }
 
-/// What a brick adds to the value of the potential.
+/// Sums over the voxels of a brick, which add up to the value of the potential.
 struct VoxelSums {
   double elastic = 0, hourglass = 0, outside = 0, min_j = 1e300, min_corner_j = 1e300;
   __device__ void add(const VoxelSums& o) {
@@ -79,13 +79,13 @@ struct VoxelSums {
   }
 };
 
-/// The numbers of a PotentialValue, where kernels leave them for the host.
+/// Numbers of a PotentialValue, which kernels write for the host.
 struct DeviceValue {
   VoxelSums voxels;
   double inertia = 0;
 };
 
-/// The same numbers, rounded.
+/// The values, rounded to float.
 inline DeviceArray<float> in_float(const DeviceArray<double>& values) {
   DeviceArray<float> result(values.size());
   const double* from = values.data();
@@ -94,8 +94,8 @@ inline DeviceArray<float> in_float(const DeviceArray<double>& values) {
   return result;
 }
 
-/// What a pass over the voxels asks of nets: what an energy takes, by strains where the law is one
-/// of them, or by stretches alone, with second derivatives for a tangent.
+/// Which values of nets a pass over the voxels needs: those of the energy, which asks by strains if
+/// its law does; those at stretches; or those at stretches with second derivatives, for a tangent.
 enum class NetPass { kEnergy, kStretches, kTangent };
 
 struct DevicePotential::Impl {
@@ -145,7 +145,7 @@ struct DevicePotential::Impl {
 
   void take_materials();
   void set_scheme(const StepScheme& scheme);
-  /// pass(nets), which gives voxels what their nets add at u.
+  /// Calls pass(nets), where nets gives voxels the corrections of their nets at u.
   template <class T, NetPass kPass, class Pass>
   void with_nets(const double* u, const Pass& pass) {
     if (learned.empty()) return pass(NoNets{});
@@ -171,7 +171,7 @@ struct DevicePotential::Impl {
   void hessian_product(const T* p, T* product);
 
   const PotentialTerms& terms;
-  int64_t dense;  ///< nodes at most of a level that is solved
+  int64_t dense;  ///< most nodes of a level that is solved
   std::vector<BrickLevel> levels;
   DeviceRows rows;
   DeviceArray<float> weights_float, border_float;
@@ -181,13 +181,13 @@ struct DevicePotential::Impl {
   DeviceArray<double> inertia, predictor;
   DeviceArray<Quaternion<float>> nodal_rotation;
   DeviceArray<uint8_t> pinned;
-  DeviceArray<double> parts;  // three in double or nine in float of each
+  DeviceArray<double> parts;  // for each partial sum three in double or nine in float
   DeviceArray<VoxelSums> brick_sums;
   DeviceArray<SumRoom<Sums<1>>> inertia_sums;
   PinnedArray<DeviceValue> value;
   Signal signal;
   std::vector<DeviceArray<float>> learned;  // tables, or weights of nets
-  DeviceArray<double> logs, results;  // of law/learned_law.cuh, where a net is evaluated itself
+  DeviceArray<double> logs, results;        // of learned_law.cuh, where a net is evaluated itself
   DeviceArray<DeviceMaterial> materials;
   std::optional<DeviceContact> contact;
   DeviceArray<float> tangent;  // [row][45][lane]; from the first linearise on

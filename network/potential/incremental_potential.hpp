@@ -24,18 +24,18 @@ class IncrementalPotential : public PotentialTerms {
   /// @throws Error as PotentialTerms.
   explicit IncrementalPotential(const Scene& scene, LearnedLaws learned = {})
       : IncrementalPotential(PotentialTerms(scene, std::move(learned))) {}
-  /// With the inertia of their scheme, if they have one.
+  /// Sets the inertia of the terms' scheme, if they have one.
   explicit IncrementalPotential(PotentialTerms&& terms);
 
-  /// Sets scheme and inertia alone, for what is built on the Hessian at rest.
+  /// Sets scheme and inertia alone, for objects that need only the Hessian at rest.
   void set_scheme(const StepScheme& scheme);
 
   /// Sets the predictor, the frozen voxel rotations and the lagged normal forces of friction, all
   /// from the state at the start of the step.
   void begin_step(const State& state, const StepScheme& scheme);
 
-  /// Takes the nodal rotations of the preconditioner, polar factors of the fill-weighted sum of
-  /// F_v, from the start value of the iteration.
+  /// Sets the nodal rotations of the preconditioner, polar factors of the fill-weighted sum of F_v,
+  /// from the start value of the iteration.
   void set_nodal_rotations(const double* u);
 
   /// Value and gradient [N], (nodes, 3), 0 on pinned nodes, at displacement u; null: the value
@@ -46,18 +46,18 @@ class IncrementalPotential : public PotentialTerms {
   /// evaluate in float64 with the smallest Jacobians, for the certificate.
   PotentialValue residual(const double* u, double* gradient);
 
-  /// Freezes the Hessian at u, that of the contact projected in both kinds; hessian_product then
-  /// gives A p, 0 on pinned nodes.
+  /// Freezes the Hessian at u; contact is projected for both kinds. hessian_product then gives A p,
+  /// 0 on pinned nodes.
   void linearise(const double* u, TangentKind kind = TangentKind::kProjected);
   /// The part of linearise that belongs to the contact.
   void linearise_contact(const double* u) { contact_.linearise(u); }
   void hessian_product(const float* p, float* product);
 
-  /// The same with the Hessian at rest, in float64, without contact.
+  /// Product with the Hessian at rest, in float64, without contact.
   void rest_hessian_product(const double* p, double* product);
 
   const BrickRows& rows() const { return *rows_; }
-  /// The same, for what outlives it or shares them.
+  /// rows() for objects that share them or outlive the potential.
   std::shared_ptr<const BrickRows> shared_rows() const { return rows_; }
   /// Predictor uhat = xhat - X [m], (nodes, 3).
   const Zeroed<double>& predictor() const { return predictor_; }
@@ -70,7 +70,7 @@ class IncrementalPotential : public PotentialTerms {
   const Zeroed<double>& inertia() const { return inertia_; }
   /// Fill and variance weights of the voxels, [row][5][lane].
   const Zeroed<double>& voxel_weights() const { return weights_; }
-  /// What the voxels of a row are besides their displacement; T float or double.
+  /// Data of the voxels of a row besides their displacement; T float or double.
   template <class T>
   void read_voxel_data(int64_t row, VoxelData<Pack<T>>& data) const;
 

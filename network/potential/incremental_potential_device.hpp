@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The incremental potential of a step on the device: energy and gradient by the maths of
-// local_model.hpp, from tables that are uploaded once a scene, and contact (contact_device.hpp).
+// The incremental potential of a step on the device: energy and gradient by the formulas of
+// local_model.hpp, from tables that are uploaded once for a scene, and contact
+// (contact_device.hpp).
 
 #pragma once
 
@@ -11,13 +12,13 @@
 
 namespace elastogen::cuda {
 
-/// What the inertial energy is a sum of, for those who take it along with other sums.
+/// Terms of the inertial energy, for callers that sum it along with other numbers.
 struct InertiaTerms {
   const double *inertia, *predictor;  ///< of DevicePotential
   const uint8_t* pinned;
-  double* total;  ///< where value() looks for the sum
+  double* total;  ///< where value() reads the sum
 
-  /// At numbers k = 3 node + component of u, from `first` on.
+  /// Energy at kCount numbers k = 3 node + component of u, from `first` on.
   template <int kCount>
   ELASTOGEN_HD double energy(int64_t first, const double u[kCount],
                              const double aim[kCount]) const {
@@ -31,50 +32,50 @@ struct InertiaTerms {
   }
 };
 
-/// Where nothing changes it, a level of so many nodes is solved faster than the levels below it are
-/// walked through: its inverses, 12 B a pair of nodes, are read once.
+/// Most nodes of a level that is solved, if nothing changes its operators. The solve is faster than
+/// the coarser levels would be: it reads the inverses, 12 B for each pair of nodes, once.
 inline constexpr int64_t kDenseNodes = 3072;
 
 class DevicePotential {
  public:
-  /// With the inertia of the terms' scheme, if they have one; the terms must outlive it.
-  /// @param dense  nodes at most of a level that is solved (network/precondition/multigrid.hpp); with colliders
-  ///               it is that of the host.
-  /// @throws Error (resources) where the device has no room.
+  /// Has the inertia of the terms' scheme, if they have one; the terms must outlive it.
+  /// @param dense  most nodes of a level that is solved (network/precondition/multigrid.hpp); with colliders the
+  ///               limit of the host holds.
+  /// @throws Error (resources) if the device has too little memory.
   explicit DevicePotential(const PotentialTerms& terms, int64_t dense = kDenseNodes);
   ~DevicePotential();
 
-  /// Takes predictor and inertia from a potential of the host after its begin_step, and frozen
-  /// rotations and contact from the displacement at the start of the step.
+  /// Copies predictor and inertia from a potential of the host after its begin_step, and finds
+  /// frozen rotations and contact from the displacement at the start of the step.
   void begin_step(const IncrementalPotential& host);
 
-  // what a step begins with, on the device, for those who fill it there
+  // data of a step's start, on the device, for callers that fill them there
   void set_scheme(const StepScheme& scheme);  ///< inertia alone
   double* inertia();                          ///< a0 m / dt^2 [N/m], (nodes)
   double* predictor();                        ///< xhat - X [m], (nodes, 3)
-  /// Takes the frozen rotations from a displacement, that at the start of the step.
+  /// Finds the frozen rotations from the displacement at the start of the step.
   void freeze_rotations(const double* u);
 
-  /// Nodal rotations of the preconditioner from a displacement on the device, in float.
+  /// Finds the nodal rotations of the preconditioner, in float, from a displacement on the device.
   void set_nodal_rotations(const double* u);
 
   /// Value, and gradient [N], (nodes, 3), 0 on pinned nodes, unless that is null; both arrays on
   /// the device.
   template <class T>
   PotentialValue evaluate(const double* u, T* gradient);
-  /// The same without waiting for it: value() is there once kernels behind it have ended.
+  /// As evaluate() without the wait: value() is complete when the launched kernels have ended.
   template <class T>
   void start_evaluation(const double* u, T* gradient);
-  /// The value in float alone, to one of kEnergies places; those of contact have a single one.
+  /// Starts the value alone, in float, into one of kEnergies places; contact has only one place.
   void start_energy(const double* u, int place);
-  /// Waits for the one that was started last.
+  /// Waits for the value of the last start_energy().
   void wait_for_energy();
   static constexpr int kEnergies = 3;
-  /// The same but for the inertial energy, which the caller sums.
+  /// As start_evaluation() without the inertial energy, which the caller sums.
   template <class T>
   void start_gradient(const double* u, T* gradient);
   InertiaTerms inertia_terms();
-  /// That in float64 with the smallest Jacobians, for the certificate.
+  /// As start_evaluation() in float64, with the smallest Jacobians; for the certificate.
   void start_residual(const double* u, double* gradient);
   PotentialValue value(int place = 0) const;
 
@@ -84,13 +85,13 @@ class DevicePotential {
   void linearise(const double* u, TangentKind kind = TangentKind::kProjected, bool touching = true);
   template <class T>
   void hessian_product(const T* p, T* product);
-  /// What the first linearise takes of the device's memory.
+  /// Bytes of device memory that the first linearise allocates.
   size_t tangent_bytes() const;
 
   /// Null where the scene has no colliders.
   DeviceContact* contact();
 
-  /// Tables of its voxels and their weights, for tests.
+  /// Tables of the voxels and their weights; for tests.
   BrickRows download_rows() const;
   std::vector<double> download_weights() const;
 

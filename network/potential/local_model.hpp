@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// RNN-1's local step: corner displacements of a voxel (or a row of eight) to its deformation
+// RNN-1's local step, for a voxel or a row of eight: from corner displacements to the deformation
 // gradient, the response of its material (a law or a net), and the forces on its corners.
 
 #pragma once
@@ -13,7 +13,7 @@
 
 namespace elastogen {
 
-/// What a voxel is besides its displacement.
+/// Data of a voxel besides its displacement.
 template <class T>
 struct VoxelData {
   LawParameters<Scalar<T>> law;
@@ -101,9 +101,9 @@ struct MaterialResponse {
   }
 };
 
-/// Energy of a voxel and its derivative f [N] in the corner displacements u [m] (component,
-/// corner); `respond(sigma, outside)` is the response of its material to stretches. Where its law
-/// needs none, a net, if it has_net(), adds the difference(e) to it.
+/// Energy of a voxel and its derivative f [N] in corner displacements u [m] (component, corner).
+/// `respond(sigma, outside)` is the response of its material to stretches. A law of strains needs
+/// no stretches; respond.difference(e) then gives the correction by its net, if it has_net().
 template <bool kBorder, class T, class Respond>
 ELASTOGEN_HD inline VoxelEnergy<T> voxel_energy(const VoxelData<T>& v, const Respond& respond,
                                                 const T u[3][8], T f[3][8]) {
@@ -115,6 +115,7 @@ ELASTOGEN_HD inline VoxelEnergy<T> voxel_energy(const VoxelData<T>& v, const Res
   }
   VoxelEnergy<T> energy;
   const Mat3<T> H = displacement_gradient<kBorder>(v, g);
+  // stress from strains if the law and F allow it, else from stretches
   StrainResponse<T> r;
   energy.outside = T{};
   const auto difference = [&](const T e[3]) { return respond.difference(e); };
@@ -124,6 +125,7 @@ ELASTOGEN_HD inline VoxelEnergy<T> voxel_energy(const VoxelData<T>& v, const Res
   if (!is_law_of_strain(v.law.law) || !strain_response(v.law, H, add, r))
     r = stress_by_stretches(respond, H, energy.outside);
 
+  // energies, and forces at the corners
   energy.elastic = v.phi * (v.h * v.h * v.h) * r.psi;
   energy.J = r.J;
   const T weight = v.phi * (v.h * v.h * S(0.25));  // phi h^3 / (4 h)
@@ -136,7 +138,7 @@ ELASTOGEN_HD inline VoxelEnergy<T> voxel_energy(const VoxelData<T>& v, const Res
   return energy;
 }
 
-/// The same by the voxel's own material.
+/// voxel_energy with the voxel's own material.
 template <bool kBorder, class T>
 inline VoxelEnergy<T> voxel_energy(const VoxelData<T>& v, const T u[3][8], T f[3][8]) {
   return voxel_energy<kBorder>(v, MaterialResponse<T>{v.learned, v.law}, u, f);
@@ -191,7 +193,7 @@ ELASTOGEN_HD inline Tangent<T> voxel_tangent(const VoxelData<T>& v, const Respon
   return result;
 }
 
-/// The same by the voxel's own material.
+/// voxel_tangent with the voxel's own material.
 template <bool kBorder, class T>
 inline Tangent<T> voxel_tangent(const VoxelData<T>& v, const T u[3][8],
                                 TangentKind kind = TangentKind::kProjected) {
@@ -201,7 +203,7 @@ inline Tangent<T> voxel_tangent(const VoxelData<T>& v, const T u[3][8],
   return voxel_tangent<kBorder>(v, respond, u, kind);
 }
 
-/// Product f of a voxel's Hessian with the direction p; `stress(dF, dP)` is the tangent's part.
+/// Product f of a voxel's Hessian with the direction p; `stress(dF, dP)` applies the tangent.
 template <bool kBorder, class T, class Stress>
 ELASTOGEN_HD inline void hessian_product(const VoxelData<T>& v, const Stress& stress,
                                          const T p[3][8], T f[3][8]) {
@@ -222,7 +224,7 @@ ELASTOGEN_HD inline void hessian_product(const VoxelData<T>& v, const Stress& st
   for (int i = 0; i < 3; ++i) hex8::to_corners(f[i]);
 }
 
-/// Hessian with a tangent.
+/// Product with the Hessian, by a tangent.
 template <bool kBorder, class T>
 ELASTOGEN_HD inline void voxel_hessian(const VoxelData<T>& v, const Tangent<T>& tangent,
                                        const T p[3][8], T f[3][8]) {
@@ -239,7 +241,7 @@ ELASTOGEN_HD inline void voxel_hessian(const VoxelData<T>& v, const Tangent<T>& 
   hessian_product<kBorder>(v, stress, p, f);
 }
 
-/// Hessian at rest: dP = mu (dF + dF^T) + lambda tr(dF) I, the same for every law.
+/// Product with the Hessian at rest, which all laws share: dP = mu (dF + dF^T) + lambda tr(dF) I.
 template <bool kBorder, class T>
 ELASTOGEN_HD inline void voxel_rest_hessian(const VoxelData<T>& v, const T p[3][8], T f[3][8]) {
   const auto stress = [&](const T dF[9], T dP[9]) {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sums at the nodes over the voxels around them, where a voxel gives the same to all its corners: a
-// block of threads a brick, as in brick_rows.cuh, but nodes gather, so that one pass serves any
-// count of numbers. Partial sums of shared nodes are added in the order of the bricks.
+// Sums at the nodes over the voxels around them, of numbers that a voxel gives all its corners
+// alike. A block of threads has a brick, as in brick_rows.cuh, but here nodes gather from voxels,
+// so that one pass serves any count of numbers. Partial sums of shared nodes are added in the order
+// of the bricks.
 
 #pragma once
 
@@ -10,9 +11,9 @@
 namespace elastogen::cuda {
 namespace bricks {
 
-inline constexpr int kVoxels = kLanes * kLanes * kLanes;  // places of a brick
+inline constexpr int kVoxels = kLanes * kLanes * kLanes;  // of a brick
 
-/// What the voxels of a brick around a node of its tile give it.
+/// Sum over the voxels of a brick around a node of its tile.
 template <class T, int kCount>
 __device__ inline void gather(const T* given, int place, T sum[kCount]) {
   constexpr int kWidth = ::elastogen::bricks::kTileWidth;
@@ -26,6 +27,11 @@ __device__ inline void gather(const T* given, int place, T sum[kCount]) {
   }
 }
 
+/// Sums of one brick by a block. Shared memory has the values of the tile's nodes, and kCount
+/// numbers for each place of a voxel, 0 where there is none. The block reads the tile, then eight
+/// threads share a row of voxels and put each voxel's numbers into its place. Behind a barrier a
+/// thread for each node adds those of the voxels around it. It finishes nodes that this brick alone
+/// holds; sums of shared nodes go to `parts`, which shared_nodal_kernel adds up.
 template <class T, int kCount, class Read, class Voxel, class Finish>
 __global__ void __launch_bounds__(kThreads)
     nodal_kernel(RowsView g, T* parts, Read read, Voxel voxel, Finish finish) {
@@ -67,6 +73,7 @@ __global__ void __launch_bounds__(kThreads)
   }
 }
 
+/// Finishes the nodes that bricks share, one thread for each.
 template <class T, int kCount, class Finish>
 __global__ void __launch_bounds__(kThreads)
     shared_nodal_kernel(RowsView g, const T* parts, Finish finish) {
@@ -81,10 +88,10 @@ __global__ void __launch_bounds__(kThreads)
 
 }  // namespace bricks
 
-/// voxel(row, index of the row, lane, u, value) for every voxel, u (component, corner), makes the
-/// kCount numbers that it gives each of its corners; finish(node, sum) gets their sum. read as in
-/// for_each_voxel.
-/// @param parts  kCount rows.parts() numbers.
+/// Calls voxel(row, index of the row, lane, u, value) for every voxel: from its corner values u
+/// (component, corner) it makes the kCount numbers that each corner gets. finish(node, sum) gets
+/// their sum. read is as in for_each_voxel.
+/// @param parts  memory for kCount rows.parts() numbers.
 template <class T, int kCount, class Read, class Voxel, class Finish>
 void sum_at_nodes(const DeviceRows& rows, T* parts, const Read& read, const Voxel& voxel,
                   const Finish& finish) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the incremental potential of a scene (network/potential/incremental_potential.hpp) is made of beside
-// tables of its voxels: all that the host has of it where a device makes its own.
+// The terms of a scene's incremental potential (network/potential/incremental_potential.hpp) besides the
+// tables of its voxels. Where a device makes its own tables, this is all that the host has.
 
 #pragma once
 
@@ -18,14 +18,14 @@ struct PotentialValue {
   double min_j = 1e300;         ///< smallest det F of a voxel
   double min_corner_j = 1e300;  ///< smallest det F at a corner; only from residual()
   double deepest_overlap = 0;   ///< of a surface point with a collider [m]
-  int64_t outside = 0;          ///< voxels whose net was asked outside its box
+  int64_t outside = 0;          ///< voxels with a net at strains outside its box
   double total() const { return inertia + elastic + hourglass + contact; }
 };
 
 class PotentialTerms {
  public:
   /// @param learned  nets of the scene's materials, by their index; missing or null: analytic.
-  /// @throws Error unless each is one of its material's law and Poisson ratio.
+  /// @throws Error unless each was fitted to the law and the Poisson ratio of its material.
   explicit PotentialTerms(const Scene& scene, LearnedLaws learned = {},
                           const StepScheme& scheme = {});
 
@@ -40,8 +40,8 @@ class PotentialTerms {
   ///
   ///     32 eps sum |part| + 4 eps sqrt(2 S |Phi_elastic|),   S = sum_v W_v (2 mu + lambda):
   ///
-  /// stretches are rounded by eps, which is eps/strain of the elastic energy. That of a net may be
-  /// some digits of its table below 0 at rest.
+  /// stretches are rounded by eps, which changes the elastic energy by a share eps/strain. The
+  /// energy of a net may be below 0 at rest by some digits of its table.
   double noise(const PotentialValue& value, double epsilon) const {
     const double elastic = std::abs(value.elastic);
     const double parts = value.total() - value.elastic + elastic;

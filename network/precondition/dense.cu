@@ -8,13 +8,13 @@ namespace {
 
 constexpr int kTile = kDenseTile, kBlock = kTile * kTile;
 
-// of a solve: a thread has four columns of every sixteenth row of a tile
+// of the product: a thread has four columns of every sixteenth row of a tile
 constexpr int kSolveThreads = 256, kColumns = 4, kRowThreads = kTile / kColumns,
               kRowStep = kSolveThreads / kRowThreads, kRows = kTile / kRowStep,
               kWarps = kSolveThreads / 32;
 static_assert(kRowThreads == 16);  // two rows a warp
 
-/// Tiles of a block that are in shared memory before r is there; one more is in registers.
+/// Tiles that a block loads before r is known: kKept into shared memory, one more into registers.
 constexpr int kKept = 3, kEarly = kKept + 1;
 
 template <class T>
@@ -25,9 +25,9 @@ struct alignas(16) Columns {
 template <class T>
 struct DenseView {
   const T* tiles;
-  const T* partial;  ///< of the finer level, or nullptr
+  const T* partial;  ///< of the finer level, or nullptr: r is read instead
   T* sums;
-  int tile_count;  ///< of a row
+  int tile_count;  ///< tiles in a row of a matrix
 
   __device__ int tiles_in_all() const { return kDenseMatrices * int(tile_pairs(tile_count)); }
   __device__ const Columns<T>* tile(int k) const {
@@ -38,7 +38,7 @@ struct DenseView {
   }
 };
 
-/// Which one a tile is.
+/// Component, row and column of a tile, from its number.
 struct TilePlace {
   int component, I, J;
   TilePlace() = default;
@@ -49,8 +49,8 @@ struct TilePlace {
   }
 };
 
-/// Loads of tiles, which all together would drive out of the cache of the card what the kernels
-/// behind need: they go first.
+/// Loads of tiles, which the L2 cache is to evict first: all tiles together would evict the data
+/// that later kernels need.
 struct Streaming {
   uint64_t policy;
   __device__ Streaming() {
@@ -71,7 +71,8 @@ struct Streaming {
   }
 };
 
-/// r of a node, before it is there, for the rows (side 0) or columns (side 1) of a tile.
+/// Where r of a node is read from, for the rows (side 0) or columns (side 1) of a tile. The
+/// constructor finds the place before r is known; get() reads it.
 template <class T>
 struct NodeResidual {
   const T* from;
@@ -105,9 +106,11 @@ struct ProductRoom {
   T r[kEarly][2][kTile];  // of rows and of columns
 };
 
-/// A tile times r of its columns, for its rows, and off the diagonal its transpose times r of its
-/// rows, for its columns.
-/// @param of_warps  room that no thread reads any more: that of the tile before the last one.
+/// Multiplies a tile with r of its columns, which gives a sum for each of its rows, and off the
+/// diagonal its transpose with r of its rows, which gives a sum for each of its columns. A thread
+/// holds 4x4 entries. The 16 threads of a row add up by shuffles; columns are added by shuffles
+/// within a warp, then over the warps in shared memory. All orders are fixed.
+/// @param of_warps  shared memory that no thread reads any more: two buffers take turns.
 template <class T>
 __device__ void multiply(const DenseView<T>& d, const Columns<T> entry[kRows], const T r[2][kTile],
                          const TilePlace at, T of_warps[kWarps][kTile]) {
@@ -121,7 +124,7 @@ __device__ void multiply(const DenseView<T>& d, const Columns<T> entry[kRows], c
       along[k] += entry[k].value[j] * r[1][kColumns * column + j];
       down[j] += entry[k].value[j] * r[0][row + kRowStep * k];
     }
-  // each of four threads ends with one of the four rows
+  // halve twice: each of four threads ends with one of its four rows
   static_assert(kRows == 4);
   const bool upper = column & 8, odd = column & 4;
 #pragma unroll
@@ -144,8 +147,13 @@ __device__ void multiply(const DenseView<T>& d, const Columns<T> entry[kRows], c
   d.sum(at.component, at.J, at.I)[thread] = sum;
 }
 
-/// The products of all tiles, those of a block as many apart as there are blocks. The first ones
-/// come while kernels before still run: they are never written.
+/// Multiplies all tiles with r; row_sum_kernel adds the products up. A block has 256 threads and
+/// several tiles, one after the other; the grid has no more blocks than the card holds at a time.
+/// No kernel writes tiles, so a block loads them before it waits for the kernels that make r: the
+/// first three into shared memory, the fourth into registers, and the rest are prefetched into the
+/// L2 cache. Meanwhile it finds where r of these tiles is stored. After the wait it multiplies the
+/// tile in registers, loads the next one into them while it multiplies those in shared memory, and
+/// ends with the prefetched tiles one by one.
 template <class T>
 __global__ void __launch_bounds__(kSolveThreads, sizeof(T) == 4 ? 4 : 1)
     product_kernel(DenseView<T> d, StencilView<T> v) {
@@ -153,8 +161,8 @@ __global__ void __launch_bounds__(kSolveThreads, sizeof(T) == 4 ? 4 : 1)
   auto& room = *reinterpret_cast<ProductRoom<T>*>(shared);
   constexpr int kLine = 128 / int(sizeof(Columns<T>));
   const int thread = int(threadIdx.x), count = d.tiles_in_all(), step = int(gridDim.x);
-  // all blocks have kKept tiles and those that start first the rest: the last ones find room only
-  // when the kernel before ends
+  // every block has kKept tiles; the rest go to the blocks that start first, because the last
+  // ones start only when the kernel before ends
   const int rest = max(count - kKept * step, 0), columns = max((rest + step - 1) / step, 2);
   const int width = (rest + columns - 1) / columns;
   const auto tile = [&](int k) {
@@ -181,7 +189,7 @@ __global__ void __launch_bounds__(kSolveThreads, sizeof(T) == 4 ? 4 : 1)
             reinterpret_cast<const int4*>(d.tile(tile(k)) + thread + kSolveThreads * m) + part);
   };
   load(kKept);
-  for (int k = kEarly; tile(k) < count; ++k)  // into the cache of the card
+  for (int k = kEarly; tile(k) < count; ++k)  // into the L2 cache
     for (int m = kLine * thread; m < kRows * kSolveThreads; m += kLine * kSolveThreads)
       asm volatile("prefetch.global.L2 [%0];" ::"l"(d.tile(tile(k)) + m));
   const int side = thread / kTile % 2, of = thread % kTile, half = thread / (2 * kTile);
@@ -201,7 +209,7 @@ __global__ void __launch_bounds__(kSolveThreads, sizeof(T) == 4 ? 4 : 1)
   };
   run(entry, kKept);
   for (int k = kEarly;; ++k) {
-    // the next one is on its way while those in shared memory are taken
+    // the next tile is being loaded while those in shared memory are multiplied
     load(k);
     if (half == 0) {
       const NodeResidual<T> later(d, v, tile(k), side, of);
@@ -220,7 +228,9 @@ __global__ void __launch_bounds__(kSolveThreads, sizeof(T) == 4 ? 4 : 1)
   }
 }
 
-/// The sums of the rows of a tile, to where z is. Blocks (tiles of a row, 3).
+/// z of the rows of a tile: the sum of the products of all tiles in its row. Grid (tiles in a row,
+/// 3 components). Four threads share a row of the matrix: each adds every fourth product, then the
+/// first one adds their sums in order.
 template <class T>
 __global__ void __launch_bounds__(kSolveThreads)
     row_sum_kernel(DenseView<T> d, StencilView<T> v, ResultOutput<T> out) {

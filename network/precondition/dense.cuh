@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The coarsest level of the V-cycle, which is solved: inverses of its dense operators A_d, and
-// z_d = A_d^-1 r_d by the whole card.
+// The coarsest level of the V-cycle, which is solved directly: inverses of its dense operators A_d,
+// one for each component d, and z_d = A_d^-1 r_d by the whole card.
 
 #pragma once
 
@@ -10,9 +10,9 @@
 namespace elastogen::cuda {
 
 inline constexpr int kDenseTile = 64;     ///< rows of the tiles of a matrix
-inline constexpr int kDenseMatrices = 3;  ///< one an axis
+inline constexpr int kDenseMatrices = 3;  ///< one for each axis
 
-/// Numbers from one row of a matrix of n rows to the next: whole tiles.
+/// Pitch of the rows of a matrix of n rows: n rounded up to whole tiles.
 inline int64_t dense_pitch(int64_t n) {
   return (n + kDenseTile - 1) / kDenseTile * kDenseTile;
 }
@@ -20,13 +20,14 @@ inline int64_t dense_pitch(int64_t n) {
 /// Inverses of the three operators in double, rounded to T and symmetric to the bit: the sweep
 /// operator (Goodnight 1979) tile by tile, without pivoting.
 /// @param operators  symmetric and positive definite, (3, pitch, pitch), the identity beyond row n;
-///                   they are lost.
+///                   the sweep overwrites them.
 /// @return (3, n, pitch), 0 beyond column n.
-/// @throws Error (resources) where the device has no room.
+/// @throws Error (resources) if the device has too little memory.
 template <class T>
 DeviceArray<T> dense_inverses(DeviceArray<double> operators, int64_t n);
 
-/// Tiles on and below the diagonal, row by row, and which the one of a number is.
+/// Count of the tiles on and below the diagonal, and row I and column J of the tile of a number;
+/// tiles are numbered row by row.
 ELASTOGEN_HD inline int64_t tile_pairs(int64_t tiles) {
   return tiles * (tiles + 1) / 2;
 }
@@ -37,15 +38,15 @@ __device__ inline void find_tile(int pair, int& I, int& J) {
   J = pair - int(tile_pairs(I));
 }
 
-/// The same as the tiles on and below the diagonal alone, row by row, (3, tile_pairs, kDenseTile,
-/// kDenseTile), 0 beyond row and column n. All is there when it returns: who reads them need not
-/// wait for kernels before.
+/// The inverses of dense_inverses as their tiles on and below the diagonal, row by row,
+/// (3, tile_pairs, kDenseTile, kDenseTile), 0 beyond row and column n. They are complete when this
+/// returns, so that kernels may read them before they wait for earlier kernels.
 template <class T>
 DeviceArray<T> dense_inverse_tiles(DeviceArray<double> operators, int64_t n);
 
-/// z = A^-1 r of a level that nothing changes. The inverses are kept as their tiles on and below
-/// the diagonal, each of which is read once: what it gives to its rows and what its transpose
-/// gives to its columns are added in the order of the tiles.
+/// z = A^-1 r of a level whose operators never change. It stores the tiles of the inverses on and
+/// below the diagonal and reads each once, for its product with r and for the product of its
+/// transpose. The products are added in the order of the tiles.
 template <class T>
 class DenseSolve {
  public:
@@ -54,16 +55,17 @@ class DenseSolve {
   DenseSolve(DeviceArray<double> operators, int64_t n);
 
   bool exists() const { return tile_count_ > 0; }
-  /// To z of the level by slot or, where `out` is given, by node.
-  /// @param partial  of the finer level, which r comes from; nullptr: r is that of the level.
+  /// Writes z to the level by slot or, where `out` has an array, to that by node.
+  /// @param partial  partial sums of the finer level, from which r is made; nullptr: the level has
+  ///                 r.
   void run(const StencilView<T>& level, const T* partial, const ResultOutput<T>& out,
            const Line& line);
 
  private:
   DeviceArray<T> tiles_;  // (3, pairs of tiles I >= J, kDenseTile, kDenseTile)
   DeviceArray<T> sums_;   // (3, I, J, kDenseTile), rows of tile I times columns of tile J
-  int tile_count_ = 0;    // of a row
-  int blocks_ = 0;        // as many as the card holds, or one a tile
+  int tile_count_ = 0;    // tiles in a row of a matrix
+  int blocks_ = 0;        // as many as the card holds at a time, or one for each tile
 };
 
 }  // namespace elastogen::cuda

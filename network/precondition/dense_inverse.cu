@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Inverses of the dense operators of the coarsest level.
+// Inverses of the dense operators of the coarsest level by the sweep operator, one column K of
+// tiles after the other. Three kernels make a step: pivot_kernel inverts A_KK, panel_kernel
+// multiplies the tiles of the column with the inverse, and update_kernel changes all other tiles.
+// Only tiles on and below the diagonal are stored; at the end they hold -A^-1.
 #include "core/cuda/inverse.cuh"
 #include "network/precondition/dense.cuh"
 
@@ -12,9 +15,9 @@ constexpr int kChunk = kSide;                   // columns that are in shared me
 using Pivot = InverseTile<kOf>;
 static_assert(Pivot::kWidth == kSide && Pivot::kRows == kTile);
 
-/// Matrices that are swept, of which tiles on and below the diagonal count, and for the tile K of
-/// columns that is swept: A_KK^-1, (3, kTile, kTile), the columns A_K before that, and A_K A_KK^-1,
-/// (3, size, kTile) each.
+/// The matrices, of which only tiles on and below the diagonal are used, and for the column K of
+/// tiles that is swept: A_KK^-1, (3, kTile, kTile), the column A_K before the step, and
+/// A_K A_KK^-1, (3, size, kTile) each.
 struct Sweep {
   double *matrix, *inverse, *before, *after;
   int64_t size;
@@ -28,8 +31,9 @@ struct Sweep {
   }
 };
 
-/// sum += X Y^T for two tiles with rows of kTile numbers; of thread (x, y) rows y + kSide a of X
-/// and x + kSide b of Y.
+/// sum += X Y^T for two tiles with rows of kTile numbers. Thread (x, y) has the products of rows
+/// y + kSide a of X and x + kSide b of Y. The block copies kChunk columns of both tiles at a time
+/// into shared memory, transposed; rows there are one number longer, against bank conflicts.
 __device__ void add_product(const double* X, const double* Y, double sum[kOf][kOf]) {
   __shared__ double of_x[kChunk][kTile + 1], of_y[kChunk][kTile + 1];
   const int x = int(threadIdx.x), y = int(threadIdx.y);
@@ -51,7 +55,8 @@ __device__ void add_product(const double* X, const double* Y, double sum[kOf][kO
   }
 }
 
-/// A_KK^-1, and its negative in the place of A_KK. A block a matrix.
+/// Puts A_KK^-1 into `inverse`, and its negative in the place of A_KK. One block for each matrix,
+/// which holds the tile in registers (InverseTile).
 __global__ void __launch_bounds__(Pivot::kThreads) pivot_kernel(Sweep s) {
   __shared__ Pivot::Room room;
   begin_kernel();
@@ -66,13 +71,16 @@ __global__ void __launch_bounds__(Pivot::kThreads) pivot_kernel(Sweep s) {
   });
 }
 
-/// A_IK becomes A_IK A_KK^-1. Blocks (tiles I, matrices).
+/// A_IK becomes A_IK A_KK^-1. Grid (tiles I, matrices). A block first copies A_IK to `before`,
+/// which update_kernel needs too, then multiplies it and writes the product to `after` and into the
+/// matrix. Tiles above the diagonal are the transposes of those stored below it.
 __global__ void __launch_bounds__(Pivot::kThreads) panel_kernel(Sweep s) {
   begin_kernel();
   const int tile = int(blockIdx.x), m = int(blockIdx.y);
   if (tile == s.k) return;
   const int x = int(threadIdx.x), y = int(threadIdx.y);
   double *const before = s.rows(s.before, m, tile), *const after = s.rows(s.after, m, tile);
+  // entry (i, j) of A_IK in the matrix; where I < K its transpose is stored
   const auto place = [&](int i, int j) {
     const int64_t row = int64_t(kTile) * tile + i, column = int64_t(kTile) * s.k + j;
     return tile > s.k ? s.entry(m, row, column) : s.entry(m, column, row);
@@ -83,6 +91,7 @@ __global__ void __launch_bounds__(Pivot::kThreads) panel_kernel(Sweep s) {
       before[i * kTile + j] = *place(i, j);
     }
   __syncthreads();
+  // A_IK A_KK^-1, as the inverse is symmetric
   double sum[kOf][kOf] = {};
   add_product(before, s.inverse + m * kBlock, sum);
   for (int a = 0; a < kOf; ++a)
@@ -93,7 +102,7 @@ __global__ void __launch_bounds__(Pivot::kThreads) panel_kernel(Sweep s) {
     }
 }
 
-/// A_IJ -= A_IK A_KK^-1 A_KJ for I >= J, neither of them K. Blocks (pairs of tiles, matrices).
+/// A_IJ -= A_IK A_KK^-1 A_KJ for I >= J, neither of them K. Grid (pairs of tiles, matrices).
 __global__ void __launch_bounds__(Pivot::kThreads) update_kernel(Sweep s) {
   begin_kernel();
   int row, column;
@@ -108,7 +117,7 @@ __global__ void __launch_bounds__(Pivot::kThreads) update_kernel(Sweep s) {
                int64_t(kTile) * column + int(threadIdx.x) + kSide * b) -= sum[a][b];
 }
 
-/// Leaves -A^-1 on and below the diagonals of A, (3, size, size).
+/// Sweeps all columns, which leaves -A^-1 on and below the diagonals of A, (3, size, size).
 void sweep(DeviceArray<double>& A, int64_t size) {
   const auto tiles = unsigned(size / kTile);
   DeviceArray<double> inverse(kDenseMatrices * kBlock), before(kDenseMatrices * size * kTile),
@@ -123,13 +132,13 @@ void sweep(DeviceArray<double>& A, int64_t size) {
   synchronise();
 }
 
-/// Entry of the inverse m of swept matrices.
+/// Entry (i, j) of inverse m of the swept matrices.
 __device__ double inverse_entry(const double* swept, int64_t size, int64_t m, int64_t i,
                                 int64_t j) {
   return -swept[(m * size + max(i, j)) * size + min(i, j)];
 }
 
-/// Whether room is counted alone: then the operators go here.
+/// Whether memory is only counted. The count then loses the operators, which are freed here.
 bool counts_only(const DeviceArray<double>& operators) {
   RoomCount* const room = RoomCount::present();
   if (room) room->take_off(size_t(operators.size()) * sizeof(double));

@@ -15,7 +15,7 @@ constexpr int kSize = kReducedSize;
 using Reduced = Eigen::Matrix<double, kSize, kSize, Eigen::RowMajor>;
 using ReducedVector = Eigen::Matrix<double, kSize, 1>;
 
-/// Box of some nodes at rest.
+/// Bounding box of some nodes at rest.
 Box rest_box(const Scene& scene, const std::vector<int32_t>& nodes) {
   std::vector<Box> boxes((nodes.size() + size_t(kBlock) - 1) / size_t(kBlock));
   for_each(int64_t(nodes.size()), [&](int64_t k) {
@@ -40,7 +40,7 @@ Encoder<T>::Encoder(const IncrementalPotential& potential) {
 
 template <class T>
 std::optional<Encoder<T>> Encoder<T>::if_soft(const IncrementalPotential& potential, double least) {
-  constexpr int64_t kSample = 1 << 16, kSparsest = 16;  // voxels; of that many blocks one
+  constexpr int64_t kSample = 1 << 16, kSparsest = 16;  // voxels; one block of so many at least
   const int64_t voxels = potential.scene().grid.voxel_count();
   const int64_t stride = std::clamp<int64_t>(voxels / kSample, 1, kSparsest);
   Encoder encoder;
@@ -138,7 +138,7 @@ void Encoder<T>::set_nodal_stiffness(const std::vector<int32_t>& nodes,
     pieces_[p].invert(A[p].empty() ? pieces_[p].rest : A[p]);
 }
 
-/// The modes of node k in packs; the last one goes on into the next node.
+/// The modes of node k in packs; the last pack runs on into the next node, or into zeros.
 template <class T>
 void Encoder<T>::load_modes(const Piece& piece, int64_t k, Pack<T> mode[kPacks]) {
   for (int p = 0; p < kPacks; ++p) mode[p] = load(piece.modes.data() + k * kModes + p * kLanes);
@@ -152,6 +152,7 @@ void Encoder<T>::encode(const T* r, double* y) const {
     const Piece& piece = pieces_[s];
     const int64_t n = int64_t(piece.nodes.size());
     std::vector<Partial> partial(size_t((n + kChunk - 1) / kChunk));
+    // sums of chunks, each in packs of modes
     for_blocks(
         n,
         [&](int64_t begin, int64_t end) {
@@ -166,6 +167,7 @@ void Encoder<T>::encode(const T* r, double* y) const {
           partial[size_t(begin / kChunk)] = sum;
         },
         kChunk);
+    // added in float64, in the order of the chunks
     double* result = y + s * kSize;
     std::fill(result, result + kSize, 0);
     for (const Partial& sum : partial)
@@ -179,7 +181,7 @@ template <class T>
 void Encoder<T>::decode(const double* y, T* z) const {
   for (size_t s = 0; s < pieces_.size(); ++s) {
     const Piece& piece = pieces_[s];
-    // 0 beyond the last mode
+    // coefficients in packs, 0 beyond the last mode
     Pack<T> coefficient[3][kPacks] = {};
     for (int i = 0; i < 3; ++i)
       for (int m = 0; m < kModes; ++m)

@@ -7,16 +7,18 @@
 namespace elastogen::cuda {
 namespace {
 
-// numbers of a piece and of a chunk lie as 3 mode + component
+// the numbers of a piece or a chunk are ordered as 3 mode + component
 constexpr int kModes = kEncoderModes, kSize = kReducedSize;
 constexpr int kChunk = 1024;                               // entries
-constexpr int kGroups = 32;                                // of kModes threads that encode a chunk
-constexpr int kSlices = 16;                                // of the chunks of a piece
-constexpr int kColumns = (kSize + kSlices - 1) / kSlices;  // of its correction, of a slice
+constexpr int kGroups = 32;                                // thread groups of a chunk
+constexpr int kSlices = 16;                                // thread slices of a piece
+constexpr int kColumns = (kSize + kSlices - 1) / kSlices;  // of the correction, of a slice
 constexpr int kTile = 128;                                 // entries that a block decodes
 
-/// B^T r of a chunk, a block of (kModes, kGroups) threads: each group takes every kGroups-th entry,
-/// so that the block reads consecutive modes; then the groups' sums are added in order.
+/// B^T r of a chunk, one block for each chunk. The block first gathers r of the chunk's nodes into
+/// shared memory. It has kGroups groups of kModes threads, a thread for each mode: group g adds the
+/// entries g, g + kGroups, ..., so that the block reads consecutive modes. Then one thread for each
+/// of the kSize numbers adds the sums of the groups in order.
 template <class T>
 __global__ void __launch_bounds__(kModes* kGroups)
     encode_kernel(const EncoderChunk* chunks, const int32_t* nodes, const ModeNumber<T>* modes,
@@ -43,7 +45,7 @@ __global__ void __launch_bounds__(kModes* kGroups)
   partial[int64_t(blockIdx.x) * kSize + thread] = total;
 }
 
-/// Sum of a column of `sums` in the order of the slices.
+/// Sum of a column of `sums`, in the order of the slices.
 __device__ inline double sum_of_slices(const double sums[kSlices][kSize], int column) {
   double total = 0;
 #pragma unroll
@@ -51,9 +53,11 @@ __device__ inline double sum_of_slices(const double sums[kSlices][kSize], int co
   return total;
 }
 
-/// The correction times B^T r of a piece in float64, a block of (kSize, kSlices) threads: each
-/// slice adds every kSlices-th chunk, and multiplies every kSlices-th column of the correction; the
-/// slices' sums are added in order.
+/// The correction times B^T r of a piece in float64, one block for each piece. It has kSlices
+/// slices of kSize threads, a thread for each row. A thread loads every kSlices-th column of its
+/// row of the correction into registers, then adds every kSlices-th chunk of B^T r. The sums of the
+/// slices, added in order, are B^T r in shared memory. Each slice multiplies its columns with it,
+/// and the sums of the slices are again added in order.
 template <class T>
 __global__ void __launch_bounds__(kSize* kSlices)
     solve_kernel(const int32_t* chunk_begin, const T* partial, const double* corrections,
@@ -63,10 +67,12 @@ __global__ void __launch_bounds__(kSize* kSlices)
   const int row = int(threadIdx.x), slice = int(threadIdx.y);
   begin_kernel();
   const double* matrix = corrections + piece * kSize * kSize + row;
+  // this slice's columns of the correction
   double column[kColumns];
 #pragma unroll
   for (int k = 0; k < kColumns; ++k)
     column[k] = slice + k * kSlices < kSize ? matrix[(slice + k * kSlices) * kSize] : 0;
+  // B^T r of the piece
   const int32_t end = chunk_begin[piece + 1];
   double sum = 0;
 #pragma unroll 8
@@ -76,6 +82,7 @@ __global__ void __launch_bounds__(kSize* kSlices)
   __syncthreads();
   if (slice == 0) reduced[row] = sum_of_slices(sums, row);
   __syncthreads();
+  // the correction times it
   double product = 0;
 #pragma unroll
   for (int k = 0; k < kColumns; ++k)
@@ -85,8 +92,10 @@ __global__ void __launch_bounds__(kSize* kSlices)
   if (slice == 0) solution[piece * kSize + row] = sum_of_slices(sums, row);
 }
 
-/// z = B y on a part of a chunk, a thread an entry; the modes go through shared memory, as
-/// neighbouring threads need distant ones.
+/// z = B y on kTile entries of a chunk, one thread for each entry. Grid (chunks, parts of a chunk).
+/// The block copies the coefficients y of the piece and the modes of its entries into shared memory
+/// first: consecutive threads then read consecutive modes, though each needs all modes of one
+/// entry.
 template <class T>
 __global__ void __launch_bounds__(kTile)
     decode_kernel(const EncoderChunk* chunks, const int32_t* nodes, const ModeNumber<T>* modes,
@@ -133,6 +142,7 @@ template <class T>
 DeviceEncoder<T>::DeviceEncoder(DevicePotential& potential,
                                 const std::vector<std::vector<int32_t>>& pieces)
     : modes_(make_modes<T>(potential, pieces)) {
+  // chunks of at most kChunk entries, piece by piece
   std::vector<int32_t> chunk_begin;
   std::vector<EncoderChunk> chunks;
   for (size_t p = 0; p < pieces.size(); ++p) {
@@ -142,6 +152,7 @@ DeviceEncoder<T>::DeviceEncoder(DevicePotential& potential,
       chunks.push_back({int32_t(p), begin, std::min(begin + kChunk, end)});
   }
   chunk_begin.push_back(int32_t(chunks.size()));
+  // tables, and the memory that apply() works in
   chunks_ = DeviceArray<EncoderChunk>(chunks);
   chunk_begin_ = DeviceArray<int32_t>(chunk_begin);
   partial_ = DeviceArray<T>(chunks_.size() * kSize);
@@ -149,7 +160,8 @@ DeviceEncoder<T>::DeviceEncoder(DevicePotential& potential,
   corrections_ = DeviceArray<double>(piece_count() * kSize * kSize);
   if (RoomCount::present()) return;
   operators_ = rest_operators(potential, modes_);
-  std::vector<double> corrections;  // column by column
+  std::vector<double> corrections;
+  // the operators at rest, and their corrections column by column
   for (const ReducedOperator& of : operators_)
     for (int column = 0; column < kSize; ++column)
       for (int row = 0; row < kSize; ++row)

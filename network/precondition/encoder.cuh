@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The encoder of network/precondition/encoder.hpp on the device, beside multigrid: modes and operators are made
-// here, corrections on the host, and the map takes three launches, all sums in a fixed order.
+// The encoder of network/precondition/encoder.hpp on the device, used beside multigrid. The device makes modes
+// and operators, the host the corrections. apply() launches three kernels; all sums have a fixed
+// order.
 
 #pragma once
 
@@ -18,12 +19,13 @@ __device__ inline double mode_value(double mode) {
   return mode;
 }
 
-/// Neighbouring entries of the list of all pieces' nodes, of one piece.
+/// A range of entries in the list of all pieces' nodes; all of them belong to one piece.
 struct EncoderChunk {
   int32_t piece, begin, end;
 };
 
-/// A node with a further stiffness: its place in the list of those, and in that of all nodes.
+/// A node with additional stiffness: its index among such nodes, and in the list of all pieces'
+/// nodes.
 struct StiffEntry {
   int32_t stiff, node;
 };
@@ -32,21 +34,21 @@ struct StiffEntry {
 template <class T>
 class DeviceEncoder {
  public:
-  /// Modes and operators at rest of a potential, which must have its inertia.
+  /// Makes modes and operators at rest of a potential, which must have its inertia.
   /// @param pieces  nodes of encoder_pieces.
-  /// @throws Error (resources) where the device has no room.
+  /// @throws Error (resources) if the device has too little memory.
   DeviceEncoder(DevicePotential& potential, const std::vector<std::vector<int32_t>>& pieces);
 
-  /// As Encoder::softness; while room is counted there are no operators, and it is infinite.
+  /// As Encoder::softness. While memory is only counted there are no operators: it is infinite.
   double softness() const;
 
-  /// Makes room for a further stiffness of these nodes, in this order; `pieces` are those of the
-  /// constructor.
+  /// Allocates what an additional stiffness of these nodes needs, in this order; `pieces` are those
+  /// of the constructor.
   void expect_stiffness(const std::vector<std::vector<int32_t>>& pieces,
                         const std::vector<int32_t>& nodes);
-  /// As Encoder::set_nodal_stiffness; only once it is expected.
+  /// As Encoder::set_nodal_stiffness; call expect_stiffness() before.
   void set_nodal_stiffness(const NodalStiffness& stiffness);
-  /// Whether apply() takes it into account.
+  /// Whether apply() uses the additional stiffness.
   void use_stiffness(bool use) { use_stiffness_ = use; }
 
   /// z = B (A_r^-1 - s D_r^-1) B^T r on the nodes of the pieces; (nodes, 3), on the device.
@@ -62,15 +64,15 @@ class DeviceEncoder {
   DeviceArray<EncoderChunk> chunks_;  // in the order of the pieces
   DeviceArray<int32_t> chunk_begin_;  // first chunk of each piece, (pieces + 1)
   DeviceArray<T> partial_;            // B^T r of each chunk, (chunks, 3 kModes)
-  DeviceArray<double> solution_;      // those times B^T r, (pieces, 3 kModes)
+  DeviceArray<double> solution_;      // corrections times B^T r, (pieces, 3 kModes)
 
-  // of a further stiffness, where one is expected
+  // of an additional stiffness, after expect_stiffness()
   bool use_stiffness_ = false;
   DeviceArray<double> rest_;                // A_r without it, (pieces, 3 kModes, 3 kModes)
   DeviceArray<StiffEntry> stiff_;           // piece by piece
   DeviceArray<EncoderChunk> stiff_chunks_;  // of stiff_
   DeviceArray<int32_t> stiff_begin_;        // first chunk of each piece, (pieces + 1)
-  DeviceArray<double> products_;            // of the chunks, (chunks, kProducts)
+  DeviceArray<double> products_;            // of the chunks, then of the pieces, kProducts each
   DeviceArray<int32_t> touched_;            // chunks whose products are not all 0
   DeviceArray<double> stiff_corrections_;   // like corrections_
 };

@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // The low-frequency encoder: smooth modes of each connected piece, Galerkin with the elastic
-// operator at rest. With it the iteration counts hardly depend on the time step: the scalar
-// hierarchies of multigrid charge rotations and bending, which elasticity gets nearly for nothing.
+// operator at rest. With it the iteration counts hardly depend on the time step: rotations and
+// bending cost energy in the scalar hierarchies of multigrid, but nearly none in elasticity.
 //
 //     B_k = c_k(X) d/(d + L/8),     c_k = prod_d cos(pi k_d (X_d - X_d,min)/L_d) and X, Y, Z,
 //     A_r = B^T A B,                alone:              z  = B A_r^-1 B^T r,
 //                                   beside multigrid:   z += B (A_r^-1 - s D_r^-1) B^T r,
 //
-// D_r the blocks of A_r within a component: that is what multigrid knows of A_r and has answered
-// already, to within its own error, which s = 0.8 allows for: the sum stays positive definite where
-// multigrid gives B D_r^-1 B^T to 7 parts in 15 or better, as A_r <= 3 D_r. Where A_r is close to
+// D_r has the blocks of A_r within a component. Multigrid knows this part of A_r and has answered
+// to it already, up to its own error, for which s = 0.8 leaves a margin: the sum stays positive
+// definite if multigrid gives at least 7/15 of B D_r^-1 B^T, as A_r <= 3 D_r. Where A_r is close to
 // D_r, in bodies that elastic waves do not cross within a step, the encoder has nothing to add.
 //
-// 18 cosines of lowest frequency and the three linear functions for each displacement component; d
-// the distance to the nearest pinned node of the piece, L its longest extent (factor 1 where
-// nothing is pinned).
+// The modes of each displacement component are the 18 cosines of lowest frequency and the three
+// linear functions; d is the distance to the nearest pinned node of the piece, L its longest extent
+// (factor 1 where nothing is pinned).
 
 #pragma once
 
@@ -27,9 +27,9 @@
 
 namespace elastogen {
 
-/// Where the modes of a node are.
+/// Where the modes of a node are stored.
 struct EncoderPlace {
-  int32_t piece, local;  ///< and its place there; piece -1: none
+  int32_t piece, local;  ///< piece -1: none; index of the node in the piece
 };
 
 template <class T>
@@ -48,8 +48,8 @@ class Encoder {
   /// Builds modes and A_r; the potential must have the scheme that will be used.
   explicit Encoder(const IncrementalPotential& potential);
 
-  /// The encoder, or none where softness() is below `least`; of large bodies that is estimated from
-  /// a sample of their voxels first.
+  /// The encoder, or none if softness() is below `least`; for large bodies a sample of their voxels
+  /// is tried first.
   static std::optional<Encoder> if_soft(const IncrementalPotential& potential, double least);
 
   /// z += B A_r^-1 B^T r; (nodes, 3).
@@ -57,15 +57,15 @@ class Encoder {
   /// z += B (A_r^-1 - s D_r^-1) B^T r, beside multigrid.
   void add_correction(const T* r, T* z) { add(&ReducedOperator::correction, r, z); }
 
-  /// How many times softer than multigrid takes it for the elastic operator at rest is to a mode,
-  /// at most: ReducedOperator::softness of a piece.
+  /// The largest ratio of the stiffness that multigrid assumes for a combination of modes to that
+  /// of the elastic operator at rest: the largest ReducedOperator::softness of a piece.
   double softness() const;
 
   /// Adds the stiffness of some nodes, symmetric 3x3 blocks [N/m], (stiff nodes, 9), to the
   /// operator, in place of the one added before.
   void set_nodal_stiffness(const std::vector<int32_t>& nodes, const std::vector<double>& blocks);
 
-  /// The modes alone: y = B^T r and z = B y, 3 kModes numbers a piece; for tests.
+  /// The modes alone: y = B^T r and z += B y, 3 kModes numbers a piece; for tests.
   void encode(const T* r, double* y) const;
   void decode(const double* y, T* z) const;
 

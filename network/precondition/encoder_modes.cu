@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compiled without fused operations, as the CPU is: the modes have its bits.
+// Compiled without fused operations, like the CPU's source, so that the modes equal its bit by bit.
 #include "core/cuda/reduce.cuh"
 #include "network/precondition/encoder_modes.cuh"
 #include "network/precondition/encoder_modes.hpp"
@@ -9,7 +9,7 @@
 namespace elastogen::cuda {
 namespace {
 
-/// Where some nodes lie, at rest and on the lattice.
+/// Extent of some nodes, at rest [m] and on the lattice.
 struct Extent {
   double lower[3] = {1e300, 1e300, 1e300}, upper[3] = {-1e300, -1e300, -1e300};
   LatticeBox planes = {{{INT_MAX, INT_MAX, INT_MAX}}, {{INT_MIN, INT_MIN, INT_MIN}}};
@@ -23,7 +23,7 @@ struct Extent {
   }
 };
 
-/// What is known of nodes by their number.
+/// Tables by the number of a node.
 struct NodeSource {
   const double* rest;
   const int32_t *coord, *piece;  ///< lattice coordinates; piece of the grid
@@ -34,7 +34,7 @@ struct NodeSource {
   }
 };
 
-/// Of the entries [begin, begin + count).
+/// Extent of `count` nodes. Waits for the device.
 Extent extent_of(const NodeSource& source, const int32_t* nodes, int64_t count) {
   DeviceArray<SumRoom<Extent>> room(1);
   PinnedArray<Extent> result(1);
@@ -53,7 +53,7 @@ Extent extent_of(const NodeSource& source, const int32_t* nodes, int64_t count) 
   return result[0];
 }
 
-/// PinTrees.
+/// PinTrees in device memory.
 struct PinTreesOnDevice {
   explicit PinTreesOnDevice(const PinTrees& of)
       : places(of.places), boxes(of.boxes), trees(of.trees) {}
@@ -64,7 +64,7 @@ struct PinTreesOnDevice {
   DeviceArray<PinTree> trees;
 };
 
-/// Distance to the nearest pin [m], 1e300 where there is none.
+/// Distance to the nearest pin [m], 1e300 if there is none.
 __device__ double pin_distance(const NodeSource& source, const PinTreesView& pins, double h,
                                int64_t n) {
   if (source.pinned[n]) return 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The encoder's modes (network/precondition/encoder_modes.hpp), made on the device where they are used.
+// The encoder's modes (network/precondition/encoder_modes.hpp), made on the device.
 
 #pragma once
 
@@ -11,13 +11,13 @@ namespace elastogen::cuda {
 /// The modes of some pieces, whose nodes lie one after the other.
 template <class T>
 struct PieceModesOnDevice {
-  std::vector<int32_t> first;         ///< entry of each piece, and their count
-  DeviceArray<int32_t> nodes;         ///< of the entries
-  DeviceArray<ModeNumber<T>> values;  ///< (entries, kModes), the bits of Encoder<T>'s
+  std::vector<int32_t> first;         ///< first entry of each piece, then the count of entries
+  DeviceArray<int32_t> nodes;         ///< node of each entry
+  DeviceArray<ModeNumber<T>> values;  ///< (entries, kModes), those of Encoder<T> bit by bit
 };
 
 /// @param pieces  nodes of encoder_pieces.
-/// @throws Error (resources) where the device has no room.
+/// @throws Error (resources) if the device has too little memory.
 template <class T>
 PieceModesOnDevice<T> make_modes(DevicePotential& potential,
                                  const std::vector<std::vector<int32_t>>& pieces);

@@ -14,7 +14,7 @@ inline constexpr int kEncoderModes = kEncoderCosines + 3;  ///< of a displacemen
 /// number.
 std::vector<std::vector<int32_t>> encoder_pieces(const VoxelGrid& grid);
 
-/// What the modes of a piece are made of.
+/// Data that the modes of a piece are computed from.
 struct ModeShape {
   CosineTables cosines;
   double lower[3], upper[3];  ///< of its nodes at rest [m]
@@ -24,10 +24,10 @@ struct ModeShape {
 /// @param cosines  must outlive it.
 ModeShape mode_shape(const Box& box, const PlaneCosines& cosines);
 
-/// A mode's value to the digits that are kept of it: in float those of half precision, in which a
-/// card holds it. All uses of a mode agree in them, so that it is as good a mode as before.
+/// A mode's value in the digits that are stored: in float those of half precision, as on a card.
+/// All uses of a mode agree in these digits, so that the rounded mode is as good as the exact one.
 ELASTOGEN_HD inline float kept_value(double mode, float) {
-  // Veltkamp's splitting: the 11 leading bits; as it stands, without fused operations
+  // Veltkamp's splitting gives the 11 leading bits, if no operations are fused
   const float x = float(mode), c = x * 8193;
   return c - (c - x);
 }
@@ -35,7 +35,7 @@ ELASTOGEN_HD inline double kept_value(double mode, double) {
   return mode;
 }
 
-/// put(m, value) for the modes at a node.
+/// Calls put(m, value) for the modes at a node.
 /// @param distance  to the nearest pin [m]
 /// @param at        lattice coordinates
 /// @param X         position at rest [m]

@@ -13,10 +13,10 @@ namespace {
 
 constexpr int kModes = Encoder<float>::kModes, kPacks = Encoder<float>::kPacks;
 constexpr int kAxes = 3 * kModes, kBlockVoxels = 128;
-constexpr int64_t kMostParts = 64;     // partial sums, whatever the number of voxels
+constexpr int64_t kMostParts = 64;     // partial sums, for any number of voxels
 constexpr int kAcross[3] = {1, 2, 0};  // the patterns yz, zx, xy across x, y, z
 
-/// A line a voxel or node; column M a + m is axis or pattern a of mode m.
+/// One line for each voxel or node; column M a + m is axis or pattern a of mode m.
 template <int kColumns>
 using Block = Eigen::Matrix<double, Eigen::Dynamic, kColumns, Eigen::RowMajor>;
 using Product = Eigen::Matrix<double, kAxes, kAxes>;
@@ -36,7 +36,7 @@ struct Products {
   }
 };
 
-/// A voxel's share of a product over what it has of mu: the ratios of its other weights to that.
+/// Ratios of a voxel's other weights to its weight in the product mu.
 struct Ratios {
   double lambda, c[4];  ///< of lambda h^3 to mu h^3, of h w_k c_k to h mu / 48
   bool operator==(const Ratios&) const = default;
@@ -59,8 +59,8 @@ auto weighted_square_of(const A& a, const Eigen::VectorXd& w) {
   return square_of(weighted);
 }
 
-/// What a block of voxels brings to the products: d and q times the roots of their weights in mu
-/// and torsion, and ratios.
+/// A block of voxels for the products: d and q times the roots of their weights in mu and torsion,
+/// and the ratios.
 class VoxelBlock {
  public:
   VoxelBlock()
@@ -82,12 +82,14 @@ class VoxelBlock {
   std::vector<Ratios> ratios_;
 };
 
-/// A line's modes go in packs, whose ends those of the next axis or line replace.
+/// Sets a line from a voxel. Modes are stored in packs, and what a pack writes beyond the last mode
+/// is overwritten by the next axis or line.
 template <class T>
 void VoxelBlock::set(int line, const Scene& scene, int64_t v, const PieceModes<T>& piece) {
   const VoxelGrid& grid = scene.grid;
   const Material& material = scene.materials[size_t(scene.material(v))];
   const double h = grid.h, weight = grid.fill(v) * h * material.mu();
+  // ratios of the other weights to mu
   Ratios& ratios = ratios_[size_t(line)];
   ratios.lambda = material.lambda() / material.mu();
   for (int k = 0; k < 4; ++k) ratios.c[k] = (k < 3 ? 2 : 1) * scene.variance(v, k) / material.mu();
@@ -95,6 +97,7 @@ void VoxelBlock::set(int line, const Scene& scene, int64_t v, const PieceModes<T
   hex8::fill_moments(grid.shape_mean.row(v), moments);
   Pack<double> M[7];
   for (int p = 0; p < 7; ++p) M[p] = constant<Pack<double>>(moments[p]);
+  // gradients and patterns of the modes, in packs
   const T* corner[8];
   for (int k = 0; k < 8; ++k)
     corner[k] =
@@ -109,6 +112,7 @@ void VoxelBlock::set(int line, const Scene& scene, int64_t v, const PieceModes<T
     hex8::gradient<true>(g, M, d[pack]);
     hex8::centred_patterns<true>(g, M, q[pack]);
   }
+  // times the roots of their weights in mu and torsion
   double* to = gradient_.data() + line * kAxes;
   for (int a = 0; a < 3; ++a, to += kModes)
     for (int pack = 0; pack < kPacks; ++pack) store(to + pack * kLanes, d[pack][a] * of_gradient);
@@ -117,7 +121,7 @@ void VoxelBlock::set(int line, const Scene& scene, int64_t v, const PieceModes<T
     for (int pack = 0; pack < kPacks; ++pack) store(to + pack * kLanes, q[pack][k] * of_patterns);
 }
 
-/// The upper half from the lower one.
+/// Copies the lower half to the upper one.
 template <class Sum>
 void mirror(Sum& sum) {
   sum.template triangularView<Eigen::StrictlyUpper>() = sum.transpose();
@@ -138,7 +142,7 @@ void VoxelBlock::add_to(Products& sum, Eigen::Index lines, Hourglass hourglass) 
   sum.variance[3] += ratios.c[3] * square_of(patterns.rightCols<kModes>());
 }
 
-/// All but mu, voxels of their own weights.
+/// Adds all but mu, with the ratios of each voxel.
 void VoxelBlock::add_unlike(Products& sum, Eigen::Index lines, Hourglass hourglass) const {
   Eigen::VectorXd w(lines);
   for (Eigen::Index line = 0; line < lines; ++line) w(line) = ratios_[size_t(line)].lambda;
@@ -152,7 +156,7 @@ void VoxelBlock::add_unlike(Products& sum, Eigen::Index lines, Hourglass hourgla
   if (hourglass == Hourglass::kFull) sum.torsion += square_of(patterns.leftCols<kAxes>());
 }
 
-/// part(first, last, sums) over equal shares of [0, n), as many on every machine; first is a
+/// Sum of part(first, last, sums) over equal shares of [0, n), as many on every machine; first is a
 /// multiple of kBlockVoxels.
 template <class Part>
 Products sum_of_parts(int64_t n, const Part& part) {
@@ -212,7 +216,7 @@ template <class T>
 std::vector<double> reduced_rest_operator(const IncrementalPotential& potential,
                                           const PieceModes<T>& piece, int64_t stride) {
   const Products p = voxel_products(potential.scene(), piece, stride);
-  // what is alike for the three components
+  // the part that all three components share
   ModeProduct alike = inertia_products(potential, piece, stride);
   for (int a = 0; a < 3; ++a) alike += p.mu.block<kModes, kModes>(a * kModes, a * kModes);
   for (const ModeProduct& variance : p.variance) alike += variance;

@@ -1,16 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// A_r at rest as sums of products of vectors over the modes. With d_a the gradients of the modes of
-// a voxel along the axes and q_k their centred patterns (encoder_operator.hpp), weights with them,
-// the blocks of A_r that couple components i and j are
+// A_r at rest as sums of outer products of vectors over the modes. d_a are the gradients of a
+// voxel's modes along the axes, q_k their centred patterns (encoder_operator.hpp); lambda, mu and c
+// include the voxel's weight. The blocks of A_r that couple components i and j are
 //
 //     A_ij = sum lambda d_i d_j^T + mu d_j d_i^T + mu/48 q_a q_b^T,              i < j,
 //     A_ii = sum (mu + lambda) d_i d_i^T + (2 mu - 2 c_a)/48 q_a q_a^T + E,
 //     E    = sum mu sum_a d_a d_a^T + sum_k c'_k/48 q_k q_k^T + sum inertia b b^T,
 //
-// c' = 2 c (c for xyz), a and b the patterns across i and j. Tensor cores add the products of four
-// voxels at a time, eight modes by eight. Each thread finds d and q of one voxel and one mode of
-// eight, which is what they take of it, so all stays in registers, as do the sums: half of the
-// warps have those across components, the others those within them.
+// c' = 2 c (c for xyz), a and b the patterns across i and j.
 #include "network/potential/incremental_potential.cuh"
 #include "network/precondition/encoder.cuh"
 #include "network/precondition/encoder_operator.cuh"
@@ -21,48 +18,45 @@ namespace {
 constexpr int kModes = kEncoderModes, kSize = kReducedSize;
 constexpr int kSide = 8, kFour = 4;                    // modes and voxels of a product
 constexpr int kGroups = (kModes + kSide - 1) / kSide;  // of modes
-constexpr int kBlocks = 264;                           // whatever the card
+constexpr int kBlocks = 264;                           // on every card: one order of sums
 constexpr int kWarp = 32, kStreams = 2;                // pairs of warps, each with its own voxels
 constexpr int kThreads = 2 * kStreams * kWarp;
-
-// a block works on slabs of bricks
-constexpr int kLayers = 4, kSlabs = kLanes / kLayers;  // of voxels
+constexpr int kLayers = 4, kSlabs = kLanes / kLayers;  // layers of a slab, slabs of a brick
 constexpr int kWidth = ::elastogen::bricks::kTileWidth, kPlane = kWidth * kWidth;
 constexpr int kNodes = kPlane * (kLayers + 1), kEntries = kNodes + 1;  // the last one is none
 constexpr int kRows = kLanes * kLayers, kSlots = kRows * kLanes;       // at a time
 
-// sums of products, kSide x kSide each: those across for each pair of components, then those within
-// for each component and E, which are symmetric: of a group of columns only those with the same
-// group of rows and the next
+// sums, kSide x kSide each: across for each pair of components, within for each component and E;
+// those within are symmetric: a group of columns has the rows of its own group and of the next
 constexpr int kE = 3, kAcross = 3 * kGroups * kGroups, kWithin = (kE + 1) * kGroups * 2;
 constexpr int kMost = kAcross > kWithin ? kAcross : kWithin;
 constexpr int kNumbers = (kAcross + kWithin) * kSide * kSide;
 
-/// The next of three; also the centred pattern across an axis.
+/// The next of three axes or groups; also the index of the centred pattern across an axis.
 ELASTOGEN_HD constexpr int next(int k) {
   return (k + 1) % 3;
 }
 
-/// Sum of the groups of rows r and of columns c, of components i < j.
+/// Index of the sum across components i < j for group r of rows and group c of columns.
 ELASTOGEN_HD constexpr int across_sum(int i, int j, int r, int c) {
   return ((i + j - 1) * kGroups + c) * kGroups + r;
 }
 
-/// Of component i or E, r = c or next(c).
+/// Index of the sum within component i or E, for r = c or r = next(c).
 ELASTOGEN_HD constexpr int within_sum(int i, int r, int c) {
   return (i * kGroups + c) * 2 + (r != c);
 }
 
-// what a voxel has in shared memory; phi h and the factors of the products are with the weights
+// fields of a voxel in shared memory; phi h and the factors of the products are in the weights
 constexpr int kMu = 0, kLambda = 1, kVariance = 2, kMoments = 6, kFields = 12;
 
 struct Room {
   double mode[kEntries * kModes];  ///< groups go beyond the last mode of a node
   double field[kFields][kSlots];
-  int32_t entry[kEntries];  ///< of the slab's nodes; -1: none of the piece
+  int32_t entry[kEntries];  ///< of the slab's nodes; -1: not in the piece
   int32_t place[kSlots];    ///< of voxels in the slab; -1: none
 };
-// what add_outer and add_square, store_sums and add_inertia rely on
+// add_outer, add_square, store_sums and add_inertia rely on this
 static_assert(kGroups == 3 && kStreams * kNumbers <= kNodes * kModes && kSlots < kEntries);
 
 template <class T>
@@ -71,8 +65,8 @@ struct PieceOnDevice {
   int32_t first, end;
 };
 
-/// Finds the entries of a slab that begins at a place of its brick's tile; whether there are any.
-/// For all threads of the block, like those below.
+/// Finds the entries of a slab that begins at a place of its brick's tile; true if there are any.
+/// All threads of the block must call this function and those below.
 template <class T>
 __device__ bool find_entries(const RowsView& g, const PieceOnDevice<T>& piece, int64_t brick,
                              int begin, Room& room) {
@@ -95,7 +89,7 @@ __device__ bool find_entries(const RowsView& g, const PieceOnDevice<T>& piece, i
   return __syncthreads_or(found);
 }
 
-/// Modes of the entries, 0 where there are none; kSide threads an entry.
+/// Copies the modes of the entries, 0 where there are none; kSide threads read an entry.
 template <class Number>
 __device__ void read_modes(const Number* modes, Room& room) {
   constexpr int kAtOnce = 13, kStep = kThreads / kSide;
@@ -119,7 +113,7 @@ __device__ void read_modes(const Number* modes, Room& room) {
   }
 }
 
-/// Weights and moments of a voxel.
+/// Sets weights and moments of a voxel.
 __device__ inline void set_fields(const VoxelTables<double>& voxels, const VoxelRow& row, int64_t r,
                                   int lane, double field[kFields]) {
   const double* weights = voxels.weights + r * 5 * kLanes + lane;
@@ -136,7 +130,7 @@ __device__ inline void set_fields(const VoxelTables<double>& voxels, const Voxel
         row.border < 0 ? 0 : voxels.border[(int64_t(row.border) * 7 + p) * kLanes + lane];
 }
 
-/// Reads the slab's voxels of the piece in kRows rows; whether there are any.
+/// Reads the slab's voxels of the piece in kRows rows; true if there are any.
 __device__ inline bool read_voxels(const RowsView& g, const VoxelTables<double>& voxels,
                                    int32_t first_row, int32_t row_end, int begin, Room& room) {
   bool found = false;
@@ -157,8 +151,8 @@ __device__ inline bool read_voxels(const RowsView& g, const VoxelTables<double>&
 }
 
 // Products of four voxels, sum += a[row] b[column]: thread 4 row + k of the warp has a[row] and
-// b[row] of voxel k, and the sums of that row and the columns 2 k and 2 k + 1. One of eight rows
-// takes the card as long as one of sixteen.
+// b[row] of voxel k, and the sums of that row and the columns 2 k and 2 k + 1. An instruction for
+// eight rows lasts as long as one for sixteen.
 __device__ inline void add_product(double (&sum)[2], double a, double b) {
   asm volatile("mma.sync.aligned.m8n8k4.row.col.f64.f64.f64.f64 {%0, %1}, {%2}, {%3}, {%0, %1};"
                : "+d"(sum[0]), "+d"(sum[1])
@@ -198,7 +192,7 @@ ELASTOGEN_HD inline VoxelModes voxel_modes(const double* corner, const double M[
   return result;
 }
 
-/// The sums of a warp: either those across components or those within.
+/// The sums of a warp: those across components or those within.
 using WarpSums = double[kMost][2];
 
 /// Adds weight a b^T to the sum of components i < j.
@@ -222,8 +216,7 @@ __device__ inline void add_square(int i, double weight, const double a[kGroups],
   }
 }
 
-/// What the voxel of a slot adds across components.
-/// @param twisting  1 with the torsion term, else 0.
+/// Adds a voxel's products across components; `twisting` is 1 with the torsion term, else 0.
 __device__ inline void add_across(const VoxelModes& v, const Room& room, int slot, double twisting,
                                   WarpSums& sum) {
   const double mu = room.field[kMu][slot], lambda = room.field[kLambda][slot];
@@ -238,7 +231,7 @@ __device__ inline void add_across(const VoxelModes& v, const Room& room, int slo
     }
 }
 
-/// The same within components.
+/// Adds a voxel's products within components.
 __device__ inline void add_within(const VoxelModes& v, const Room& room, int slot, double twisting,
                                   WarpSums& sum) {
   const double mu = room.field[kMu][slot], both = mu + room.field[kLambda][slot];
@@ -253,7 +246,7 @@ __device__ inline void add_within(const VoxelModes& v, const Room& room, int slo
   add_square(kE, room.field[kVariance + 3][slot], v.q[3], sum);
 }
 
-/// Adds the voxels in the room, those of a warp's stream.
+/// Adds the voxels in shared memory that belong to a warp's stream.
 __device__ inline void add_voxels(const Room& room, double twisting, bool across, int stream,
                                   WarpSums& sum) {
   const int thread = int(threadIdx.x) % kWarp;
@@ -298,7 +291,7 @@ __device__ void add_inertia(const PieceOnDevice<T>& piece, const double* inertia
   }
 }
 
-/// The sums of a block, those of the streams in order.
+/// Stores the sums of a block, adding those of the streams in order.
 __device__ inline void store_sums(const WarpSums& sum, bool across, int stream, Room& room,
                                   double* partial) {
   const int thread = int(threadIdx.x) % kWarp, count = across ? kAcross : kWithin;
@@ -314,7 +307,11 @@ __device__ inline void store_sums(const WarpSums& sum, bool across, int stream, 
   }
 }
 
-/// Sums of every kBlocks-th slab and part of the nodes, (blocks, kNumbers).
+/// Sums of every kBlocks-th slab (kLayers layers of a brick) and of part of the nodes, (blocks,
+/// kNumbers). The modes of a slab's nodes and the fields of its voxels go to shared memory. Tensor
+/// cores multiply four voxels at a time, eight modes by eight: each thread finds d and q of one
+/// voxel for one mode of each group, just those that it feeds to them, so these stay in registers,
+/// as do the sums. Half of the warps have the sums across components, the others those within.
 template <class T>
 __global__ void __launch_bounds__(kThreads, 2)
     rest_kernel(RowsView g, VoxelTables<double> voxels, const double* inertia,
@@ -326,6 +323,7 @@ __global__ void __launch_bounds__(kThreads, 2)
   const double twisting = voxels.hourglass == Hourglass::kFull ? 1 : 0;
   double sum[kMost][2] = {};
   begin_kernel();
+  // elastic terms: slabs with nodes of the piece, kRows rows at a time
   for (int64_t slab = blockIdx.x; slab < g.bricks * kSlabs; slab += kBlocks) {
     const int64_t brick = slab / kSlabs;
     const int begin = int(slab % kSlabs) * kLayers * kPlane;
@@ -338,11 +336,12 @@ __global__ void __launch_bounds__(kThreads, 2)
       __syncthreads();
     }
   }
+  // inertia, then the block's sums
   add_inertia(piece, inertia, room, across, stream, sum);
   store_sums(sum, across, stream, room, partial);
 }
 
-/// A_r from its sums.
+/// A_r from the sums of all blocks.
 std::vector<double> assembled(const std::vector<double>& sums) {
   const auto at = [&](int sum, int m, int n) {
     return sums[size_t((sum * kSide + m % kSide) * kSide + n % kSide)];
@@ -356,6 +355,7 @@ std::vector<double> assembled(const std::vector<double>& sums) {
     return there ? at(kAcross + within_sum(i, r, c), m, n)
                  : at(kAcross + within_sum(i, c, r), n, m);
   };
+  // the upper triangle as summed, the lower one by symmetry
   std::vector<double> A(size_t(kSize) * kSize);
   for (int m = 0; m < kModes; ++m)
     for (int i = 0; i < 3; ++i)

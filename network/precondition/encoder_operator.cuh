@@ -13,7 +13,7 @@
 
 namespace elastogen::cuda {
 
-/// What modes are held in: those in float are numbers of half precision.
+/// Type in which modes are stored: half precision for an encoder in float.
 template <class T>
 using ModeNumber = std::conditional_t<sizeof(T) == 4, __half, double>;
 
@@ -25,18 +25,18 @@ struct DeviceModes {
   const int32_t* entry;        ///< entry of each node of the grid, -1: in no piece; (nodes)
 };
 
-/// A_r at rest of the entries [first, end), which are one connected piece: that of
-/// reduced_rest_operator on the host, (3 kModes, 3 kModes), row 3 m + i mode m of component i; to
-/// rounding in float64, for modes that are numbers of ModeNumber. The same bits on every run.
-/// Waits for the device; not while room is only counted.
+/// A_r at rest of the entries [first, end), which are one connected piece: (3 kModes, 3 kModes),
+/// row 3 m + i for mode m of component i. It equals reduced_rest_operator of the host to rounding
+/// in float64, for modes that ModeNumber represents exactly. Every run gives the same bits. Waits
+/// for the device; must not be called while memory is only counted.
 /// @param potential  its inertia must be there.
-/// @throws Error (resources) where the device has no room.
+/// @throws Error (resources) if the device has too little memory.
 template <class T>
 std::vector<double> reduced_rest_operator(DevicePotential& potential, const DeviceModes<T>& modes,
                                           int32_t first, int32_t end);
 
-/// The modes of pieces that a DeviceEncoder makes itself (network/precondition/encoder_modes.cuh), piece by
-/// piece, for tests.
+/// The modes that a DeviceEncoder makes of pieces (network/precondition/encoder_modes.cuh), piece by piece; for
+/// tests.
 template <class T>
 std::vector<ModeNumber<T>> modes_by_device(DevicePotential& potential,
                                            const std::vector<std::vector<int32_t>>& pieces);

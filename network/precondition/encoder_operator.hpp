@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The elastic operator at rest on the modes of the encoder, voxel by voxel: what 63 products with
-// the operator and their projections give, in one pass.
+// The elastic operator at rest on the modes of the encoder, voxel by voxel: one pass gives the same
+// as 63 products with the operator and their projections.
 
 #pragma once
 
@@ -31,9 +31,9 @@ struct PieceModes {
 ///
 /// w = 1/24 (1/48 for xyz); the last line is the torsion term, a and b the patterns across i and j.
 ///
-/// @param stride  where not 1, an estimate of A_r / stride: of each stride-th block of 128 voxels
-///                and nodes. What all voxels have none of, as the energy of a rotation, it has none
-///                of.
+/// @param stride  if not 1, the result is an estimate of A_r / stride, from every stride-th block
+///                of 128 voxels and nodes. Energies that are 0 in every voxel, as that of a
+///                rotation, are 0 in it too.
 template <class T>
 std::vector<double> reduced_rest_operator(const IncrementalPotential& potential,
                                           const PieceModes<T>& piece, int64_t stride = 1);

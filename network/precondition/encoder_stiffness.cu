@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The encoder's operators with a further stiffness of some nodes: their blocks on the modes, chunk
-// by chunk, and the corrections, as in encoder.cpp.
+// The encoder's corrections with an additional stiffness of some nodes, as in encoder.cpp, by three
+// kernels: product_kernel projects the stiffness of a chunk of nodes onto the modes, sum_kernel
+// adds the chunks of each piece, and correction_kernel adds the sum to A_r at rest and inverts it.
 #include "core/cuda/inverse.cuh"
 #include "network/precondition/encoder.cuh"
 
@@ -13,15 +14,18 @@ constexpr int kModesOfNode = kEncoderModes, kWidth = 3 * kModesOfNode;
 constexpr int kStiffChunk = 64;  // entries
 constexpr int kThreads = 256;
 constexpr int kSumWidth = 32, kSumSlices = 16;
-// of pairs of modes m >= n times the six numbers of a symmetric block
+// pairs of modes m >= n, times the six numbers of a symmetric block
 constexpr int kProducts = 6 * kModesOfNode * (kModesOfNode + 1) / 2;
 
-/// Place of the products of modes m >= n.
+/// Index of the first product of modes m >= n.
 __device__ int product_place(int m, int n) {
   return 6 * (m * (m + 1) / 2 + n);
 }
 
-/// products[chunk] = sum over its entries of mode m times mode n times block.
+/// products[chunk] = sum over its entries of mode m times mode n times the entry's block; one block
+/// of threads for each chunk. It copies the stiffness of the entries into shared memory. If all of
+/// it is 0, it only marks the chunk as not touched. Else it
+/// copies the modes too, and each thread sums some of the kProducts numbers over the entries.
 template <class Number>
 __global__ void __launch_bounds__(kThreads)
     product_kernel(const EncoderChunk* chunks, const StiffEntry* entries, const double* blocks,
@@ -29,6 +33,7 @@ __global__ void __launch_bounds__(kThreads)
   __shared__ double mode[kStiffChunk][kModesOfNode], block[kStiffChunk][6];
   const EncoderChunk chunk = chunks[blockIdx.x];
   const int count = chunk.end - chunk.begin, thread = int(threadIdx.x);
+  // stiffness of the entries, and whether there is any
   bool stiff = false;
   for (int k = thread; k < 6 * count; k += kThreads) {
     const double value = blocks[6 * int64_t(entries[chunk.begin + k / 6].stiff) + k % 6];
@@ -38,11 +43,13 @@ __global__ void __launch_bounds__(kThreads)
   const int any = __syncthreads_or(stiff);
   if (thread == 0) touched[blockIdx.x] = any;
   if (!any) return;
+  // modes of the entries
   for (int k = thread; k < kModesOfNode * count; k += kThreads)
     mode[k / kModesOfNode][k % kModesOfNode] =
         mode_value(modes[int64_t(entries[chunk.begin + k / kModesOfNode].node) * kModesOfNode +
                          k % kModesOfNode]);
   __syncthreads();
+  // number k belongs to modes m >= n and number k % 6 of a block
   for (int k = thread; k < kProducts; k += kThreads) {
     int m = 0;
     while (product_place(m + 1, 0) <= k) ++m;
@@ -53,8 +60,9 @@ __global__ void __launch_bounds__(kThreads)
   }
 }
 
-/// sums[piece] = those of its chunks, a block of (kSumWidth, kSumSlices) threads for some numbers
-/// of a piece: each slice adds every kSumSlices-th chunk, then the slices' sums are added in order.
+/// sums[piece] = sum of the products of its chunks. A block has kSumWidth numbers of a piece, and
+/// kSumSlices threads for each: a slice of threads adds every kSumSlices-th chunk, then the sums of
+/// the slices are added in order. Chunks that are not touched are skipped.
 __global__ void __launch_bounds__(kSumWidth* kSumSlices)
     sum_kernel(const int32_t* begin, const int32_t* touched, const double* products, double* sums) {
   __shared__ double parts[kSumSlices][kSumWidth];
@@ -74,7 +82,9 @@ __global__ void __launch_bounds__(kSumWidth* kSumSlices)
 using ReducedTile = InverseTile<4>;
 static_assert(kWidth <= ReducedTile::kRows);
 
-/// A_r^-1 - s D_r^-1 of A_r = rest plus sums, both (pieces, ...), a block a piece.
+/// A_r^-1 - s D_r^-1 for A_r = rest + sums, one block for each piece. The matrix, scaled to unit
+/// diagonal, is spread over the registers of the block (InverseTile). The block inverts D_r, the
+/// part of A_r within components, then A_r, and writes the difference with the scale undone.
 __global__ void __launch_bounds__(ReducedTile::kThreads)
     correction_kernel(const double* rest, const double* sums, double* corrections) {
   __shared__ ReducedTile::Room room;
@@ -87,7 +97,7 @@ __global__ void __launch_bounds__(ReducedTile::kThreads)
            more[product_place(m > n ? m : n, m > n ? n : m) + place];
   };
   const int thread = int(threadIdx.x) + ReducedTile::kWidth * int(threadIdx.y);
-  // scaled to unit diagonal; 1e-9 as on the host
+  // the scale to unit diagonal; 1e-9 is added below as on the host
   if (thread < kWidth) scale[thread] = 1 / sqrt(fmax(full(thread, thread), 1e-300));
   __syncthreads();
   const auto scaled = [&](int a, int b) {

@@ -45,8 +45,8 @@ struct Multigrid<T>::Level {
     set_diagonal();
   }
 
-  /// Runs finish(node, (A p)_node) over the nodes; p is 0 on pinned nodes, pinned rows are left
-  /// as they come.
+  /// Runs finish(node, (A p)_node) over the nodes; p is 0 on pinned nodes, and rows of pinned nodes
+  /// are not cleared.
   template <class Finish>
   void product(const T* p, const Finish& finish) {
     for_each_row(
@@ -69,7 +69,7 @@ struct Multigrid<T>::Level {
         });
   }
 
-  /// In double, and rounded once.
+  /// Sums the diagonal in double, and rounds it once.
   void set_diagonal() {
     const size_t size = 3 * size_t(grid.nodes);
     elastic_diagonal.resize(size);
@@ -86,7 +86,7 @@ struct Multigrid<T>::Level {
     set_added(Zeroed<T>(size));
   }
 
-  /// What the voxels of a row add to the diagonal at their corners.
+  /// Shares of the voxels of a row in the diagonal at their corners.
   void corner_diagonal(int64_t r, Pack<double> f[3][8]) const {
     Pack<double> k[6] = {}, M[7];
     for (int lane = 0; lane < kLanes; ++lane) {
@@ -108,7 +108,7 @@ struct Multigrid<T>::Level {
       }
   }
 
-  /// Moments of the fill of a row; false where that has no border.
+  /// Loads the moments of the fill of a row; false if it has no border voxels.
   template <class S>
   bool load_moments(int64_t r, Pack<S> M[7]) const {
     const int32_t border = grid.rows->rows[size_t(r)].border;
@@ -118,7 +118,7 @@ struct Multigrid<T>::Level {
     return border >= 0;
   }
 
-  /// Inertia plus a further stiffness of each node and component, in units of the level.
+  /// Sets inertia plus an additional stiffness of each node and component, in units of the level.
   void set_added(Zeroed<T>&& stiffness) {
     added = std::move(stiffness);
     for_each(3 * grid.nodes, [&](int64_t i) {
@@ -129,7 +129,7 @@ struct Multigrid<T>::Level {
     });
   }
 
-  /// Dense inverses of the three operators.
+  /// Computes the dense inverses of the three operators.
   void invert() {
     run_tasks(
         3, [&](int64_t i) { inverse[i] = inverse_of(dense_operator(int(i))).template cast<T>(); });
@@ -149,7 +149,7 @@ struct Multigrid<T>::Level {
     return A;
   }
 
-  /// The elastic parts of the three operators as dense matrices.
+  /// Makes the elastic parts of the three operators as dense matrices.
   void assemble() {
     const Eigen::Index n = grid.nodes;
     for (auto& A : elastic) A = Eigen::MatrixXd::Zero(n, n);
@@ -172,7 +172,7 @@ struct Multigrid<T>::Level {
   std::vector<NoSums> no_sums;
   double lambda_max;
   Zeroed<T> moduli, elastic_diagonal, added, inverse_diagonal;
-  Zeroed<T> r, z, d;           // take no memory until a cycle runs here
+  Zeroed<T> r, z, d;           // use no memory until a cycle runs here
   Eigen::MatrixXd elastic[3];  // coarsest level only, as its inverse
   Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic> inverse[3];
 };
@@ -230,7 +230,7 @@ void Multigrid<T>::smooth_from_zero(Level& level) {
   add_scaled(T(1), level.d.data(), level.z.data(), n);
 }
 
-/// The same polynomial on the residual of the present z.
+/// z += p(D^-1 A) D^-1 (r - A z), with the polynomial of smooth_from_zero.
 template <class T>
 void Multigrid<T>::smooth(Level& level) {
   const Chebyshev c(level.lambda_max);

@@ -10,12 +10,12 @@
 namespace elastogen::cuda {
 namespace {
 
-// nodes a thread, 512 / kRun threads a brick: long runs cost least where bricks fill the card,
-// short ones end sooner
+// nodes of a thread; a brick has 512 / kRun threads: long runs cost least where bricks fill the
+// card, short ones end sooner
 constexpr int kLongRun = 4, kShortRun = 2, kSingleRun = 1;
 constexpr int kShortBricks = 512;   // of levels with short runs
 constexpr int kSingleBricks = 128;  // of levels with one node a thread
-constexpr int kClusterBricks = 16;  // of levels that a cluster of blocks works on, a brick each
+constexpr int kClusterBricks = 16;  // of levels in the cluster, one for each block
 constexpr int kClusterThreads = stencil::kSlots / kSingleRun;
 constexpr int kRestrictThreads = 256;
 
@@ -28,7 +28,6 @@ struct Level {
         other(z.size()),
         partial((of.links.size() + 1) * 3 * stencil::kPartial),
         smoother(of.lambda_max) {}
-
   StencilView<T> view() {
     StencilView<T> result{of.links.data(),
                           of.begin.data(),
@@ -48,24 +47,23 @@ struct Level {
     result.pitch = int32_t(dense_pitch(of.slot.size()));
     return result;
   }
-
   HierarchyLevel<T> of;
   DeviceArray<T> inverses;  // of the coarsest one, where it is solved
   DeviceArray<T> r, z, other, partial;
   Chebyshev smoother;
-
-  // of a further stiffness, where one is expected
+  // for an additional stiffness, after expect_stiffness()
   DeviceArray<T> added, added_inverses;
   DeviceArray<int32_t> stiff;
 };
 
-/// The levels, 0 the finest, as a kernel takes them.
+/// The levels for a kernel, 0 the finest.
 template <class T>
 struct Views {
   StencilView<T> level[kMostLevels];
   int count;
 };
 
+// a pass over a level (device_stencil_pass.cuh), one block for each brick
 template <class T, int kRun, bool kAdded>
 __global__ void __launch_bounds__(stencil::kSlots / kRun,
                                   sizeof(T) == 4 && kRun > kSingleRun ? 2 * kRun : 1)
@@ -77,6 +75,7 @@ __global__ void __launch_bounds__(stencil::kSlots / kRun,
                                      [] { wait_for_before(); });
 }
 
+// r of a level from the partial sums of the finer one, one thread for each slot
 template <class T>
 __global__ void __launch_bounds__(kRestrictThreads)
     restrict_kernel(const T* partial, const __grid_constant__ StencilView<T> coarse) {
@@ -87,7 +86,7 @@ __global__ void __launch_bounds__(kRestrictThreads)
   from.set(partial, coarse, slot);
 }
 
-/// body(k) for each k of [0, n) by the threads of the grid.
+/// Calls body(k) for each k of [0, n), shared out to the threads of the grid.
 template <class Body>
 __device__ void share(int n, const Body& body) {
   for (int k = int(blockIdx.x * blockDim.x + threadIdx.x); k < n; k += int(gridDim.x * blockDim.x))
@@ -105,14 +104,15 @@ __device__ void cluster_pass(const StencilView<T>& v, Pass pass, const ResultOut
   cooperative_groups::this_cluster().sync();
 }
 
-/// The levels from `first` on as one cluster of blocks, which waits between passes within the card:
-/// down to the coarsest and back. `out` is that of level 0.
+/// The levels from `first` down to the coarsest and back, by one cluster of blocks, which share out
+/// bricks and slots; its barriers take the place of launches. `out` is the result of level 0.
 template <class T, bool kAdded>
 __global__ void __launch_bounds__(kClusterThreads)
     cluster_kernel(const __grid_constant__ Views<T> views, int first, ResultOutput<T> out) {
   const auto cluster = cooperative_groups::this_cluster();
   const int last = views.count - 1;
   begin_kernel();
+  // down: restrict the residual, then solve the level or smooth it
   for (int l = first; l <= last; ++l) {
     const StencilView<T>& v = views.level[l];
     if (l > 0) {
@@ -129,6 +129,7 @@ __global__ void __launch_bounds__(kClusterThreads)
     cluster_pass<T, kAdded>(v, Pass::kStart, {});
     if (l < last) cluster_pass<T, kAdded>(v, Pass::kResidual, {});
   }
+  // up: correct by the coarser level and smooth
   for (int l = last; l >= first; --l) {
     const StencilView<T>& v = views.level[l];
     if (v.inverses != nullptr) continue;
@@ -160,7 +161,7 @@ struct ClusterLaunch {
 
 template <class T>
 struct DeviceMultigridLevels {
-  /// @param fixed  nothing changes the level that is solved: the whole card solves it.
+  /// @param fixed  the operators of the last level never change: the whole card may solve it.
   DeviceMultigridLevels(Hierarchy<T>&& made, bool fixed) : unit(made.unit), scale(T(1 / unit)) {
     for (HierarchyLevel<T>& level : made.levels)
       levels.push_back(std::make_unique<Level<T>>(std::move(level)));
@@ -192,7 +193,7 @@ struct DeviceMultigridLevels {
     return v.inverses != nullptr || v.bricks <= kClusterBricks;
   }
 
-  /// Asks for shared memory, and for 16 blocks of a cluster where the card has room for them.
+  /// Asks for shared memory, and for 16 blocks in a cluster if the card can run that many.
   template <bool kAdded>
   void prepare_kernels() {
     constexpr int kBytes = stencil::kSharedBytes<T>;
@@ -213,10 +214,9 @@ struct DeviceMultigridLevels {
 
   void expect_stiffness();
   void set_nodal_stiffness(const NodalStiffness& stiffness);
-
   const Views<T>& present() const { return use_stiffness ? stiff_views : views; }
 
-  /// The kernel of a level and the nodes of its threads.
+  /// The kernel for a level, and how many nodes its threads have.
   template <bool kAdded>
   static std::pair<decltype(&pass_kernel<T, kLongRun, kAdded>), int> kernel_for(int32_t bricks) {
     if (bricks <= kSingleBricks) return {pass_kernel<T, kSingleRun, kAdded>, kSingleRun};
@@ -230,7 +230,7 @@ struct DeviceMultigridLevels {
     const auto [kernel, nodes] =
         use_stiffness ? kernel_for<true>(v.bricks) : kernel_for<false>(v.bricks);
     const int threads = stencil::kSlots / nodes;
-    // room for z needs only the last pass, for coarse values only those that prolong them
+    // only the last pass keeps z in shared memory, only passes that prolong keep coarse values
     int bytes = stencil::kSharedBytes<T>;
     if (pass != Pass::kSecond) bytes -= stencil::kBrick * int(sizeof(T));
     if (last || pass == Pass::kStart || pass == Pass::kResidual)
@@ -247,20 +247,20 @@ struct DeviceMultigridLevels {
     check(cudaLaunchKernelEx(&launch.config, kernel, present(), first_in_cluster, out));
   }
 
-  /// The level that the whole card solves.
+  /// Solves the last level by the whole card.
   void solve_last(const ResultOutput<T>& out, bool early) {
     const int l = views.count - 1;
     const T* const partial = l > 0 ? present().level[l - 1].partial : nullptr;
     solved.run(present().level[l], partial, l == 0 ? out : ResultOutput<T>{}, {.early = early});
   }
 
-  /// The first pass over the finest level, which has its residual.
+  /// The first pass over the finest level, whose residual is set.
   void start() {
     const bool passes = first_in_cluster > 0 && !(views.count == 1 && solved.exists());
     if (passes) run(0, Pass::kStart);
   }
 
-  /// The cycle from level l on, of the finest what comes behind that pass.
+  /// The cycle from level l on; on the finest level it comes after start().
   void cycle(int l, const ResultOutput<T>& out, const Companion<T>& beside) {
     const bool last = l + 1 == views.count;
     const bool alone = !beside.begin;
@@ -287,13 +287,11 @@ struct DeviceMultigridLevels {
   Views<T> views;
   int first_in_cluster;
   unsigned cluster_blocks = 16;
-  double unit;  // [N/m]
-  T scale;      // 1 / unit
-
-  DenseSolve<T> solved;           // the last level where the whole card solves it
-  DeviceArray<double> operators;  // of one that the cluster solves
-
-  // of a further stiffness, where one is expected
+  double unit;                    // [N/m]
+  T scale;                        // 1 / unit
+  DenseSolve<T> solved;           // the last level, if the whole card solves it
+  DeviceArray<double> operators;  // those of a last level that the cluster solves
+  // for an additional stiffness, after expect_stiffness()
   Views<T> stiff_views;
   bool use_stiffness = false;
 };
@@ -317,12 +315,13 @@ void DeviceMultigridLevels<T>::expect_stiffness() {
   prepare_kernels<true>();
 }
 
-/// The stiffness of the finest level by slot, then that of the coarser ones.
+/// Sets the added stiffness of all levels, and the inverses of a level that is solved.
 template <class T>
 void DeviceMultigridLevels<T>::set_nodal_stiffness(const NodalStiffness& stiffness) {
   const StencilView<T> v = stiff_views.level[0];
   const double of = unit;
   check(cudaMemsetAsync(v.stiff, 0, size_t(v.bricks) * sizeof(int32_t), cudaStreamPerThread));
+  // the finest level by slot
   cuda::for_each(stiffness.count, [=] __device__(int64_t s) {
     const int slot = v.slot[stiffness.nodes[s]];
     bool any = false;
@@ -333,6 +332,7 @@ void DeviceMultigridLevels<T>::set_nodal_stiffness(const NodalStiffness& stiffne
     }
     if (any) v.stiff[slot / stencil::kSlots] = 1;
   });
+  // coarser levels from finer ones
   for (int l = 1; l < views.count; ++l) {
     const StencilView<T>& coarse = stiff_views.level[l];
     stiffness_kernel<<<unsigned(coarse.bricks), stencil::kSlots>>>(stiff_views.level[l - 1],

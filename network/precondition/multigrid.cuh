@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The V-cycle of network/precondition/multigrid.hpp on the device: levels that are made there
-// (multigrid_grid.cuh), and the same cycle, launched without waiting for the device: level by
-// level where a level fills the card, the small ones together as one cluster of blocks (compute
-// capability 9.0).
+// The V-cycle of network/precondition/multigrid.hpp on the device, on levels that are made there
+// (multigrid_grid.cuh). Launches do not wait for the device. A level that fills the card has a
+// kernel for each pass; the small levels share one kernel, a cluster of blocks (compute capability
+// 9.0).
 
 #pragma once
 
@@ -22,34 +22,35 @@ struct DeviceMultigridLevels;
 template <class T>
 struct ResidualInput;  // stencil.cuh
 
-/// What goes on beside the coarser levels of a cycle, which leave most of the card idle.
+/// Work that runs beside the coarser levels of a cycle, which leave most of the card idle.
 template <class T>
 struct Companion {
-  std::function<void()> begin;  ///< its launches; called once the finest level has its residual
-  std::function<void()> end;    ///< what is launched next waits for them
-  const T* result = nullptr;    ///< what they leave by node, (nodes, 3): z gets it too
+  std::function<void()> begin;  ///< launches it, behind the finest level's residual
+  std::function<void()> end;    ///< makes later launches wait for it
+  const T* result = nullptr;    ///< its result by node, (nodes, 3), which is added to z
 };
 
 /// @tparam T  float or double.
 template <class T>
 class DeviceMultigrid {
  public:
-  /// Of the potential's scene and inertia.
-  /// @throws Error (resources) where the device has no room.
+  /// Makes the levels from the potential's scene and inertia.
+  /// @throws Error (resources) if the device has too little memory.
   explicit DeviceMultigrid(DevicePotential& potential);
   ~DeviceMultigrid();
 
-  /// Makes room for a further stiffness.
+  /// Allocates what an additional stiffness needs.
   void expect_stiffness();
-  /// As Multigrid::set_nodal_stiffness with the diagonals of the blocks; only once it is expected.
+  /// As Multigrid::set_nodal_stiffness with the diagonals of the blocks; call expect_stiffness()
+  /// before.
   void set_nodal_stiffness(const NodalStiffness& stiffness);
-  /// Whether cycles take it into account.
+  /// Whether cycles use the additional stiffness.
   void use_stiffness(bool use);
 
   /// z = B r, one V-cycle from z = 0; r and z are (nodes, 3) on the device, r is 0 on pinned nodes.
   void apply(const T* r, T* z);
-  /// The same in parts, for kernels that put r there node by node: the first pass over it, then all
-  /// that comes behind.
+  /// apply() in three parts, for kernels that write r node by node to input(): start() makes the
+  /// first pass over the finest level, cycle() all others.
   ResidualInput<T> input() const;
   void start();
   void cycle(T* z, const Companion<T>& companion = {});
@@ -61,11 +62,11 @@ class DeviceMultigrid {
 /// Stencils of a level, for tests.
 template <class T>
 struct LevelRows {
-  int64_t distinct = 0;    ///< rows, with that of no node
+  int64_t distinct = 0;    ///< rows, including that of slots without a node
   std::vector<T> by_node;  ///< (nodes, kRow) of stencil_bricks.hpp
 };
 
-/// Those that make_hierarchy makes (multigrid_grid.cuh), the finest level first.
+/// Stencils of the levels of make_hierarchy (multigrid_grid.cuh), the finest level first.
 template <class T>
 std::vector<LevelRows<T>> hierarchy_rows(DevicePotential& potential, int hash_bits = 64);
 

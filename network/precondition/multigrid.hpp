@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Constant-coefficient multigrid, the encoder of many levels: three scalar hierarchies, one a
-// displacement component d, built once a scene,
+// Constant-coefficient multigrid, the encoder of many levels: three scalar hierarchies, one for
+// each displacement component d, built once for a scene,
 //
 //     A_d = a0 M / dt^2 + sum_v phi_v h^3 sum_e k_de (dN/dX_e)(dN/dX_e)^T + variance term,
 //     k_dd = 2 mu + lambda,  k_de = mu (e != d),
 //
-// with the border voxels' own mean gradients on the finest level and averaged moduli, centre
+// with the border voxels' own mean gradients on the finest level, and with averaged moduli, centre
 // gradients and twice the edge on each coarser one. One V-cycle with Chebyshev smoothing is a fixed
 // symmetric positive definite map: a preconditioner, never an iteration of its own.
 
@@ -19,8 +19,8 @@
 
 namespace elastogen {
 
-/// What the cycle reads of one level, for tests: borrowed from the hierarchy, which must outlive it
-/// and keep its nodal stiffness.
+/// The data of a level that the cycle reads, for tests. It refers to the hierarchy, which must
+/// outlive it and keep its nodal stiffness.
 template <class T>
 struct MultigridLevel {
   const BrickRows& rows;
@@ -29,7 +29,7 @@ struct MultigridLevel {
   const Zeroed<T>& inverse_diagonal;  ///< times unit, (nodes, 3); 0 on pinned nodes
   const Zeroed<uint8_t>& pinned;      ///< (nodes)
   const Array<int32_t>& node_coord;   ///< lattice coordinates of this level, (nodes, 3)
-  double lambda_max, unit;  ///< bound of the smoother; [N/m], what the operator is divided by
+  double lambda_max, unit;            ///< bound of the smoother; divisor of the operator [N/m]
   int64_t nodes;
 };
 
@@ -38,9 +38,8 @@ template <class T>
 class Multigrid {
  public:
   /// @param a0    mass factor of the time scheme.
-  /// @param rows   those of the scene; made where they are not given.
-  /// @param dense  nodes at most of a level that is solved; dense_nodes of the scene where it is
-  ///               not given.
+  /// @param rows   rows of the scene; made if not given.
+  /// @param dense  most nodes of a level that is solved; dense_nodes of the scene if not given.
   Multigrid(const Scene& scene, double a0, std::shared_ptr<const BrickRows> rows = {},
             std::optional<int64_t> dense = {});
   ~Multigrid();
@@ -56,7 +55,7 @@ class Multigrid {
   MultigridLevel<T> level(int l) const;
 
   /// Adds a diagonal stiffness [N/m], (3 nodes), to the operator, in place of the one added before;
-  /// on coarser levels P^T of it, lumped like the mass. An empty vector takes it away.
+  /// coarser levels get P^T of it, lumped like the mass. An empty vector removes it.
   void set_nodal_stiffness(const std::vector<double>& stiffness);
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the multigrid of the CPU and that of the GPU share: the product of a voxel with the element
+// Shared by the multigrid of the CPU and that of the GPU: the product of a voxel with the element
 // matrix of one displacement component, and the coefficients of the Chebyshev smoother.
 
 #pragma once
@@ -37,7 +37,7 @@ ELASTOGEN_HD inline double element_bound(const double k[6]) {
   return top / ((4 * k[0] + k[1]) / 16 + variance);
 }
 
-/// What border voxels reach more than that formula, at most.
+/// Largest ratio by which border voxels exceed element_bound.
 inline constexpr double kBorderExcess = 1.03;
 
 /// Coefficients of the Chebyshev polynomial of degree 2 on [b/6, b].

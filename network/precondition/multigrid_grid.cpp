@@ -9,7 +9,7 @@
 namespace elastogen {
 namespace {
 
-/// Looks lattice points up that mostly lie in the brick of the one before.
+/// Looks up lattice points, most of which lie in the brick of the one before.
 class Lookup {
  public:
   explicit Lookup(const BrickIndex& index) : index_(index) {}
@@ -24,11 +24,11 @@ class Lookup {
 
  private:
   const BrickIndex& index_;
-  Coord brick_ = {INT32_MAX, INT32_MAX, INT32_MAX};  // no point's
+  Coord brick_ = {INT32_MAX, INT32_MAX, INT32_MAX};  // no brick of a point
   int64_t place_ = -1;
 };
 
-/// Means of the eight children, empty ones counted as 0; one variance weight for all patterns.
+/// Means over the eight children, missing ones counted as 0; one variance weight for all patterns.
 void average_moduli(const LevelGrid& fine, const Array<int32_t>& voxel_coord, LevelGrid& coarse) {
   const int64_t voxels = voxel_coord.rows();
   coarse.moduli.resize(6 * size_t(voxels));
@@ -78,7 +78,7 @@ void find_parents(const LevelGrid& coarse, LevelGrid& fine) {
   });
 }
 
-/// Children and masses of the coarse nodes; those on a pinned node are pinned.
+/// Finds children and masses of the coarse nodes; nodes on a pinned node are pinned.
 void find_children(const LevelGrid& fine, LevelGrid& coarse) {
   coarse.children.resize(27 * size_t(coarse.nodes));
   for_blocks(coarse.nodes, [&](int64_t begin, int64_t end) {
@@ -107,7 +107,7 @@ void moduli_of_voxel(const Scene& scene, int64_t v, double k[6]) {
   k[0] = fill * m.mu();
   k[1] = fill * m.lambda();
   for (int j = 0; j < 4; ++j) k[2 + j] = fill * scene.variance(v, j);
-  // without the variance term the cycle could not see twelve modes of a voxel: it keeps its own
+  // without a variance term twelve modes of a voxel would have no energy in the cycle: it uses mu
   if (scene.hourglass == Hourglass::kOff)
     for (int j = 0; j < 4; ++j) k[2 + j] = fill * m.mu();
 }
@@ -123,6 +123,7 @@ LevelGrid finest_level(const Scene& scene, double a0, std::shared_ptr<const Bric
   level.moduli.resize(6 * size_t(grid.voxel_count()));
   for_each(grid.voxel_count(),
            [&](int64_t v) { moduli_of_voxel(scene, v, level.moduli.data() + 6 * v); });
+  // masses, pins and coordinates
   level.inertia.resize(size_t(level.nodes));
   level.pinned.resize(size_t(level.nodes));
   level.node_coord = Array<int32_t>(level.nodes, 3);
@@ -131,6 +132,7 @@ LevelGrid finest_level(const Scene& scene, double a0, std::shared_ptr<const Bric
     level.pinned[size_t(n)] = scene.pinned(n);
     std::copy_n(grid.node_coord.row(n), 3, level.node_coord.row(n));
   });
+  // the unit of the operator, from its largest numbers
   level.unit = largest(level.nodes, [&](int64_t n) { return level.inertia[size_t(n)]; }) +
                largest(int64_t(level.moduli.size()), [&](int64_t k) {
                  return level.moduli[size_t(k)];
@@ -184,7 +186,7 @@ template <class T>
 void prolong_correction(const LevelGrid& fine_level, const T* coarse, T* fine) {
   for_each(fine_level.nodes, [&](int64_t n) {
     if (fine_level.pinned[size_t(n)]) return;
-    // the corners that differ: those along the odd axes
+    // mean over the parents that differ, two along each odd axis
     const int odd = odd_axes(fine_level.node_coord.row(n));
     T sum[3] = {};
     int corners = 0;

@@ -10,7 +10,7 @@
 namespace elastogen::cuda {
 namespace {
 
-/// The largest of what they are given.
+/// Largest of two kinds of values.
 struct Maxima {
   double value[2] = {};
   __device__ void add(const Maxima& o) {
@@ -18,7 +18,7 @@ struct Maxima {
   }
 };
 
-/// A level as it is made. What only that needs goes when it is done.
+/// Makes a level. Data that only the making needs are freed with the maker.
 template <class T>
 class LevelMaker {
  public:
@@ -39,7 +39,7 @@ class LevelMaker {
   void number_rows(double h, double unit, uint64_t hash_bits);
   DeviceArray<double> dense_operators();
 
-  /// The level; nothing else is left.
+  /// Moves the finished level out.
   HierarchyLevel<T> take() {
     made.links = std::move(bricks_.links);
     made.begin = std::move(bricks_.begin);
@@ -62,7 +62,9 @@ class LevelMaker {
   int64_t slots_;
 };
 
-/// Fills the finest level.
+/// Fills the finest level. A first pass writes moduli and border indices of voxels: each brick has
+/// 512 threads, eight to a row, which go through its rows 64 at a time. A second pass over the
+/// slots writes inertia, pins and the slot of each node.
 template <class T>
 void LevelMaker<T>::take_scene(DevicePotential::Impl& potential, const BrickLevel& bricks) {
   border_ = DeviceArray<int32_t>(slots_);
@@ -85,7 +87,7 @@ void LevelMaker<T>::take_scene(DevicePotential::Impl& potential, const BrickLeve
     };
     set(0, law.mu);
     set(1, law.lambda);
-    // without the variance term the cycle could not see twelve modes of a voxel: it keeps its own
+    // without a variance term twelve modes of a voxel would have no energy in the cycle: it uses mu
     for (int j = 0; j < 4; ++j)
       set(2 + j, of.hourglass == Hourglass::kOff ? law.mu : weight[(1 + j) * kLanes]);
     border[slot] = row.border < 0 ? -1 : kLanes * row.border + lane;
@@ -107,8 +109,9 @@ void LevelMaker<T>::take_scene(DevicePotential::Impl& potential, const BrickLeve
   });
 }
 
-/// Moduli are means of the eight children, empty ones counted as 0, with one variance weight for
-/// all patterns; masses are P^T of the finer ones, nodes on a pinned node are pinned.
+/// Fills a level from the finer one, one thread for each slot. Moduli are means over the eight
+/// children, of which missing ones count as 0, with one variance weight for all patterns. Masses
+/// are P^T of the finer masses. A node on a pinned node is pinned.
 template <class T>
 void LevelMaker<T>::average(LevelMaker& finer) {
   const SlotTables fine = finer.tables(), coarse = tables();
@@ -117,6 +120,7 @@ void LevelMaker<T>::average(LevelMaker& finer) {
     if (!coarse.has_node(slot)) return;
     const Place at(slot);
     const int32_t* around = coarse.links[slot / kSlots].fine;
+    // inertia and pin of a node, from the finer nodes around it
     double inertia = 0;
     for (int k = 0; k < 27; ++k) {
       const int dx = k % 3 - 1, dy = k / 3 % 3 - 1, dz = k / 9 - 1;
@@ -129,6 +133,7 @@ void LevelMaker<T>::average(LevelMaker& finer) {
     coarse.inertia[slot] = inertia;
     slot_of[coarse.node(slot)] = int32_t(slot);
     if (!coarse.has_voxel(slot)) return;
+    // moduli of the voxel whose corner 0 it is, from its children
     double sum[6] = {};
     for (int c = 0; c < 8; ++c) {
       const int64_t child =
@@ -145,7 +150,7 @@ void LevelMaker<T>::average(LevelMaker& finer) {
   });
 }
 
-/// Body(slot, maxima) over the slots, and what they come to.
+/// Calls body(slot, maxima) for all slots, and gives the largest values. Waits for the device.
 template <class Body>
 Maxima largest_of(int64_t slots, const Body& body) {
   DeviceArray<SumRoom<Maxima>> room(1);
@@ -156,7 +161,7 @@ Maxima largest_of(int64_t slots, const Body& body) {
   return result[0];
 }
 
-/// Largest inertia and modulus.
+/// Largest inertia and largest modulus.
 template <class T>
 Maxima LevelMaker<T>::maxima() {
   const SlotTables of = tables();
@@ -179,8 +184,12 @@ void LevelMaker<T>::find_lambda() {
                                     }).value[0];
 }
 
-/// Numbers the different rows, and writes them. Slots are told apart by a hash of their row, and
-/// compared with the first of theirs; the few that differ from it go into a further round.
+/// Finds the distinct rows, numbers them and writes them, in rounds. In a round each slot that has
+/// no row yet enters the hash of its row into a table, which keeps the first slot of each hash.
+/// These first slots are counted brick by brick, the host adds the counts up, and they write their
+/// rows. Then every other slot compares its row with that of its first slot, and shares it if both
+/// are equal. The few that only have an equal hash go into the next round. Numbers follow the order
+/// of slots, so every run gives the same ones.
 template <class T>
 void LevelMaker<T>::number_rows(double h, double unit, uint64_t hash_bits) {
   const int32_t bricks = int32_t(slots_ / kSlots);
@@ -197,7 +206,7 @@ void LevelMaker<T>::number_rows(double h, double unit, uint64_t hash_bits) {
     return source.level.is_free(slot) && row[slot] == 0;
   };
   std::vector<int32_t> number(static_cast<size_t>(bricks));
-  int32_t count = 1;  // row 0 is that of no node
+  int32_t count = 1;  // row 0 belongs to slots without a free node
   do {
     check(cudaMemsetAsync(keys.data(), 0, size_t(entries) * sizeof(uint64_t), cudaStreamPerThread));
     check(cudaMemsetAsync(first.data(), 0x7f, size_t(entries) * sizeof(int32_t),
@@ -236,7 +245,8 @@ void LevelMaker<T>::number_rows(double h, double unit, uint64_t hash_bits) {
   } while (left[0] > 0);
 }
 
-/// Of two entries that are alike to rounding, the mean.
+/// The dense operators of this level, one thread for each row. Both stencils of a pair of nodes
+/// have its entry, equal to rounding; their mean makes the matrices symmetric.
 template <class T>
 DeviceArray<double> LevelMaker<T>::dense_operators() {
   const int64_t n = made.slot.size(), pitch = dense_pitch(n);
@@ -249,12 +259,14 @@ DeviceArray<double> LevelMaker<T>::dense_operators() {
   cuda::for_each(pitch, [=] __device__(int64_t a) {
     const auto entry = [=](int i, int64_t b) { return to + (i * pitch + a) * pitch + b; };
     const int32_t slot = a < n ? slot_of[a] : 0, row = a < n ? row_of[slot] : 0;
+    // the identity for pinned nodes and beyond the last node
     if (row == 0) {
       for (int i = 0; i < 3; ++i) *entry(i, a) = 1;
       return;
     }
     const Place at(slot);
     const int32_t* around = level.links[slot / kSlots].neighbour;
+    // entries with the nodes around this one
     for (int j = 0; j < 27; ++j) {
       const int64_t there =
           level.slot_at(around, at.x + j % 3 - 1, at.y + j / 3 % 3 - 1, at.z + j / 9 - 1);
@@ -270,8 +282,8 @@ DeviceArray<double> LevelMaker<T>::dense_operators() {
   return operators;
 }
 
-/// Rows that a scene has, about: one for each node of a border voxel on the finest level, four
-/// thirds of them on all.
+/// Estimated count of a scene's rows: 27 on each level, one for each node of a border voxel on the
+/// finest level, and a third more on the coarser ones.
 int64_t row_estimate(const DevicePotential::Impl& potential) {
   const int64_t border_voxels = potential.rows.border().size() / 7;
   return 27 * kMostLevels + border_voxels * 4 / 3;
@@ -287,6 +299,7 @@ Hierarchy<T> make_hierarchy(DevicePotential& potential, int hash_bits) {
   Hierarchy<T> result;
   std::unique_ptr<LevelMaker<T>> finer;
   double h = potential.terms().scene().grid.h;
+  // from the finest level down; a level moves out when the next one has been averaged from it
   for (const BrickLevel& level : bricks) {
     auto maker = std::make_unique<LevelMaker<T>>(level);
     if (!counts) {
@@ -294,6 +307,7 @@ Hierarchy<T> make_hierarchy(DevicePotential& potential, int hash_bits) {
         maker->average(*finer);
       } else {
         maker->take_scene(potential.impl(), level);
+        // the unit of the operators, from their largest numbers
         const Maxima largest = maker->maxima();
         result.unit = largest.value[0] + largest.value[1] * h;
       }
@@ -304,6 +318,7 @@ Hierarchy<T> make_hierarchy(DevicePotential& potential, int hash_bits) {
     finer = std::move(maker);
     h *= 2;
   }
+  // a coarsest level that is small enough is solved
   if (bricks.back().nodes.point_count() <= potential.impl().dense)
     result.operators = finer->dense_operators();
   result.levels.push_back(finer->take());

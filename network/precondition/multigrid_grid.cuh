@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The levels of network/precondition/multigrid.hpp as stencils (network/precondition/stencil_bricks.hpp), made on the device
-// from the tables of a potential: moduli, masses and pins by slot, averaged from level to level,
-// and of the rows of all nodes one of each kind. The host knows where bricks lie.
+// from the tables of a potential. Moduli, masses and pins are stored by slot and averaged from
+// level to level; nodes with equal rows share one row. The bricks of each level come from the host.
 
 #pragma once
 
@@ -17,7 +17,7 @@ struct HierarchyLevel {
   DeviceArray<BrickLinks> links;
   DeviceArray<int32_t> begin;  ///< first node of each brick, (bricks + 1)
   DeviceArray<int32_t> slot;   ///< of each node: kSlots brick + place
-  DeviceArray<int32_t> row;    ///< of each slot; 0 where there is no node or a pinned one
+  DeviceArray<int32_t> row;    ///< row of each slot; 0 where there is no node or a pinned one
   DeviceArray<T> rows;         ///< (rows, 3, kComponent); row 0 is 0
   double lambda_max = 0;       ///< bound of the smoother
 };
@@ -25,17 +25,17 @@ struct HierarchyLevel {
 template <class T>
 struct Hierarchy {
   std::vector<HierarchyLevel<T>> levels;  ///< 0 the finest
-  double unit = 1;                        ///< [N/m], what the operators are divided by
+  double unit = 1;                        ///< [N/m]; the operators are divided by it
   DeviceArray<double> operators;  ///< of the coarsest level, (3, pitch, pitch) of dense.cuh,
-                                  ///< 1 on the diagonal of pinned nodes; empty where that smooths
+                                  ///< 1 on the diagonal of pinned nodes; empty if it is not solved
 };
 
-/// Levels of the scene and scheme of a potential, equal to those of Multigrid to rounding; the same
-/// bits on every run. While room is counted (RoomCount) rows are estimated, and nothing is
-/// launched.
-/// @param hash_bits  by which rows are told apart before their numbers are; few of them, for tests,
-///                   take more rounds.
-/// @throws Error (resources) where the device has no room.
+/// Levels for the scene and the scheme of a potential. They equal those of Multigrid to rounding,
+/// and every run gives the same bits. While memory is only counted (RoomCount) the count of rows is
+/// estimated and nothing is launched.
+/// @param hash_bits  bits of the hash by which rows are told apart first; with few bits, as in
+///                   tests, number_rows needs more rounds.
+/// @throws Error (resources) if the device has too little memory.
 template <class T>
 Hierarchy<T> make_hierarchy(DevicePotential& potential, int hash_bits = 64);
 

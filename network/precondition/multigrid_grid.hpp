@@ -15,8 +15,8 @@ namespace elastogen {
 struct LevelGrid {
   std::shared_ptr<const BrickRows> rows;
   int64_t nodes = 0;
-  double h = 0;     ///< edge [m]
-  double unit = 1;  ///< [N/m]; the cycle runs on the operator divided by it, whatever the scale
+  double h = 0;               ///< edge [m]
+  double unit = 1;            ///< [N/m]; the cycle runs on the operator divided by it
   Zeroed<double> moduli;      ///< phi times mu, lambda, c_xy, c_yz, c_zx, c_xyz [Pa], (voxels, 6)
   Zeroed<double> inertia;     ///< a0 m / dt^2 [N/m], (nodes)
   Zeroed<uint8_t> pinned;     ///< (nodes)
@@ -30,20 +30,20 @@ struct LevelGrid {
   Zeroed<int32_t> children;  ///< fine nodes at offset -1, 0, 1 per axis, (nodes, 27), -1 if none
 };
 
-/// Nodes of a level that a dense inverse serves: the coarsest one. Colliders change it, and the
-/// inverse is taken anew, every step.
+/// Most nodes of a coarsest level that is solved by a dense inverse. With colliders the level
+/// changes and the inverse is computed anew every step.
 inline int64_t dense_nodes(const Scene& scene) {
   return scene.colliders.empty() ? 400 : 100;
 }
 
 inline constexpr int kMostLevels = 12;
 
-/// Whether a level of that many nodes helps a finer one; in dust there is no use in going on.
+/// Whether a level of that many nodes helps a finer one; isolated voxels do not become fewer.
 inline bool is_worthwhile(int64_t nodes, int64_t finer) {
   return double(nodes) <= 0.7 * double(finer);
 }
 
-/// @param rows  those of the scene.
+/// @param rows  rows of the scene.
 LevelGrid finest_level(const Scene& scene, double a0, std::shared_ptr<const BrickRows> rows);
 
 /// The next level; fills `parents` of the fine one.

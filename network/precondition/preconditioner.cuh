@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // RNN-2's pass on the device (network/precondition/preconditioner.hpp), B = R (V-cycle + encoder) R^T, in three
-// parts, so that what makes its argument and what takes its result needs no pass of its own.
+// parts, so that the kernels that make its argument and read its result need no pass of their own.
 
 #pragma once
 
@@ -16,13 +16,13 @@
 
 namespace elastogen::cuda {
 
-/// The result of a pass before it is turned back.
+/// The result of a cycle, which is still in the frames of the nodes.
 struct UnturnedResult {
   const Quaternion<float>* rotation;
   const float* values;
   const uint8_t* pinned;
 
-  /// B q at a node, 0 where it is pinned.
+  /// B q at a node, 0 if it is pinned.
   template <class T>
   __device__ void at(int64_t n, T v[3]) const {
     const Mat3<float> R = rotation_matrix(rotation[n]);
@@ -51,14 +51,14 @@ class DevicePreconditioner {
     if (contact) encoder_->expect_stiffness(pieces, contact->surface_nodes());
   }
 
-  /// Freezes the contact stiffness of the potential at u and takes it.
+  /// Freezes the contact stiffness of the potential at u, and uses it from then on.
   /// @param touching  false where the contact energy at u is known to be 0.
   void update_contact(const double* u, bool touching) {
     if (DeviceContact* contact = potential_.contact()) contact->linearise(u, touching);
     take_contact();
   }
 
-  /// Takes the contact stiffness that is frozen, as Preconditioner::update_contact.
+  /// Uses the contact stiffness that is frozen, as Preconditioner::update_contact.
   void take_contact() {
     DeviceContact* contact = potential_.contact();
     if (!contact || !(contact->is_stiff() || in_contact_)) return;
@@ -73,7 +73,7 @@ class DevicePreconditioner {
     });
   }
 
-  /// R^T q into the cycle; read(n, v) gives the values q of a node.
+  /// Writes R^T q to the input of the cycle; read(n, v) gives the values q of a node.
   template <class Read>
   void turn(const Read& read) {
     const Quaternion<float>* rotation = potential_.nodal_rotation();
@@ -94,7 +94,7 @@ class DevicePreconditioner {
         {}, input.finest.bricks <= kFewBlocks);
   }
 
-  /// V-cycle and encoder on what turn() has left.
+  /// V-cycle and encoder on the input that turn() has written.
   void cycle() {
     multigrid_.start();  // while the host launches the rest
     (in_contact_ ? contact_graph_ : graph_).run([&] {
@@ -120,9 +120,9 @@ class DevicePreconditioner {
   DevicePotential& potential_;
   DeviceMultigrid<float> multigrid_;
   std::optional<DeviceEncoder<float>> encoder_;
-  DeviceBranch branch_;  // of the encoder, beside the coarse levels
+  DeviceBranch branch_;  // the encoder runs on it beside the coarse levels
   DeviceArray<float> z_;
-  DeviceArray<float> turned_, encoded_;  // what the encoder takes and gives
+  DeviceArray<float> turned_, encoded_;  // input and output of the encoder
   DeviceGraph graph_, contact_graph_, update_graph_;
   bool in_contact_ = false;
 };

@@ -33,7 +33,7 @@ struct EncoderChoice {
 template <class T>
 class Preconditioner {
  public:
-  /// @param dense  of Multigrid.
+  /// @param dense  as in Multigrid.
   Preconditioner(IncrementalPotential& potential, const EncoderChoice& encoder,
                  std::optional<int64_t> dense = {});
 
@@ -41,7 +41,7 @@ class Preconditioner {
   template <class In>
   void apply(const In* r, In* z);
 
-  /// Takes the frozen contact stiffness of the potential.
+  /// Uses the frozen contact stiffness of the potential.
   void update_contact();
 
   const Encoder<T>* encoder() const { return encoder_ ? &*encoder_ : nullptr; }

@@ -26,7 +26,7 @@ ReducedOperator::ReducedOperator(std::vector<double>&& at_rest) : rest(std::move
   invert(rest);
 }
 
-/// Of A scaled to unit diagonal; 1e-9 keeps directions that the modes hold twice harmless.
+/// Inverts A scaled to unit diagonal; the 1e-9 bounds the inverse where modes depend on each other.
 void ReducedOperator::invert(const std::vector<double>& A) {
   const Eigen::Map<const Reduced> full(A.data());
   const ReducedVector scale = full.diagonal().array().max(1e-300).sqrt().inverse().matrix();
@@ -42,7 +42,7 @@ void ReducedOperator::invert(const std::vector<double>& A) {
   correction.assign(more.data(), more.data() + more.size());
 }
 
-/// By the power method on A_r^-1 D_r, symmetric in the product with D_r.
+/// Power method on A_r^-1 D_r, which is symmetric in the product with D_r.
 double ReducedOperator::softness() const {
   constexpr int kSteps = 50;
   const Eigen::Map<const Reduced> A(rest.data()), inverted(inverse.data());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The elastic operator on the modes of a piece, A_r, and what the encoder (network/precondition/encoder.hpp)
-// makes of it.
+// The elastic operator on the modes of a piece, A_r, and the matrices that the encoder
+// (network/precondition/encoder.hpp) needs from it.
 
 #pragma once
 
@@ -19,7 +19,7 @@ struct ReducedOperator {
   ReducedOperator() = default;
   explicit ReducedOperator(std::vector<double>&& at_rest);
 
-  /// Takes inverse and correction of another A_r, e.g. that with contact.
+  /// Sets inverse and correction for another A_r, e.g. one with contact.
   void invert(const std::vector<double>& A);
   /// The largest eigenvalue of A_r^-1 D_r at rest, to a few per cent from below; 1 or more.
   double softness() const;

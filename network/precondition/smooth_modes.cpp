@@ -33,7 +33,7 @@ LatticePlace place_of(const VoxelGrid& grid, int64_t node) {
   return {{grid.node_coord(node, 0), grid.node_coord(node, 1), grid.node_coord(node, 2)}};
 }
 
-/// A pinned node with pinned nodes all around: one of those is nearer to any other node.
+/// Whether a pin has pins all around it: one of them is nearer to any other node.
 bool is_inner_pin(const Scene& scene, int64_t node) {
   for (int c = 0; c < 8; ++c) {
     const int32_t v = scene.grid.voxels(node, c);
@@ -44,7 +44,7 @@ bool is_inner_pin(const Scene& scene, int64_t node) {
   return true;
 }
 
-/// Box k of some, which holds another one.
+/// Extends box k of a list by a box; k may be the next new one.
 void add(size_t k, const LatticeBox& box, std::vector<LatticeBox>& to) {
   if (k == to.size())
     to.push_back(box);
@@ -81,6 +81,7 @@ PlaneCosines::PlaneCosines(double h, const LatticeBox& planes, const std::vector
 
 PinTrees::PinTrees(const Scene& scene) : trees(size_t(scene.grid.pieces)) {
   const VoxelGrid& grid = scene.grid;
+  // outer pins of each piece
   const std::vector<int32_t> pins = filtered(
       grid.node_count(), [&](int64_t n) { return scene.pinned(n) && !is_inner_pin(scene, n); });
   std::vector<std::vector<LatticePlace>> of_piece(trees.size());
@@ -91,6 +92,7 @@ PinTrees::PinTrees(const Scene& scene) : trees(size_t(scene.grid.pieces)) {
     tree.first = int32_t(places.size());
     tree.count = int32_t(own.size());
     places.insert(places.end(), own.begin(), own.end());
+    // the lowest level, then pairs of boxes until one is left
     std::vector<LatticeBox> level;
     for (size_t k = 0; k < own.size(); ++k) add(k / PinTree::kLeaf, {own[k], own[k]}, level);
     while (!level.empty()) {

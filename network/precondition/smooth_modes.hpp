@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The low-frequency modes of the encoders: cosines over the box of a body, which vanish smoothly at
-// its pins.
+// Low-frequency modes of the encoder: cosines over a body's box that vanish smoothly at its pins.
 
 #pragma once
 
@@ -18,7 +17,7 @@ using Wave = std::array<int, 3>;
 /// The `count` waves of smallest sum (k_d/L_d)^2 in a box of extents L; ties by wave number.
 std::vector<Wave> lowest_waves(const Box& box, int count);
 
-/// A lattice coordinate.
+/// Coordinates on the lattice.
 struct LatticePlace {
   int32_t at[3];
 };
@@ -53,17 +52,17 @@ struct LatticeBox {
   }
 };
 
-/// Of the listed nodes; without any, planes 0 and -1.
+/// Box of the listed nodes; without any, lower is 0 and upper -1.
 LatticeBox lattice_box(const VoxelGrid& grid, const std::vector<int32_t>& nodes);
 
 /// prod_d cos(pi k_d (X_d - X_d,min)/L_d) of some waves at the nodes of a grid, from tables over
 /// the planes of its lattice.
 struct CosineTables {
   const double* table[3];  ///< of each axis, (planes, waves)
-  int32_t first[3];        ///< plane of each axis
+  int32_t first[3];        ///< first plane of each axis
   int waves;
 
-  /// Of wave w at a node of the lattice coordinates `at`.
+  /// Value of wave w at a node with lattice coordinates `at`.
   ELASTOGEN_HD double operator()(int w, const int32_t at[3]) const {
     double value = 1;
     for (int d = 0; d < 3; ++d) value *= table[d][int64_t(at[d] - first[d]) * waves + w];
@@ -88,18 +87,18 @@ class PlaneCosines {
   std::vector<double> table_[3];
 };
 
-/// The outer pins of a piece, few and near each other in a box, and boxes in pairs in those of the
-/// next level.
+/// A tree of boxes over the outer pins of a piece: a lowest box has a few pins that are close to
+/// each other, any other box has two of the level below.
 struct PinTree {
-  static constexpr int kMostLevels = 32, kLeaf = 8;  ///< places in a box of the lowest level
+  static constexpr int kMostLevels = 32, kLeaf = 8;  ///< pins in a lowest box
 
-  int32_t first = 0, count = 0;     ///< of PinTrees::places
+  int32_t first = 0, count = 0;     ///< its pins in PinTrees::places
   int32_t levels = 0;               ///< the last one has one box
-  int32_t begin[kMostLevels] = {};  ///< its first one in PinTrees::boxes
-  int32_t boxes[kMostLevels] = {};  ///< their count
+  int32_t begin[kMostLevels] = {};  ///< first box of each level in PinTrees::boxes
+  int32_t boxes[kMostLevels] = {};  ///< count of the boxes of each level
 };
 
-/// Those of the pieces of a grid, as kernels take them.
+/// The trees of a grid's pieces, as kernels read them.
 struct PinTreesView {
   const LatticePlace* places;
   const LatticeBox* boxes;
@@ -117,6 +116,7 @@ struct PinTreesView {
     for (int size = 1; size > 0;) {
       const auto [level, k] = left[--size];
       if (boxes[tree.begin[level] + k].square_to(at) >= least) continue;
+      // the pins of a lowest box
       if (level == 0) {
         for (int32_t p = PinTree::kLeaf * k; p < PinTree::kLeaf * (k + 1) && p < tree.count; ++p) {
           const int64_t square = square_between(at, places[tree.first + p]);
@@ -124,6 +124,7 @@ struct PinTreesView {
         }
         continue;
       }
+      // the boxes below
       const LatticeBox* below = boxes + tree.begin[level - 1];
       const int32_t a = 2 * k, b = 2 * k + 1;
       if (b == tree.boxes[level - 1]) {
@@ -147,8 +148,7 @@ struct PinTrees {
   std::vector<PinTree> trees;  ///< of each piece of the grid; without pins they have no levels
 };
 
-/// Distance of each listed node to the nearest pinned one of its piece [m]; 1e300 where there is
-/// none.
+/// Distance of each listed node to the nearest pin of its piece [m], 1e300 if there is none.
 Zeroed<double> pin_distance(const Scene& scene, const PinTrees& pins,
                             const std::vector<int32_t>& nodes);
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // A level of network/precondition/stencil_bricks.hpp on the device, and the work of single threads on it: the
-// residual of a coarser level and, in a warp, the dense solve of the coarsest.
+// residual of a coarser level and, by a warp, the dense solve of the coarsest.
 //
-// Vectors of a level are (bricks, kSlots, 3), z and other with one brick more, which stands for
-// those that are missing. Slots without a free node hold 0 in every vector, always.
+// Vectors of a level are (bricks, kSlots, 3). z and other have one brick more, which stands for
+// missing neighbours. Slots without a free node always hold 0 in every vector.
 
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace elastogen::cuda {
 
-/// What the kernels of a level work on.
+/// Tables and vectors of a level, as kernels use them.
 template <class T>
 struct StencilView {
   const BrickLinks* links;
@@ -21,15 +21,15 @@ struct StencilView {
   int32_t bricks, nodes;
   T first, keep, add;           ///< of the Chebyshev polynomial
   const T* coarse_z = nullptr;  ///< z of the next coarser level; nullptr: there is none
-  T* added = nullptr;  ///< further stiffness of the diagonal, (bricks + 1, kSlots, 3), or nullptr
+  T* added = nullptr;        ///< additional diagonal stiffness, (bricks + 1, kSlots, 3), or nullptr
   int32_t* stiff = nullptr;  ///< bricks in which it is not all 0, (bricks + 1)
   int32_t pitch = 0;         ///< dense_pitch of the nodes, of a level that is solved
 
-  /// The inverse of a diagonal that has `more` added.
+  /// The inverse of a diagonal entry after `more` is added to it.
   __device__ static T with_added(T inverse, T more) { return inverse / (1 + inverse * more); }
 };
 
-/// Takes r of a slot, and starts the smoother from it; leaves slots without a free node alone.
+/// Sets r of a slot, and the start of the smoother from it; skips slots without a free node.
 template <class T>
 __device__ inline void set_residual(const StencilView<T>& v, int slot, const T r[3]) {
   const int64_t row = v.row[slot], k = 3 * int64_t(slot);
@@ -44,28 +44,28 @@ __device__ inline void set_residual(const StencilView<T>& v, int slot, const T r
   }
 }
 
-/// Where the residual of a cycle goes.
+/// The place where kernels put the residual of a cycle.
 template <class T>
 struct ResidualInput {
   StencilView<T> finest;
   T scale;
 
-  /// Of a node, free or pinned.
+  /// Sets the residual of a node, free or pinned.
   __device__ void set(int64_t n, const T r[3]) const {
     const T value[3] = {scale * r[0], scale * r[1], scale * r[2]};
     set_residual(finest, finest.slot[n], value);
   }
 };
 
-/// How r of a coarse slot comes of the finer level's partial sums: of those of the brick that
-/// begins at its node or holds it, and of the bricks before that end there. It reads what is never
-/// written.
+/// The partial sums of the finer level that make r of a coarse slot: those of the brick that begins
+/// at its node or holds it, and of the bricks before that end there. The constructor reads only
+/// tables that no kernel writes, so it may come before the wait.
 struct Restriction {
-  int32_t place[8];  ///< in thirds of their numbers, -1: none
+  int32_t place[8];  ///< of three numbers in `partial`, -1: none
 
   Restriction() = default;
 
-  /// All of a slot, none where it has no free node.
+  /// The places for a slot, none if it has no free node.
   __device__ Restriction(const BrickLinks* links, const int32_t* row, int slot) {
     const int32_t* const fine = links[slot / stencil::kSlots].fine;
     const int at[3] = {slot % 8, slot / 8 % 8, slot / 64 % 8};
@@ -94,7 +94,7 @@ struct Restriction {
     return sum;
   }
 
-  /// To where the smoother starts from.
+  /// Sets r of a slot, and the start of the smoother.
   template <class T>
   __device__ void set(const T* partial, const StencilView<T>& coarse, int slot) const {
     const T r[3] = {sum(partial, 0), sum(partial, 1), sum(partial, 2)};
@@ -102,7 +102,7 @@ struct Restriction {
   }
 };
 
-/// Where the result of a cycle goes.
+/// The place where kernels put the result of a cycle.
 template <class T>
 struct ResultOutput {
   T* z = nullptr;           ///< by node, (nodes, 3); nullptr: to z of the level
@@ -113,7 +113,8 @@ struct ResultOutput {
   }
 };
 
-/// z_i = A_i^-1 r_i at number k = component nodes + node, by a warp. The inverses are symmetric.
+/// z_i = A_i^-1 r_i at number k = component nodes + node, by a warp: each lane adds every 32nd
+/// product of a row, then the lanes are added. The inverses are symmetric.
 template <class T>
 __device__ inline void solve(const StencilView<T>& v, int k, const ResultOutput<T>& out) {
   const int component = k / v.nodes, node = k % v.nodes, lane = int(threadIdx.x) % 32;

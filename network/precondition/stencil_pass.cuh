@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The passes of the V-cycle over a level, each with one product A p, brick by brick: a thread owns
-// a few nodes of a column along z and keeps the values around it and its weights in registers while
-// it goes up. Nothing is scattered, and sums have a fixed order.
+// The passes of the V-cycle over a level, brick by brick.
 
 #pragma once
 
@@ -20,7 +18,7 @@ enum class Pass {
 
 namespace stencil {
 
-/// What a pass makes of p and the residual r - A p at one number.
+/// The result of a pass at one number, from p and the residual r - A p.
 template <class T>
 __device__ inline T updated(const StencilView<T>& v, Pass pass, T p, T before, T inverse,
                             T residual) {
@@ -29,11 +27,11 @@ __device__ inline T updated(const StencilView<T>& v, Pass pass, T p, T before, T
   return p + (v.keep * (p - before) + v.add * inverse * residual);
 }
 
-/// One component of kRun nodes, from the lowest up.
+/// Updates one component of kRun nodes, from the lowest up.
 /// @param at     tile, one node before the lowest along each axis.
 /// @param own    r of the lowest, which the result replaces where there is a free node.
 /// @param old    z' of the lowest.
-/// @param added  further stiffness of the lowest, nullptr: none.
+/// @param added  additional stiffness of the lowest, nullptr: none.
 template <class T, int kRun, bool kAdded>
 __device__ inline void update_column(const StencilView<T>& v, Pass pass, int component,
                                      const int32_t row[kRun], const T* at, T* own, const T* old,
@@ -42,6 +40,7 @@ __device__ inline void update_column(const StencilView<T>& v, Pass pass, int com
   load_plane(at, planes[0]);
   load_plane(at + 10 * kPitch, planes[1]);
 #pragma unroll
+  // three planes of values are in registers; weights are loaded again where the row changes
   for (int j = 0; j < kRun; ++j) {
     load_plane(at + 10 * kPitch * (j + 2), planes[(j + 2) % 3]);
     if (j == 0 || row[j] != row[j - 1])
@@ -64,7 +63,7 @@ __device__ inline void update_column(const StencilView<T>& v, Pass pass, int com
   }
 }
 
-/// One component of a single node whose weights are there already.
+/// Updates one component of a single node whose weights are loaded already.
 template <class T>
 __device__ inline void update_node(const StencilView<T>& v, Pass pass, const T weights[kComponent],
                                    const T* at, T* own, const T* old) {
@@ -81,8 +80,7 @@ __device__ inline void update_node(const StencilView<T>& v, Pass pass, const T w
   *own = updated(v, pass, at[10 * kPitch + kPitch + 3], before, weights[27], residual);
 }
 
-/// Results of a brick to where the pass leaves them.
-/// @param out  as in run_pass.
+/// Stores the results of a brick where the pass leaves them; `out` as in run_pass.
 template <class T, int kThreads>
 __device__ inline void store(const StencilView<T>& v, Pass pass, int64_t brick, T* own,
                              const ResultOutput<T>& out) {
@@ -106,15 +104,17 @@ __device__ inline void store(const StencilView<T>& v, Pass pass, int64_t brick, 
   }
 }
 
-/// A pass over one brick by a block of 512 / kRun threads.
+/// A pass over one brick by a block of 512 / kRun threads. Shared memory gets the values p of its
+/// nodes and those around them, and r. A thread owns kRun nodes of a column along z and keeps
+/// values and weights in registers while it goes up. Nothing is scattered; sums have a fixed order.
 /// @param room   kSharedBytes<T> of shared memory, aligned to 16.
 /// @param out    z by node for the last pass of the finest level.
 /// @param begin  called before anything is read that kernels write.
-/// @tparam kAdded  the view has a further stiffness.
+/// @tparam kAdded  the view has an additional stiffness.
 template <class T, int kRun, bool kAdded, class Begin>
 __device__ inline void run_pass(const StencilView<T>& v, Pass pass, int64_t brick, T* room,
                                 const ResultOutput<T>& out, const Begin& begin) {
-  // all weights come before the values do
+  // all weights are loaded before the values
   constexpr bool kEarlyWeights = kRun == 1 && sizeof(T) == 4 && !kAdded;
   constexpr int kThreads = kSlots / kRun;
   T *const own = room + kTile, *const old = own + kBrick;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the device knows of a level while it is made (multigrid_grid.cu): voxels and nodes by
-// slot, the row of a node, and numbers for rows that are told apart.
+// Tables of a level while it is made (multigrid_grid.cu): voxels and nodes by slot, the row of a
+// node, and the numbering of distinct rows.
 
 #pragma once
 
@@ -13,7 +13,7 @@ namespace elastogen::cuda {
 using stencil::kComponent;
 using stencil::kRow;
 
-/// What stands in the slots of a level.
+/// Data of the slots of a level.
 struct SlotTables : BrickTables {
   double* moduli;         ///< as LevelGrid's [Pa], (6, slots)
   double* inertia;        ///< a0 m / dt^2 [N/m], (slots)
@@ -24,17 +24,18 @@ struct SlotTables : BrickTables {
   __device__ bool is_free(int64_t slot) const { return has_node(slot) && !pinned[slot]; }
 };
 
-/// What a node's row is made of.
+/// Makes the row of a node.
 template <class T>
 struct RowSource {
   SlotTables level;
-  double scale, unit;  ///< of moduli, h over the level's unit; of inertia
+  double scale, unit;  ///< moduli times h over the level's unit; inertia over the unit
 
-  /// take(k, number) for the numbers of a row, (3, kComponent).
+  /// Calls take(k, number) for the numbers of a row, (3, kComponent).
   template <class Take>
   __device__ void for_numbers(int64_t slot, const Take& take) const {
     const Place at(slot);
     const int32_t* around = level.links[slot / kSlots].neighbour;
+    // voxels around the node, and which nodes around it are pinned
     int64_t corner[8];
     for (int c = 0; c < 8; ++c) {
       corner[c] = level.slot_at(around, at.x - (c & 1), at.y - (c >> 1 & 1), at.z - (c >> 2));
@@ -57,6 +58,7 @@ struct RowSource {
                    : level.moments[(border / kLanes * 7 + m) * int64_t(kLanes) + border % kLanes];
       return true;
     };
+    // the row, component by component
     const T added = T(level.inertia[slot] / unit);
     for (int i = 0; i < 3; ++i) {
       T row[kComponent];
@@ -72,7 +74,7 @@ struct RowSource {
       return uint64_t(__double_as_longlong(value));
   }
 
-  /// Never 0.
+  /// Hash of the row of a slot, never 0.
   __device__ uint64_t hash(int64_t slot, uint64_t bits) const {
     uint64_t h = 0;
     for_numbers(slot, [&](int, T value) {
@@ -84,16 +86,16 @@ struct RowSource {
   }
 };
 
-/// The first slot of each key, whatever the order in which keys come.
+/// A hash table with the first slot of each key, for any order of threads.
 struct FirstSlots {
   unsigned long long* keys;
   int32_t* first;
   uint64_t mask;  ///< entries less 1, a power of two
 
-  /// Entry of a key. Threads of a warp with one key ask once.
+  /// Enters a slot, and gives the entry of its key. Threads of a warp with equal keys insert once.
   __device__ uint64_t take(uint64_t key, int32_t slot) const {
     const unsigned together = __match_any_sync(__activemask(), key);
-    const int leader = __ffs(int(together)) - 1;  // which has the first slot of them
+    const int leader = __ffs(int(together)) - 1;  // it has the first slot of them
     uint64_t entry = 0;
     if (int(threadIdx.x) % 32 == leader) entry = insert(key, slot);
     return __shfl_sync(together, entry, leader);
@@ -110,9 +112,9 @@ struct FirstSlots {
   }
 };
 
-/// The first slots of all keys get the next numbers of their brick, behind base[brick], and write
-/// their rows. A block of kSlots threads a brick.
-/// @param base  null: their count goes to counts.
+/// Numbers first slots of keys, one block for each brick, a thread for each slot. The block counts
+/// its first slots. Without `base` it only stores that count in `counts`; else they get the next
+/// numbers behind base[brick], in the order of slots, and write their rows.
 template <class T>
 __global__ void __launch_bounds__(kSlots)
     number_kernel(RowSource<T> source, FirstSlots of, const uint64_t* entry, const int32_t* base,

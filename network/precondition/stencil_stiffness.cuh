@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A further stiffness of the nodes on the levels of the V-cycle: what
-// Multigrid::set_nodal_stiffness makes of that of the finest level, on the device.
+// An additional stiffness of nodes on the levels of the V-cycle, from that on the finest level: as
+// Multigrid::set_nodal_stiffness, on the device.
 
 #pragma once
 
@@ -9,8 +9,10 @@
 
 namespace elastogen::cuda {
 
-/// P^T of the finer level's stiffness at the free slots of a brick, a block a brick, a thread a
-/// slot; children in the order of the host.
+/// P^T of the finer level's stiffness at the free slots of a brick; one block for each brick, one
+/// thread for each slot. A thread adds the stiffness of the finer nodes around its own, halved for
+/// each axis along which they are odd, in the order of the host. The block marks whether its brick
+/// has any, so that bricks without it are skipped.
 template <class T>
 __global__ void __launch_bounds__(stencil::kSlots)
     stiffness_kernel(StencilView<T> fine, StencilView<T> coarse) {
@@ -35,12 +37,12 @@ __global__ void __launch_bounds__(stencil::kSlots)
   if (place == 0) coarse.stiff[blockIdx.x] = any;
 }
 
-/// Of the level that is solved, which has at most 100 nodes, and of one of few.
+/// For a level that is solved, of at most 100 nodes where there is contact, and for a small one.
 using StiffTile = InverseTile<7>;
 using SmallStiffTile = InverseTile<4>;
 
-/// Inverses of the three dense operators (dense.cuh) with the further stiffness, a block
-/// each.
+/// Inverses of the three dense operators (dense.cuh) with the additional stiffness, by one
+/// block for each, which holds the matrix in registers.
 template <class T, class Tile>
 __global__ void __launch_bounds__(Tile::kThreads)
     inverse_kernel(StencilView<T> v, const double* operators, T* inverses) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a block of threads moves for a brick of network/precondition/stencil_bricks.hpp: the values of its 8x8x8
-// nodes and those around them, 10x10x10, into shared memory, rows of weights into registers, and
-// its share of the restricted residual out.
+// Loads and stores of a block of threads for a brick of network/precondition/stencil_bricks.hpp: the values of
+// its 8x8x8 nodes and those around them, 10x10x10, into shared memory, rows of weights into
+// registers, and the brick's share of the restricted residual to memory.
 
 #pragma once
 
@@ -19,16 +19,16 @@ using ::elastogen::stencil::kSlots;
 inline constexpr int kPitch = 40;  // of a line of ten nodes in the tile: no bank conflicts
 inline constexpr int kLine = 8 * 3, kBrick = 3 * kSlots, kTile = 100 * kPitch;
 
-/// Coarse nodes that the nodes of a tile lie on or between, from one before the brick on, per axis.
+/// Coarse nodes per axis on or between which the nodes of a tile lie, from one before the brick on.
 inline constexpr int kParents = 6, kCoarse = 3 * kParents * kParents * kParents;
 
-/// Shared memory of a block: the tile, then the brick's r, which results replace, its z, and the
-/// coarse values.
+/// Bytes of shared memory of a block: the tile, then the brick's r, which results replace, its z,
+/// and the coarse values.
 template <class T>
 inline constexpr int kSharedBytes = (kTile + 2 * kBrick + kCoarse) * int(sizeof(T));
 
 template <class T>
-inline constexpr int kPart = 16 / int(sizeof(T));  // numbers that are moved at once
+inline constexpr int kPart = 16 / int(sizeof(T));  // numbers in a copy of 16 bytes
 
 template <class T>
 struct alignas(16) Part {
@@ -40,7 +40,7 @@ __device__ inline void copy_part(T* to, const T* from) {
   __pipeline_memcpy_async(to, from, 16);
 }
 
-/// Before the wait, by the first threads of a block.
+/// Copies links by the first threads of a block; may come before the wait.
 __device__ inline void copy_links(const BrickLinks* from, BrickLinks* to) {
   constexpr int kWords = sizeof(BrickLinks) / sizeof(int32_t);
   static_assert(kWords <= 64);
@@ -49,8 +49,8 @@ __device__ inline void copy_links(const BrickLinks* from, BrickLinks* to) {
     reinterpret_cast<int32_t*>(to)[k] = read_early(reinterpret_cast<const int32_t*>(from) + k);
 }
 
-/// The values of a brick's nodes and those around them. Ten lines of ten lines of ten nodes; a line
-/// has the eight nodes of the brick in parts, then the node before them and the one behind.
+/// Loads the values of a brick's nodes and those around them: ten lines of ten lines of ten nodes.
+/// A line has first the eight nodes in parts, then the node before them and the one behind.
 template <class T, int kThreads>
 __device__ inline void load_tile(const BrickLinks& links, const T* p, T* tile) {
   constexpr int kParts = kLine / kPart<T>, kItems = kParts + 2;
@@ -85,7 +85,7 @@ __device__ inline void store_brick(const T* from, T* to) {
     *reinterpret_cast<Part<T>*>(to + k) = *reinterpret_cast<const Part<T>*>(from + k);
 }
 
-/// The coarse values around a brick, (kParents, kParents, kParents, 3).
+/// Loads the coarse values around a brick, (kParents, kParents, kParents, 3).
 template <class T, int kThreads>
 __device__ inline void load_coarse(const BrickLinks& links, const T* z, T* coarse) {
   for (int k = int(threadIdx.x); k < kParents * kParents * kParents; k += kThreads) {
@@ -102,7 +102,7 @@ __device__ inline void load_coarse(const BrickLinks& links, const T* z, T* coars
 }
 
 /// Adds P z of the coarse values to a component of nodes kFirst, ..., kFirst + kCount - 1 of line
-/// (y, z) of the tile, 3 numbers apart: a node on a coarse one takes its value, others the mean of
+/// (y, z) of the tile, 3 numbers apart: a node on a coarse one gets its value, others the mean of
 /// those on both sides, axis by axis.
 template <int kFirst, int kCount, class T>
 __device__ inline void prolong_line(const T* coarse, int y, int z, T* line) {
@@ -123,7 +123,7 @@ __device__ inline void prolong_line(const T* coarse, int y, int z, T* line) {
   }
 }
 
-/// The same on all nodes of a tile, or of a brick.
+/// Adds P z on all nodes of a tile, or of a brick.
 template <class T, int kThreads>
 __device__ inline void prolong_tile(const T* coarse, T* tile) {
   for (int k = int(threadIdx.x); k < 3 * 100; k += kThreads)
@@ -135,7 +135,7 @@ __device__ inline void prolong_brick(const T* coarse, T* brick) {
     prolong_line<1, 8>(coarse + k % 3, k / 3 % 8 + 1, k / 24 + 1, brick + kLine * (k / 3) + k % 3);
 }
 
-/// Nine values of a component around a node of one plane.
+/// Loads nine values of a component around a node of one plane.
 template <class T>
 __device__ inline void load_plane(const T* at, T plane[9]) {
 #pragma unroll
@@ -152,7 +152,7 @@ __device__ inline void load_weights(const T* from, T weights[kComponent]) {
   }
 }
 
-/// P^T of a line of eight fine values, on the five coarse nodes from the first of them on.
+/// P^T of a line of eight fine values, at the five coarse nodes that begin at the first of them.
 template <class T>
 __device__ inline void restrict_line(const T* fine, int stride, T coarse[5]) {
   T d[8];
@@ -164,8 +164,8 @@ __device__ inline void restrict_line(const T* fine, int stride, T coarse[5]) {
   coarse[4] = d[7] / 2;
 }
 
-/// The brick's share of P^T d, for the coarse nodes at 4 brick + (0 ... 4) per axis: axis by axis,
-/// in place.
+/// Stores the brick's share of P^T d, for the coarse nodes at 4 brick + (0 ... 4) per axis: axis by
+/// axis, in place.
 template <class T, int kThreads>
 __device__ inline void store_partial(T* d, T* partial) {
   T coarse[5];

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compiled without contraction (network/CMakeLists.txt): frames have the bits of the CPU's.
+// Compiled without contraction (network/CMakeLists.txt), so that frames equal those of the CPU bit
+// by bit.
 #include "network/step/frames.cuh"
 #include "network/step/memory_budget.cuh"
 #include "voxelize/embedding_impl.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Frames of a clip made on the device: the points of the asset are moved there by the maths of
-// voxelize/embedding_impl.hpp, and come to the host on a stream of their own beside the next step.
+// voxelize/embedding_impl.hpp, and a stream of its own copies them to the host while the next step
+// runs.
 
 #pragma once
 
@@ -24,7 +24,7 @@ class CopyStream {
   cudaStream_t stream_ = nullptr;
 };
 
-/// A point in a stream; the thread that waits for it sleeps.
+/// A CUDA event; a thread that waits for it sleeps.
 class Event {
  public:
   Event() {
@@ -41,13 +41,13 @@ class Event {
 class DeviceFrames {
  public:
   /// Uploads the table.
-  /// @throws Error (resources) where card or host have no room.
+  /// @throws Error (resources) if card or host have too little memory.
   DeviceFrames(const VoxelGrid& grid, const Embedding& embedding, bool with_gradient);
-  /// Waits for frames on their way.
+  /// Waits for frames that are being copied.
   ~DeviceFrames();
 
-  /// Makes a frame behind what this thread has launched and sends it on its way.
-  /// @param slot     0 or 1; the frame that was there is gone.
+  /// Makes a frame after all that this thread has launched, and starts its copy to the host.
+  /// @param slot     0 or 1; the frame in it is overwritten.
   /// @param x, rest  on the device [m], (nodes, 3).
   void start(int slot, const double* x, const double* rest);
   /// Waits for the frame; from any thread.
@@ -72,7 +72,7 @@ class DeviceFrames {
   CopyStream copies_;
 };
 
-/// Null where there is no room for them beside `later_bytes` that steps will take.
+/// Null if memory does not suffice for them and the `later_bytes` that steps will allocate.
 std::unique_ptr<DeviceFrames> make_frames(const VoxelGrid& grid, const Embedding& embedding,
                                           bool with_gradient, size_t later_bytes);
 

@@ -10,7 +10,7 @@ namespace {
 
 constexpr int32_t kChunk = 1024;  // entries
 
-/// As in predictor.cpp.
+/// Whether a piece does not turn, as in predictor.cpp.
 __device__ bool steady(const PieceFrame& before, const PieceFrame& now, const PieceFrame& next) {
   double largest = 0;
   for (int k = 0; k < 9; ++k)
@@ -65,9 +65,9 @@ DevicePieces::DevicePieces(const Scene& scene) {
   frames_ = DeviceArray<PieceFrame>(3 * count());
 }
 
-/// Frames of the pieces where number k = 3 node + component is at position(k). Positions are taken
-/// relative to the first node of a piece, so that no digits are lost to the place of the body; the
-/// moment sum m (x - c)(X - R)^T is the same about any c, as R is the centre at rest.
+/// Finds the frames of the pieces with number k = 3 node + component at position(k). Positions are
+/// relative to the first node of a piece, so that no digits are lost where the body is far from the
+/// origin. The moment sum m (x - c)(X - R)^T does not depend on c, because R is the centre at rest.
 template <class Position>
 void DevicePieces::find_frames(const double* rest, const double* mass, const Position& position,
                                PieceFrame* frames) {
@@ -98,12 +98,14 @@ void DevicePieces::start(const double* rest, const double* mass, const double* x
                          const double* x_before, const double* predictor, double* u) {
   if (count() == 0) return;
   PieceFrame *all = frames_.data(), *of_before = all + count(), *of_next = all + 2 * count();
+  // frames of all pieces now, a step before, and where the predictor has them
   find_frames(
       rest, mass, [=] __device__(int64_t k) { return x[k]; }, all);
   find_frames(
       rest, mass, [=] __device__(int64_t k) { return x_before[k]; }, of_before);
   find_frames(
       rest, mass, [=] __device__(int64_t k) { return rest[k] + predictor[k]; }, of_next);
+  // the shape of a piece that turns is extrapolated in its own frame, then moved with the next one
   for_each([=] __device__(int64_t p, int64_t n) {
     const PieceFrame &now = all[p], &before = of_before[p], &next = of_next[p];
     if (steady(before, now, next)) return;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pieces of a scene that nothing holds, on the device: sums over the nodes of each in a fixed
-// order, and the motion of a piece as a whole (network/step/predictor.hpp, network/step/free_flight.hpp).
+// The free pieces of a scene, which nothing holds, on the device: sums over the nodes of each piece
+// in a fixed order, and its motion as a whole (network/step/predictor.hpp, network/step/free_flight.hpp).
 
 #pragma once
 
@@ -10,12 +10,12 @@
 
 namespace elastogen::cuda {
 
-/// Neighbouring entries of the list of all pieces' nodes, of one piece.
+/// A range of entries in the list of all pieces' nodes; all of them belong to one piece.
 struct PieceChunk {
   int32_t piece, begin, end;
 };
 
-/// The tables of the pieces, as kernels take them.
+/// The tables of the pieces, as kernels read them.
 struct PiecesView {
   const int32_t *nodes, *chunk_begin, *first;
   const PieceChunk* chunks;
@@ -30,7 +30,7 @@ struct PieceFrame {
 
 namespace pieces {
 
-/// body(piece, node) for every entry, a block a chunk.
+/// Calls body(piece, node) for every entry, one block for each chunk.
 template <class Body>
 __global__ void __launch_bounds__(kSumThreads) entries_kernel(PiecesView g, Body body) {
   const PieceChunk chunk = g.chunks[blockIdx.x];
@@ -38,7 +38,7 @@ __global__ void __launch_bounds__(kSumThreads) entries_kernel(PiecesView g, Body
     body(int64_t(chunk.piece), int64_t(g.nodes[k]));
 }
 
-/// partial[chunk] = sum of body(piece, node, sum) over the entries of a chunk.
+/// partial[chunk] = sum of body(piece, node, sum) over the entries of a chunk, one block for each.
 template <class Sum, class Body>
 __global__ void __launch_bounds__(kSumThreads) chunk_kernel(PiecesView g, Sum* partial, Body body) {
   alignas(Sum) __shared__ unsigned char all[kSumWarps * sizeof(Sum)];
@@ -50,7 +50,7 @@ __global__ void __launch_bounds__(kSumThreads) chunk_kernel(PiecesView g, Sum* p
   if (threadIdx.x == 0) partial[blockIdx.x] = sum;
 }
 
-/// then(piece, sum of its chunks), a block a piece.
+/// Calls then(piece, sum of its chunks), one block for each piece.
 template <class Sum, class Then>
 __global__ void __launch_bounds__(kSumThreads)
     piece_kernel(PiecesView g, const Sum* partial, Then then) {
@@ -66,7 +66,7 @@ __global__ void __launch_bounds__(kSumThreads)
 
 class DevicePieces {
  public:
-  /// The scene must be finished.
+  /// The scene must be complete.
   explicit DevicePieces(const Scene& scene);
 
   int64_t count() const { return first_.size(); }
@@ -75,7 +75,7 @@ class DevicePieces {
             chunks_.data(), rest_centre_.data(), per_mass_.data()};
   }
 
-  /// body(piece, node) for every node of a free piece.
+  /// Calls body(piece, node) for every node of a free piece.
   template <class Body>
   void for_each(const Body& body) const {
     if (count() == 0) return;
@@ -83,7 +83,7 @@ class DevicePieces {
     check(cudaGetLastError());
   }
 
-  /// Adds body(piece, node, sum) over the nodes of each piece, then then(piece, sum).
+  /// Adds body(piece, node, sum) over the nodes of each piece, then calls then(piece, sum).
   template <class Sum, class Body, class Then>
   void sums(DeviceArray<Sum>& partial, const Body& body, const Then& then) {
     if (count() == 0) return;
@@ -93,7 +93,7 @@ class DevicePieces {
     check(cudaGetLastError());
   }
 
-  /// FreeFlight::match_means; aim(k) of the number k = 3 node + component.
+  /// As FreeFlight::match_means; aim(k) is the aim of the number k = 3 node + component.
   template <class Aim>
   void match_means(const double* mass, double* values, const Aim& aim) {
     const PiecesView g = view();
@@ -112,12 +112,12 @@ class DevicePieces {
     });
   }
 
-  /// u of the free pieces where a step starts; the others stay.
+  /// Sets u of the free pieces at the start of a step; other nodes keep theirs.
   /// @param x, x_before, predictor  of all nodes, on the device; predictor is xhat - rest.
   void start(const double* rest, const double* mass, const double* x, const double* x_before,
              const double* predictor, double* u);
 
-  /// Frames of the pieces, (pieces), where the number k = 3 node + component is at position(k).
+  /// Finds the frames of the pieces, (pieces), with number k = 3 node + component at position(k).
   template <class Position>
   void find_frames(const double* rest, const double* mass, const Position& position,
                    PieceFrame* frames);

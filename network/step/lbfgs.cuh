@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// L-BFGS on the device, on products of its vectors (network/step/lbfgs_products.hpp): the pairs, and
-// what an iteration makes of them and of the gradient.
+// L-BFGS on the device, by products of its vectors (network/step/lbfgs_products.hpp): the stored pairs,
+// and the numbers that an iteration finds from them and the gradient.
 
 #pragma once
 
@@ -13,10 +13,10 @@ namespace elastogen::cuda {
 
 inline constexpr int kPairs = LbfgsProducts::kPairs, kOlder = LbfgsProducts::kOlder;
 
-/// What an iteration tells the host.
+/// Numbers of an iteration that the host reads.
 struct Numbers {
   double slope;             ///< Phi' along the step, at its start
-  double trial_slope;       ///< and at the trial
+  double trial_slope;       ///< Phi' along the step, at the trial
   double gradient;          ///< |g|^2 at the trial
   double of_pairs[kPairs];  ///< s_k.g where an iteration begins
   LbfgsProducts::Newest pair;
@@ -26,7 +26,7 @@ struct FirstLoop {
   double alpha[kPairs];
 };
 
-/// Of the vectors of pairs: the range of float and 8 digits, binary.
+/// Type of the pairs' vectors: the range of float, 8 binary digits.
 using PairNumber = __nv_bfloat16;
 
 /// The vectors of the pairs, the newest first.
@@ -35,9 +35,9 @@ struct PairViews {
   int count;
 };
 
-/// The pairs and the step that is tried. All products are of the pairs as they are kept, so that
-/// what the rounding takes from them leaves the matrix symmetric and positive definite, with as
-/// many iterations (docs/benchmarks.md) and half of the bytes of float.
+/// The pairs, and the step that is tried. All products use the pairs as they are stored, so
+/// rounding leaves the matrix symmetric and positive definite. Iterations are as many as with float
+/// (docs/benchmarks.md), at half of its bytes.
 struct Pairs {
   explicit Pairs(int64_t n) : step(n) {
     for (int k = 0; k < kPairs; ++k) s.emplace_back(n), y.emplace_back(n);
@@ -51,7 +51,7 @@ struct Pairs {
     }
     return list;
   }
-  /// Where the next pair goes, in place of the oldest of a full history.
+  /// Memory of the next pair, which replaces the oldest pair of a full history.
   PairNumber* next_s() { return s[size_t(next)].data(); }
   PairNumber* next_y() { return y[size_t(next)].data(); }
   void take(const LbfgsProducts::Newest& pair) {

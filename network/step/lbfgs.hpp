@@ -23,12 +23,12 @@ class Lbfgs {
   void clear() { count_ = 0; }
   int count() const { return count_; }
 
-  /// Room for the next pair; `keep` makes it the newest.
+  /// Memory of the next pair; `keep` makes it the newest.
   T* next_s() { return s_[size_t(next_)].data(); }
   T* next_y() { return y_[size_t(next_)].data(); }
 
-  /// Keeps the pair if its curvature s.y is safely positive. The oldest of a full history is gone
-  /// in any case: the new one lies in its place.
+  /// Keeps the pair if its curvature s.y is safely positive. The oldest pair of a full history is
+  /// lost in any case, because the new one is stored in its place.
   bool keep() {
     const double sy = dot(next_s(), next_y(), size_), ss = dot(next_s(), next_s(), size_),
                  yy = dot(next_y(), next_y(), size_);

@@ -19,17 +19,17 @@ namespace elastogen {
 struct LbfgsProducts {
   static constexpr int kPairs = 5, kOlder = kPairs - 1;
 
-  /// Of a new pair s, y with gradient g behind it.
+  /// Products of a new pair s, y, and of the gradient g at its end.
   struct Newest {
     double sy, ss, yy, sg;
-    double older_g[kOlder], older_y[kOlder];  ///< s_k.g and s_k.y of the pairs before
+    double older_g[kOlder], older_y[kOlder];  ///< s_k.g and s_k.y of the earlier pairs
   };
 
-  /// Pairs that stay when the next comes.
+  /// Count of the pairs that stay when the next one comes.
   ELASTOGEN_HD int older() const { return count < kOlder ? count : kOlder; }
 
-  /// Takes the newest pair if its curvature s.y is safely positive; the gradient is now that behind
-  /// it in any case. False: its vectors are not part of the history.
+  /// Adds the newest pair if its curvature s.y is safely positive; the gradient becomes that at its
+  /// end in any case. Returns whether the pair is part of the history.
   bool take(const Newest& pair) {
     const int left = older();
     const bool kept = pair.sy > 1e-10 * std::sqrt(pair.ss * pair.yy) && pair.sy != 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is made on the device is made where it has room for it to the end, or not at all.
+// Things are made on the device only if its memory suffices for them to the end.
 
 #pragma once
 
@@ -19,8 +19,8 @@ inline int64_t mebibytes(size_t bytes) {
   return int64_t((bytes >> 20) + 1);
 }
 
-/// What recipe.make() takes on the device, and what that will take later, or where it takes more on
-/// its way, that.
+/// Bytes of the device that recipe.make() needs: the most that it uses while it runs or, where that
+/// is more, the bytes of its result and those that the result allocates later.
 template <class Recipe>
 size_t bytes_of(const Recipe& recipe) {
   const RoomCount count;
@@ -28,8 +28,8 @@ size_t bytes_of(const Recipe& recipe) {
   return std::max(count.most(), count.bytes() + counted->later_bytes());
 }
 
-/// What recipe.make() gives; it is made twice where there is no room, the second time to count.
-/// @throws Error (resources) with what it needs and what is there.
+/// The result of recipe.make(). If memory does not suffice, make() runs again, only to count bytes.
+/// @throws Error (resources) that says how many bytes are needed and how many are free.
 template <class Recipe>
 auto within_budget(const Recipe& recipe) {
   const size_t room = free_bytes();
@@ -39,7 +39,7 @@ auto within_budget(const Recipe& recipe) {
     if (made->later_bytes() <= free_bytes()) return made;
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::kResources) throw;
-    if (bytes_of(recipe) <= room) throw;  // it was not for want of room
+    if (bytes_of(recipe) <= room) throw;  // memory was not the reason
   }
   throw Error(concat("the scene needs ", mebibytes(bytes_of(recipe)),
                      " MiB of the card's memory, of which ", mebibytes(room),
