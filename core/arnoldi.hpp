@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Arnoldi's orthonormal basis of a Krylov space, and the matrix projected on it, made triangular by
-// rotations as it grows: what GMRES of core/krylov.hpp is made of.
+// Arnoldi's orthonormal basis of a Krylov space and the matrix projected on it, which rotations
+// keep triangular as it grows: the parts of GMRES (core/krylov.hpp).
 
 #pragma once
 
@@ -34,8 +34,8 @@ struct GmresWork {
 
 namespace krylov {
 
-/// One more column of H: A M^-1 v_j made orthogonal to the basis, which it extends. False: it lies
-/// within it.
+/// Adds a column to H: A M^-1 v_j is made orthogonal to the basis and extends it. False: it lies in
+/// the space of the basis.
 template <class T, class Product, class Precondition>
 bool extend(int j, int64_t size, GmresWork<T>& work, const Product& product,
             const Precondition& precondition) {
@@ -58,7 +58,8 @@ bool extend(int j, int64_t size, GmresWork<T>& work, const Product& product,
   return true;
 }
 
-/// Rotates the new column of H to a triangle, and g along; a pivot that is rounding becomes 0.
+/// Rotates the new column of H, so that H is triangular, and g with it; a pivot within rounding
+/// becomes 0.
 template <class T>
 void rotate(int j, GmresWork<T>& work) {
   double* h = work.H.data() + size_t(j) * size_t(work.restart + 1);

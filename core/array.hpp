@@ -26,7 +26,7 @@ struct Span {
   operator Span<const T>() const requires(!std::is_const_v<T>) { return {data, rows, cols}; }
 };
 
-/// Owns a row-major matrix, zeroed at birth.
+/// Owns a row-major matrix, 0 at first.
 template <class T>
 class Array {
  public:
@@ -55,7 +55,7 @@ class Array {
   int cols_ = 1;
 };
 
-/// Parameters that take an Array or a Span; T is deduced from another argument or named.
+/// Parameters that accept an Array or a Span; T is deduced from another argument or named.
 template <class T>
 using In = std::type_identity_t<Span<const T>>;
 template <class T>

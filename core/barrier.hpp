@@ -15,12 +15,12 @@ struct Curve {
   double value = 0, first = 0, second = 0;
 };
 
-/// Below it the barrier goes on as a parabola: a point that an impact has driven to a millionth of
-/// the layer would otherwise have a stiffness that no other one can be told from in float, and
-/// never come off. What keeps points from crossing is that steps are cut before they do.
+/// Below it the barrier continues as a parabola. Otherwise a point that an impact has driven to a
+/// millionth of the layer would have a stiffness beside which float resolves no other one, and
+/// would never come off. Points do not cross a core, because steps are cut before they do.
 inline constexpr double kBarrierCut = 1e-3;
 
-/// Share of the layer that cut steps leave a point at least.
+/// Share of the layer that cut steps leave to a point at least.
 inline constexpr double kLeastDistance = 1e-6;
 
 namespace detail {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every file may use: the host-device marker, small vectors, the version.
+// Shared by all files: the host-device marker, small vectors, the version.
 
 #pragma once
 

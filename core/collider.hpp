@@ -11,8 +11,8 @@
 
 namespace elastogen {
 
-/// Place of a collider on its path; straight and uniform between keys, at rest before the first and
-/// after the last.
+/// Position of a collider on its path; straight and uniform between keys, at rest before the first
+/// and after the last.
 struct PathKey {
   double time = 0;   ///< [s], ascending
   Vec3 offset = {};  ///< from the place at time 0 of the description [m]
@@ -30,8 +30,9 @@ Collider half_space(const Vec3& normal, double offset, double friction);
 /// Offset of a collider at a time [m].
 Vec3 offset_at(const Collider& collider, double time);
 
-/// What is left of a collider below a layer of this depth [m]; a sphere or box of less than two
-/// layers keeps its middle. The layer about it rounds the edges of a box.
+/// The core of a collider: the collider without its outermost layer of this depth [m]. A sphere or
+/// box thinner than two layers keeps its middle. The layer around the core rounds the edges of a
+/// box.
 Collider core_of(const Collider& collider, double layer);
 
 /// @throws Error (usage) naming the collider: a normal that is no unit vector, a size or friction

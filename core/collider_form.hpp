@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Half space, sphere and box: what a point sees of them, and how far it may go towards them. Shared
-// by host and device.
+// Half space, sphere and box: distance and normal at a point, and how far a point may move towards
+// them. Shared by host and device.
 
 #pragma once
 
@@ -10,8 +10,8 @@
 
 namespace elastogen {
 
-/// What a point sees of a collider: distance to its surface, negative inside, and the unit normal
-/// that points out of it.
+/// Distance of a point to a collider's surface, negative inside, and the unit normal that points
+/// out of the collider.
 struct Proximity {
   double distance = 0;  ///< [m]
   Vec3 normal = {};
@@ -50,14 +50,15 @@ ELASTOGEN_HD inline Proximity box_proximity(const Vec3& half, const Vec3& p) {
   return result;
 }
 
-/// Share of the way from q along m at which |q + t m| falls to `reach` < |q|.
+/// Share t of the motion m from q at which |q + t m| falls to `reach` < |q|; 1 if it does not.
 ELASTOGEN_HD inline double share_to_sphere(const Vec3& q, const Vec3& m, double reach) {
   const double away = dot(q, m), size = safe_norm(q);
   const double c = (size - reach) * (size + reach), root = away * away - dot(m, m) * c;
   return away >= 0 || root < 0 ? 1 : std::min(1.0, c / (std::sqrt(root) - away));
 }
 
-/// The same for a box of these half edges that q is outside of.
+/// Share of the motion m at which q enters a box with these half edges, 1 if it does not; q is
+/// outside.
 ELASTOGEN_HD inline double share_to_box(const Vec3& q, const Vec3& m, const Vec3& half) {
   double in = -1, out = 1e300;
   for (size_t d = 0; d < 3; ++d) {
@@ -79,14 +80,14 @@ ELASTOGEN_HD inline Proximity proximity(const ColliderForm& c, const Vec3& offse
   if (c.shape == ColliderForm::Shape::kPlane) return {dot(p, c.normal), c.normal};
   if (c.shape == ColliderForm::Shape::kBox) return detail::box_proximity(c.half, p);
   const double r = safe_norm(p);
-  // the centre of a sphere is as far from everywhere: up, by choice
+  // the centre is equally far from all of the surface: up, by choice
   if (r == 0) return {-c.radius, {0, 1, 0}};
   return {r - c.radius, {p[0] / r, p[1] / r, p[2] / r}};
 }
 
-/// Largest share, at most 1, of the straight way from a to b that leaves a point outside a collider
-/// a tenth of its distance all along, and no less than `least` [m] where it has that at a; a little
-/// less where the way ends at the edge of a box.
+/// Largest share, at most 1, of the straight path from a to b on which a point outside a collider
+/// keeps a tenth of its distance at a, and no less than `least` [m] if it has that at a. It is a
+/// little smaller where the path ends at the edge of a box.
 ELASTOGEN_HD inline double free_share(const ColliderForm& c, const Vec3& offset, const Vec3& a,
                                       const Vec3& b, double least) {
   constexpr double kLeft = 0.1;

@@ -5,7 +5,7 @@
 
 namespace elastogen {
 
-/// Gravity where none is given, g_ref of residuals, and that of a body's free-fall speed [m/s^2].
+/// Default gravity, g_ref of residuals and gravity of a body's free-fall speed [m/s^2].
 inline constexpr double kReferenceGravity = 9.81;
 
 }  // namespace elastogen

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A law at a point, whatever discretises the body around it: from the deformation gradient F and
-// the history of the point to energy, stress and tangent. Laws are isotropic and given in principal
+// A law at a point, for every discretisation of the body: from the deformation gradient F and the
+// history of the point to energy, stress and tangent. Laws are isotropic and given in principal
 // stretches; core/principal.hpp brings them to F. Host and device, float, double and packs.
 
 #pragma once
@@ -12,12 +12,13 @@
 
 namespace elastogen {
 
-/// What a law is: its response to stretches s from the history at the start of the step,
+/// A law gives its response to stretches s from the history at the start of the step,
 ///
 ///     law.template response<kTangent>(s, history)   Response or NonsymmetricResponse of Real,
 ///
-/// any number of times a step, and once, at its end, law.commit(s, history), which makes stretches
-/// and history those that the step leaves: of a plastic law the elastic stretches.
+/// any number of times in a step. At the end of the step law.commit(s, history) is called once; it
+/// sets stretches and history to those after the step, which are the elastic stretches of a plastic
+/// law.
 template <class L>
 concept ConstitutiveLaw = requires(const L law, typename L::Real s[3],
                                    typename L::History history) {
@@ -61,7 +62,7 @@ ELASTOGEN_HD inline Mat3<typename L::Real> piola_stress(const L& law,
 /// A principal Hessian as a matrix: A[9 k + l] = dP_k/dF_l over the row-major entries of F.
 template <class T, class Block>
 ELASTOGEN_HD inline void write_matrix(const PrincipalHessian<T, Block>& h, const Svd3<T>& F, T* A) {
-  // columns; those of a symmetric matrix are its rows, which lie together
+  // column by column; a symmetric matrix is written row by row, which is contiguous
   constexpr bool kSymmetric = std::is_same_v<Block, Symmetric3<T>>;
   for (int l = 0; l < 9; ++l) {
     Mat3<T> unit{};
@@ -72,7 +73,7 @@ ELASTOGEN_HD inline void write_matrix(const PrincipalHessian<T, Block>& h, const
 }
 
 /// dP/dF [Pa], row-major (9, 9) over the row-major entries of F.
-/// @param kind  projected: the symmetric part, with its negative eigenvalues at 0.
+/// @param kind  projected: the symmetric part, with its negative eigenvalues set to 0.
 template <ConstitutiveLaw L>
 ELASTOGEN_HD inline void piola_gradient(const L& law, const Mat3<typename L::Real>& F,
                                         TangentKind kind, typename L::Real A[81],
@@ -85,7 +86,7 @@ ELASTOGEN_HD inline void piola_gradient(const L& law, const Mat3<typename L::Rea
     write_matrix(h, s, A);
 }
 
-/// Ends the step: F becomes its elastic part, the history that after the step.
+/// Ends the step: F becomes its elastic part, and the history that after the step.
 template <ConstitutiveLaw L>
 ELASTOGEN_HD inline void commit(const L& law, Mat3<typename L::Real>& F,
                                 typename L::History& history) {

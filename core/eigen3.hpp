@@ -35,7 +35,7 @@ ELASTOGEN_HD inline T size(const T a[3]) {
 }  // namespace eigen
 
 /// Sweeps until A is diagonal to rounding, three to five times, never more than eight; a lane of a
-/// pack that is stays as it is.
+/// pack that is diagonal already does not change.
 template <class T>
 ELASTOGEN_HD inline Eigen3<T> eigen3(const Symmetric3<T>& A) {
   using S = Scalar<T>;

@@ -3,12 +3,11 @@
 // H = d2psi/dsigma2. At rest psi = 0, t = 0, H = 2 mu I + lambda 1 1^T for every law.
 //
 //   fixed corotated      mu sum (s-1)^2 + lambda/2 (J-1)^2
-//   neo-Hookean          mu/2 (I-3) - mu l(J) + lambda/2 l(J)^2,   l = ln J, continued below
-//                        J0 = 0.1
+//   neo-Hookean          mu/2 (I-3) - mu l(J) + lambda/2 l(J)^2,   l = ln J, continued below 0.1
 //   stable neo-Hookean   mu'/2 [I-3 - ln((I+1)/4)] + lambda'/2 [(J-a)^2 - (1-a)^2]  (Smith et al.
 //                        2018), mu' = 4 mu/3, lambda' = lambda + 5 mu/6, a = 1 + 3 mu'/(4 lambda')
 //   StVK                 mu sum e^2 + lambda/2 (sum e)^2,   e = (s^2-1)/2
-//   Hencky               the same with e = ln s, continued below s = 0.1
+//   Hencky               as StVK with e = ln s, continued below s = 0.1
 //   Ogden                2 mu/a^2 sum (exp(a e'_i) - 1) + K/2 (sum e)^2,  a = shape; a = 0: Hencky
 //   Mooney-Rivlin        mu/2 [(1 - r) (I1 - 3) + r (I2 - 3)] + K/2 (sum e)^2,  r = shape
 //   Gent                 -mu L/2 ln(1 - (I1 - 3)/L) + K/2 (sum e)^2,  L = shape, the logarithm
@@ -20,9 +19,8 @@
 // Mechanics, 6.5). The continuation of ln is the C2 quadratic ln y0 + d - d^2/2, d = (y - y0)/y0,
 // that of exp exp(x0) (1 + d + d^2/2), d = x - x0, above x0 = 12, so every law has a finite force
 // in every state.
-//
-// Written in s - 1, so that no digits are lost near rest (docs/physics.md). A learned law has the
-// same interface: a function from stretches to Response.
+// Written in s - 1, so that no digits are lost near rest (docs/physics.md). A learned law has this
+// interface too: a function from stretches to Response.
 
 #pragma once
 
@@ -31,14 +29,14 @@
 
 namespace elastogen {
 
-/// Law and moduli [Pa] as the kernels take them.
+/// Law and moduli [Pa] as kernels read them.
 template <class S>
 struct LawParameters {
   Law law = {};
   S mu = 0, lambda = 0;
 };
 
-/// Energy [J/m^3], gradient [Pa] and, where asked for, Hessian [Pa] in stretches.
+/// Energy [J/m^3], gradient [Pa] and, if asked for, Hessian [Pa] in stretches.
 template <class T>
 struct Response {
   T psi;
@@ -68,8 +66,7 @@ ELASTOGEN_HD inline Logarithm<T> continued_log(const T& y_minus_1) {
   return l;
 }
 
-/// What a law in (sum s^2, J) shares: psi_J = dpsi/dJ, psi_JJ, and the part that depends on s
-/// alone.
+/// Adds the terms with psi_J = dpsi/dJ and psi_JJ to the response of the part in s alone.
 template <bool kHessian, class T>
 ELASTOGEN_HD inline void add_volume_part(const T s[3], const T& psi_J, const T& psi_JJ,
                                          Response<T>& r) {
@@ -170,8 +167,7 @@ ELASTOGEN_HD inline Response<T> quadratic(const T e[3], const T first[3], const 
   return r;
 }
 
-/// E(x) = exp(x) - 1 - x and its derivatives, exp continued above 12; accurate relative to x near
-/// 0.
+/// E(x) = exp(x) - 1 - x and its derivatives, accurate near x = 0; exp is continued above 12.
 template <class T>
 struct Exponential {
   T value, first, second;
@@ -203,8 +199,8 @@ struct LogDerivatives {
   T w[3], ww[6];  ///< 00, 11, 22, 01, 12, 20
 };
 
-/// Of f(e') + K/2 tr^2 from f's own a_i = df/de'_i and b_i = d2f/de'_i^2, which has no others:
-/// w = P a + K tr, ww = P diag(b) P + K 1 1^T, P = I - 1 1^T/3.
+/// Derivatives of f(e') + K/2 tr^2 from a_i = df/de'_i and b_i = d2f/de'_i^2, where f has no mixed
+/// ones: w = P a + K tr, ww = P diag(b) P + K 1 1^T, P = I - 1 1^T/3.
 template <class T>
 ELASTOGEN_HD inline LogDerivatives<T> with_volume(const T a[3], const T b[3], const T& trace,
                                                   Scalar<T> bulk) {
@@ -260,6 +256,7 @@ ELASTOGEN_HD inline Response<T> deviatoric(const Law& law, const T e[3], const T
   const T dev[3] = {e[0] - third, e[1] - third, e[2] - third};
   Response<T> r;
   r.psi = bulk / 2 * trace * trace;
+  // derivatives in log stretches
   LogDerivatives<T> d;
   if (law.kind == Law::Kind::kGent) {
     d = gent(dev, trace, mu, bulk, shape, r.psi);
@@ -273,6 +270,7 @@ ELASTOGEN_HD inline Response<T> deviatoric(const Law& law, const T e[3], const T
     }
     d = with_volume(a, b, trace, bulk);
   }
+  // derivatives in stretches
   for (int i = 0; i < 3; ++i) {
     r.t[i] = d.w[i] * first[i];
     if constexpr (kHessian) {
@@ -289,6 +287,7 @@ ELASTOGEN_HD inline Response<T> deviatoric(const Law& law, const T e[3], const T
 /// @tparam kHessian  whether H is filled.
 template <bool kHessian, class T>
 ELASTOGEN_HD inline Response<T> elastic_response(const LawParameters<Scalar<T>>& p, const T s[3]) {
+  // strains and J - 1, exact near rest
   const T e[3] = {s[0] - 1, s[1] - 1, s[2] - 1};
   const T pairs = e[0] * e[1] + e[1] * e[2] + e[2] * e[0];
   const T J_minus_1 = e[0] + e[1] + e[2] + pairs + e[0] * e[1] * e[2];
@@ -307,6 +306,7 @@ ELASTOGEN_HD inline Response<T> elastic_response(const LawParameters<Scalar<T>>&
     default:
       break;
   }
+  // the other laws are functions of log stretches
   T logs[3], first[3], second[3];
   for (int i = 0; i < 3; ++i) {
     const law::Logarithm<T> l = law::continued_log(e[i]);

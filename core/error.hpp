@@ -9,7 +9,7 @@
 
 namespace elastogen {
 
-/// What went wrong, in the classes that the command turns into exit codes (docs/user_guide.md).
+/// Kinds of failure, which the command turns into exit codes (docs/user_guide.md).
 enum class ErrorKind {
   kUsage,      ///< an option, a selection, a unit, a broken precondition: exit code 2
   kAsset,      ///< a file that cannot be used: exit code 3
@@ -45,7 +45,7 @@ std::string concat(const Parts&... parts) {
     if (!(condition)) throw ::elastogen::Error(::elastogen::concat(__VA_ARGS__)); \
   } while (false)
 
-/// The same for an asset file (exit code 3).
+/// ELASTOGEN_CHECK for an asset file (exit code 3).
 #define ELASTOGEN_CHECK_ASSET(condition, ...) \
   do { \
     if (!(condition)) \

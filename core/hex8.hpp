@@ -39,7 +39,7 @@ ELASTOGEN_HD inline void to_patterns(T v[8]) {
       }
 }
 
-/// The transpose: what a function of the pattern sums with derivative v gives on the corners.
+/// The transpose of to_patterns: derivatives in pattern sums to derivatives in corner values.
 template <class T>
 ELASTOGEN_HD inline void to_corners(T v[8]) {
   for (int bit = 1; bit < 8; bit *= 2)
@@ -119,10 +119,10 @@ ELASTOGEN_HD inline T variance(const T q[4], const T c[4], T slope[4]) {
 }
 
 /// Corotated torsion correction, divided by phi h: the exact energy of the three twisting modes in
-/// place of what the variance term charges for them,
+/// place of that of the variance term,
 ///
-///     1/96 [ mu ((a+b)^2 + (b+c)^2 + (c+a)^2) - 2 (c_yz a^2 + c_zx b^2 + c_xy c^2) ],
-///     a = (R^T q_yz)_x,  b = (R^T q_zx)_y,  c = (R^T q_xy)_z,
+///     1/96 [ mu ((a+b)^2 + (b+d)^2 + (d+a)^2) - 2 (c_yz a^2 + c_zx b^2 + c_xy d^2) ],
+///     a = (R^T q_yz)_x,  b = (R^T q_zx)_y,  d = (R^T q_xy)_z,
 ///
 /// R the voxel's rotation at the start of the step. q holds the centred patterns of the components
 /// x, y, z; the gradient is added to slope.
@@ -140,7 +140,7 @@ ELASTOGEN_HD inline T torsion(const T q[3][4], const T c[4], const T& mu, const 
   const T sum = a[0] + a[1] + a[2];
   T energy{};
   for (int d = 0; d < 3; ++d) {
-    // d/da of mu ((a+b)^2 + (b+c)^2 + (c+a)^2) is 2 mu (a + (a + b + c))
+    // d/da of mu ((a+b)^2 + (b+d)^2 + (d+a)^2) is 2 mu (a + (a + b + d))
     force[d] = (mu * (a[d] + sum) - 2 * weight[d] * a[d]) * (S(1) / 48);
     energy += force[d] * a[d] / 2;
   }

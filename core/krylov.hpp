@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Restarted GMRES (Saad, Schultz 1986) on function objects, for matrices that need not be
-// symmetric. The preconditioner stands on the right, A M^-1 (M x) = b, so that the residual is that
-// of A x = b itself.
+// symmetric. The preconditioner is on the right, A M^-1 (M x) = b, so that the residual is that of
+// A x = b itself.
 
 #pragma once
 
@@ -9,8 +9,8 @@
 
 namespace elastogen {
 
-/// kBreakdown: a cycle brought the solution no nearer, because A or M^-1 is singular, gives what is
-/// not finite, or has rounded more than is asked for.
+/// kBreakdown: a cycle did not improve the solution, because A or M^-1 is singular or gives numbers
+/// that are not finite, or because rounding exceeds the tolerance.
 enum class KrylovStop : uint8_t { kConverged, kIterations, kBreakdown };
 
 struct KrylovResult {
@@ -41,7 +41,7 @@ void add_solution(int columns, int64_t size, T* x, GmresWork<T>& work,
   add_scaled(T(1), work.z.data(), x, size);
 }
 
-/// One cycle from the residual in v_0 of the length `residual`, to `goal`. Returns its iterations.
+/// One cycle from the residual in v_0, whose norm is `residual`, to `goal`. Returns its iterations.
 template <class T, class Product, class Precondition>
 int cycle(T* x, int64_t size, double residual, double goal, int most, GmresWork<T>& work,
           const Product& product, const Precondition& precondition) {
@@ -71,11 +71,13 @@ KrylovResult gmres(const T* b, T* x, int64_t size, double tolerance, int max_ite
   constexpr double kLeastGain = 1e-3;  // of a cycle that may be followed by another
   const double start = norm(b, size);
   T* r = work.basis.data();
+  // x = 0, and b is the residual
   for_each(size, [&](int64_t i) { x[i] = 0, r[i] = b[i]; });
   KrylovResult result;
   result.residual = start == 0 ? 0 : 1;
   double before = std::numeric_limits<double>::infinity();
   while (!(result.residual <= tolerance)) {
+    // another cycle, unless the last one gained too little
     result.stop = KrylovStop::kIterations;
     if (result.iterations >= max_iterations) return result;
     result.stop = KrylovStop::kBreakdown;
@@ -84,6 +86,7 @@ KrylovResult gmres(const T* b, T* x, int64_t size, double tolerance, int max_ite
     result.iterations +=
         krylov::cycle(x, size, before * start, tolerance * start,
                       max_iterations - result.iterations, work, product, precondition);
+    // the true residual
     product(x, r);
     for_each(size, [&](int64_t i) { r[i] = b[i] - r[i]; });
     result.residual = norm(r, size) / start;

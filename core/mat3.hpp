@@ -79,7 +79,7 @@ ELASTOGEN_HD inline Mat3<T> inverse(const Mat3<T>& A) {
   return R;
 }
 
-/// A as it lies in memory.
+/// A from nine numbers, row by row.
 template <class T>
 ELASTOGEN_HD inline Mat3<T> load_matrix(const T* from) {
   Mat3<T> A;

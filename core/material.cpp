@@ -11,7 +11,7 @@
 namespace elastogen {
 namespace {
 
-/// What a law is called, and between what its shape parameter lies; no range: it has none.
+/// Name of a law, and the range of its shape parameter; no range: it has none.
 struct LawEntry {
   Law::Kind kind;
   std::string_view name;
@@ -63,7 +63,7 @@ const std::array<MaterialPreset, 8> kPresets = {{
     {{"plush", Law::kNeoHookean, 1.5e4, 0.2, 120}, "look", "chosen by eye for stuffed toys"},
 }};
 
-// ranges of handbooks at room temperature; soils and snow as simulations of them take them
+// ranges of handbooks at room temperature; soils and snow as in simulations of them
 const std::array<MaterialPreset, 9> kYielding = {{
     {{"sand", Law::kHencky, 3.5e5, 0.3, 2200},
      "literature",

@@ -47,7 +47,7 @@ std::string law_name(const Law& law);
 /// Ogden -20 ... 20, Mooney-Rivlin 0 ... 1, Gent 0.1 ... 1e6.
 Law law_from_name(std::string_view name);
 
-/// Names as law_from_name takes them, "ogden=NUMBER" for a family.
+/// Names as law_from_name accepts them, "ogden=NUMBER" for a family.
 std::vector<std::string> law_names();
 
 /// An elastic solid. Lame constants follow from Young's modulus and Poisson's ratio.

@@ -20,7 +20,8 @@ struct NonsymmetricResponse {
 ///
 ///     t_i = tau_i/s_i,   dt_i/ds_j = (D_e,ij - delta_ij tau_i)/(s_i s_j),
 ///
-/// and below s = 0.1, where e is law::continued_log, what that has instead of 1/s and -1/s^2.
+/// and below s = 0.1, where e is law::continued_log, with its derivatives instead of 1/s and
+/// -1/s^2.
 template <class T>
 ELASTOGEN_HD inline NonsymmetricResponse<T> from_log_strain(const T s[3], const T& psi,
                                                             const T tau[3], const Mat3<T>& D_e) {
@@ -54,7 +55,7 @@ ELASTOGEN_HD inline PrincipalHessian<T, Mat3<T>> principal_hessian(
   return h;
 }
 
-/// The nearest positive semi-definite one to the symmetric part.
+/// The positive semi-definite Hessian nearest to the symmetric part.
 template <class T>
 ELASTOGEN_HD inline PrincipalHessian<T> positive_part(const PrincipalHessian<T, Mat3<T>>& h) {
   PrincipalHessian<T> symmetric;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Eight numbers that are worked on at once. The maths of one voxel is written once, as templates on
-// T; with T = Pack<float> or Pack<double> it runs on a row of eight voxels, with T = double on one.
+// Packs of eight numbers. The formulas of one voxel are written once, as templates on T; with
+// T = Pack<float> or Pack<double> they run on a row of eight voxels, with T = double on one.
 //
 // A pack is a vector of the compiler: + - * /, comparisons and m ? a : b work lane by lane. Where
-// the machine's vectors are shorter the last two are taken apart number by number, so that what
-// compares doubles much takes a WidePack.
+// the machine's vectors are shorter, the last two are split into single numbers, so code that
+// compares many doubles uses a WidePack.
 
 #pragma once
 
@@ -67,10 +67,10 @@ using Pack = typename detail::PackOf<T>::type;
 template <class T>
 using PackMask = typename detail::PackOf<T>::mask;
 
-/// Half a pack of doubles, for the functions below as a pack.
+/// Half a pack of doubles; the functions below accept it as a pack.
 using HalfPack = detail::HalfOfDoubles;
 
-/// The longest of both whose comparisons the machine has.
+/// The longer of both for which the machine has comparisons.
 #ifdef __AVX512F__
 using WidePack = Pack<double>;
 #else
@@ -87,7 +87,7 @@ inline constexpr bool is_pack = !std::is_same_v<T, Scalar<T>>;
 template <class T>
 inline constexpr int lane_count = sizeof(T) / sizeof(Scalar<T>);
 
-/// The same number in every lane.
+/// One number in every lane.
 template <class T>
 ELASTOGEN_HD inline T constant(Scalar<T> value) {
   return T{} + value;
@@ -116,7 +116,7 @@ ELASTOGEN_HD inline T square_root(const T& a) {
   }
 }
 
-/// 1 / sqrt(a); on the device to 2 eps, which costs it less than a root and a quotient.
+/// 1 / sqrt(a); on the device to 2 eps, which is faster there than a root and a quotient.
 template <class T>
 ELASTOGEN_HD inline T inverse_root(const T& a) {
 #ifdef __CUDA_ARCH__

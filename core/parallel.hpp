@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The CPU loops, on TBB. Results never depend on the number of threads: bodies write disjoint
-// places, and sums are taken block by block and added in the order of the blocks.
+// places, and sums are formed block by block and added in the order of the blocks.
 
 #pragma once
 
@@ -31,7 +31,7 @@ class ThreadLimit {
   tbb::global_control control_;
 };
 
-/// task(b) for each b of [0, tasks), in any order.
+/// Calls task(b) for each b of [0, tasks), in any order.
 template <class Task>
 void run_tasks(int64_t tasks, const Task& task) {
 #ifdef __SANITIZE_THREAD__
@@ -48,7 +48,7 @@ void run_tasks(int64_t tasks, const Task& task) {
 #endif
 }
 
-/// body(begin, end) over the blocks of [0, n).
+/// Calls body(begin, end) for the blocks of [0, n).
 template <class Body>
 void for_blocks(int64_t n, const Body& body, int64_t block = kBlock) {
   const int64_t blocks = (n + block - 1) / block;
@@ -59,7 +59,7 @@ void for_blocks(int64_t n, const Body& body, int64_t block = kBlock) {
   run_tasks(blocks, [&](int64_t b) { body(b * block, std::min(n, (b + 1) * block)); });
 }
 
-/// body(i) for each i of [0, n).
+/// Calls body(i) for each i of [0, n).
 template <class Body>
 void for_each(int64_t n, const Body& body, int64_t block = kBlock) {
   for_blocks(
@@ -70,8 +70,8 @@ void for_each(int64_t n, const Body& body, int64_t block = kBlock) {
       block);
 }
 
-/// The i of [0, n) of each group, in order; group(i), which is asked twice, is below 0 for those of
-/// none.
+/// The i of [0, n) of each group, in order. group(i) is called twice for each i; a value below 0
+/// means no group.
 template <class Group>
 std::vector<std::vector<int32_t>> grouped(int64_t n, size_t groups, const Group& group) {
   const int64_t blocks = (n + kBlock - 1) / kBlock;
@@ -94,7 +94,7 @@ std::vector<std::vector<int32_t>> grouped(int64_t n, size_t groups, const Group&
   return result;
 }
 
-/// The i of [0, n) with keep(i), in order; keep is asked twice.
+/// The i of [0, n) with keep(i), in order; keep is called twice for each i.
 template <class Keep>
 std::vector<int32_t> filtered(int64_t n, const Keep& keep) {
   return std::move(grouped(n, 1, [&](int64_t i) { return keep(i) ? 0 : -1; })[0]);

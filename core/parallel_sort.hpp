@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A sort on TBB. The order is that of the comparison alone where no two elements are equivalent, or
-// equivalent ones are equal: then it does not depend on the number of threads. The sort by keys of
-// the device is in core/cuda/sort.cuh.
+// A sort on TBB. If no two elements are equivalent, or equivalent ones are equal, the order follows
+// from the comparison alone and does not depend on the number of threads. The sort by keys of the
+// device is in core/cuda/sort.cuh.
 
 #pragma once
 
@@ -24,7 +24,7 @@ void parallel_sort(Iterator begin, Iterator end, const Less& less = {}) {
 #endif
 }
 
-/// sorted[k] = keys[order[k]], rising; equal keys in the order of their places.
+/// sorted[k] = keys[order[k]], ascending; equal keys in the order of their places.
 /// @param keys  (n).
 /// @param sorted, order  (n), none of them keys.
 template <class Key>

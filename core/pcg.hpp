@@ -25,8 +25,8 @@ struct PcgWork {
 };
 
 /// Solves A x = b from x = 0 to |b - A x| <= tolerance |b|, or to the edge of the radius of
-/// `scalars`. Without one the symmetric A must be positive definite; where round-off makes its
-/// curvature negative, or stop() says so, the present x is returned.
+/// `scalars`. Without a radius the symmetric A must be positive definite. Where rounding makes its
+/// curvature negative, or stop() returns true, the present x is returned.
 template <class T, class Product, class Precondition, class Stop>
 PcgResult pcg(const T* b, T* x, int64_t size, double tolerance, int max_iterations,
               PcgWork<T>& work, const Product& product, const Precondition& precondition,
@@ -57,7 +57,7 @@ PcgResult pcg(const T* b, T* x, int64_t size, double tolerance, int max_iteratio
   return result;
 }
 
-/// The same without a way to stop it.
+/// pcg without stop().
 template <class T, class Product, class Precondition>
 PcgResult pcg(const T* b, T* x, int64_t size, double tolerance, int max_iterations,
               PcgWork<T>& work, const Product& product, const Precondition& precondition) {

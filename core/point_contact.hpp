@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Contact of surface points with colliders: the lengths and the stiffness that every solver takes,
-// and energy, force and stiffness of one point at one wall, a collider whose core the point keeps
-// away from, as in network/contact/contact.hpp. Shared by host and device.
+// Contact of surface points with colliders: the lengths and the stiffness that every solver uses,
+// and energy, force and stiffness of one point at one collider, as in network/contact/contact.hpp. Walls
+// are the cores of colliders, which points keep away from. Shared by host and device.
 
 #pragma once
 
@@ -10,12 +10,12 @@
 
 namespace elastogen {
 
-/// Offsets of a wall at the start and at the end of a step [m].
+/// Offsets of a collider at the start and at the end of a step [m].
 struct WallPath {
   Vec3 from = {}, to = {};
 };
 
-/// What friction takes from the start of the step.
+/// Data of friction from the start of the step.
 struct ContactLag {
   double limit = 0;  ///< largest force [N], 0: none
   Vec3 normal = {};
@@ -37,11 +37,11 @@ double contact_layer(const Scene& scene);
 /// of the surface, h at least.
 double slip_range(const Scene& scene);
 
-/// Both.
+/// Both lengths.
 ContactLengths contact_lengths(const Scene& scene);
 
-/// What the barrier of a point is scaled by, kappa = E dhat^2 / h [N/m], so that a voxel in contact
-/// is held with a stiffness of about E h; of E times a point's area it is A kappa [J].
+/// Factor of the barrier of a point, kappa = E dhat^2 / h [N/m], so that a voxel in contact is held
+/// with a stiffness of about E h. For E times a point's area it is A kappa [J].
 inline double contact_stiffness(double young, double layer, double h) {
   return young * layer * layer / h;
 }
@@ -52,20 +52,20 @@ struct ContactPoint {
   double stiffness = 0;         ///< A kappa [J]
 };
 
-/// Stiffness of a point at a wall [N/m]: along the normal; along the slip and across it.
+/// Stiffness of a point at a collider [N/m]: along the normal; along the slip and across it.
 struct PointStiffness {
   double normal = 0, along = 0, across = 0;
   Vec3 n = {}, lagged = {};  ///< normals now and at the start of the step
   Vec3 direction = {};       ///< unit vector of the slip, 0 where there is none
 
-  /// normal n n^T + across (I - m m^T - t t^T) + along t t^T, m the normal that friction has.
+  /// normal n n^T + across (I - m m^T - t t^T) + along t t^T, m the lagged normal.
   ELASTOGEN_HD double entry(size_t i, size_t j) const {
     return normal * n[i] * n[j] + across * ((i == j ? 1 : 0) - lagged[i] * lagged[j]) +
            (along - across) * direction[i] * direction[j];
   }
 };
 
-/// Normal and largest friction of a point that stands like this at the start of the step.
+/// Normal and largest friction force, from a point's proximity at the start of the step.
 ELASTOGEN_HD inline ContactLag contact_lag(const Proximity& near, double stiffness, double friction,
                                            double layer) {
   const double force =
@@ -73,12 +73,12 @@ ELASTOGEN_HD inline ContactLag contact_lag(const Proximity& near, double stiffne
   return {friction * force, near.normal};
 }
 
-/// Whether a point feels a wall.
+/// Whether a point feels a collider.
 ELASTOGEN_HD inline bool touches(const Proximity& near, const ContactLag& lag, double layer) {
   return near.distance < layer || lag.limit > 0;
 }
 
-/// Tangential motion of a point relative to a wall since the start of the step.
+/// Tangential motion of a point relative to a collider since the start of the step.
 ELASTOGEN_HD inline Vec3 slip_of(const ContactPoint& point, const WallPath& wall,
                                  const ContactLag& lag) {
   Vec3 slip;
@@ -89,7 +89,7 @@ ELASTOGEN_HD inline Vec3 slip_of(const ContactPoint& point, const WallPath& wall
   return slip;
 }
 
-/// Energy of a point that feels a wall [J], and its derivative in the point's motion [N].
+/// Energy of a point that feels a collider [J], and its derivative in the point's motion [N].
 ELASTOGEN_HD inline double point_energy(const ContactLengths& of, const ContactPoint& point,
                                         const WallPath& wall, const ContactLag& lag,
                                         const Proximity& near, Vec3& force) {
@@ -103,7 +103,7 @@ ELASTOGEN_HD inline double point_energy(const ContactLengths& of, const ContactP
   return energy + lag.limit * f.value;
 }
 
-/// Stiffness of a point that feels a wall.
+/// Stiffness of a point that feels a collider.
 ELASTOGEN_HD inline PointStiffness point_stiffness(const ContactLengths& of,
                                                    const ContactPoint& point, const WallPath& wall,
                                                    const ContactLag& lag, const Proximity& near) {
@@ -114,20 +114,20 @@ ELASTOGEN_HD inline PointStiffness point_stiffness(const ContactLengths& of,
   const double size = safe_norm(k.direction);
   const SmoothedSlip f = smoothed_slip(size, of.slip_range);
   k.across = lag.limit * f.first_over_y;
-  // a tenth of the secant: with none a sliding point would have no stiffness at all, and
+  // a tenth of the secant is added: without it a sliding point would have no stiffness at all, and
   // Newton's step would carry it through the whole range where it sticks
   k.along = lag.limit * (0.9 * f.second + 0.1 * f.first_over_y);
   for (size_t i = 0; i < 3; ++i) k.direction[i] = size > 0 ? k.direction[i] / size : 0;
   return k;
 }
 
-/// Whether a wall that moves takes a point more than half of its distance.
+/// Whether the motion of a collider halves its distance to a point.
 ELASTOGEN_HD inline bool crowded(double before, double after, double layer) {
   return after < layer && after < before / 2;
 }
 
-/// Share of a wall's motion that a place near it makes: less where another wall is ahead. Those
-/// before `wall` have moved already, those after it have not.
+/// Share of a collider's motion that a place near it makes; less where another collider is ahead.
+/// Colliders before number `wall` have moved already, those after it have not.
 /// @tparam Wall  a WallPath with a ColliderForm `core`.
 template <class Wall>
 ELASTOGEN_HD double carried_share(const Wall* walls, size_t count, size_t wall, const Vec3& place,

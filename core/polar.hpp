@@ -14,7 +14,7 @@ ELASTOGEN_HD inline Mat3<T> polar_rotation(const Mat3<T>& F) {
   return times_transposed(s.U, s.V);
 }
 
-/// The same where rounding does not choose it, s_1 + s_2 > 1e-6 max(s_0, 1); else 0.
+/// polar_rotation where F determines it beyond rounding, s_1 + s_2 > 1e-6 max(s_0, 1); else 0.
 template <class T>
 ELASTOGEN_HD inline Mat3<T> unique_rotation(const Mat3<T>& F) {
   const Svd3<T> s = svd3(F);

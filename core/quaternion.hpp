@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rotations as unit quaternions: four numbers that one load brings.
+// Rotations as unit quaternions: four numbers, read by one load.
 
 #pragma once
 
@@ -39,7 +39,7 @@ ELASTOGEN_HD inline Mat3<T> rotation_matrix(const Quaternion<T>& q) {
        2 * (q.x * q.z - q.w * q.y), 2 * (q.y * q.z + q.w * q.x), 1 - 2 * (q.x * q.x + q.y * q.y)}};
 }
 
-/// The same, but 0 of the quaternion 0.
+/// rotation_matrix, but 0 for the quaternion 0.
 template <class T>
 ELASTOGEN_HD inline Mat3<T> rotation_or_zero(const Quaternion<T>& q) {
   Mat3<T> R = rotation_matrix(q);

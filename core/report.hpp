@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a step says of itself. Not converging is a value: draft, with the number.
+// The report of a step. Not converging is a value of it: a draft, with its residual.
 
 #pragma once
 
@@ -24,7 +24,7 @@ struct StepReport {
   int outer = 0;             ///< quasi: L-BFGS iterations; newton: Newton steps
   int inner = 0;             ///< quasi: evaluations of the potential; newton: PCG iterations
   bool yields = false;       ///< a material can yield: energy.plastic and fallbacks are filled
-  int fallbacks = 0;         ///< frozen steps after steps that failed, and parts taken back
+  int fallbacks = 0;         ///< frozen steps after steps that failed, and parts that were undone
   bool float64 = false;      ///< the iteration ran in float64 (docs/physics.md, precision)
   bool finite = true;        ///< false: the step was refused and the state is the one before
   std::string refusal;       ///< why, where there is more to say; or why it is a draft

@@ -26,7 +26,7 @@ bool all_fit(int64_t n, const Fits& fits) {
          }) == 0;
 }
 
-/// @throws Error naming the first entry that is not in [lower, upper] (NaN never is).
+/// @throws Error naming the first entry that is not in [lower, upper] (NaN is not).
 template <class T>
 void check_range(const Array<T>& array, double lower, double upper, const char* name) {
   const T* values = array.data();
@@ -112,7 +112,7 @@ void fill_mass(Scene& scene) {
   });
 }
 
-/// The voxel on the far side of corner c along an axis, or -1: it shares that corner.
+/// The neighbour of a voxel across its upper or lower face along an axis, -1 if there is none.
 int32_t neighbour(const VoxelGrid& grid, int64_t voxel, int axis, bool upper) {
   const int bit = 1 << axis;
   const int corner = upper ? bit : 0;

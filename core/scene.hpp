@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a solver is given: grid, materials, constraints, forces, colliders, time step.
+// The input of a solver: grid, materials, constraints, forces, colliders, time step.
 
 #pragma once
 
@@ -59,7 +59,7 @@ struct Scene {
 void finish_scene(Scene& scene);
 
 /// Estimate of the residual |grad Phi| / |M g_ref| that a number format leaves, by the rounding of
-/// displacements in the voxel maths:
+/// displacements in the formulas of a voxel:
 ///
 ///     1.5 epsilon 3K / (rho g_ref h)
 ///

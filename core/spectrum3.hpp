@@ -4,9 +4,10 @@
 //     A = m I + p B,  m = tr A/3,  tr B = 0,  tr B^2 = 6,      eigenvalues m + p t_i,
 //     cos 3x = |det B|/2,  t_1 = +-2 cos x,  t_2, t_3 = -t_1/2 +- sqrt 3 sin x      (Viete),
 //
-// t_1 is the one apart, the others may be equal. sum_i f_i v_i v_i^T is the polynomial in B that is
-// f_i at t_i. Where t_2 and t_3 are close their distance has an error of sqrt eps; the polynomial
-// is even in it where f is a smooth symmetric function of them, so that it keeps all but some eps.
+// t_1 is apart from the others, which may be equal. sum_i f_i v_i v_i^T is the polynomial in B that
+// is f_i at t_i. Where t_2 and t_3 are close their distance has an error of sqrt eps. Where f is a
+// smooth symmetric function of both, the polynomial is even in that distance and loses some eps
+// only.
 
 #pragma once
 
@@ -48,6 +49,7 @@ ELASTOGEN_HD inline Spectrum3<T> spectrum3(const Symmetric3<T>& A) {
   using S = Scalar<T>;
   constexpr S kClosest = S(sizeof(S) == 4 ? 5e-4 : 2e-8);  // of half a distance
   Spectrum3<T> s;
+  // mean and deviator, which is scaled
   s.mean = (A.m[0] + A.m[1] + A.m[2]) / 3;
   Symmetric3<T>& B = s.unit = A;
   T square{};
@@ -58,12 +60,14 @@ ELASTOGEN_HD inline Spectrum3<T> spectrum3(const Symmetric3<T>& A) {
   s.scale = square_root(square / 6);
   const T inverse = 1 / (s.scale > 0 ? s.scale : constant<T>(1));
   for (int k = 0; k < 6; ++k) B.m[k] = B.m[k] * inverse;
+  // the angle of Viete's formula
   const T det = B.m[0] * (B.m[1] * B.m[2] - B.m[4] * B.m[4]) +
                 B.m[3] * (B.m[4] * B.m[5] - B.m[3] * B.m[2]) +
                 B.m[5] * (B.m[3] * B.m[4] - B.m[5] * B.m[1]);
   const T c = spectrum::cosine_of_third(smaller(T(absolute(det) / 2), constant<T>(1)));
   const T half = larger(square_root(3 - 3 * c * c), constant<T>(kClosest));
   const T middle = det < 0 ? c : -c;
+  // the single eigenvalue, and the pair at a distance that is never 0
   s.t[0] = -2 * middle;
   s.t[1] = middle + half;
   s.t[2] = middle - half;

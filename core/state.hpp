@@ -21,7 +21,7 @@ struct State {
   Array<double> v_before;  ///< (nodes, 3)
 };
 
-/// What is read of a state that is stepped elsewhere: the positions alone, or all.
+/// Parts to read of a state that is stepped elsewhere: the positions alone, or all.
 enum class StateParts { kPositions, kAll };
 
 /// A uniform velocity and a spin [rad/s] about the centre of mass.

@@ -7,8 +7,8 @@
 //   neo-Hookean          mu (tr E - l) + lambda/2 l^2          S = mu (I - C^-1) + lambda l C^-1
 //   stable neo-Hookean   as there with I - 3 = 2 tr E          S = m I/(I+1) I + l' (J-a) J C^-1
 //
-// (m, l' the mu', lambda' there). All of it is made of E, so that what cancels near rest cancels to
-// the digits of E, as it does in s - 1. A tenth of the work of singular values.
+// (m, l' are mu', lambda' there). All terms are formed from E, so that terms that cancel near rest
+// cancel to the digits of E. A tenth of the work of singular values.
 
 #pragma once
 
@@ -52,7 +52,7 @@ ELASTOGEN_HD inline Symmetric3<T> adjugate(const Symmetric3<T>& A) {
            a[4] * a[5] - a[3] * a[2], a[5] * a[3] - a[4] * a[0], a[3] * a[4] - a[5] * a[1]}};
 }
 
-/// A B of two that commute.
+/// A B of two matrices that commute.
 template <class T>
 ELASTOGEN_HD inline Symmetric3<T> product(const Symmetric3<T>& A, const Symmetric3<T>& B) {
   Symmetric3<T> C;
@@ -63,7 +63,6 @@ ELASTOGEN_HD inline Symmetric3<T> product(const Symmetric3<T>& A, const Symmetri
   return C;
 }
 
-/// What the laws are made of.
 template <class T>
 struct Strain {
   Symmetric3<T> E, inverse;  ///< inverse: C^-1
@@ -104,8 +103,8 @@ ELASTOGEN_HD inline T energy_and_stress(const LawParameters<Scalar<T>>& p, const
 
 }  // namespace strain
 
-/// Response of a law of strain to F = I + H; false where some stretch is out of 0.4 ... 3, or det F
-/// not positive: there the strain has lost digits, or a law goes on in its stretches.
+/// Response of a law of strain to F = I + H; false where a stretch is outside 0.4 ... 3, or det F
+/// not positive: there the strain has lost digits, or the law is continued in its stretches.
 /// @param add  add(E, psi, S) adds to energy and stress what the material has besides its law.
 template <class T, class Add>
 ELASTOGEN_HD inline bool strain_response(const LawParameters<Scalar<T>>& law, const Mat3<T>& H,
@@ -125,6 +124,7 @@ ELASTOGEN_HD inline bool strain_response(const LawParameters<Scalar<T>>& law, co
   Symmetric3<T> C;
   for (int k = 0; k < 6; ++k) C.m[k] = 2 * E[k] + (k < 3 ? S(1) : S(0));
   s.inverse = strain::adjugate(C);
+  // outside the range of strains the caller needs stretches
   const T square = 1 + s.x, inverse_trace = s.inverse.m[0] + s.inverse.m[1] + s.inverse.m[2];
   r.J = determinant(F);
   const auto regular = (r.J > 0) & (square > 0) & (3 + 2 * s.trace < kMostSquares) &
@@ -141,7 +141,7 @@ ELASTOGEN_HD inline bool strain_response(const LawParameters<Scalar<T>>& law, co
   return true;
 }
 
-/// The same of a law alone.
+/// strain_response of a law alone.
 template <class T>
 ELASTOGEN_HD inline bool strain_response(const LawParameters<Scalar<T>>& law, const Mat3<T>& H,
                                          StrainResponse<T>& r) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Singular value decomposition of plane deformation gradients: the plane part is decomposed, the
-// third direction stays third, whatever its stretch.
+// Singular value decomposition of plane deformation gradients: the plane part is decomposed, and
+// the third direction stays third, for any stretch in it.
 
 #pragma once
 
@@ -12,8 +12,8 @@ namespace elastogen {
 
 /// F = U diag(sigma) V^T of a matrix whose third row and column are those of diag(., ., F_33):
 /// U, V rotations about the third axis, sigma_0 >= |sigma_1|, sigma_1 with the sign of the plane
-/// determinant, sigma_2 = F_33. The plane part is the sum of a rotation's multiple and a
-/// reflection's, q R(a) + r S(b), with sigma = q + r, q - r. Scalars only.
+/// determinant, sigma_2 = F_33. The plane part is a sum of multiples of a rotation and a
+/// reflection, q R(a) + r S(b), with sigma = q + r, q - r. Scalars only.
 template <class T>
 ELASTOGEN_HD inline Svd3<T> plane_svd(const Mat3<T>& F) {
   const T e = (F(0, 0) + F(1, 1)) / 2, f = (F(0, 0) - F(1, 1)) / 2;

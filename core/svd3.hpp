@@ -23,7 +23,7 @@ struct Svd3 {
 
 namespace svd {
 
-/// Rotates columns p and q of B and V so that those of B become orthogonal; says whether they
+/// Rotates columns p and q of B and V so that those of B become orthogonal; returns whether they
 /// already were, to rounding.
 template <class T>
 ELASTOGEN_HD inline bool rotate(Mat3<T>& B, Mat3<T>& V, int p, int q) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which derivative of a force Newton's method is given.
+// Which derivative of a force Newton's method uses.
 
 #pragma once
 

@@ -28,7 +28,7 @@ void append_text(std::string& bytes, std::string_view text) {
   bytes += text;
 }
 
-/// Takes values off the front of bytes; a count is believed only if its bytes are there.
+/// Reads values from the front of bytes; a count is accepted only if its bytes are there.
 class Reader {
  public:
   Reader(std::string_view bytes, const std::string& place) : bytes_(bytes), place_(place) {}
@@ -118,6 +118,7 @@ std::string encode_tensors(const TensorFile& file) {
   append(bytes, kVersion);
   ELASTOGEN_CHECK(file.text.size() <= kMostEntries && file.tensors.size() <= kMostEntries,
                   "more than ", kMostEntries, " texts or tensors");
+  // the texts of the model card
   append(bytes, uint32_t(file.text.size()));
   for (const auto& [key, value] : file.text) {
     ELASTOGEN_CHECK(!key.empty() && key.size() <= kMostName && value.size() <= kMostText, "text '",
@@ -125,6 +126,7 @@ std::string encode_tensors(const TensorFile& file) {
     append_text(bytes, key);
     append_text(bytes, value);
   }
+  // the tensors
   append(bytes, uint32_t(file.tensors.size()));
   std::set<std::string> names;
   for (const Tensor& tensor : file.tensors) {
@@ -136,6 +138,7 @@ std::string encode_tensors(const TensorFile& file) {
     bytes.append(reinterpret_cast<const char*>(tensor.values.data()),
                  tensor.values.size() * sizeof(float));
   }
+  // the seal of all bytes before
   const Sha256 seal = sha256(bytes);
   bytes.append(reinterpret_cast<const char*>(seal.data()), seal.size());
   return bytes;
@@ -146,6 +149,7 @@ TensorFile decode_tensors(std::string_view bytes, const std::string& place) {
                         ": not a file of tensors (it does not begin with '", kMagic, "')");
   ELASTOGEN_CHECK_ASSET(bytes.size() >= kMagic.size() + sizeof kVersion + kSeal, place,
                         ": cut short after ", bytes.size(), " bytes");
+  // the seal is checked before anything is read
   const std::string_view content = bytes.substr(0, bytes.size() - kSeal);
   const Sha256 seal = sha256(content);
   ELASTOGEN_CHECK_ASSET(
@@ -156,12 +160,14 @@ TensorFile decode_tensors(std::string_view bytes, const std::string& place) {
   const auto version = reader.value<uint32_t>("version");
   ELASTOGEN_CHECK_ASSET(version == kVersion, place, ": version ", version, " of the format, not ",
                         kVersion);
+  // the texts of the model card
   TensorFile file;
   for (uint32_t left = reader.count(kMostEntries, "texts"); left > 0; --left) {
     const std::string key = reader.text(kMostName, "bytes in the name of a text");
     const bool is_new = file.text.emplace(key, reader.text(kMostText, "bytes in a text")).second;
     ELASTOGEN_CHECK_ASSET(is_new && !key.empty(), place, ": text '", key, "' is there twice");
   }
+  // the tensors, after which nothing may follow
   std::set<std::string> names;
   for (uint32_t left = reader.count(kMostEntries, "tensors"); left > 0; --left) {
     file.tensors.push_back(read_tensor(reader, place));

@@ -36,11 +36,11 @@ inline constexpr int64_t kMaxTensorBytes = int64_t{1} << 31;
 ///         more than 255 bytes, or a text more than 1 MiB.
 std::string encode_tensors(const TensorFile& file);
 
-/// Reads such bytes.
+/// Reads the bytes of encode_tensors.
 /// @param place  name of the file, for messages.
-/// @throws Error (asset) that names the place: not such a file, of a later version, cut short,
-///         changed since it was written, counts out of range, names twice, numbers that are not
-///         finite.
+/// @throws Error (asset) that names the place: not a file of tensors, of a later version, cut
+///         short, changed since it was written, counts out of range, names twice, numbers that
+///         are not finite.
 TensorFile decode_tensors(std::string_view bytes, const std::string& place);
 
 }  // namespace elastogen

@@ -8,7 +8,7 @@
 
 namespace elastogen {
 
-/// The scheme of one step: Phi carries a0/(2 dt^2) m |x - xhat|^2.
+/// The scheme of one step: Phi contains a0/(2 dt^2) m |x - xhat|^2.
 struct StepScheme {
   TimeScheme scheme = TimeScheme::kEuler;
   double dt = 0;  ///< [s]
@@ -26,15 +26,15 @@ inline StepScheme step_scheme(const Scene& scene, const State& state) {
 ///     Euler  x + dt v + dt^2 g,
 ///     BDF2   (4 x - x') / 3 + (2 dt / 9) (4 v - v') + (4/9) dt^2 g,
 ///
-/// minus x, so that no digits are lost to the place of the body.
+/// minus x, so that a body far from the origin loses no digits.
 ELASTOGEN_HD inline double predicted_motion(const StepScheme& s, double x, double v,
                                             double x_before, double v_before, double gravity) {
   if (s.scheme == TimeScheme::kEuler) return s.dt * (v + s.dt * gravity);
   return (x - x_before) / 3 + 2 * s.dt / 9 * (4 * v - v_before) + 4 * s.dt * s.dt / 9 * gravity;
 }
 
-/// Motion of a node's coordinate in a step, which no force changes, if its velocity stays as it is
-/// (order 1, dt v) or goes on changing as in the step before (order 2; Adams and Bashforth),
+/// Motion of a node's coordinate in a step, without regard to forces: its velocity stays constant
+/// (order 1, dt v) or changes as in the step before (order 2; Adams and Bashforth),
 ///
 ///     Euler  dt (2 v - v'),     v the mean velocity of a step,
 ///     BDF2   dt (3 v - v') / 2, v that at its end.

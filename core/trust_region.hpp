@@ -17,17 +17,17 @@ namespace elastogen {
 struct PcgScalars {
   static constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
-  /// Largest |x|_M; 0: ten times the length of the first direction, more than a step takes where A
+  /// Largest |x|_M; 0: ten times the length of the first direction, more than a step needs where A
   /// is convex.
   double radius = kUnbounded;
   double rz = 0, beta = 0, alpha = 0;
   double xx = 0, xp = 0, pp = 0;  ///< x.Mx, x.Mp, p.Mp
   double model = 0;               ///< x.Ax/2 - b.x
   bool begun = false;
-  bool ended = false;    ///< there is no way on from x
+  bool ended = false;    ///< the iteration cannot go on from x
   bool at_edge = false;  ///< |x|_M is the radius
 
-  /// Takes r.z and finds beta, for p = z + beta p.
+  /// Finds beta from r.z, for p = z + beta p.
   ELASTOGEN_HD void turn(double rz_now) {
     beta = begun ? rz_now / rz : 0;
     rz = rz_now;
@@ -37,8 +37,8 @@ struct PcgScalars {
     begun = true;
   }
 
-  /// Takes p.Ap and finds alpha, for x += alpha p: the minimum along p, or the edge where that is
-  /// beyond it, or where A is not convex along p; 0 without an edge there.
+  /// Finds alpha from p.Ap, for x += alpha p: the minimum along p, or the edge if the minimum is
+  /// beyond it or A is not convex along p; in the latter case 0 if there is no edge.
   ELASTOGEN_HD void advance(double curvature) {
     alpha = 0;
     ended = true;
@@ -72,13 +72,14 @@ struct StepTaken {
   bool halved = false;    ///< the whole step, or what obstacles left of it, was too long
 };
 
-/// Radius of the ball that a quadratic model of Phi is trusted in.
+/// Radius of the ball in which a quadratic model of Phi is trusted.
 class TrustRegion {
  public:
   /// 0: not known yet; else in units of `unit`.
   double radius(double unit) const { return radius_ / unit; }
 
-  /// Takes how conjugate gradients ended, in units of `unit`, and what their step has brought.
+  /// Updates the radius from the end of conjugate gradients, in units of `unit`, and from their
+  /// step.
   void update(const PcgScalars& end, double unit, const StepTaken& step) {
     const double length = unit * std::sqrt(end.xx), a = step.share;
     const double predicted = a * (step.slope + a * (unit * unit * end.model - step.slope));

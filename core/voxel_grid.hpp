@@ -41,7 +41,7 @@ struct VoxelGrid {
   Array<double> sheet;       ///< thickness / h of the layer in each voxel, 0 where there is none,
                              ///< (voxels, 1); empty where no thickness was given
 
-  /// How far a voxel stands from its place along x [voxels].
+  /// Shift of a voxel along x from its true position [voxels].
   int32_t shift_of(int64_t voxel) const {
     return part.empty() ? 0 : part_shift[size_t(part(voxel))];
   }

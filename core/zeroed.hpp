@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Vectors that are zero at birth without a pass over them: large ones come from the system, which
-// hands out pages of zeros when they are first touched. So a loop of many threads that fills one
-// shares that work, and one that is never used takes no memory.
+// Vectors that are zero at first without a pass over them: for large ones the system provides pages
+// of zeros when they are first touched. So a loop of many threads that fills a vector shares that
+// work, and a vector that is never used needs no memory.
 
 #pragma once
 
@@ -30,7 +30,7 @@ struct ZeroedAllocator {
   }
   void deallocate(T* numbers, std::size_t) { std::free(numbers); }
 
-  /// Zero already.
+  /// Does nothing: the memory is zero already.
   template <class U>
   void construct(U*) noexcept {}
   template <class U, class... Arguments>
@@ -41,7 +41,7 @@ struct ZeroedAllocator {
   bool operator==(const ZeroedAllocator&) const = default;
 };
 
-/// A vector to be sized once: numbers that come back after it shrank are not zero.
+/// A vector that is sized once: numbers that it gets back after it shrank are not zero.
 template <class T>
 using Zeroed = std::vector<T, ZeroedAllocator<T>>;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the finite element integrators are given.
+// The scene of the finite element integrators.
 
 #pragma once
 
@@ -28,10 +28,10 @@ struct FemScene {
   /// Writes the prescribed displacements [m] at a time [s] (statics: the load factor 0..1) into the
   /// fixed components; empty: they stay 0.
   std::function<void(double time, Out<double> u)> motion;
-  /// Writes further forces on the nodes [N], (nodes, 3), at a time [s] (statics: the load factor
+  /// Writes additional forces on the nodes [N], (nodes, 3), at a time [s] (statics: the load factor
   /// 0..1); empty: none.
   std::function<void(double time, Out<double> force)> force;
-  std::vector<Collider> colliders;  ///< of steps; statics do not see them
+  std::vector<Collider> colliders;  ///< of time steps; statics ignore them
   ContactPoints contact;            ///< used where there are colliders
   double dt = 1.0 / 60;             ///< [s]
   Scheme scheme = Scheme::kEuler;

@@ -167,13 +167,14 @@ void sort_unique(std::vector<uint64_t>& keys) {
 
 }  // namespace
 
-/// The brick that holds a point, without points where it is not there.
+/// The brick that holds a point, an empty one if there is none.
 BrickIndex::Brick BrickIndex::brick_at(const Coord& point) const {
   const int64_t brick = find_brick(brick_key(point) >> 9);
   return brick < 0 ? Brick{} : bricks_[brick];
 }
 
 BrickIndex BrickIndex::halved() const {
+  // bricks of half the coordinates
   std::vector<uint64_t> keys(keys_.size());
   for_each(
       brick_count(),
@@ -185,6 +186,7 @@ BrickIndex BrickIndex::halved() const {
       kBricks);
   sort_unique(keys);
   BrickIndex result(std::move(keys));
+  // their points, from the eight bricks that each of them covers
   const auto fill = [&](int64_t to) {
     constexpr uint64_t kEven = 0x0055005500550055;  // along x and y
     const Coord at = result.first_place(to);
@@ -193,6 +195,7 @@ BrickIndex BrickIndex::halved() const {
                            2 * at[2] + 8 * (c >> 2)};
       const Brick of = brick_at(first);
       for (int z = 0; z < 8; z += 2) {
+        // one bit for each 2x2x2 points
         uint64_t word = of.mask[z] | of.mask[z + 1];
         word |= word >> 8;
         for (uint64_t rest = (word | word >> 1) & kEven; rest; rest &= rest - 1) {

@@ -19,14 +19,14 @@ inline constexpr int32_t kLatticeLimit = 1 << 20;
 /// Sort key of a lattice point: Morton code of its brick, then the place inside, x fastest.
 uint64_t brick_key(const Coord& point);
 
-/// A sorted set of lattice points, stored as one bit mask a brick.
+/// A sorted set of lattice points, stored as one bit mask for each brick.
 class BrickIndex {
  public:
   BrickIndex() = default;
-  /// @param keys  sorted keys of the bricks (brick_key >> 9), no two alike.
+  /// @param keys  sorted keys of the bricks (brick_key >> 9), all different.
   explicit BrickIndex(std::vector<uint64_t> keys);
-  /// The points in the rows of coords, in any order, duplicates allowed; soonest where bricks are
-  /// in order.
+  /// The points in the rows of coords, in any order, duplicates allowed; fastest if bricks are in
+  /// order.
   explicit BrickIndex(In<int32_t> coords);
 
   void insert(int64_t brick, int place) { bricks_[brick].mask[place >> 6] |= bit(place); }
@@ -40,7 +40,8 @@ class BrickIndex {
   int64_t find(int64_t brick, int place) const;
   int64_t find(const Coord& point) const;
   int64_t point_count() const { return points_; }
-  /// Bits of the points of a brick, a word a plane of z, x + 8 y; and the number of its first one.
+  /// Bits of the points of a brick, a word for each plane of z, x + 8 y; and its first point's
+  /// number.
   const std::array<uint64_t, 8>& mask(int64_t brick) const { return bricks_[brick].mask; }
   int64_t first(int64_t brick) const { return bricks_[brick].first; }
   /// Coordinates of the first place of a brick.
@@ -55,7 +56,7 @@ class BrickIndex {
 
  private:
   struct Brick {
-    std::array<uint64_t, 8> mask = {};   ///< a word a plane of z, x + 8 y
+    std::array<uint64_t, 8> mask = {};   ///< a word for each plane of z, x + 8 y
     int64_t first = 0;                   ///< number of its first point
     std::array<int16_t, 8> before = {};  ///< its points in the planes before each
   };

@@ -9,7 +9,7 @@
 namespace elastogen {
 namespace {
 
-/// Whether a voxel lies in another brick than the one before.
+/// Whether a voxel lies in another brick than the voxel before it.
 bool begins_brick(const VoxelGrid& grid, int64_t v) {
   for (int d = 0; d < 3 && v > 0; ++d)
     if (grid.voxel_coord(v, d) >> 3 != grid.voxel_coord(v - 1, d) >> 3) return true;
@@ -30,8 +30,9 @@ std::array<int32_t, bricks::kTile> nodes_of_tile(const VoxelGrid& grid, int32_t 
   return node;
 }
 
-/// Begins, nodes and places of the tiles.
+/// Fills begins, nodes and places of the tiles.
 void fill_tiles(const VoxelGrid& grid, const std::vector<int32_t>& first, BrickTiles& g) {
+  // body(brick, nodes of its tile) for all bricks
   const auto in_tiles = [&](const auto& body) {
     run_tasks(int64_t(first.size()), [&](int64_t b) {
       const bool last = size_t(b + 1) == first.size();
@@ -39,6 +40,7 @@ void fill_tiles(const VoxelGrid& grid, const std::vector<int32_t>& first, BrickT
       body(b, nodes_of_tile(grid, first[size_t(b)], end));
     });
   };
+  // count of entries of each brick, and their sums
   g.tile_begin.assign(first.size() + 1, 0);
   in_tiles([&](int64_t b, const auto& nodes) {
     g.tile_begin[size_t(b + 1)] =
@@ -49,6 +51,7 @@ void fill_tiles(const VoxelGrid& grid, const std::vector<int32_t>& first, BrickT
   g.tile_node.resize(entries);
   g.tile_place.resize(entries);
   g.tile_part.resize(entries);
+  // nodes and places, brick by brick
   in_tiles([&](int64_t b, const auto& nodes) {
     auto entry = size_t(g.tile_begin[size_t(b)]);
     for (size_t place = 0; place < nodes.size(); ++place) {
@@ -59,19 +62,19 @@ void fill_tiles(const VoxelGrid& grid, const std::vector<int32_t>& first, BrickT
   });
 }
 
-/// Bricks that hold a node and begin before a voxel: sides of the planes between bricks on which
-/// the node lies.
+/// Count of the bricks that hold a node and begin before a voxel; each is one side of the planes
+/// between bricks on which the node lies.
 int bricks_before(const VoxelGrid& grid, int64_t node, int32_t voxel) {
   int planes = 0;
   for (int d = 0; d < 3; ++d) planes |= ((grid.node_coord(node, d) & 7) == 0) << d;
-  if (planes == 0) return 1;  // whatever the voxel
+  if (planes == 0) return 1;  // for any voxel
   unsigned sides = 0;
   for (int c = 0; c < 8; ++c)
     if (const int32_t v = grid.voxels(node, c); v >= 0 && v < voxel) sides |= 1u << (c & planes);
   return std::popcount(sides);
 }
 
-/// Partial sums of the nodes that several bricks hold, in the order of the bricks.
+/// Numbers the partial sums of nodes that several bricks hold, in the order of the bricks.
 void number_parts(const VoxelGrid& grid, const std::vector<int32_t>& first, BrickTiles& g) {
   const auto voxels = int32_t(grid.voxel_count());
   g.shared_node = filtered(grid.node_coord.rows(),

@@ -40,7 +40,7 @@ struct BrickTiles {
 /// First voxel of each brick of a grid.
 std::vector<int32_t> first_voxels(const VoxelGrid& grid);
 
-/// Of the grid it needs coordinates and tables.
+/// Needs only coordinates and tables of the grid.
 /// @param first  first_voxels of the grid.
 BrickTiles make_brick_tiles(const VoxelGrid& grid, const std::vector<int32_t>& first);
 
@@ -51,8 +51,8 @@ struct BrickScratch {
   explicit BrickScratch(const BrickTiles& g) : parts(3 * size_t(g.part_count())) {}
 };
 
-/// put(place, value) for the nodes of a brick; read(node, reference, value) fills the three values
-/// of a node, reference the first node of the brick.
+/// Calls put(place, value) for the nodes of a brick; read(node, reference, value) fills the three
+/// values of a node, reference the first node of the brick.
 template <class T, class Read, class Put>
 void read_tile(const BrickTiles& g, int64_t brick, const Read& read, const Put& put) {
   const int32_t begin = g.tile_begin[size_t(brick)], end = g.tile_begin[size_t(brick + 1)];
@@ -63,8 +63,8 @@ void read_tile(const BrickTiles& g, int64_t brick, const Read& read, const Put& 
   }
 }
 
-/// finish(node, sum) for the nodes that this brick alone holds; of the others sum_at(place, sum)
-/// goes to their partial sums.
+/// Calls finish(node, sum) for the nodes that this brick alone holds; the sums of others become
+/// their partial sums. sum_at(place, sum) gives the sum at a place.
 template <class T, class SumAt, class Finish>
 void finish_tile(const BrickTiles& g, int64_t brick, const SumAt& sum_at, BrickScratch<T>& scratch,
                  const Finish& finish) {
@@ -81,7 +81,7 @@ void finish_tile(const BrickTiles& g, int64_t brick, const SumAt& sum_at, BrickS
   }
 }
 
-/// finish(node, sum) for the nodes that several bricks hold, when all have finished theirs.
+/// Calls finish(node, sum) for the nodes that several bricks hold; all bricks must be finished.
 template <class T, class Finish>
 void finish_shared(const BrickTiles& g, const BrickScratch<T>& scratch, const Finish& finish) {
   for_each(int64_t(g.shared_node.size()), [&](int64_t s) {

@@ -10,7 +10,7 @@
 
 namespace elastogen::cuda {
 
-/// While one lives, the arrays that its thread makes take no room; it adds up what they would.
+/// While one lives, arrays that its thread makes allocate nothing; it counts what they would need.
 class RoomCount {
  public:
   RoomCount() { present() = this; }
@@ -21,9 +21,9 @@ class RoomCount {
     bytes_ += bytes;
     most_ = most_ < bytes_ ? bytes_ : most_;
   }
-  void take_off(size_t bytes) { bytes_ -= bytes; }  ///< of what goes again
+  void take_off(size_t bytes) { bytes_ -= bytes; }  ///< of arrays that are freed
   size_t bytes() const { return bytes_; }
-  size_t most() const { return most_; }  ///< that there were at a time
+  size_t most() const { return most_; }  ///< largest count so far
   static RoomCount*& present() {
     static thread_local RoomCount* count = nullptr;
     return count;
@@ -33,13 +33,13 @@ class RoomCount {
   size_t bytes_ = 0, most_ = 0;
 };
 
-/// Owns numbers on the device, zeroed at birth. They are set and moved on the stream of the thread,
-/// whatever the source is compiled for: threads with other scenes go on.
+/// Owns numbers on the device, 0 at first. They are set and copied on the stream of the thread, for
+/// every default stream that the source is compiled for, so that threads with other scenes go on.
 template <class T>
 class DeviceArray {
  public:
   DeviceArray() = default;
-  /// @throws Error (resources) where the device has no room.
+  /// @throws Error (resources) if the device has too little memory.
   explicit DeviceArray(int64_t size) : size_(size) {
     if (size == 0) return;
     if (RoomCount* count = RoomCount::present()) {
@@ -71,10 +71,10 @@ class DeviceArray {
   const T* data() const { return data_; }
   int64_t size() const { return size_; }
 
-  /// From and to size() numbers of the host.
+  /// Copy from and to size() numbers of the host.
   void upload(const T* host) { upload(host, 0, size_); }
   void download(T* host) const { copy(host, data_, size_, cudaMemcpyDeviceToHost); }
-  /// The numbers [begin, begin + count) alone.
+  /// Copies only the numbers [begin, begin + count).
   void upload(const T* host, int64_t begin, int64_t count) {
     copy(data_ + begin, host, count, cudaMemcpyHostToDevice);
   }

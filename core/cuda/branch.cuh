@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A second line of launches beside that of the thread, for work that the card has room for
-// meanwhile. Graphs record both.
+// A second stream of launches beside that of the thread, for work that the card can do at the same
+// time. Graphs record both.
 
 #pragma once
 
@@ -18,7 +18,7 @@ class DeviceBranch {
     cudaStreamDestroy(stream_);
   }
 
-  /// body(stream) launches there what begins after all launches of the thread so far.
+  /// Calls body(stream); its launches there begin after all launches of the thread so far.
   template <class Body>
   void begin(const Body& body) {
     if (!stream_) open();
@@ -28,7 +28,7 @@ class DeviceBranch {
     check(cudaEventRecord(ended_, stream_));
   }
 
-  /// What the thread launches from here on begins after that, the first of it not early.
+  /// Later launches of the thread begin after those of body(); the first of them must not be early.
   void end() { check(cudaStreamWaitEvent(cudaStreamPerThread, ended_)); }
 
  private:

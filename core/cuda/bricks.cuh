@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the bricks of a level and the points in them lie, on the device: what stands in a slot, and
-// the slots around it (core/bricks/links.hpp).
+// The bricks of a level and their points on the device: what a slot holds, and the slots around it
+// (core/bricks/links.hpp).
 
 #pragma once
 
@@ -11,7 +11,7 @@ namespace elastogen::cuda {
 
 using ::elastogen::bricks::kSlots;
 
-/// The tables of DeviceBricks, as kernels take them.
+/// The tables of DeviceBricks, as kernels read them.
 struct BrickTables {
   const BrickLinks* links;
   const int32_t* begin;            ///< first node of each brick
@@ -80,7 +80,7 @@ class DeviceBricks {
             voxels_.data(), first_voxel_.data(), int32_t(links.size())};
   }
 
-  // for who keeps them
+  // for owners that keep them
   DeviceArray<BrickLinks> links;
   DeviceArray<int32_t> begin;  ///< first node of each brick, (bricks + 1)
 

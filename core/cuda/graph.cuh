@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Launches that are recorded once and then repeated as one: a cycle of many short kernels costs the
-// host and the card a fraction of what it costs launch by launch. Needs
-// --default-stream=per-thread, as the legacy default stream cannot be recorded.
+// Launches that are recorded once and then repeated as one, which costs the host and the card a
+// fraction of the single launches of many short kernels. Needs --default-stream=per-thread, as the
+// legacy default stream cannot be recorded.
 
 #pragma once
 
@@ -17,8 +17,8 @@ class DeviceGraph {
     if (graph_) cudaGraphExecDestroy(graph_);
   }
 
-  /// Does what the launches of body() do; body must launch the same on the same memory every time
-  /// and neither allocate nor wait. Its first run is direct, the second is recorded.
+  /// Does what the launches of body() do. body must make the same launches on the same memory every
+  /// time and neither allocate nor wait. Its first run is direct, the second is recorded.
   template <class Body>
   void run(const Body& body) {
     if (!warm_) {

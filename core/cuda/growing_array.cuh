@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Memory of the device for numbers whose count changes, as that of particles and of bricks does.
+// Memory of the device for numbers whose count changes, as for particles and bricks.
 
 #pragma once
 
@@ -19,9 +19,9 @@ class GrowingArray {
   int64_t size() const { return size_; }
   int64_t capacity() const { return numbers_.size(); }
 
-  /// Makes room for that many numbers at least; those that are there stay. Where memory is taken
-  /// anew data() changes, and the whole device is waited for.
-  /// @throws Error (resources) where the device has no room; then all stays as it was.
+  /// Allocates memory for that many numbers at least; the present ones stay. If it allocates,
+  /// data() changes and the whole device is waited for.
+  /// @throws Error (resources) if the device has too little memory; then all stays as it was.
   void reserve(int64_t capacity) {
     if (capacity <= this->capacity()) return;
     DeviceArray<T> larger(capacity);
@@ -29,8 +29,8 @@ class GrowingArray {
     numbers_ = std::move(larger);
   }
 
-  /// Numbers beyond the old size are 0. Grows by doubling, so that what is appended one by one is
-  /// moved a few times.
+  /// Numbers beyond the old size are 0. Grows by doubling, so that appending one by one copies
+  /// rarely.
   /// @throws Error (resources) as reserve().
   void resize(int64_t size) {
     if (size > capacity()) reserve(size > 2 * capacity() ? size : 2 * capacity());
@@ -39,7 +39,7 @@ class GrowingArray {
     size_ = size;
   }
 
-  /// Takes the numbers of the host, and gives its own to it.
+  /// Copy all numbers from the host, and to it.
   void upload(const std::vector<T>& host) {
     resize(int64_t(host.size()));
     numbers_.upload(host.data(), 0, size_);

@@ -7,15 +7,16 @@
 
 namespace elastogen::cuda {
 
-/// The share of a thread of a matrix of at most kRows rows, and its inverse. A block has
-/// kWidth x kWidth threads; thread (x, y) holds entries (y + kWidth a, x + kWidth b).
+/// The entries of one thread in a matrix of at most kRows rows, and the inverse of the matrix. A
+/// block has kWidth x kWidth threads; thread (x, y) holds entries (y + kWidth a, x + kWidth b).
 template <int kSpan>
 class InverseTile {
  public:
   static constexpr int kWidth = 16, kThreads = kWidth * kWidth;
   static constexpr int kRows = kSpan * kWidth;  ///< at most
 
-  /// Rows and columns on their way, in shared memory.
+  /// Row and column of a step in shared memory; two buffers take turns, so a step needs one
+  /// barrier.
   struct Room {
     double row[2][kRows], column[2][kRows];
   };
@@ -27,7 +28,7 @@ class InverseTile {
         [&](int i, int j, double& a) { a = i < n && j < n ? value(i, j) : double(i == j); });
   }
 
-  /// body(i, j, A(i, j)) for the entries of this thread.
+  /// Calls body(i, j, A(i, j)) for the entries of this thread.
   template <class Body>
   __device__ void for_entries(const Body& body) {
 #pragma unroll
@@ -37,7 +38,7 @@ class InverseTile {
         body(int(threadIdx.y) + kWidth * a, int(threadIdx.x) + kWidth * b, entry_[a][b]);
   }
 
-  /// body(i, j, A(i, j), B(i, j)).
+  /// Calls body(i, j, A(i, j), B(i, j)) for the entries of this thread.
   template <class Body>
   __device__ void for_entries(InverseTile& B, const Body& body) {
 #pragma unroll
@@ -48,8 +49,8 @@ class InverseTile {
              B.entry_[a][b]);
   }
 
-  /// A becomes its inverse, A symmetric and positive definite: Gauss-Jordan without pivoting. For
-  /// all threads of the block.
+  /// A becomes its inverse, A symmetric and positive definite: Gauss-Jordan without pivoting, one
+  /// row and column after the other. All threads of the block must call it.
   __device__ void invert(Room& room) {
 #pragma unroll
     for (int block = 0; block < kSpan; ++block)
@@ -57,12 +58,13 @@ class InverseTile {
   }
 
  private:
-  /// Row and column number kWidth block + k: with -1 and 1 in place of the pivot, and 0 where they
-  /// stood, all entries take the same step, A -= column row / pivot. The products are taken first:
-  /// the result is symmetric to the bit.
+  /// Eliminates row and column number kWidth block + k. With -1 and 1 in place of the pivot, and 0
+  /// in place of row and column, all entries change alike, A -= column row / pivot. The products
+  /// come before the quotient, so that the result is symmetric to the bit.
   __device__ void eliminate(int block, int k, Room& room) {
     double *const row = room.row[k % 2], *const column = room.column[k % 2];
     const int x = int(threadIdx.x), y = int(threadIdx.y), at = kWidth * block + k;
+    // the threads that hold them put row and column into shared memory
 #pragma unroll
     for (int b = 0; b < kSpan; ++b) {
       if (y == k) row[x + kWidth * b] = entry_[block][b];
@@ -70,11 +72,13 @@ class InverseTile {
     }
     __syncthreads();
     const double inverse = 1 / row[at];
+    // in the matrix they become 0
 #pragma unroll
     for (int b = 0; b < kSpan; ++b) {
       if (y == k) entry_[block][b] = 0;
       if (x == k) entry_[b][block] = 0;
     }
+    // the products, for the entries of this thread
 #pragma unroll
     for (int b = 0; b < kSpan; ++b) {
       const int j = x + kWidth * b;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Launches of kernels, one thread an item: on the stream of the thread (cudaStreamPerThread) unless
-// a Line names another.
+// Launches of kernels, one thread for each item, on the stream of the thread (cudaStreamPerThread)
+// unless a Line names another stream.
 
 #pragma once
 
@@ -20,26 +20,26 @@ inline void check(cudaError_t error) {
 
 // Every kernel started by launch() calls let_next_start() and wait_for_before(). The first comes as
 // early as is useful; a block that exits implies it. The second comes before the first access to
-// memory that an earlier kernel writes; only read_early() may come before it. What stands above the
-// wait runs beside the kernels before. No __ldg in such a kernel: what it loads is taken for
-// constant, and loaded ahead of the wait.
+// memory that an earlier kernel writes; only read_early() may come before it. Code above the wait
+// runs at the same time as earlier kernels. Such a kernel must not use __ldg: its loads count as
+// constant, and may be moved ahead of the wait.
 
-/// Lets the next kernel start as soon as there is room.
+/// Lets the next kernel start as soon as multiprocessors have space for its blocks.
 __device__ inline void let_next_start() {
   cudaTriggerProgrammaticLaunchCompletion();
 }
-/// Waits for the kernels before.
+/// Waits for the earlier kernels.
 __device__ inline void wait_for_before() {
   cudaGridDependencySynchronize();
 }
-/// Both at once.
+/// Both calls at once.
 __device__ inline void begin_kernel() {
   let_next_start();
   wait_for_before();
 }
 
-/// What is read before the wait, of tables that the host has seen done. It comes from the cache of
-/// the card: until the wait that of the multiprocessor may hold what the memory had been before.
+/// Reads before the wait, from tables that the host knows to be complete. It reads from the L2
+/// cache: until the wait the L1 cache of the multiprocessor may have old contents of the memory.
 template <class T>
 __device__ inline T read_early(const T* from) {
   using Word = std::conditional_t<alignof(T) % sizeof(int4) == 0, int4,
@@ -54,13 +54,13 @@ __device__ inline T read_early(const T* from) {
   return __builtin_bit_cast(T, words);
 }
 
-/// Blocks that start early crowd on the multiprocessors that are free first: of a few some then
-/// have several and others none. The kernel before one of so few or fewer lets it start at its end
-/// alone.
+/// Blocks that start early crowd on the multiprocessors that are free first; if they are few, some
+/// multiprocessors get several and others none. The kernel before one with this many blocks or
+/// fewer therefore lets it start only at its end.
 inline constexpr int kFewBlocks = 1024;
 
-/// Where a kernel is launched, and when its blocks start: early, while the kernel before is ending,
-/// or where it waits for an event, after all that it waits for.
+/// The stream of a launch, and when its blocks start: early, while the kernel before is ending, or
+/// only after all that it waits for, as a launch behind an event must.
 struct Line {
   cudaStream_t stream = cudaStreamPerThread;
   bool early = true;
@@ -89,7 +89,7 @@ void launch_on(const Line& line, void (*kernel)(Parameters...), dim3 blocks, dim
   check(cudaLaunchKernelEx(&config, kernel, Parameters(arguments)...));
 }
 
-/// The same early, on the stream of the thread.
+/// launch_on the stream of the thread, early.
 template <class... Parameters, class... Arguments>
 void launch(void (*kernel)(Parameters...), dim3 blocks, dim3 threads, size_t shared_bytes,
             const Arguments&... arguments) {
@@ -104,7 +104,7 @@ __global__ void for_each_kernel(int64_t n, bool late, Body body) {
   if (i < n) body(i);
 }
 
-/// body(i) for each i of [0, n).
+/// Calls body(i) for each i of [0, n), one thread for each.
 /// @param late  the next kernel starts when this one ends (kFewBlocks).
 template <class Body>
 void for_each(int64_t n, const Body& body, const Line& line = {}, bool late = false) {

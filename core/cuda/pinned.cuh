@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Memory of the host that does not leave its place: the bus moves it at its full rate, and kernels
-// reach it.
+// Pinned memory of the host, which the system does not move: the bus copies it at its full rate,
+// and kernels can access it.
 
 #pragma once
 
@@ -25,8 +25,8 @@ inline std::mutex& device_wide() {
   return mutex;
 }
 
-/// Memory of the host that does not leave its place, kept for who asks next: to pin it takes a
-/// millisecond, whatever its size, and another one a megabyte.
+/// Keeps pinned memory for later use: pinning costs a millisecond for any size, and another one for
+/// each megabyte.
 class PinnedPool {
  public:
   static constexpr size_t kLargest = size_t{4} << 20;  ///< that is kept
@@ -36,7 +36,7 @@ class PinnedPool {
     return *pool;
   }
 
-  /// @throws Error (resources) where the host has no room.
+  /// @throws Error (resources) if the host has too little memory.
   void* take(size_t bytes) {
     if (bytes > kLargest) return pin(bytes);
     const std::lock_guard lock(mutex_);
@@ -81,12 +81,12 @@ class PinnedPool {
   std::vector<void*> free_[16];  // of kSmallest times powers of two
 };
 
-/// Owns numbers of the host that do not leave its memory: the bus moves them at its full rate, and
-/// kernels write them in place. The host reads what kernels wrote after synchronise().
+/// Owns numbers in pinned memory of the host: the bus copies them at its full rate, and kernels
+/// write them in place. The host reads what kernels wrote after synchronise().
 template <class T>
 class PinnedArray {
  public:
-  /// @throws Error (resources) where the host has no room.
+  /// @throws Error (resources) if the host has too little memory.
   explicit PinnedArray(int64_t size) : size_(size) {
     if (size == 0) return;
     data_ = static_cast<T*>(PinnedPool::instance().take(bytes()));
@@ -109,12 +109,12 @@ class PinnedArray {
   int64_t size_;
 };
 
-/// Two pinned chunks that numbers of the host go through, both ways, on the stream of the thread:
-/// all threads fill and empty them. The driver fills its own with one, at a fraction of the rate of
-/// the bus; pinning all numbers takes longer than to move them.
+/// Two pinned chunks through which numbers of the host are copied, both ways, on the stream of the
+/// thread; all threads fill and empty them. The driver fills its own with one, at a fraction of the
+/// rate of the bus; pinning all numbers would cost more than copying them.
 class PinnedChunks {
  public:
-  /// @throws Error (resources) where the host has no room.
+  /// @throws Error (resources) if the host has too little memory.
   PinnedChunks() : room_(2 * kChunk) {
     for (cudaEvent_t& moved : moved_)
       check(cudaEventCreateWithFlags(&moved, cudaEventDisableTiming));
@@ -127,7 +127,7 @@ class PinnedChunks {
     }
   }
 
-  /// To the device; `from` is free again when it returns.
+  /// Copies to the device; `from` may be reused when it returns.
   void send(void* to, const void* from, size_t bytes) {
     for (size_t begin = 0; begin < bytes; begin += kChunk, turn_ = 1 - turn_) {
       const size_t count = std::min(kChunk, bytes - begin);
@@ -137,7 +137,7 @@ class PinnedChunks {
     }
   }
 
-  /// From the device; all is there when it returns.
+  /// Copies from the device; complete when it returns.
   void fetch(void* to, const void* from, size_t bytes) {
     size_t before = 0;  // bytes of the chunk that is under way
     for (size_t begin = 0; begin < bytes || before > 0; begin += kChunk) {
@@ -179,7 +179,7 @@ class PinnedChunks {
   size_t turn_ = 0;
 };
 
-/// While one lives, what its thread uploads goes through its chunks.
+/// While one lives, uploads of its thread go through its chunks.
 class PinnedUpload {
  public:
   PinnedUpload() { present() = &chunks_; }

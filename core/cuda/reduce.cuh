@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sums over numbers of the device in float64 and in an order that never changes, which stay on the
-// device: the same bits on every run of a card, without a round trip to the host.
+// device: every run on a card gives the same bits, without a round trip to the host.
 
 #pragma once
 
@@ -8,7 +8,7 @@
 
 namespace elastogen::cuda {
 
-/// K sums that are taken together.
+/// K sums that are formed together.
 template <int K>
 struct Sums {
   double value[K] = {};
@@ -21,7 +21,7 @@ inline constexpr int kSumThreads = 256, kSumBlocks = 512;
 
 inline constexpr int kSumWarps = kSumThreads / 32;
 
-/// That of the lane `step` above in the warp.
+/// The sum of the lane `step` above in the warp.
 template <class Sum>
 __device__ inline Sum from_above(const Sum& mine, int step) {
   static_assert(sizeof(Sum) % sizeof(int) == 0);
@@ -51,7 +51,7 @@ __device__ inline Sum block_sum(const Sum& mine, Sum* all) {
 
 namespace detail {
 
-/// Steps of the sum below, from kWidth numbers that a lane hands on and kStep lanes.
+/// Steps of the sum below: a lane exchanges kWidth numbers with the lane kStep away.
 template <int kWidth, int kStep, int kNumbers>
 __device__ inline void share_numbers(double (&value)[kNumbers], int lane, int& number) {
   if constexpr (kWidth > 0) {
@@ -69,8 +69,8 @@ __device__ inline void share_numbers(double (&value)[kNumbers], int lane, int& n
 
 }  // namespace detail
 
-/// The same of many sums: at each step a lane hands half of its numbers to its partner and takes
-/// over the partner's other half, until it has one number of a few lanes.
+/// block_sum of many sums: at each step a lane gives half of its numbers to its partner and gets
+/// the partner's other half, until it has one number, which a few lanes share.
 template <int K>
 __device__ inline Sums<K> block_sum(const Sums<K>& mine, Sums<K>* all) {
   static_assert(K <= 16);
@@ -86,6 +86,7 @@ __device__ inline Sums<K> block_sum(const Sums<K>& mine, Sums<K>* all) {
   for (int step = kApart / 2; step > 0; step /= 2) value[0] += __shfl_xor_sync(~0u, value[0], step);
   if (lane % kApart == 0 && number < K) all[warp].value[number] = value[0];
   __syncthreads();
+  // the first warp adds the warps
   Sums<K> sum;
   if (warp > 0) return sum;
   if (lane < K) {
@@ -98,17 +99,17 @@ __device__ inline Sums<K> block_sum(const Sums<K>& mine, Sums<K>* all) {
   return sum;
 }
 
-/// Blocks of a multiprocessor, by the registers that a sum takes, and of a sum in all.
+/// Blocks on a multiprocessor, by the registers that a sum needs, and most blocks of a sum.
 template <class Sum>
 inline constexpr int kSumResident = sizeof(Sum) > 8 * sizeof(double) ? 2 : 4;
 template <class Sum>
 inline constexpr int kMostSumBlocks = kSumResident<Sum> == 2 ? kSumBlocks / 2 : kSumBlocks;
 
-/// What a sum over the device needs there; zero at first, as a DeviceArray is at birth.
+/// Work space of a sum on the device; 0 at first, as a new DeviceArray is.
 template <class Sum>
 class SumRoom {
  public:
-  /// What block k has found, number by number, so that threads read neighbours.
+  /// Stores the sum of block k word by word, so that neighbouring threads read neighbouring words.
   __device__ void put(int64_t k, const Sum& sum) {
     const Words words = __builtin_bit_cast(Words, sum);
 #pragma unroll
@@ -120,7 +121,7 @@ class SumRoom {
     for (int w = 0; w < kWords; ++w) words.word[w] = __ldcg(&words_[w][k]);
     return __builtin_bit_cast(Sum, words);
   }
-  /// Whether this block, whose sum is put, is the last of all.
+  /// Whether this block, whose sum is stored, is the last of all.
   __device__ bool is_last() {
     __threadfence();
     const bool last = atomicInc(&done_, gridDim.x - 1) == gridDim.x - 1;  // and back to 0
@@ -141,7 +142,7 @@ class SumRoom {
 
 namespace detail {
 
-/// The sum of n numbers of get(k) by a block, each thread taking every kSumThreads-th.
+/// The sum of n numbers of get(k) by a block; each thread adds every kSumThreads-th.
 template <class Sum, class Get>
 __device__ inline Sum sum_of_partials(int64_t n, const Get& get, Sum* all) {
   Sum mine;
@@ -149,8 +150,8 @@ __device__ inline Sum sum_of_partials(int64_t n, const Get& get, Sum* all) {
   return block_sum(mine, all);
 }
 
-/// The block that ends last adds what all have left, in the order of the blocks: which one that is
-/// does not matter.
+/// Each thread adds its bodies, each block its threads, and the block that ends last all blocks in
+/// their order. Which block that is does not matter.
 template <class Sum, class Body, class Then>
 __global__ void __launch_bounds__(kSumThreads, kSumResident<Sum>)
     ordered_sum_kernel(int64_t n, SumRoom<Sum>* room, Body body, Then then) {
@@ -175,8 +176,7 @@ __global__ void __launch_bounds__(kSumThreads, kSumResident<Sum>)
 
 }  // namespace detail
 
-/// Adds body(i, sum) over i of [0, n), then then(sum) by one thread of the device; a Sum has
-/// add(other).
+/// Adds body(i, sum) over [0, n), then one thread calls then(sum); a Sum has add(other).
 template <class Sum, class Body, class Then>
 void ordered_sum(int64_t n, SumRoom<Sum>* room, const Body& body, const Then& then) {
   const int64_t blocks = (n + kSumThreads - 1) / kSumThreads;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How the host hears that numbers are there which kernels write into its memory: by a word beside
-// them, some microseconds before it hears of the end of the kernel.
+// Tells the host that kernels have written numbers into its memory: by a word beside them, some
+// microseconds before the host learns of the end of the kernel.
 
 #pragma once
 
@@ -12,7 +12,7 @@ namespace elastogen::cuda {
 
 class Signal {
  public:
-  /// Called by the last thread that has something to tell, after all it tells.
+  /// Called by the last thread that writes numbers, after all of them.
   struct Raise {
     unsigned* word;  ///< nullptr: nobody waits
     unsigned turn;
@@ -26,8 +26,8 @@ class Signal {
   /// For the next kernel that wait() waits for.
   Raise next() { return {word_.data(), ++turn_}; }
 
-  /// Waits until the last of them has been raised: all that the thread has launched up to there has
-  /// written its numbers.
+  /// Waits until the last Raise was called: all that the thread has launched up to it has written
+  /// its numbers.
   /// @throws Error (resources) where a kernel failed.
   void wait() {
     constexpr int kSpins = 4096;  // some 10 us

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sorts and prefix sums of whole numbers of the device, by CUB: the order of equal keys is kept, so
-// every card and every run gives the same, and what core/parallel_sort.hpp and core/scan.hpp give.
-// Nothing allocates or waits; all runs on the stream of the thread.
+// Sorts and prefix sums of whole numbers of the device, by CUB. The order of equal keys is kept, so
+// every card and every run gives the result of core/parallel_sort.hpp and core/scan.hpp. Nothing
+// allocates or waits; all runs on the stream of the thread.
 
 #pragma once
 
@@ -9,10 +9,10 @@
 
 namespace elastogen::cuda {
 
-/// What sorts and sums of at most `capacity` numbers work on.
+/// Work space of sorts and sums of at most `capacity` numbers.
 class SortWork {
  public:
-  /// @throws Error (resources) where the device has no room.
+  /// @throws Error (resources) if the device has too little memory.
   explicit SortWork(int64_t capacity);
 
   int64_t capacity() const { return places_.size(); }
@@ -24,11 +24,11 @@ class SortWork {
   DeviceArray<unsigned char> temporary_;
 };
 
-/// sorted[k] = keys[order[k]], rising; equal keys in the order of their places.
+/// sorted[k] = keys[order[k]], ascending; equal keys in the order of their places.
 /// @tparam Key   uint32_t or uint64_t.
 /// @param keys   (n), not changed.
 /// @param sorted, order  (n), none of them keys.
-/// @param bits   of the keys that differ, the lowest ones.
+/// @param bits   the count of lowest bits of the keys, in which they differ.
 /// @throws Error if n is more than the capacity.
 template <class Key>
 void sort_with_order(const Key* keys, int64_t n, Key* sorted, int32_t* order, SortWork& work,

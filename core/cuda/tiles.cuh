@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tiles of bricks (core/bricks/tiles.hpp) on the device: a block of threads a brick, its tile in
-// shared memory. Partial sums of shared nodes are added in the order of the bricks: the same bits
-// on every run, without atomics.
+// Tiles of bricks (core/bricks/tiles.hpp) on the device: one block of threads for each brick, its
+// tile in shared memory. Partial sums of shared nodes are added in the order of the bricks, so
+// every run gives the same bits without atomics.
 
 #pragma once
 
@@ -10,14 +10,14 @@
 
 namespace elastogen::cuda {
 
-/// The tables of BrickTiles, as kernels take them.
+/// The tables of BrickTiles, as kernels read them.
 struct TilesView {
   const int32_t *tile_begin, *tile_node, *tile_part, *shared_node, *shared_begin;
   const int16_t* tile_place;
   int64_t bricks, shared;
 };
 
-/// What the voxels around a node have given it. Who asks late has other loads on their way.
+/// The sum of what voxels give a node. get() reads its parts; called late, it follows other loads.
 template <class T>
 struct NodeSum {
   const T* parts;  ///< of the bricks that share it, three numbers each
@@ -39,7 +39,7 @@ inline constexpr int kThreads = kSumThreads;
 // along y lie in different banks, four of them in float, two in double.
 inline constexpr int kPitch = 24, kTile = ::elastogen::bricks::kLines * kPitch;
 
-/// Place there of what has another one in the tile of the CPU, or begins at it.
+/// Place in this tile of a node, or of a row of voxels, with that place in the tile of the CPU.
 __device__ inline int pitched(int place) {
   constexpr int kWidth = ::elastogen::bricks::kTileWidth;
   return place + place / kWidth * (kPitch - kWidth);
@@ -50,10 +50,10 @@ __device__ inline int corner_offset(int c) {
   return (c & 1) + (c & 2 ? kPitch : 0) + (c & 4 ? 9 * kPitch : 0);
 }
 
-/// Nodes of a tile that a thread reads and finishes; it asks for all of them before it waits.
+/// Nodes of a tile that a thread reads and finishes; it issues all loads before it needs the first.
 inline constexpr int kNodes = (::elastogen::bricks::kTile + kThreads - 1) / kThreads;
 
-/// 0 for the numbers of a tile, 16 bytes at a time.
+/// Sets the numbers of a tile to 0, 16 bytes at a time.
 template <class T>
 __device__ inline void clear_tile(T* given) {
   static_assert(3 * kTile * sizeof(T) % sizeof(int4) == 0);
@@ -62,8 +62,10 @@ __device__ inline void clear_tile(T* given) {
     parts[k] = int4{};
 }
 
-/// Puts what read(node, reference, value) fills, the three values of a node, into the places of the
-/// nodes [begin, end) in the tile; reference is the first of them.
+/// Reads the three values of the nodes [begin, end) by read(node, reference, value) and puts them
+/// into their places in the tile; reference is the first node. A thread first loads the tables of
+/// all its nodes, which no kernel writes, then calls begin_reads, then reads all values before it
+/// stores the first.
 /// @param in           (3, kTile).
 /// @param begin_reads  called before anything is read that kernels write.
 template <class T, class Read, class Begin>
@@ -88,8 +90,8 @@ __device__ inline void read_tile(const TilesView& g, int32_t begin, int32_t end,
       for (int i = 0; i < 3; ++i) in[i * kTile + place[j]] = value[j][i];
 }
 
-/// finish(node, NodeSum) for the nodes [begin, end) that this brick alone holds; of the others what
-/// they are given goes to `parts`.
+/// Calls finish(node, NodeSum) for the nodes [begin, end) that this brick alone holds; the sums of
+/// the others go to `parts`.
 /// @param given  (3, kTile).
 template <class T, class Finish>
 __device__ inline void finish_tile(const TilesView& g, int32_t begin, int32_t end,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A few numbers of an array at once, so that a thread has more bytes on their way.
+// Access to a few numbers of an array at once, so that a thread has more bytes in flight.
 
 #pragma once
 
@@ -49,7 +49,7 @@ struct Wide {
 
 namespace detail {
 
-/// Of n numbers, kWidth at once and those that are left one by one.
+/// Count of items for n numbers: kWidth numbers each, the rest one by one.
 template <int kWidth>
 constexpr int64_t wide_items(int64_t n) {
   return n / kWidth + n % kWidth;
@@ -65,7 +65,7 @@ __device__ inline void at_wide_item(int64_t item, int64_t n, const Body& body) {
 
 }  // namespace detail
 
-/// body(at) for all numbers of [0, n): `at` is a Wide<kWidth>, or a Wide<1> at the end.
+/// Calls body(at) for all numbers of [0, n): `at` is a Wide<kWidth>, or a Wide<1> at the end.
 template <int kWidth, class Body>
 void for_each_wide(int64_t n, const Body& body) {
   cuda::for_each(detail::wide_items<kWidth>(n),

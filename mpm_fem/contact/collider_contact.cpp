@@ -17,7 +17,7 @@ Vec3 between(const Vec3& a, const Vec3& b, double share) {
   return {a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1]), a[2] + share * (b[2] - a[2])};
 }
 
-/// Points of the scene's surface without what carries them and how stiff they are.
+/// Points of the scene's surface; their carriers and stiffness are to be set by the caller.
 ContactPoints points_of(const Scene& scene, int carriers) {
   const SurfacePoints& s = scene.surface;
   ContactPoints points;
@@ -117,7 +117,7 @@ void ColliderContact::rub(In<double> u, In<double> mass, double dt, Out<double> 
   for (const Touch& t : touches_) {
     const int32_t node = points_.nodes(t.point);
     const double most = t.wall->core.friction * push_of(t) * dt / mass(node);
-    Vec3 slip;  // velocity along the wall
+    Vec3 slip;  // velocity along the collider
     for (size_t i = 0; i < 3; ++i)
       slip[i] = v(node, int(i)) - (t.wall->to[i] - t.wall->from[i]) / dt;
     const double along = dot(slip, t.normal);
@@ -158,8 +158,8 @@ double ColliderContact::clear_share(In<double> u, double from) {
   return from;
 }
 
-/// Distance, normal and slip of a point at a place. Slip is relative to the whole motion of the
-/// wall in the step, whatever share of it is done.
+/// Distance, normal and slip of a point at a position. Slip is relative to the motion of the
+/// collider up to where it stands now (stand_at).
 ColliderContact::Touch ColliderContact::touch_of(const Wall& wall, const Lag& lag, int64_t point,
                                                  const Vec3& x) const {
   const Proximity near = proximity(wall.core, wall.now, x);
@@ -219,7 +219,7 @@ void ColliderContact::add_gradient(In<double> u, Out<double> g) {
   }
 }
 
-/// Second derivative of a point's energy in its place, (3, 3).
+/// Second derivative of a point's energy in its position, (3, 3).
 void ColliderContact::hessian_of(const Touch& t, double block[9]) const {
   const double k = points_.area(t.point) * points_.stiffness(t.point) *
                    barrier(t.distance / points_.layer).second / (points_.layer * points_.layer);

@@ -4,9 +4,9 @@
 //
 //     E = sum_pc A_p kappa_p b(d_pc / D) + sum_pc friction_c N_pc f(|slip_pc|),
 //
-// d_pc the distance of point p from the core of collider c where it stands at the end of the step,
-// N_pc and the normal that slip is measured across those of its start. Gradient and Hessian are
-// exact but for the turning of the normal of a convex collider, which only lowers the Hessian.
+// d_pc is the distance of point p from the core of collider c at the end of the step. N_pc, and the
+// normal across which slip is measured, are from the start of the step. Gradient and Hessian are
+// exact except for the rotation of a convex collider's normal, which would only lower the Hessian.
 
 #pragma once
 
@@ -27,11 +27,11 @@ struct ContactPoints {
 };
 
 /// The points of a voxel scene with its layer h/4 and its slip range, a thousandth of the body's
-/// free-fall speed times dt; each carried by the corners of its voxel.
+/// free-fall speed times dt; the corners of its voxel carry each point.
 ContactPoints voxel_contact(const Scene& scene);
 
-/// Nodes of a mesh as points, each stiff as the stiffest of its elements; h of layer and slip range
-/// is the scene's.
+/// Nodes of a mesh as points, each as stiff as the stiffest of its elements; h of layer and slip
+/// range is the scene's.
 /// @param scene  with materials, grid.h, dt, and area and position of the points in its surface.
 /// @param nodes  of each point, (points, 1).
 ContactPoints node_contact(const Scene& scene, const ElementMesh& mesh, In<int32_t> nodes);
@@ -43,42 +43,43 @@ class ColliderContact final : public Term {
 
   bool exists() const { return !walls_.empty(); }
 
-  /// Takes slip, normals and normal forces from the displacement u, (nodes, 3), at the start of a
-  /// step from `time` to `time + dt`, at whose end the colliders then stand.
-  /// @param share  of the time step that the slip range of the points is for
+  /// Finds the normals, the normal forces and the start of the slip from the displacement u,
+  /// (nodes, 3), at the start of a step from `time` to `time + dt`, and moves the colliders to its
+  /// end.
+  /// @param share  dt over the time step that the slip range of the points is for
   void begin_step(In<double> u, double time, double dt, double share = 1);
 
-  /// Puts the colliders where they are at the end of a step from `time` to `time + dt`, without
-  /// friction, which explicit steps leave to rub.
+  /// Moves the colliders to the end of a step from `time` to `time + dt`, without friction:
+  /// explicit steps apply that by rub().
   void stand_without_friction(double time, double dt);
-  /// Takes from the velocities v [m/s], (nodes, 3), what friction in that step stops: along a
-  /// collider at most friction N dt/m, N the push at u. Of points carried by one node.
+  /// Reduces the velocities v [m/s], (nodes, 3), by the friction in that step: along a collider by
+  /// at most friction N dt/m, N the push at u. Each point must be carried by one node.
   void rub(In<double> u, In<double> mass, double dt, Out<double> v);
   /// Push of the barrier of each collider on the points [N], without friction.
   std::vector<Vec3> pushes(In<double> u);
 
-  /// Puts the colliders at a share of their way through the step: a start value that they would cut
-  /// is moved on share by share.
+  /// Moves the colliders to a share of their path through the step. Where they would run into a
+  /// start value, the solver moves them on share by share.
   void stand_at(double share);
   /// Largest share above `from` at which each point keeps half its distance at `from`; `from` if
   /// there is none.
   double clear_share(In<double> u, double from);
 
-  /// [J]; infinite where a point is in the core of a collider.
+  /// Energy [J]; infinite where a point is in the core of a collider.
   double energy(In<double> u);
 
-  /// Of each point the nodes that carry it, whether it is near a collider or not.
+  /// The nodes that carry each point, whether it is near a collider or not.
   const Stencils& stencils() const override { return stencils_; }
   TermValue value(In<double> u) override;
   void add_gradient(In<double> u, Out<double> g) override;
-  /// The same Hessian of both kinds.
+  /// Adds one Hessian for both kinds.
   void add_hessian(In<double> u, TangentKind kind, SparseMatrix& H) override;
-  /// The share on which each point keeps a tenth of its distance all along.
+  /// The share of the path along which each point keeps at least a tenth of its distance.
   double longest_step(In<double> u, In<double> end) override;
 
-  /// Deepest place of a point below a collider's surface [m], 0 if none.
+  /// Largest depth of a point below a collider's surface [m], 0 if none.
   double deepest_overlap(In<double> u);
-  /// The collider whose core a point lies in, null if none.
+  /// The collider whose core contains a point, null if none.
   const Collider* obstacle(In<double> u);
 
  private:
@@ -86,12 +87,12 @@ class ColliderContact final : public Term {
     Collider core;
     Vec3 from = {}, to = {}, now = {};  // offsets at the start, at the end and at stand_at's share
   };
-  /// What friction takes from the start of the step.
+  /// Data of friction from the start of the step.
   struct Lag {
     double limit = 0;  // largest force [N]
     Vec3 normal = {};
   };
-  /// A point near a wall: distance, normal, slip across the lagged normal.
+  /// A point near a collider: distance, normal, slip across the lagged normal.
   struct Touch {
     int64_t point;
     const Wall* wall;
@@ -109,8 +110,8 @@ class ColliderContact final : public Term {
   ContactPoints points_;
   Stencils stencils_;
   std::vector<Wall> walls_;
-  std::vector<Lag> lags_;    // wall by wall
-  std::vector<Vec3> start_;  // place of each point at the start of the step
+  std::vector<Lag> lags_;    // collider by collider
+  std::vector<Vec3> start_;  // position of each point at the start of the step
   std::vector<Touch> touches_;
   double slip_range_ = 0;  // of the present step [m]
 };

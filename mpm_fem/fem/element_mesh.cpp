@@ -25,7 +25,7 @@ constexpr std::array<std::pair<Element, std::string_view>, 7> kElements = {{
     {Element::kTri3, "tri3"},
 }};
 
-/// @throws Error naming the first entry outside [lower, upper] (NaN never is inside).
+/// @throws Error naming the first entry outside [lower, upper] (NaN is outside).
 template <class T>
 void check_range(const Array<T>& array, double lower, double upper, const char* name) {
   for (int64_t k = 0; k < array.size(); ++k) {
@@ -55,7 +55,7 @@ void check_tables(const ElementMesh& mesh) {
               "fill");
 }
 
-/// All triangles lie in one plane z.
+/// @throws Error unless all triangles lie in one plane z.
 void check_plane(const ElementMesh& mesh) {
   for (int64_t n = 0; n < mesh.rest.rows(); ++n)
     ELASTOGEN_CHECK(mesh.rest(n, 2) == mesh.rest(0, 2), "node ", n,
@@ -63,7 +63,7 @@ void check_plane(const ElementMesh& mesh) {
                     mesh.rest(0, 2), " m");
 }
 
-/// A voxel's nodes may be off by the rounding of their positions, not more.
+/// @throws Error unless the nodes form a cube up to 1e-3 h, more than positions are rounded by.
 void check_cube(const ElementMesh& mesh, int64_t element) {
   for (int c = 0; c < 8; ++c)
     for (int d = 0; d < 3; ++d) {

@@ -21,7 +21,7 @@ std::string_view element_name(Element element);
 Element element_from_name(std::string_view name);
 /// 8, 4, 10 or 3.
 int nodes_of(Element element);
-/// Whether it is a plane one.
+/// Whether an element is plane.
 inline bool is_plane(Element element) {
   return element == Element::kTri3;
 }
@@ -55,7 +55,7 @@ inline bool is_voxel_mesh(const ElementMesh& mesh) {
   return nodes_of(mesh.element) == 8 && !mesh.fill.empty();
 }
 
-/// Mean edge [m] of elements that have this volume in all: the root of what each has of it.
+/// Mean edge [m] of elements with this volume in all: the root of their mean volume.
 double element_edge(const ElementMesh& mesh, double volume);
 
 /// Factor on energy and mass of an element.

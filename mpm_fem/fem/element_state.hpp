@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One displaced element, and what every element does at a quadrature point: deformation gradient,
-// its transpose on a stress, and the product with a tangent.
+// One displaced element, and the operations of every element at a quadrature point: deformation
+// gradient, its transpose applied to a stress, and the product with a tangent.
 
 #pragma once
 
@@ -31,7 +31,7 @@ void add_transposed(const ElementState& e, int q, const Mat3<double>& P, double*
 /// F_q and D symmetric, (9, 9).
 void add_product(const ElementState& e, int q, const double* D, double* K);
 
-/// Adds all of G^T D G, of a D that need not be symmetric.
+/// Adds all of G^T D G; D need not be symmetric.
 void add_full_product(const ElementState& e, int q, const double* D, double* K);
 
 /// Copies the upper triangle of K, (size, size), to the lower one.

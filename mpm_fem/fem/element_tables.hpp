@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the elements of a mesh are without their law: shape gradients and weights at quadrature
-// points, and the sum of the forces on their corners.
+// The elements of a mesh without their law: shape gradients and weights at quadrature points, and
+// the sum of the forces on their corners.
 
 #pragma once
 
@@ -25,8 +25,8 @@ class ElementTables {
   /// Rest volume of an element, fill included [m^3].
   double volume(int64_t element) const;
 
-  /// Adds what all corners have to their nodes, at each in the order of the elements.
-  /// @param corner  of node a of element e in row e nodes_of(element) + a, (corners, n)
+  /// Adds the values of all corners to their nodes, at each node in the order of the elements.
+  /// @param corner  value of node a of element e in row e nodes_of(element) + a, (corners, n)
   /// @param nodal   (nodes, n)
   void add_to_nodes(In<double> corner, Out<double> nodal) const;
 
@@ -45,13 +45,13 @@ class ElementTables {
 
   ElementMesh mesh_;
 
-  // filled by fill_gradients; one row for all elements where they have one shape
+  // filled by fill_gradients; one row for all elements if they have one shape
   Array<double> gradient_;  ///< dN_a/dX at the quadrature points [1/m], (shapes, points nodes 3)
   Array<double> weight_;    ///< quadrature weights without the fill [m^3], (shapes, points)
 
   // filled by fill_neighbours: the corners of elements that meet in a node, in the order of the
   // elements
-  std::vector<int64_t> first_corner_;  ///< where those of each node begin, (nodes + 1)
+  std::vector<int64_t> first_corner_;  ///< where the corners of each node begin, (nodes + 1)
   std::vector<int64_t> corner_;        ///< nodes_of(element) times the element, plus the corner
 };
 

@@ -33,7 +33,7 @@ bool meet(const Vec2& p, const Vec2& q, const Vec2& r, const Vec2& s) {
          sign(area2(r, s, p)) * sign(area2(r, s, q)) <= 0;
 }
 
-/// A point that they have in common.
+/// A point that two segments have in common.
 Vec2 meeting(const Vec2& p, const Vec2& q, const Vec2& r, const Vec2& s) {
   const double from = area2(r, s, p), to = area2(r, s, q);
   if (from == to) return meet(p, q, r, r) ? r : meet(p, q, s, s) ? s : p;  // along each other
@@ -84,7 +84,7 @@ std::array<int32_t, 3> corner_at(const std::vector<int32_t>& ring, size_t k) {
   return {ring[(k + n - 1) % n], ring[k], ring[(k + 1) % n]};
 }
 
-/// The corner sticks out and no other one lies in its triangle or on its border.
+/// Whether corner k sticks out and no other corner lies in its triangle or on its border.
 bool is_ear(const std::vector<Vec2>& x, const std::vector<int32_t>& ring, size_t k) {
   const auto [i, j, l] = corner_at(ring, k);
   const Vec2 &a = x[size_t(i)], &b = x[size_t(j)], &c = x[size_t(l)];
@@ -141,9 +141,9 @@ PolygonMesh quartered(const PolygonMesh& mesh) {
   return result;
 }
 
-/// The three tetrahedra of a prism between a triangle and what lies `up` node numbers above it.
+/// The three tetrahedra of a prism between a triangle and the one with node numbers higher by `up`.
 void cut_prism(std::array<int32_t, 3> low, int32_t up, int32_t* tets) {
-  // sorting turns the triangle over where it takes an odd number of swaps
+  // sorting turns the triangle over if it needs an odd number of swaps
   bool turned = false;
   for (const auto& [i, j] : {std::pair<size_t, size_t>{0, 1}, {1, 2}, {0, 1}})
     if (low[i] > low[j]) std::swap(low[i], low[j]), turned = !turned;
@@ -192,6 +192,7 @@ ElementMesh extruded_polygon(const std::vector<Vec2>& corners, double thickness,
   const auto points = int64_t(flat.points.size()), triangles = int64_t(flat.triangles.size());
   ELASTOGEN_CHECK(double(points) * (layers + 1.) <= std::numeric_limits<int32_t>::max(), points,
                   " points in ", layers, " layers are more nodes than 32 bits count");
+  // the points in planes, then three tetrahedra for each prism
   ElementMesh mesh;
   mesh.element = Element::kTet4;
   mesh.rest = stacked(flat.points, thickness, layers);
@@ -203,6 +204,7 @@ ElementMesh extruded_polygon(const std::vector<Vec2>& corners, double thickness,
       for (int32_t& node : low) node += int32_t(points * k);
       cut_prism(low, int32_t(points), mesh.elements.row(3 * (triangles * k + t)));
     }
+  // the middles of edges, if wanted
   if (element != Element::kTet4) mesh = quadratic(mesh);
   mesh.element = element;
   return mesh;

@@ -10,7 +10,7 @@ namespace elastogen::fem {
 namespace {
 
 constexpr double kLeastJ = 0.1;  // share of det F that a step leaves
-constexpr double kBefore = 0.9;  // of the way to there
+constexpr double kBefore = 0.9;  // of the share at which it gets there
 
 /// The first a in (0, 1] where c0 + c1 a + c2 a^2 + c3 a^3 <= 0, 1 where there is none; c0 > 0.
 double first_zero(const double c[4]) {

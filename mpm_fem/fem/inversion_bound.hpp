@@ -7,8 +7,9 @@
 
 namespace elastogen::fem {
 
-/// Share, at most 1, of the way from F to `end`: 9/10 of that to the first place where det falls to
-/// a tenth of det F, where there is one before the end; 1 also where det F is not positive.
+/// A safe share, at most 1, of the straight path from F to `end`: 9/10 of the share at which det
+/// first falls to a tenth of det F. It is 1 if det does not fall so far, or if det F is not
+/// positive.
 double share_before_inversion(const Mat3<double>& F, const Mat3<double>& end);
 
 }  // namespace elastogen::fem

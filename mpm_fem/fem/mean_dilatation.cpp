@@ -7,7 +7,8 @@
 //               + T abar' dJbar^2,
 //
 // P, A the first two derivatives of psi at Fbar, or a stress without potential and its derivative,
-// t = P : Fbar, C the cofactor of F, T = sum_q w_q t_q, kappa_q = T abar/W - t_q a_q, W = sum_q w_q.
+// t = P : Fbar, C the cofactor of F, W = sum_q w_q, T = sum_q w_q t_q,
+// kappa_q = T abar/W - t_q a_q.
 
 #include "mpm_fem/fem/mean_dilatation.hpp"
 
@@ -83,7 +84,7 @@ Vector mixed(const ElementState& e, int q, const MeanDilatation& m, const Mat3<d
   return (e.weight[q] * m.r[q]) * transposed(e, q, AF);
 }
 
-/// Adds what the factor r_q of one point brings to the Hessian, products of vectors; A is (9, 9).
+/// Adds the share of one point's factor r_q in the Hessian, as products of vectors; A is (9, 9).
 void add_rank_one(const ElementState& e, int q, const MeanDilatation& p, const Stresses& s,
                   const Mat3<double>& P, const Vector& dJ_mean, const double* A, bool symmetric,
                   Matrix& K) {

@@ -29,23 +29,23 @@ struct Dilatation {
   double value, first, second;
 };
 
-/// Fbar_q and what it is made of.
+/// Fbar_q and its factors.
 struct MeanDilatation {
   Mat3<double> F[kMaxPoints], Fbar[kMaxPoints];
   double r[kMaxPoints];
   Dilatation own[kMaxPoints], mean;  ///< of J_q and of Jbar
   double volume = 0;                 ///< sum_q w_q [m^3]
 };
-/// @param share  exponent s of r_q = (j(Jbar)/j(J_q))^(s/3); below 1 a part of the dilatation stays
-///               that of the point (Moran, Ortiz, Shih 1990)
+/// @param share  exponent s of r_q = (j(Jbar)/j(J_q))^(s/3); below 1 a point keeps a part of its
+///               own dilatation (Moran, Ortiz, Shih 1990)
 MeanDilatation mean_dilatation(const ElementState& e, double share = 1);
 
 /// Adds sum_q w_q P_q : dFbar_q/du [N] to f, (nodes, 3): dE/du where P = dpsi/dF at Fbar [Pa].
 void add_mean_dilatation_gradient(const ElementState& e, const MeanDilatation& m,
                                   const Mat3<double>* P, double* f);
-/// The derivative of that [N/m], row-major (3 nodes, 3 nodes).
+/// The derivative of this gradient [N/m], row-major (3 nodes, 3 nodes).
 /// @param A          dP_q/dF at Fbar [Pa], (points, 9, 9)
-/// @param symmetric  whether all A are; then K is, to the bit
+/// @param symmetric  whether all A are symmetric; then K is, to the bit
 void mean_dilatation_hessian(const ElementState& e, const MeanDilatation& m, const Mat3<double>* P,
                              const double* A, bool symmetric, double* K);
 

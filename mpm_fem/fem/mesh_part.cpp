@@ -6,7 +6,7 @@
 namespace elastogen::fem {
 namespace {
 
-/// The rows of a table; empty where it is.
+/// Some rows of a table; empty if the table is.
 template <class T>
 Array<T> rows_of(const Array<T>& table, const std::vector<int64_t>& rows) {
   if (table.empty()) return {};

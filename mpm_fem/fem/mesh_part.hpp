@@ -10,7 +10,7 @@
 namespace elastogen::fem {
 
 /// The elements whose materials are wanted, in their order.
-/// @param wanted  of each material; of an index beyond them no element is taken
+/// @param wanted  of each material; elements with a material index beyond it are left out
 ElementMesh part_of(const ElementMesh& mesh, const std::vector<bool>& wanted);
 
 }  // namespace elastogen::fem

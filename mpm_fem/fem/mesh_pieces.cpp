@@ -8,7 +8,7 @@
 namespace elastogen::fem {
 namespace {
 
-/// The first node of a node's piece; halves the way there for the next time.
+/// The first node of a node's piece; halves the path to it for the next search.
 int32_t root_of(std::vector<int32_t>& parent, int32_t node) {
   while (parent[size_t(node)] != node) {
     parent[size_t(node)] = parent[size_t(parent[size_t(node)])];

@@ -7,8 +7,8 @@
 
 namespace elastogen::fem {
 
-/// Piece of each node, (nodes, 1): elements that share a node are of one. Numbered from 0 in the
-/// order of their first nodes; -1 at nodes of no element.
+/// Piece of each node, (nodes, 1); elements that share a node belong to one piece. Numbered from 0
+/// in the order of their first nodes; -1 at nodes of no element.
 Array<int32_t> mesh_pieces(const ElementMesh& mesh);
 
 }  // namespace elastogen::fem

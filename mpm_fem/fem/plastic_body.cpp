@@ -11,9 +11,9 @@
 namespace elastogen::fem {
 namespace {
 
-/// Share s of the mean in the dilatation of elements that have it. What is the point's own resists
-/// with (1 - s)^2 K, without which a point that flows is flattened at next to no cost: as much as
-/// bears three times the yield stress, the pressure under a stamp, at a dilatation of a fifth.
+/// Share s of the mean in the dilatation of elements with mean dilatation. A point's own dilatation
+/// meets (1 - s)^2 K. Without that a point that flows could be flattened at almost no cost; this
+/// much bears three times the yield stress, the pressure under a stamp, at a dilatation of a fifth.
 double mean_share(const Solid& solid) {
   constexpr double kLeast = 0.1, kStiffness = 15;
   const auto* metal = std::get_if<MetalYield>(&solid.yield);
@@ -73,7 +73,7 @@ void PlasticBody::set_history(const PlasticHistory& history) {
   thaw();
 }
 
-/// visit(q, PlasticPoint) with the true law of each point.
+/// Calls visit(q, PlasticPoint) with the true law of each point of an element.
 template <class Visit>
 void PlasticBody::for_laws(int64_t element, const Visit& visit) const {
   const auto at = [&](const auto& law) {
@@ -88,7 +88,7 @@ void PlasticBody::for_laws(int64_t element, const Visit& visit) const {
   std::visit(at, laws_[size_t(mesh().material(element))]);
 }
 
-/// The same with what is frozen.
+/// for_laws with the frozen potentials, if there are any.
 template <class Visit>
 void PlasticBody::for_points(int64_t element, const Visit& visit) const {
   if (frozen_.empty()) return for_laws(element, visit);

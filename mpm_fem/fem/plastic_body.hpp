@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finite elements that yield, in float64. At each quadrature point Fp^-1 and one number of the law
-// are kept; during a step they stay those of its start, from which the forces are
+// Finite elements that yield, in float64. Each quadrature point stores Fp^-1 and one number of the
+// law. During a step both keep their values from its start; from these the forces are
 //
 //     f(u) = sum_e sum_q w_q P(F_q Fp_q^-1) Fp_q^-T : dF_q/du,
 //
-// the gradient of E(u) = sum w_q psi of laws with a potential; of the others, sand and snow, a
-// potential can be frozen at a state (materials/frozen_potential.hpp), with the same forces there.
-// Triangles flow in their plane (materials with d = 2). With bbar F_q has a share of the mean
-// dilatation (fem/mean_dilatation.hpp).
+// For laws with a potential this is the gradient of E(u) = sum w_q psi. For the others, sand and
+// snow, a potential can be frozen at a state (materials/frozen_potential.hpp), with the same forces
+// there. Triangles flow in their plane (materials with d = 2). With bbar F_q has a share of the
+// mean dilatation (fem/mean_dilatation.hpp).
 
 #pragma once
 
@@ -18,7 +18,7 @@
 
 namespace elastogen::fem {
 
-/// Of all points of a body, point q of element e in row e points + q.
+/// The history of all points of a body, point q of element e in row e points + q.
 struct PlasticHistory {
   Array<double> Fp_inverse;  ///< (points, 9)
   Array<double> memory;      ///< the number of the law, 0 at the start, (points, 1)
@@ -26,30 +26,30 @@ struct PlasticHistory {
 
 class PlasticBody {
  public:
-  /// @throws Error as check_mesh and point_law, on an index without solid, and of voxel elements,
-  ///         whose one point leaves the flow to the elastic strain-variance term.
+  /// @throws Error as check_mesh and point_law, on an index without solid, and on voxel elements:
+  ///         with one point their flow is left to the elastic strain-variance term.
   PlasticBody(const ElementMesh& mesh, const std::vector<Solid>& solids);
 
   const ElementMesh& mesh() const { return tables_.mesh(); }
   /// Whether all laws have a potential.
   bool has_energy() const;
 
-  /// Before any flow.
+  /// The history before any flow.
   PlasticHistory rest_history() const;
-  /// Takes the history that steps start from. @throws Error unless the arrays fit.
+  /// Sets the history that steps start from. @throws Error unless the arrays fit.
   void set_history(const PlasticHistory& history);
   /// The history after a step that ends at u.
   PlasticHistory history_after(In<double> u) const;
 
-  /// Potentials frozen at u stand in for the laws without one until thaw.
+  /// Until thaw(), potentials frozen at u replace the laws without one.
   void freeze(In<double> u);
   void thaw() { frozen_.clear(); }
 
-  /// E(u) [J]; of laws without potential, unless frozen, their elastic energy.
+  /// E(u) [J]; laws without potential, unless frozen, have their elastic energy.
   double energy(In<double> u) const;
   /// Adds f(u) [N] to g, (nodes, 3).
   void add_gradient(In<double> u, Out<double> g) const;
-  /// The same, and takes the history after a step that ends at u.
+  /// add_gradient, which also sets the history after a step that ends at u.
   void add_gradient_and_commit(In<double> u, Out<double> g);
   /// df/du of an element [N/m], row-major (3 n, 3 n), symmetric where the law has a potential.
   void element_hessian(int64_t element, In<double> u, TangentKind kind, double* K) const;
@@ -58,8 +58,8 @@ class PlasticBody {
   StepWork work(In<double> u) const;
   /// Smallest det F of a quadrature point (with bbar of F, not Fbar).
   double min_j(In<double> u) const;
-  /// Largest share, at most 1, of the way from u to end on which no det F falls below a tenth of
-  /// what it is at u.
+  /// Largest share, at most 1, of the path from u to end on which no det F falls below a tenth of
+  /// its value at u.
   double longest_step(In<double> u, In<double> end) const;
   /// Rest volume and constrained modulus of an element [m^3], [Pa].
   double volume(int64_t element) const { return tables_.volume(element); }

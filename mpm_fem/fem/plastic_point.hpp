@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A quadrature point of a solid that flows, in space or in the plane. F is measured from the rest
-// of the body, the law's stretches from what has flowed, Fe = F Fp^-1 (Lee 1969):
+// A quadrature point of a solid that flows, in space or in the plane. F is measured from the body
+// at rest; the law's stretches are those of Fe = F Fp^-1, without the flow so far (Lee 1969):
 //
 //     P = P_e Fp^-T,   dP_ij/dF_kl = sum_ab (dP_e,ia/dFe_kb) Fp^-1_ja Fp^-1_lb.
 
@@ -11,7 +11,7 @@
 
 namespace elastogen::fem {
 
-/// With the history at the start of the step.
+/// The point has its history from the start of the step.
 template <ConstitutiveLaw L>
 struct PlasticPoint {
   const L& law;
@@ -36,7 +36,7 @@ struct PlasticPoint {
   void tangent(const Mat3<double>& F, TangentKind kind, double* A) const;
 
   StepWork work(const Mat3<double>& F) const { return step_work(law, elastic(F).sigma, history); }
-  /// Ends the step at F: Fp^-1 and history are those after it.
+  /// Ends the step at F: Fp^-1 and history become those after it.
   void commit(const Mat3<double>& F);
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The deformation gradients at which an element asks its law, of elements with mean dilatation
-// Fbar_q, of the others F_q; and what the law answers there as forces and stiffness of the element.
+// The deformation gradients at which an element evaluates its law: Fbar_q if it has mean
+// dilatation, else F_q. Also the forces and the stiffness of the element from the response of the
+// law there.
 
 #pragma once
 
@@ -10,17 +11,17 @@ namespace elastogen::fem {
 
 class PointGradients {
  public:
-  /// @param share  as of mean_dilatation
+  /// @param share  as in mean_dilatation
   PointGradients(Element element, const ElementState& e, double share = 1);
 
   const Mat3<double>& F(int q) const { return mean_.Fbar[q]; }
-  /// Whether they are Fbar_q: then F_q moves with all points of the element.
+  /// Whether they are Fbar_q, which depend on all points of the element.
   bool shares_dilatation() const { return shares_dilatation_; }
 
   /// Adds sum_q w_q P_q : dF_q/du [N] to f, (nodes, 3).
   /// @param P  first Piola stress at F_q [Pa], (points); scaled to forces
   void add_force(const ElementState& e, Mat3<double>* P, double* f) const;
-  /// The derivative of that [N/m], row-major (3 nodes, 3 nodes).
+  /// The derivative of this force [N/m], row-major (3 nodes, 3 nodes).
   /// @param A          dP/dF at F_q [Pa], (points, 9, 9); scaled
   /// @param symmetric  whether all A are
   void stiffness(const ElementState& e, const Mat3<double>* P, double* A, bool symmetric,

@@ -12,7 +12,7 @@ namespace {
 
 using Barycentric = std::array<double, 4>;
 
-/// Volumes opposite to the corners over the whole.
+/// Barycentric coordinates: the volumes opposite to the corners over the whole volume.
 Barycentric barycentric(const ElementMesh& mesh, int64_t element, const double* point) {
   const double* corner[4];
   for (int a = 0; a < 4; ++a) corner[a] = mesh.rest.row(mesh.elements(element, a));

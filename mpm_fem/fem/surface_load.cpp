@@ -12,12 +12,12 @@
 namespace elastogen::fem {
 namespace {
 
-/// Corners of the faces; of a hexahedron side 2 d + s is that with bit d of the corners equal to s.
+/// Corners of the faces of a hexahedron; side 2 d + s has the corners whose bit d equals s.
 constexpr int kQuads[6][4] = {{0, 2, 4, 6}, {1, 3, 5, 7}, {0, 1, 4, 5},
                               {2, 3, 6, 7}, {0, 1, 2, 3}, {4, 5, 6, 7}};
 
 struct LoadedFace {
-  std::array<int32_t, 4> key;  ///< its nodes in ascending order, of triangles behind -1
+  std::array<int32_t, 4> key;  ///< its nodes in ascending order; a triangle has -1 before them
   int64_t element;
   int side;
 };
@@ -31,6 +31,7 @@ std::vector<LoadedFace> selected_faces(const ElementMesh& mesh, In<uint8_t> sele
   const bool hexahedron = is_hexahedron(mesh);
   const int sides = hexahedron ? 6 : 4, corners = hexahedron ? 4 : 3;
   std::vector<LoadedFace> faces;
+  // all faces with selected corners, sorted by their nodes
   for (int64_t e = 0; e < mesh.elements.rows(); ++e)
     for (int side = 0; side < sides; ++side) {
       LoadedFace face{{-1, -1, -1, -1}, e, side};
@@ -44,6 +45,7 @@ std::vector<LoadedFace> selected_faces(const ElementMesh& mesh, In<uint8_t> sele
     }
   std::stable_sort(faces.begin(), faces.end(),
                    [](const LoadedFace& a, const LoadedFace& b) { return a.key < b.key; });
+  // those without a second element
   std::vector<LoadedFace> outer;
   for (size_t k = 0; k < faces.size(); ++k) {
     const bool before = k > 0 && faces[k - 1].key == faces[k].key;
@@ -77,7 +79,7 @@ Vec3 quad_area(const ElementMesh& mesh, const LoadedFace& face) {
   return area;
 }
 
-/// What corner c of a quadrilateral has of its area.
+/// Share of corner c in the area of a quadrilateral.
 double quad_share(const ElementMesh& mesh, const LoadedFace& face, int c) {
   if (mesh.element != Element::kVoxel) return 0.25;
   const int corner = kQuads[face.side][c], mirrored = corner ^ (1 << face.side / 2);
@@ -95,7 +97,7 @@ std::array<int32_t, 6> triangle_nodes(const ElementMesh& mesh, const LoadedFace&
   return nodes;
 }
 
-/// Adds the areas that the nodes of a face stand for [m^2].
+/// Adds the shares of the nodes in the area of a face [m^2].
 void add_area(const ElementMesh& mesh, const LoadedFace& face, Array<double>& area) {
   if (is_hexahedron(mesh)) {
     const double size = norm(quad_area(mesh, face));
@@ -123,6 +125,7 @@ void add_curved(const ElementMesh& mesh, const std::array<int32_t, 6>& node, dou
     for (size_t corner = 0; corner < 3; ++corner) {
       std::array<double, 3> L = {b, b, b};
       L[corner] = 1 - 2 * b;
+      // shape functions, and tangents of the curved face
       Vec3 along[2] = {};  // dX/dL1, dX/dL2
       double N[6];
       for (size_t c = 0; c < 3; ++c) {
@@ -137,6 +140,7 @@ void add_curved(const ElementMesh& mesh, const std::array<int32_t, 6>& node, dou
                                middle * mesh.rest(node[3 + c], int64_t(d));
         }
       }
+      // the point's n dA, spread over the nodes
       const Vec3 normal = cross(along[0], along[1]);
       for (size_t a = 0; a < 6; ++a) add_row(node[a], factor * weight / 2 * N[a], normal, load);
     }

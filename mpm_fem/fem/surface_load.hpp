@@ -12,27 +12,28 @@ namespace elastogen::fem {
 ///
 ///     f_a = force sum_faces int N_a dA / sum_faces A.
 ///
-/// A quadrilateral (a parallelogram) gives its corners a quarter each, a triangle a third, one of a
-/// quadratic element, as if it were flat, its middles a third and its corners nothing. A face of a
-/// partly filled voxel counts with the fill, that of the voxel element with its shape function
-/// means, so that the traction of a uniform stress is in equilibrium with it.
-/// @param selected  1 where a node is selected, (nodes, 1); of quadratic elements middles are not
-///                  looked at
+/// A quadrilateral (a parallelogram) gives each corner a quarter, a triangle a third. A triangle of
+/// a quadratic element counts as flat, and gives each middle a third and its corners nothing. A
+/// face of a partly filled voxel counts with the fill, and a face of the voxel element with the
+/// means of its shape functions, so that the traction of a uniform stress is in equilibrium with
+/// the stress.
+/// @param selected  1 where a node is selected, (nodes, 1); middles of quadratic elements do not
+///                  matter
 /// @return          empty if there is no such face
-/// @throws Error unless selected has a row a node.
+/// @throws Error unless selected has a row for each node.
 Array<double> surface_load(const ElementMesh& mesh, In<uint8_t> selected, const Vec3& force);
 
 /// Loads [N], (nodes, 3), of a pressure [Pa] against the outward normals n of the faces at rest:
 ///
 ///     f_a = -pressure sum_faces int N_a n dA,
 ///
-/// exact for faces of quadratic tetrahedra that curve with their middles: on a closed surface
-/// neither force nor moment is left. On voxels it acts on the faces of the grid, those of partly
-/// filled ones counted as in surface_load, which is too little where the surface cuts a voxel
-/// across the pressure: where fills differ, a closed surface is left with a force.
+/// exact for faces of quadratic tetrahedra that curve with their middles: on a closed surface force
+/// and moment vanish. On voxels it acts on the faces of the grid, and those of partly filled voxels
+/// count as in surface_load. That is too little where the surface cuts a voxel across the pressure:
+/// a closed surface whose voxels differ in fill is left with a force.
 /// @param selected  as in surface_load
 /// @return          empty if there is no such face
-/// @throws Error unless selected has a row a node and the pressure is finite.
+/// @throws Error unless selected has a row for each node and the pressure is finite.
 Array<double> pressure_load(const ElementMesh& mesh, In<uint8_t> selected, double pressure);
 
 }  // namespace elastogen::fem

@@ -8,7 +8,7 @@
 
 namespace elastogen::fem {
 
-/// Takes nodes and elements out of a file; what it says of regions and findings stays.
+/// Moves nodes and elements out of a file; its regions and findings stay.
 /// @return kTet4, kTet10 or kTri3, all of material 0.
 ElementMesh take_mesh(tets::TetFile& file);
 

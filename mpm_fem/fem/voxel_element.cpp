@@ -62,7 +62,7 @@ VoxelHourglass voxel_hourglass(const ElementMesh& mesh, int64_t voxel, double mu
     for (int i = 0; i < 3; ++i)
       add_rotated(pattern[p], kUnit, i, next_row(h, scale * c[p] / (p < 3 ? 24 : 48)));
   if (mesh.hourglass == Hourglass::kVariance) return h;
-  // yz of x, zx of y, xy of z: their sums two by two, and what the variance charges for each
+  // torsion: sums of two of yz of x, zx of y, xy of z, less the variance energy of each
   constexpr int kPattern[3] = {1, 2, 0};
   for (int d = 0; d < 3; ++d) {
     const int e = (d + 1) % 3;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the voxel element of docs/physics.md has besides a point with the mean gradient over its
-// fill: the strain-variance term, with the torsion correction in the rotation R,
+// The terms of the voxel element of docs/physics.md besides its point with the mean gradient over
+// the fill: the strain-variance term, with the torsion correction in the rotation R,
 //
 //     E = phi h/2 [ sum_p c_p |q_p|^2/24 + c_xyz |q_xyz|^2/48 ]                      p = xy, yz, zx
 //       + phi h/96 [ mu ((a+b)^2 + (b+d)^2 + (d+a)^2) - 2 (c_yz a^2 + c_zx b^2 + c_xy d^2) ],
 //     a = (R^T q_yz)_x,  b = (R^T q_zx)_y,  d = (R^T q_xy)_z,
 //
-// quadratic in u and positive semi-definite: what the second line subtracts is part of the first,
-// since |q_p| = |R^T q_p|.
+// quadratic in u and positive semi-definite: the part that the second line subtracts is contained
+// in the first, since |q_p| = |R^T q_p|.
 
 #pragma once
 
@@ -15,8 +15,8 @@
 
 namespace elastogen::fem {
 
-/// dN_c/dX_d = s_cd (Nbar_c + Nbar_c')/h, c' = c mirrored along d: the means over the fill of which
-/// Nbar are the means of the shape functions, (8, 3) [1/m].
+/// The means over the fill of dN_c/dX_d = s_cd (Nbar_c + Nbar_c')/h, c' = c mirrored along d, from
+/// the means Nbar of the shape functions, (8, 3) [1/m].
 void voxel_gradient(const double* shape_mean, double h, double* gradient);
 
 /// E as 1/2 sum_k weight_k (row_k . u)^2 over the 24 displacements u, dof 3 corner + component.

@@ -17,7 +17,7 @@ constexpr int kFive[5][4] = {{1, 2, 4, 7}, {0, 1, 2, 4}, {3, 2, 1, 7}, {5, 4, 7,
 constexpr int kSix[6][4] = {{0, 1, 3, 7}, {0, 2, 6, 7}, {0, 4, 5, 7},
                             {0, 3, 2, 7}, {0, 6, 4, 7}, {0, 5, 1, 7}};
 
-/// Corners of the edges behind which the nodes 4 ... 9 of a quadratic tetrahedron stand.
+/// Corners of the edges whose middles are the nodes 4 ... 9 of a quadratic tetrahedron.
 constexpr int kEdge[6][2] = {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}};
 
 void check_tet4(const ElementMesh& mesh) {
@@ -71,8 +71,7 @@ void cut_octahedron(const Array<double>& rest, const int32_t* n, int32_t* tets) 
   constexpr int kCut[3][6] = {{6, 8, 4, 5, 9, 7}, {5, 7, 4, 8, 9, 6}, {4, 9, 5, 6, 7, 8}};
   double length[3];
   for (int k = 0; k < 3; ++k) length[k] = squared_distance(rest, n[kCut[k][0]], n[kCut[k][1]]);
-  // of diagonals that are equally long but for rounding the first, so that like shapes are cut
-  // alike
+  // the first of diagonals that are equally long up to rounding, so that like shapes are cut alike
   const double limit = *std::min_element(length, length + 3) * (1 + 1e-9);
   const int* cut =
       kCut[std::find_if(length, length + 3, [&](double l) { return l <= limit; }) - length];
@@ -135,6 +134,7 @@ ElementMesh quadratic(const ElementMesh& mesh) {
   result.element = Element::kTet10;
   result.material = mesh.material;
   result.fill = mesh.fill;
+  // nodes: the corners, then the middles of edges
   result.rest = Array<double>(nodes, 3);
   std::copy(mesh.rest.data(), mesh.rest.data() + mesh.rest.size(), result.rest.data());
   for_each(edges.count(), [&](int64_t k) {
@@ -142,6 +142,7 @@ ElementMesh quadratic(const ElementMesh& mesh) {
       result.rest(corners + k, d) =
           0.5 * (mesh.rest(edges.first(k), d) + mesh.rest(edges.second(k), d));
   });
+  // elements: four corners, then six middles
   result.elements = Array<int32_t>(mesh.elements.rows(), 10);
   for_each(mesh.elements.rows(), [&](int64_t e) {
     const int32_t* corner = mesh.elements.row(e);

@@ -9,7 +9,7 @@
 namespace elastogen::fem {
 
 /// kFive: one in the middle and four at the corners, mirrored from voxel to voxel, so that faces
-/// conform. kSix: around the diagonal from corner 0 to 7, the same everywhere (Kuhn 1960).
+/// conform. kSix: around the diagonal from corner 0 to 7, equal in all voxels (Kuhn 1960).
 enum class VoxelSplit : uint8_t { kFive, kSix };
 
 /// The voxels of a finished scene as kTet4 on the same nodes; tetrahedra 5 v ... or 6 v ... are
@@ -23,8 +23,8 @@ ElementMesh voxel_tets(const Scene& scene, VoxelSplit split);
 /// @return           node of each corner, (6 hexahedra, 4)
 Array<int32_t> kuhn_tets(In<int32_t> hexahedra);
 
-/// The same tetrahedra as kTet10 with straight edges: nodes keep their numbers, behind them stands
-/// one node in the middle of each edge.
+/// The tetrahedra as kTet10 with straight edges: nodes keep their numbers, and one node in the
+/// middle of each edge comes after them.
 /// @throws Error unless the mesh is kTet4 with its nodes in range.
 ElementMesh quadratic(const ElementMesh& mesh);
 

@@ -10,7 +10,7 @@ namespace {
 constexpr int kFirstSteps = 3;     // on frozen potentials, before the true forces
 constexpr int kMostFallbacks = 8;  // before a step is left as a draft
 constexpr int kMostHalvings = 12;  // of a step on the true forces
-constexpr int kPatience = 15;      // such steps in which the forces have to fall tenfold
+constexpr int kPatience = 15;      // Newton steps in which the forces have to fall tenfold
 
 NewtonStop as_newton(RootStop stop) {
   switch (stop) {
@@ -42,14 +42,17 @@ int frozen_step(FemPotential& terms, double tolerance, double* u) {
 }  // namespace
 
 Equilibrium find_equilibrium(FemPotential& terms, const NewtonOptions& options, double* u) {
+  // with a potential: its minimum
   if (!terms.plastic || terms.plastic->body().has_energy()) {
     const NewtonResult newton = terms.potential.minimise(options, u);
     return {newton.stop, newton.iterations, 0, newton.noise};
   }
+  // without one: frozen potentials bring u near
   terms.plastic->body().thaw();
   Equilibrium result;
   for (int k = 0; k < kFirstSteps; ++k)
     result.iterations += frozen_step(terms, options.tolerance, u);
+  // Newton's method on the true forces, and a frozen step where it fails or is slow
   double before = std::numeric_limits<double>::infinity();
   while (true) {
     const int left = std::max(0, options.max_iterations - result.iterations);

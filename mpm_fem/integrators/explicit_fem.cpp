@@ -22,7 +22,7 @@ void ExplicitFem::step(FemState& state) {
   ELASTOGEN_CHECK(In<double>(state.u).is(nodes, 3) && In<double>(state.v).is(nodes, 3),
                   "u and v of the state must be (", nodes, ", 3)");
 
-  // forces at u, where the flow so far is committed
+  // forces at u; the flow up to u is committed
   gradient_.fill(0);
   if (terms_.elastic) terms_.elastic->add_gradient(state.u, gradient_);
   if (terms_.plastic) terms_.plastic->body().add_gradient_and_commit(state.u, gradient_);
@@ -40,7 +40,7 @@ void ExplicitFem::step(FemState& state) {
                                scene_.gravity[size_t(k % 3)]);
   if (touches) terms_.contact.rub(state.u, mass, dt, state.v);
 
-  // what is fixed goes its own way
+  // fixed components follow their prescribed motion
   ++state.steps;
   state.time = double(state.steps) * dt;
   const Array<double> given = with_motion(scene_, state.time, state.u);

@@ -3,9 +3,9 @@
 //
 //     v' = v + dt M^-1 (f - dE/du(u)) + dt g,   u' = u + dt v',
 //
-// flow committed at u. Walls push by the barrier where they stand at the start of the step, and
-// friction takes from v' along them at most friction N dt/m (Coulomb's law, stick included). Stable
-// where a wave crosses no element in a step; what implicit steps are compared with.
+// with the flow committed at u. The barrier of colliders pushes from where they are at the start of
+// the step, and friction reduces v' along them by at most friction N dt/m (Coulomb's law, stick
+// included). Stable if a wave crosses no element in a step. Implicit steps are compared with these.
 
 #pragma once
 
@@ -18,7 +18,7 @@ class ExplicitFem {
  public:
   /// The scene must outlive the integrator.
   /// @throws Error as FemPotential; unless the mass is lumped, dt positive and every contact point
-  ///         carried by one node; on voxel elements, whose torsion takes frozen rotations.
+  ///         carried by one node; on voxel elements, whose torsion needs frozen rotations.
   explicit ExplicitFem(const FemScene& scene);
 
   /// Advances the state by dt; the flow is kept here, not in the state. Same bits on every run and

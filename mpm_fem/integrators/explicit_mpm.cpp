@@ -54,8 +54,8 @@ void ExplicitMpm<d>::add_forces(const Particles& p, Array<double>& force) {
   });
 }
 
-/// Strain, stress and history of the particles when the nodes have moved so far since the transfer,
-/// and the forces of that stress.
+/// Updates strain, stress and history of the particles for the motion of the nodes since the
+/// transfer, and finds the forces of that stress.
 template <int d>
 void ExplicitMpm<d>::strain_particles(const Array<double>& motion, Particles& p,
                                       Array<double>& force) {
@@ -85,7 +85,7 @@ void ExplicitMpm<d>::end_lanes(int64_t k, int begin, const Mat3<WidePack>& now, 
   end_step<d>(laws_, pack, begin, now * F, p);
 }
 
-/// Gravity and walls; the nodes move on.
+/// Adds forces and gravity to the velocities, applies colliders, and moves the nodes.
 template <int d>
 void ExplicitMpm<d>::move_nodes(double time, double delta, const NodeMotion& start,
                                 const Array<double>& force, Array<double>& v, Array<double>& u) {
@@ -107,7 +107,7 @@ template <int d>
 void ExplicitMpm<d>::step(double time, Particles& p) {
   grid_.update(p.x);
   increment_.clear();
-  // the first force goes with the momenta where nobody asks for velocities before it
+  // the first force goes with the momenta, unless velocities before it are needed
   const double delta = scene_.dt / substeps_;
   const bool apart = looks_back(scene_.transfer);
   const NodeMotion start = particles_to_grid<d>(grid_, p, scratch_, apart ? 0 : delta);

@@ -3,10 +3,10 @@
 //
 //     v_i += delta (f_i/m_i + g),   f_i = -sum_p V_p tau_p Finc_p^-T grad w_ip,
 //
-// m times with delta = dt/m from one transfer to the next, on nodes that stay where they are:
-// u_i += delta v_i, Finc_p = I + sum_i u_i (x) grad w_ip, and the law after each. With m = 1 this is
-// the usual explicit step. Transfers smooth velocities, so with dt -> 0 that has no limit; with m ->
-// infinity at fixed dt this converges, to the time integral of what the implicit step discretises.
+// m times with delta = dt/m from one transfer to the next, on nodes that do not move: u_i += delta
+// v_i, Finc_p = I + sum_i u_i (x) grad w_ip, and the law after each. m = 1 is the usual explicit
+// step. Transfers smooth velocities, so it has no limit for dt -> 0. For m -> infinity at fixed dt
+// it converges, to the time integral of the equations that the implicit step discretises.
 
 #pragma once
 

@@ -16,14 +16,14 @@ namespace elastogen::fem {
 /// The scene must outlive it.
 struct FemPotential {
   /// @throws Error as ElasticTerm, PlasticTerm, MassMatrix, ColliderContact and Potential, and
-  ///         unless the yields are none or one a material.
+  ///         unless there are no yields or one for each material.
   explicit FemPotential(const FemScene& scene, const LinearOptions& options = {});
 
   void freeze_rotations(In<double> u) {
     if (elastic) elastic->body().freeze_rotations(u);
   }
-  /// E(u) in its parts, of what yields the elastic energy at the end of a step that ends at u and
-  /// the plastic work in it.
+  /// E(u) in its parts; materials that yield have the elastic energy at the end of a step that ends
+  /// at u, and the plastic work in it.
   EnergyParts energy(In<double> u) const;
   double min_j(In<double> u) const;  ///< smallest det F of a quadrature point
   double length() const;             ///< mean edge of an element [m]

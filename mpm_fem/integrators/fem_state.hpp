@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// State of a finite element run and what its steps share: float64, plain arrays.
+// State of a finite element run, and functions that its steps share: float64, plain arrays.
 
 #pragma once
 
@@ -28,14 +28,14 @@ struct FemState {
 /// At rest, undeformed.
 FemState rest_state(const FemScene& scene);
 
-/// Norm of the weights of the free nodes [N], 9.81 m/s^2 times the 2-norm of their masses: what
-/// residuals are measured by (docs/physics.md). A node is free if a component of it is.
+/// Norm of the weights of the free nodes [N], 9.81 m/s^2 times the 2-norm of their masses: the unit
+/// of residuals (docs/physics.md). A node is free if a component of it is.
 double reference_force(const FemScene& scene, const Array<double>& nodal_mass);
 
-/// Traction and further forces at a time, (nodes, 3) [N]; gravity is not in it.
+/// Traction and additional forces at a time, (nodes, 3) [N], without gravity.
 Array<double> applied_force(const FemScene& scene, double time, double traction_share);
 
-/// u with the fixed components as scene.motion has them at a time.
+/// u with the fixed components that scene.motion prescribes at a time.
 Array<double> with_motion(const FemScene& scene, double time, const Array<double>& u);
 
 }  // namespace elastogen::fem

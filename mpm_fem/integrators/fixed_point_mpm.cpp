@@ -25,6 +25,7 @@ template <int d>
 MpmStepReport FixedPointMpm<d>::step(double time, Particles& p) {
   const Stopwatch watch;
   MpmStepReport report;
+  // the published loop starts without motion, the other one from the prediction
   potential_.begin(p, time, scene_.dt);
   std::vector<double> y(size_t(potential_.unknowns()));
   if (!options_.published) potential_.predict(y.data());
@@ -32,6 +33,7 @@ MpmStepReport FixedPointMpm<d>::step(double time, Particles& p) {
                                    .max_iterations = options_.max_newton};
   const int64_t before = pass_.iterations();
   report.residual = true_residual(y);
+  // passes until the true residual is within the tolerance
   while (report.passes < options_.passes && std::isfinite(report.residual) &&
          (options_.published || report.residual > options_.tolerance)) {
     report.outer += pass_.take(options_.published, minimum, y.data()).iterations;
@@ -44,6 +46,7 @@ MpmStepReport FixedPointMpm<d>::step(double time, Particles& p) {
   report.finite = std::isfinite(report.residual);
   report.float64 = true;
   report.time = time + scene_.dt;
+  // particles change only if the result is finite
   if (report.finite) {
     potential_.commit(y.data(), p);
     potential_.transfer(p);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Implicit steps of the material point method by passes of minima: freeze what keeps the stress from
-// having a potential at the present state, minimise, freeze again (mpm_potential.hpp). What Newton's
-// method on the true residual (implicit_mpm.hpp) is compared with.
+// Implicit steps of the material point method by repeated minima: freeze at the present state what
+// keeps the stress from having a potential, minimise, freeze again (mpm_potential.hpp). Newton's
+// method on the true residual (implicit_mpm.hpp) is compared with this.
 
 #pragma once
 
@@ -14,8 +14,8 @@ struct FixedPointOptions {
   double tolerance = 1e-3;  ///< of |r| / |M g_ref|_{M^-1}, of each minimum and of the true residual
   int passes = 40;          ///< at most
 
-  /// The loop of PlasticityNet (Li et al. 2022, equations 10 and 11): from where the particles were,
-  /// with its regulariser, and all passes, whatever the true residual is.
+  /// Runs the loop of PlasticityNet (Li et al. 2022, equations 10 and 11): from the old positions
+  /// of the particles, with its regulariser, and always with all passes.
   bool published = false;
   int max_newton = 100;       ///< of a minimum
   int max_iterations = 1000;  ///< of conjugate gradients in a solve

@@ -3,7 +3,7 @@
 
 namespace elastogen::mpm {
 
-/// step = -H^-1 gradient; where conjugate gradients end early, what they have found goes down.
+/// step = -H^-1 gradient; if conjugate gradients end early, their result still goes downhill.
 template <int d>
 bool FrozenPass<d>::find_step(const double* y, const double* gradient, TangentKind kind,
                               double tolerance, double* step) {

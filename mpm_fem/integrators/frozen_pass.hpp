@@ -17,7 +17,7 @@ class FrozenPass {
   FrozenPass(MpmPotential<d>& potential, int max_iterations)
       : potential_(potential), max_iterations_(max_iterations) {}
 
-  /// Freezes at y, moves y to a minimum and thaws. After residual(y).
+  /// Freezes at y, moves y to a minimum and thaws. Call residual(y) before.
   /// @param drag     as MpmPotential::freeze
   /// @param options  the tolerance is of |dE/dy|
   fem::NewtonResult take(bool drag, const fem::NewtonOptions& options, double* y);

@@ -64,6 +64,7 @@ StepScheme ImplicitFem::scheme_of(const FemState& state) const {
 void ImplicitFem::begin(FemState& state) {
   scheme_ = scheme_of(state);
   terms_.freeze_rotations(state.u);
+  // materials that yield start from the history of the state
   if (terms_.plastic) {
     PlasticBody& body = terms_.plastic->body();
     body.set_history(state.plastic.memory.empty() ? body.rest_history() : state.plastic);
@@ -71,9 +72,11 @@ void ImplicitFem::begin(FemState& state) {
   const double dt = period_.dt;
   const bool newmark = scene_.scheme == Scheme::kNewmark;
   if (newmark && state.a.empty()) start_newmark(state);
+  // forces and contact of the step
   Array<double> force = applied_force(scene_, period_.end, 1);
   if (terms_.contact.exists())
     terms_.contact.begin_step(state.u, period_.start, dt, dt / scene_.dt);
+  // predictor; Newmark has gravity in the forces
   const bool history = !state.u_before.empty();
   for (int64_t k = 0; k < predictor_.size(); ++k) {
     const double u = state.u.data()[k], v = state.v.data()[k];
@@ -115,8 +118,8 @@ void ImplicitFem::start_newmark(FemState& state) {
   solver.solve(right.data(), state.a.data(), 1e-14);
 }
 
-/// The predictor or the present state, whichever has the lower potential, with the motion of what
-/// is fixed.
+/// The predictor or the present state, whichever has the lower potential, with the fixed components
+/// moved.
 Array<double> ImplicitFem::start_value(const FemState& state) {
   Array<double> ahead = predictor_;
   for (int64_t k = 0; k < ahead.size(); ++k)
@@ -128,8 +131,8 @@ Array<double> ImplicitFem::start_value(const FemState& state) {
   return u;
 }
 
-/// Lets the colliders go their way in the step share by share where they would cut u, and u give
-/// way to each. False: they leave it no room.
+/// Moves the colliders through the step share by share where they would run into u, and lets u give
+/// way to each share. False: they leave it no space.
 bool ImplicitFem::pass_colliders(Array<double>& u) {
   ColliderContact& contact = terms_.contact;
   if (!contact.exists()) return true;
@@ -148,7 +151,7 @@ bool ImplicitFem::pass_colliders(Array<double>& u) {
   return !contact.obstacle(u);
 }
 
-/// The residual of the equations on the state that is handed out, and the energies.
+/// Finds the residual of the equations and the energies for the state that is returned.
 void ImplicitFem::certify(const Array<double>& u, FemStepReport& report) {
   if (terms_.plastic) terms_.plastic->body().thaw();
   const NewtonValue value = potential_.evaluate(u.data(), gradient_.data());
@@ -164,7 +167,7 @@ void ImplicitFem::certify(const Array<double>& u, FemStepReport& report) {
   report.min_j = terms_.min_j(u);
 }
 
-/// What the state gets for u.
+/// The displacements that the state gets for u.
 Array<double> ImplicitFem::handed_out(const Array<double>& u) const {
   Array<double> handed = u;
   if (!options_.as_positions) return handed;
@@ -175,12 +178,13 @@ Array<double> ImplicitFem::handed_out(const Array<double>& u) const {
   return handed;
 }
 
-/// Hands displacements, velocities and accelerations to the state.
-/// @param u  of the minimum, which velocities and accelerations are of.
+/// Writes displacements, velocities and accelerations to the state.
+/// @param u  the minimum, from which velocities and accelerations follow.
 void ImplicitFem::finish(const Array<double>& u, Array<double> handed, FemState& state,
                          FemStepReport& report) {
   const double dt = period_.dt;
   Array<double> v(u.rows(), 3), Mv(u.rows(), 3);
+  // velocities and accelerations by the scheme, and the energy of gravity
   for (int64_t k = 0; k < u.size(); ++k) {
     const double before = state.u_before.empty() ? state.u.data()[k] : state.u_before.data()[k];
     if (scene_.scheme == Scheme::kNewmark) {
@@ -193,12 +197,14 @@ void ImplicitFem::finish(const Array<double>& u, Array<double> handed, FemState&
     const double x = scene_.mesh.rest.data()[k] + u.data()[k];
     report.energy.gravity -= weight_.data()[k] * x;
   }
+  // kinetic energy, and the flow of the step
   potential_.mass().multiply(v.data(), Mv.data());
   report.energy.kinetic = dot(v.data(), Mv.data(), v.size()) / 2;
   if (terms_.plastic) {
     state.plastic = terms_.plastic->body().history_after(handed);
     report.energy.plastic = state.plastic_work += report.energy.plastic;
   }
+  // the state moves on by a step
   state.u_before = std::move(state.u);
   state.v_before = std::move(state.v);
   state.u = std::move(handed);
@@ -233,7 +239,7 @@ FemStepReport ImplicitFem::advance(FemState& state, const Period& period) {
   if (scene_.scheme == Scheme::kNewmark) report.used = Scheme::kNewmark;
   report.float64 = true;
 
-  // what has no potential begins with one that is frozen
+  // materials without a potential begin with a frozen one
   if (terms_.plastic) terms_.plastic->body().freeze(state.u);
   Array<double> u = start_value(state);
   const bool clear = pass_colliders(u);

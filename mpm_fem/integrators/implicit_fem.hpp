@@ -9,9 +9,10 @@
 //     a0 = 4,   uhat = u + dt v + (dt^2/4) a,
 //     a' = (4/dt^2) (u' - uhat),   v' = v + dt/2 (a + a'),
 //
-// with gravity within f. Rotations of the torsion correction are those at the start of the step, and
-// so is what materials that yield remember: it is committed once, on the state that is handed out.
-// Where they have no potential the step is a root of the same gradient (integrators/equilibrium.hpp).
+// with gravity within f. Rotations of the torsion correction are those at the start of the step. So
+// is the history of materials that yield; it is committed once, for the state that is returned. For
+// materials without a potential the step is a root of the same gradient
+// (integrators/equilibrium.hpp).
 
 #pragma once
 
@@ -25,8 +26,8 @@ struct ImplicitOptions {
   double tolerance = 1e-8;  ///< of |grad Phi| / |M g_ref| over the free components
   int max_newton = 100;
   LinearOptions linear = {};
-  /// Certifies and hands out the displacements that positions in double precision have,
-  /// (X + u) - X, for states that are written as positions. Velocities are those before rounding.
+  /// Certifies and returns the displacements of positions in double precision, (X + u) - X, for
+  /// states that are written as positions. Velocities are those before rounding.
   bool as_positions = false;
 };
 
@@ -35,9 +36,9 @@ struct ImplicitOptions {
 struct FemStepReport : StepReport {
   Scheme used = Scheme::kEuler;
   NewtonStop stop = NewtonStop::kConverged;
-  int parts = 1;     ///< that it was taken in (parted_fem.hpp)
-  int halvings = 0;  ///< tries at a part that were taken back; fallbacks counts them too
-  double floor = 0;  ///< bound on the rounding error of the residual; 0 where nobody had to ask
+  int parts = 1;     ///< parts in which it was made (parted_fem.hpp)
+  int halvings = 0;  ///< tries at a part that failed; fallbacks counts them too
+  double floor = 0;  ///< bound on the rounding error of the residual; 0 if not needed
 };
 
 class ImplicitFem {
@@ -50,8 +51,8 @@ class ImplicitFem {
   /// says so. Same bits on every run and any number of threads.
   /// @throws Error unless the arrays of the state are (nodes, 3).
   FemStepReport step(FemState& state);
-  /// The same by a part of dt from state.time; the count of steps stays. A step that is taken in
-  /// parts has no step before it, so that BDF2 begins with implicit Euler.
+  /// step() by a part of dt from state.time; the count of steps stays. A step that is made in parts
+  /// has no step before it, so that BDF2 begins with implicit Euler.
   FemStepReport step_part(FemState& state, double part);
 
   const FemScene& scene() const { return scene_; }
@@ -59,12 +60,12 @@ class ImplicitFem {
   /// Push of each collider on the body at the end of the last step, which led to u [N].
   std::vector<Vec3> pushes(In<double> u) { return terms_.contact.pushes(u); }
 
-  /// Gradient of Phi at the last state [N], (nodes, 3), 0 at what is fixed.
+  /// Gradient of Phi at the last state [N], (nodes, 3), 0 at fixed components.
   const Array<double>& residual() const { return gradient_; }
   const Potential& potential() const { return potential_; }
 
  private:
-  /// From when to when a step goes [s].
+  /// Start, end and length of a step [s].
   struct Period {
     double start, end, dt;
   };

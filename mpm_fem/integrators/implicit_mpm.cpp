@@ -25,6 +25,7 @@ bool ImplicitMpm<d>::find_step(const double* y, const double* r, double toleranc
   equations_.linearise(y);
   bool solved = false;
   const bool can_factor = d == 2 && size <= options_.most_factored;
+  // GMRES; in the plane only while it takes few iterations
   if (!factors_first_) {
     if (int64_t(work_.z.size()) != size) work_ = GmresWork<double>(size);
     const KrylovResult result = gmres(
@@ -35,6 +36,7 @@ bool ImplicitMpm<d>::find_step(const double* y, const double* r, double toleranc
     solved = result.stop != KrylovStop::kBreakdown;
     factors_first_ = can_factor && result.stop != KrylovStop::kConverged;
   }
+  // factors where it did not converge
   if (factors_first_) {
     const fem::SparseMatrix& J = equations_.jacobian();
     if (equations_.pattern_version() != pattern_) factors_.reset(J);
@@ -75,6 +77,7 @@ MpmStepReport ImplicitMpm<d>::step(double time, Particles& p) {
   factors_first_ = false;
   const int64_t iterations = iterations_, factored = factored_;
   std::vector<double> y(size_t(equations_.unknowns()));
+  // substeps on fixed nodes, each of which commits strain and stress
   for (int k = 0; k < options_.substeps && report.finite; ++k) {
     if (k > 0) equations_.go_on(time + k * dt);
     equations_.predict(y.data());
@@ -85,11 +88,13 @@ MpmStepReport ImplicitMpm<d>::step(double time, Particles& p) {
     report.finite = std::isfinite(result.residual);
     if (report.finite) equations_.commit(y.data(), p);
   }
+  // the report of all substeps
   report.inner = int(iterations_ - iterations);
   report.factored = int(factored_ - factored);
   report.converged = report.finite && report.residual <= options_.tolerance;
   report.float64 = true;
   report.time = time + scene_.dt;
+  // places and velocities of particles, or back to the start
   if (report.finite)
     equations_.transfer(p);
   else if (options_.substeps > 1)

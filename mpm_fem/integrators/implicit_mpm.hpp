@@ -15,16 +15,16 @@ namespace elastogen::mpm {
 struct ImplicitMpmOptions {
   double tolerance = 1e-3;  ///< of |r| / |M g_ref|_{M^-1}
   int max_newton = 40;
-  int substeps = 1;          ///< of a step, on nodes that stay from transfer to transfer
+  int substeps = 1;          ///< of a step, on fixed nodes between transfers
   int max_iterations = 400;  ///< of GMRES in a solve
   int64_t most_factored =
-      20'000;  ///< unknowns of plane scenes, up to which LU factors stand in for GMRES
+      20'000;  ///< unknowns of plane scenes, up to which LU factors may replace GMRES
 };
 
 /// outer counts Newton steps, inner iterations of GMRES.
 struct MpmStepReport : StepReport {
   fem::RootStop stop = fem::RootStop::kConverged;
-  int factored = 0;  ///< linear systems that GMRES left to factors
+  int factored = 0;  ///< linear systems that GMRES did not solve
   int passes = 0;    ///< of FixedPointMpm
 };
 
@@ -50,8 +50,8 @@ class ImplicitMpm {
   MpmEquations<d> equations_;
   GmresWork<double> work_{0};
   fem::NonsymmetricSolver factors_;
-  int64_t pattern_ = -1;        // version of the one that factors_ have
-  bool factors_first_ = false;  // GMRES did not do in this step
+  int64_t pattern_ = -1;        // version of the pattern that factors_ have
+  bool factors_first_ = false;  // GMRES did not converge earlier in this step
   int64_t factored_ = 0;        // matrices so far
   int64_t iterations_ = 0;
 };

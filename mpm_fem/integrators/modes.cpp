@@ -108,10 +108,12 @@ Modes vibration_modes(const FemScene& scene, int count, const Array<double>& u) 
   const int64_t rows = problem.K.rows();
   ELASTOGEN_CHECK(count >= 1 && count < rows, "modes must be 1 to ", rows - 1, ", got ", count);
 
+  // factors of a shifted, positive definite matrix
   SparseDirect factor(problem.K);
   const double sigma = factor_shifted(problem, slow_rate(scene), factor);
   ShiftInvert inverse(factor, rows);
   MassProduct product(problem.M);
+  // Lanczos on its inverse
   const int64_t krylov = std::min<int64_t>(rows, std::max(2 * count + 10, 20));
   Spectra::SymGEigsShiftSolver<ShiftInvert, MassProduct, Spectra::GEigsMode::ShiftInvert> lanczos(
       inverse, product, count, krylov, sigma);
@@ -121,6 +123,7 @@ Modes vibration_modes(const FemScene& scene, int count, const Array<double>& u) 
   if (found < count)
     throw Error(concat("found ", found, " of ", count, " modes"), ErrorKind::kDiverged);
 
+  // shapes on all nodes, 0 at fixed components
   Modes modes;
   modes.shape = Array<double>(count, int(3 * nodes));
   const Eigen::VectorXd values = lanczos.eigenvalues();

@@ -36,6 +36,7 @@ void MpmEquations<d>::begin(const Particles& particles, double time, double dt) 
   has_cells_ = false;
   grid_.update(particles.x);
   start_ = particles_to_grid<d>(grid_, particles, scratch_);
+  // strain and volume of the particles, pack by pack
   pack_.resize(grid_.packs().size());
   for_each(int64_t(pack_.size()), [&](int64_t k) {
     const CellPack& pack = grid_.packs()[size_t(k)];
@@ -43,6 +44,7 @@ void MpmEquations<d>::begin(const Particles& particles, double time, double dt) 
                         counted_lanes(particles.volume, pack, 0)};
   });
   go_on(time);
+  // roots of the masses, which scale the unknowns
   root_mass_.resize(size_t(grid_.nodes()));
   inverse_root_.resize(root_mass_.size());
   double total = 0;
@@ -53,6 +55,7 @@ void MpmEquations<d>::begin(const Particles& particles, double time, double dt) 
     inverse_root_[i] = m > 0 ? 1 / root_mass_[i] : 0;
   }
   reference_ = kReferenceGravity * std::sqrt(total);
+  // arrays that the steps work in
   u_ = force_ = motion_ = Array<double>(grid_.nodes(), 3);
   before_ = start_.velocity;
   r0_.assign(size_t(unknowns()), 0);
@@ -111,7 +114,8 @@ PrincipalHessian<Eight, Mat3<Eight>> MpmEquations<d>::piola_derivative(int64_t k
   return hessian_lanes(F.sigma, t, D);
 }
 
-/// Forces of the stress at u_ on the nodes into force_; magnitude: of the magnitudes of its parts.
+/// Writes the forces of the stress at u_ to force_; `magnitude`: those of the magnitudes of its
+/// parts.
 template <int d>
 void MpmEquations<d>::add_stress(bool magnitude) {
   const auto add = [&](int64_t k, const PackSpline<d>& s, const double* read, double* write) {
@@ -148,7 +152,7 @@ void MpmEquations<d>::residual(const double* y, double* r) {
   std::vector<double> free(r0_.size());
   for_each(unknowns(), [&](int64_t k) { free[size_t(k)] = y[k] - dt_ * dt_ * r0_[size_t(k)]; });
   apply_walls(free.data(), r);
-  // where there is no wall r0 itself, which has lost no digits
+  // without a collider r is r0 itself, which has lost no digits
   for_each(unknowns(), [&](int64_t k) {
     const double moved = y[k] - r[k];
     r[k] = r[k] == free[size_t(k)] ? r0_[size_t(k)] : moved / (dt_ * dt_);
@@ -194,7 +198,7 @@ double MpmEquations<d>::longest_step(const double* y, const double* end) {
   return share.empty() ? 1 : *std::min_element(share.begin(), share.end());
 }
 
-/// Returns the frozen Hessian, times the volume as the true one.
+/// Sets the tangent of a pack; returns the frozen Hessian. Both are times the volume.
 template <int d>
 PrincipalHessian<Eight> MpmEquations<d>::set_tangent(int64_t k, const Mat3<Eight>& gradient) {
   const Start& own = pack_[size_t(k)];
@@ -211,7 +215,7 @@ PrincipalHessian<Eight> MpmEquations<d>::set_tangent(int64_t k, const Mat3<Eight
 
 template <int d>
 void MpmEquations<d>::linearise(const double* y) {
-  constexpr int kBlock = 8;  // numbers of a node in a tile, of which six are its block's
+  constexpr int kBlock = 8;  // numbers of a node in a tile; its block has six
   tangent_.resize(pack_.size());
   motion(y, u_);
   Array<double> block(grid_.nodes(), 6);
@@ -249,7 +253,8 @@ void MpmEquations<d>::linearise_walls(const double* y) {
            [&](int64_t k) { walls_.allowed(k, free_motion(k, y), &wall_tangent_[size_t(k)]); });
 }
 
-/// The blocks of dr/dy: B/m + I/dt^2, with walls (I - dPi (I - dt^2 (B/m + I/dt^2)))/dt^2.
+/// Inverts the blocks of dr/dy, which are B/m + I/dt^2, and at colliders
+/// (I - dPi (I - dt^2 (B/m + I/dt^2)))/dt^2.
 template <int d>
 void MpmEquations<d>::invert_blocks(In<double> sums) {
   Array<double> block(grid_.nodes(), 9);
@@ -330,7 +335,7 @@ const fem::SparseMatrix& MpmEquations<d>::jacobian() {
   return jacobian_;
 }
 
-/// The rows J of a node become those at a wall, dPi J + (I - dPi)/dt^2.
+/// The rows J of a node at a collider become dPi J + (I - dPi)/dt^2.
 template <int d>
 void MpmEquations<d>::put_wall(int64_t node, const Mat3<double>& D) {
   double* row[3];

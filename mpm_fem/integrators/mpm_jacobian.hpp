@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The Jacobian of an implicit step of particles as a sparse matrix, for factors: in the plane, where
-// they cost little, and as what tests compare products with.
+// The Jacobian of an implicit step of particles as a sparse matrix: for factors in the plane, where
+// they cost little, and for tests, which compare products with it.
 
 #pragma once
 
@@ -15,16 +15,17 @@ namespace elastogen::mpm {
 template <int d>
 class CellAssembly {
  public:
-  /// Takes the cells of a grid. The pattern is made anew only where they changed.
+  /// Sets the cells of a grid. The pattern is made anew only if they have changed.
   void update(const ParticleGrid<d>& grid);
 
   /// Zero matrix with the entries of all cells, (3 nodes, 3 nodes).
   const fem::SparseMatrix& pattern() const { return pattern_; }
-  /// Changes with the pattern.
+  /// A number that changes with the pattern.
   int64_t version() const { return version_; }
 
   /// H += sum_p G_p^T D_p G_p, G_p the map from the nodes' motion to its gradient at the particle.
-  /// @param tangent  writes D_p of a pack, row-major (9, 9) over the row-major entries of the gradient
+  /// @param tangent  writes D_p of a pack, row-major (9, 9) over the row-major entries of the
+  ///                 gradient
   void add(const ParticleGrid<d>& grid, const std::function<void(int64_t pack, Eight* D)>& tangent,
            fem::SparseMatrix& H) const;
 

@@ -37,7 +37,7 @@ void MpmPotential<d>::freeze(const double* y, bool drag) {
   freeze_walls(y);
 }
 
-/// Where walls leave nodes, what they hold of it, and their force along what they do not.
+/// Freezes where colliders leave nodes, which directions stay free, and the force in these.
 template <int d>
 void MpmPotential<d>::freeze_walls(const double* y) {
   held_.resize(size_t(this->walls_.count()));
@@ -68,7 +68,7 @@ void MpmPotential<d>::meet_walls(double* y) {
   for_each(this->unknowns(), [&](int64_t k) { y[k] += share * (met[size_t(k)] - y[k]); });
 }
 
-/// mu of what drags a pack's particles [Pa].
+/// mu of the regulariser for a pack's particles [Pa].
 template <int d>
 Eight MpmPotential<d>::drag_of(int64_t k) const {
   const CellPack& pack = this->grid_.packs()[size_t(k)];
@@ -80,7 +80,7 @@ Eight MpmPotential<d>::drag_of(int64_t k) const {
   return mu;
 }
 
-/// Keeps the energy too.
+/// The stress; stores the energy too.
 template <int d>
 Mat3<Eight> MpmPotential<d>::piola(int64_t k, const Mat3<Eight>& F) {
   if (!is_frozen_) return Base::piola(k, F);
@@ -145,6 +145,7 @@ void MpmPotential<d>::linearise(const double* y, TangentKind kind) {
 template <int d>
 fem::NewtonValue MpmPotential<d>::evaluate(const double* y, double* gradient) {
   this->equilibrium(y, gradient);
+  // at colliders: the work of lambda, and the gradient in free directions
   double work = 0;
   for (size_t k = 0; k < held_.size(); ++k) {
     const int64_t i = this->walls_.node(int64_t(k));
@@ -156,6 +157,7 @@ fem::NewtonValue MpmPotential<d>::evaluate(const double* y, double* gradient) {
     g = times(held_[k].free, g);
     for (size_t a = 0; a < 3; ++a) gradient[3 * i + int64_t(a)] = g[a];
   }
+  // inertia
   const double inertia =
       ordered_sum(this->grid_.nodes(),
                   [&](int64_t begin, int64_t end) {
@@ -167,6 +169,7 @@ fem::NewtonValue MpmPotential<d>::evaluate(const double* y, double* gradient) {
                     return sum;
                   }) /
       (2 * this->dt_ * this->dt_);
+  // elastic energy and its rounding error, from the packs
   const auto sum = [](const std::vector<double>& of) {
     return ordered_sum(int64_t(of.size()), [&](int64_t begin, int64_t end) {
       double total = 0;

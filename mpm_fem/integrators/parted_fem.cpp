@@ -12,9 +12,9 @@ namespace {
 
 constexpr int kMostParts = 16;   // that a step begins with
 constexpr int kTicks = 16;       // of each: four halvings
-constexpr double kFarthest = 1;  // that a collider goes in a part, in edges of an element
+constexpr double kFarthest = 1;  // motion of a collider in a part, in edges of an element
 
-/// Equal parts in which no collider goes too far.
+/// Count of equal parts in which no collider goes too far.
 int parts_of(const FemScene& scene, double start, double edge) {
   double farthest = 0;
   for (const Collider& collider : scene.colliders)
@@ -24,7 +24,7 @@ int parts_of(const FemScene& scene, double start, double edge) {
   return int(std::clamp(parts, 1.0, double(kMostParts)));
 }
 
-/// Takes what a try costs and, where it is kept, where it leads.
+/// Adds the cost of a try to a report and, if the try is kept, its result.
 void add(const FemStepReport& part, bool kept, FemStepReport& all) {
   all.outer += part.outer;
   all.inner += part.inner;
@@ -47,7 +47,7 @@ bool is_good(const FemStepReport& part) {
   return part.finite && (part.converged || part.stop == NewtonStop::kRoundOff);
 }
 
-/// A part of `size` ticks of a step, from where the state is after `done` of them.
+/// Makes a part of `size` ticks of a step, from the state after `done` of them.
 FemStepReport take_part(ImplicitFem& solver, int done, int size, int ticks, FemState& state) {
   if (size == ticks) return solver.step(state);
   const double dt = solver.scene().dt;
@@ -56,7 +56,7 @@ FemStepReport take_part(ImplicitFem& solver, int done, int size, int ticks, FemS
   return solver.step_part(state, dt * size / ticks);
 }
 
-/// The state after all parts of a step, as if it had been one.
+/// Completes the state after all parts of a step, as if it had been one.
 void end_step(double dt, const FemState& before, FemState& state) {
   state.u_before = before.u, state.v_before = before.v;
   state.steps = before.steps + 1;
@@ -73,6 +73,7 @@ FemStepReport step_in_parts(ImplicitFem& solver, FemState& state,
   FemState now = state;
   FemStepReport all;
   all.converged = true, all.parts = 0;
+  // a part that fails is halved, the next one after a success doubled
   for (int done = 0, size = kTicks; done < ticks;) {
     all.interrupted = stop();
     if (all.interrupted) return all;
@@ -88,6 +89,7 @@ FemStepReport step_in_parts(ImplicitFem& solver, FemState& state,
     done += taken;
     now = std::move(tried);
   }
+  // the parts together count as one step
   if (all.finite) end_step(dt, state, now);
   if (all.finite) state = std::move(now);
   all.step = state.steps + !all.finite;

@@ -11,8 +11,8 @@
 namespace elastogen::fem {
 namespace {
 
-constexpr int kMaxRotations = 30;     // times that frozen rotations are taken anew
-constexpr double kWorstFloor = 1e-4;  // relative residual that rounding is allowed to leave
+constexpr int kMaxRotations = 30;     // times that rotations are frozen anew
+constexpr double kWorstFloor = 1e-4;  // relative residual that may be due to rounding
 constexpr int kEasy = 8;              // Newton steps after which the next increment is not larger
 
 class Statics {
@@ -56,7 +56,7 @@ void Statics::set_loads(double factor) {
   potential_.set_force(load_);
 }
 
-/// The larger of the loads on what is free and the forces on what is fixed [N].
+/// The larger of the loads on free components and the forces on fixed ones [N].
 double Statics::reference(const Array<double>& u) {
   std::vector<double> g(size_t(u.size()));
   potential_.full_gradient(u.data(), g.data());
@@ -69,7 +69,7 @@ double Statics::reference(const Array<double>& u) {
   return std::sqrt(std::max(loads, holds));
 }
 
-/// Newton's method, again with the rotations of its result until they fit.
+/// Newton's method, repeated with the rotations of its result until they fit.
 NewtonResult Statics::minimise(Array<double>& u) {
   NewtonResult sum, last;
   for (int k = 0; k < kMaxRotations; ++k) {
@@ -87,7 +87,7 @@ NewtonResult Statics::minimise(Array<double>& u) {
   return last;
 }
 
-/// The same where materials yield.
+/// The equilibrium where materials yield.
 NewtonResult Statics::settle(Array<double>& u) {
   reference_ = reference(u);
   const Equilibrium found = find_equilibrium(

@@ -11,11 +11,11 @@
 namespace elastogen::fem {
 
 struct StaticOptions {
-  /// Of |grad Phi| over the free components, relative to the forces of the increment: the larger of
-  /// the 2-norms of the loads and of the forces that hold what is fixed.
+  /// Bound of |grad Phi| over the free components, relative to the forces of the increment: the
+  /// larger of the 2-norms of the loads and of the forces that hold fixed components.
   double tolerance = 1e-10;
   double first_increment = 1;        ///< of the load factor
-  double smallest_increment = 1e-4;  ///< below it the solution is given up
+  double smallest_increment = 1e-4;  ///< below it the solver gives up
   double largest_flow = 1.0 / 16;    ///< largest increment where a material yields
   int max_newton = 40;               ///< Newton steps of an increment
   LinearOptions linear = {};
@@ -24,24 +24,24 @@ struct StaticOptions {
 struct StaticResult {
   /// Full load, and the residual within the tolerance or, up to 1e-4, within its rounding error.
   bool converged = false;
-  double load_factor = 0;  ///< that u belongs to
+  double load_factor = 0;  ///< load factor of u
   Array<double> u;         ///< [m], (nodes, 3)
   Array<double> reaction;  ///< forces that hold the fixed components [N], (nodes, 3), else 0
   PlasticHistory plastic;  ///< at u, of the elements that yield; empty: none does
-  Array<double> gradient;  ///< what is left of the forces [N], (nodes, 3), 0 at what is fixed
+  Array<double> gradient;  ///< remaining forces [N], (nodes, 3), 0 at fixed components
   EnergyParts energy;      ///< at u; gravity as -sum m g.u
   double min_j = 1;
   int increments = 0;    ///< that were accepted
   int newton_steps = 0;  ///< of all, failed ones included
 
-  // of the last increment, also where it failed and u is that of the one before
+  // of the last increment, even if it failed and u is that of the one before
   NewtonStop stop = NewtonStop::kConverged;
   double residual = 0;  ///< relative, as the tolerance
-  double floor = 0;     ///< bound on its rounding error, relative; 0 where nobody had to ask
+  double floor = 0;     ///< bound on its rounding error, relative; 0 if not needed
 };
 
-/// Rotations of the voxels' torsion correction are those of the solution: they are taken anew until
-/// that changes nothing.
+/// Rotations of the voxels' torsion correction are those of the solution: they are frozen anew
+/// until that changes nothing.
 /// @throws Error as FemPotential and on options that are not positive.
 StaticResult solve_static(const FemScene& scene, const StaticOptions& options = {});
 

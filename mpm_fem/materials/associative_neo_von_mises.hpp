@@ -16,10 +16,10 @@ template <class T>
 struct AssociativeNeoVonMises {
   using Real = T;
   using History = FlowHistory<T>;
-  NeoVonMises<T, 3> line;  ///< the same metal, whose map is the first guess
+  NeoVonMises<T, 3> line;  ///< the metal with the map along dev e, which gives the first guess
 
-  /// What is minimised; its derivatives along u = delta/|delta| and v across it, so that what the
-  /// kink at delta = 0 adds is H[1] alone.
+  /// The function that is minimised, with derivatives along u = delta/|delta| and v across it: the
+  /// kink at delta = 0 then only adds to H[1].
   struct Objective {
     T value, gradient[2], H[3];  ///< H: uu, vv, uv
     NeoHookeanStress<T> b;
@@ -43,7 +43,7 @@ struct AssociativeNeoVonMises {
     return o;
   }
 
-  /// H^-1 r of a positive definite H, whose determinant may be beyond what T holds.
+  /// H^-1 r of a positive definite H, whose determinant may be beyond the range of T.
   ELASTOGEN_HD static void solve(const T H[3], const T r[2], T x[2]) {
     constexpr T kEps = std::numeric_limits<T>::epsilon();
     const int p = H[0] > H[1] ? 0 : 1, q = 1 - p;
@@ -52,18 +52,21 @@ struct AssociativeNeoVonMises {
     x[p] = (r[p] - H[2] * x[q]) / H[p];
   }
 
-  /// Newton's method from a flow until strains differ by rounding; a step is halved while psi rises
-  /// steeply at its end, which for a convex psi is to go too far, or if it passes the kink.
+  /// Newton's method from a flow until strains differ by rounding. A step is halved while psi rises
+  /// steeply at its end, which for a convex psi means that it went too far, or if it passes the
+  /// kink.
   ELASTOGEN_HD Objective minimum(const HenckyStrain<T, 3>& e, T limit, T delta[3]) const {
     constexpr int kMost = 30, kHalves = 20;
     constexpr T kRounding = 8 * std::numeric_limits<T>::epsilon();
     Objective o = objective(e, limit, delta);
     for (int k = 0; k < kMost; ++k) {
+      // Newton's step in u and v
       T step[2];
       solve(o.H, o.gradient, step);
       if (!(absolute(step[0]) + absolute(step[1]) > kRounding * e.size)) break;
       const Objective start = o;
       T before[3] = {delta[0], delta[1], delta[2]};
+      // halved until it is short enough
       const T steepest = (o.gradient[0] * step[0] + o.gradient[1] * step[1]) / 2;
       for (int half = 0; half < kHalves; ++half) {
         T ahead = 0, rise = 0;
@@ -99,7 +102,7 @@ struct AssociativeNeoVonMises {
     const T limit = line.radius + line.hardening * history.flow;
     if (line.stress(e, e.size).size <= limit || !(e.size > 0))
       return line.template returned<kTangent>(e, history);
-    // first guess: as much flow as along the line, along dev tau
+    // first guess: as much flow as in the map along dev e, but along dev tau
     const T size = smaller(line.size_after(e, limit), T((1 - kEps) * e.size));
     const NeoHookeanStress<T> b = line.stress(e, size);
     T delta[3];

@@ -4,9 +4,9 @@
 //
 //     y = (1 + 2 beta) q^2 + M^2 (p + beta p0)(p - p0) <= 0,   q^2 = (6-d)/2 |dev tau|^2.
 //
-// Beyond a tip a point goes there; beside it shear falls to the ellipse. There the published map
-// keeps tr b; this one keeps J, so that the point meets the ellipse. p0 = k (1e-5 + sinh(-xi a)) of
-// a = ln Jp < 0, and stays what it was during a step.
+// A point beyond a tip of the ellipse goes to the tip; between the tips shear is reduced to the
+// ellipse. There the published map keeps tr b; this one keeps J, so that the point ends on the
+// ellipse. p0 = k (1e-5 + sinh(-xi a)) with a = ln Jp < 0; a keeps its value during a step.
 
 #pragma once
 
@@ -42,7 +42,7 @@ ELASTOGEN_HD inline ValueAndSlope<T> snow_volume(T bulk, T t) {
   return {bulk / 2 * (growth / 2 - t), bulk / 2 * growth};
 }
 
-/// The ellipse of yield in a step.
+/// The yield ellipse of a step.
 template <class T>
 struct SnowEllipse {
   T pressure, tension;   ///< p0, beta p0 [Pa]
@@ -87,7 +87,7 @@ struct CamClay {
     return in_stretches(s, returned<kTangent>(hencky_strain<d>(s), history));
   }
 
-  /// Ends a step: what the map leaves, and the hardening.
+  /// Ends a step: applies the map and adds the hardening.
   ELASTOGEN_HD Returned<T> commit(const HenckyStrain<T, d>& e, History& history) const {
     const Returned<T> r = returned<false>(e, history);
     bool flows = false;
@@ -99,8 +99,8 @@ struct CamClay {
     commit_stretches<d>(*this, s, history);
   }
 
-  /// The change of a in a step: of ln J at a tip; beside it, of ln J against that where the way from
-  /// the ellipse's centre to (p, q) leaves the ellipse.
+  /// The change of a in a step: at a tip that of ln J; between the tips ln J less its value at the
+  /// point where the line from the ellipse's centre to (p, q) leaves the ellipse.
   ELASTOGEN_HD T compaction(const HenckyStrain<T, d>& e, const History& history) const;
 };
 

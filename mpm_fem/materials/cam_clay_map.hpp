@@ -7,7 +7,8 @@
 
 namespace elastogen {
 
-/// The mean x of b_i = rho_i + x with product 1, rho free of trace: the strain of that shear.
+/// The mean x for which b_i = rho_i + x have product 1, rho free of trace: b is the strain of that
+/// shear.
 template <int d, class T>
 ELASTOGEN_HD inline T mean_of_unit_product(const T rho[3]) {
   if constexpr (d == 2) return square_root(1 + rho[0] * rho[0]);
@@ -36,14 +37,14 @@ ELASTOGEN_HD inline Returned<T> snow_inside(const HenckyStrain<T, d>& e, const S
   if constexpr (kTangent)
     for (int i = 0; i < d; ++i)
       for (int j = 0; j < d; ++j) {
-        // J dp/dJ, and 2 A between two projections to what is free of trace
+        // J dp/dJ, and 2 A projected to zero trace from both sides
         r.D(i, j) = bulk + 2 * volume.slope + (i == j ? 2 * shear.A[i] : T(0)) -
                     (2 * shear.A[i] + 2 * shear.A[j] - sum) / d;
       }
   return r;
 }
 
-/// From the elastic response with |dev tau| > radius to the ellipse: dev tau keeps its direction nu,
+/// Moves a response with |dev tau| > radius to the ellipse: dev tau keeps its direction nu,
 /// D = k J^2 1 1^T + radius' nu 1^T + radius/|dev tau| (I - nu nu^T) D_dev.
 template <bool kTangent, class T, int d>
 ELASTOGEN_HD inline void project_shear(const HenckyStrain<T, d>& e, const SnowShear<T>& shear,

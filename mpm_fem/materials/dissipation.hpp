@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a step of a plastic law leaves of the work done on a point: elastic energy and plastic work,
-// both per unit of volume before any flow.
+// Elastic energy and plastic work of a point in a step of a plastic law, both per unit of volume
+// before any flow.
 
 #pragma once
 
@@ -15,8 +15,8 @@ struct StepWork {
 
 namespace detail {
 
-/// tau.(e - e'): the work of the stress after the flow; of sand that of the deviator, since what
-/// opens and closes does so without stress.
+/// tau.(e - e'): the work of the stress after the flow. For sand that of the deviator alone, since
+/// opening and closing need no stress.
 template <class L>
 double flow_work(const L& law, const double s[3], const typename L::History& history) {
   constexpr int d = dimension<L>;
@@ -33,8 +33,8 @@ double flow_work(const L& law, const double s[3], const typename L::History& his
 
 }  // namespace detail
 
-/// Of a step that ends at elastic trial stretches s. Laws with an energy: plastic is what the
-/// potential of the step has beyond the elastic energy, exact for linear hardening.
+/// Work in a step that ends at elastic trial stretches s. For laws with an energy the plastic work
+/// is the excess of the step's potential over the elastic energy, exact for linear hardening.
 template <class L>
 StepWork step_work(const L& law, const double s[3], const typename L::History& history) {
   const double psi = law.template response<false>(s, history).psi;

@@ -22,12 +22,12 @@ struct DruckerPrager {
   T cohesion;         ///< Hencky strain of the tip in every direction [-]
   bool keeps_volume;  ///< whether commit remembers the opening
 
-  /// The trace from the tip, with what has to close; the tip bears none above 0.
+  /// The trace from the tip, plus the opening that has to close; a point bears nothing above 0.
   ELASTOGEN_HD T trace(const HenckyStrain<T, d>& e, const History& history) const {
     return e.trace + history.opening - d * cohesion;
   }
 
-  /// Tip, cone or inside; psi is the elastic energy that is left.
+  /// Moves a point to the tip or the cone, or leaves it inside; psi is its elastic energy then.
   template <bool kTangent>
   ELASTOGEN_HD Returned<T> returned(const HenckyStrain<T, d>& e, const History& history) const {
     const T t = trace(e, history), limit = -friction * t;
@@ -52,7 +52,7 @@ struct DruckerPrager {
     return in_stretches(s, returned<kTangent>(hencky_strain<d>(s), history));
   }
 
-  /// Ends a step: what the map leaves, and the opening.
+  /// Ends a step: applies the map and stores the opening.
   ELASTOGEN_HD Returned<T> commit(const HenckyStrain<T, d>& e, History& history) const {
     const Returned<T> r = returned<false>(e, history);
     const T t = trace(e, history);

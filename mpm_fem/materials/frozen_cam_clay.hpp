@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The frozen potential (frozen_potential.hpp) of snow: p0 and the radius of the ellipse are frozen,
 // for d = 3 also the direction n0 of the deviator, along which shear has the energy
-// W0(a) = mu/2 sum (exp(2 a n0_i) - 1). With a linear term l for what is across n0,
+// W0(a) = mu/2 sum (exp(2 a n0_i) - 1). With a linear term l for shear across n0,
 //
 //     psi = U(t) + phi(a) + l.(e - e0).
 //
-// U and phi are the elastic energies up to the tips and to slope kappa, beyond linear: convex in e.
+// U and phi are the elastic energies up to the tips and to slope kappa, and linear beyond. psi is
+// convex in e.
 
 #pragma once
 
@@ -19,7 +20,7 @@ struct FrozenCamClay {
   struct History {
     T e[3] = {}, n[3] = {};        ///< e0, n0
     T across[3] = {};              ///< l [Pa]; 0 with d = 2
-    T most = 0, slope = 0;         ///< where W0' is kappa, and kappa [Pa]
+    T most = 0, slope = 0;         ///< size at which W0' is kappa, and kappa [Pa]
     T compressed = 0, opened = 0;  ///< traces of the tips
   };
   CamClay<T, d> law;
@@ -46,7 +47,7 @@ struct FrozenCamClay {
       along = 0;
       for (int i = 0; i < d; ++i) h.n[i] = e.n[i], along += e.n[i] * elastic.dev[i] / elastic.size;
     } else {
-      h.n[0] = square_root(T(0.5)), h.n[d - 1] = -h.n[0];  // any
+      h.n[0] = square_root(T(0.5)), h.n[d - 1] = -h.n[0];  // any direction
     }
     h.slope = radius * along;
     const auto excess = [&](T size) {

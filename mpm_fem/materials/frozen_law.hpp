@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which frozen potential stands in for a law that has none.
+// The frozen potential that replaces a law without a potential.
 
 #pragma once
 
@@ -24,11 +24,11 @@ struct FrozenOf<CamClay<double, d>> {
 
 }  // namespace detail
 
-/// Of a law without an energy (has_energy).
+/// The frozen law of a law without an energy (has_energy).
 template <class L>
 using FrozenLaw = typename detail::FrozenOf<L>::Law;
 
-/// What was frozen at a point whose law is one of PointLaw<d>; empty where that has an energy.
+/// Frozen data of a point whose law is one of PointLaw<d>; empty if that has an energy.
 template <int d>
 using FrozenPoint = std::variant<std::monostate, typename FrozenDruckerPrager<double, d>::History,
                                  typename FrozenCamClay<double, d>::History>;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Potentials of laws that have none: what keeps tau from being a gradient is frozen at a state, so
-// that grad psi is the law's projected stress there (the idea of PlasticityNet, Li et al. 2022,
-// whose potential is learned). A frozen potential is a law whose history is what was frozen; its
-// commit changes nothing, since the step ends with the true law.
+// Potentials for laws that have none: the variables that keep tau from being a gradient are frozen
+// at a state, so that grad psi is the law's projected stress there (the idea of PlasticityNet, Li
+// et al. 2022, whose potential is learned). A frozen potential is a law whose history is the frozen
+// data; its commit changes nothing, since the step ends with the true law.
 
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace elastogen {
 
-/// mu a^2 up to the size where its slope is `limit`, beyond on with that slope. Returns the value.
+/// mu a^2 up to the size where its slope is `limit`, then on with that slope. Returns the value.
 template <class T>
 ELASTOGEN_HD inline T capped_shear(T size, T mu, T limit, RadialStress<T>& stress) {
   const bool slides = 2 * mu * size > limit;
@@ -20,7 +20,7 @@ ELASTOGEN_HD inline T capped_shear(T size, T mu, T limit, RadialStress<T>& stres
   return slides ? limit * (size - limit / (4 * mu)) : mu * size * size;
 }
 
-/// Sand with the radius of its cone frozen, and what has to close:
+/// Sand with the radius of its cone and the opening frozen:
 ///     psi = k/2 min(t, 0)^2 + mu a^2, linear in a beyond radius/(2 mu)
 /// with t the trace from the tip. Convex in e.
 template <class T, int d = 3>
@@ -28,7 +28,7 @@ struct FrozenDruckerPrager {
   using Real = T;
   struct History {
     T radius = 0;   ///< |dev tau| [Pa]
-    T opening = 0;  ///< as of DruckerPrager [-]
+    T opening = 0;  ///< as in DruckerPrager [-]
   };
   DruckerPrager<T, d> law;
 
@@ -57,7 +57,7 @@ struct FrozenDruckerPrager {
   ELASTOGEN_HD void commit(T*, const History&) const {}
 };
 
-/// Any law with a map:
+/// The quadratic potential of any law with a map:
 ///     psi = tau0.(e - e0) + (e - e0).S (e - e0)/2
 /// with S the positive semi-definite part of the symmetric part of D at e0.
 template <class Law, int d = 3>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the metals share: von Mises' radius grows with the flow that they remember.
+// Shared by the metals: von Mises' radius, which grows with the flow so far.
 
 #pragma once
 
@@ -7,13 +7,13 @@
 
 namespace elastogen {
 
-/// What a metal remembers: its flow, the sum of |plastic strain increment| [-].
+/// History of a metal: its flow, the sum of |plastic strain increment| [-].
 template <class T>
 struct FlowHistory {
   T flow = 0;
 };
 
-/// Ends the step of a metal: what its map leaves; what the deviator lost is flow.
+/// Ends the step of a metal: applies its map, and adds the deviator that it removes to the flow.
 template <int d, class Law, class T>
 ELASTOGEN_HD inline Returned<T> commit_flow(const Law& law, const HenckyStrain<T, d>& e,
                                             FlowHistory<T>& history) {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Metal: neo-Hookean elasticity mu/2 (tr b - d) - mu ln J + lambda/2 ln^2 J with von Mises' bound on
-// |dev tau| and linear hardening. The strain goes back along the line of its deviator, t n fixed,
-// as PlasticityNet's does (Li et al. 2022): to the size s with
+// Metal: neo-Hookean elasticity mu/2 (tr b - d) - mu ln J + lambda/2 ln^2 J with von Mises' bound
+// on |dev tau| and linear hardening. As in PlasticityNet (Li et al. 2022), the strain returns along
+// its deviator, with t and n fixed, to the size s with
 //
 //     mu exp(2t/d) |dev exp(2 s n)| = radius + H (flow + a - s),
 //
-// whose left side grows from 0 with s, so that there is one. For d = 2 the line is the associated
-// flow and psi a potential; for d = 3 the tangent is not symmetric by about a hundredth.
+// The left side grows from 0 with s, so there is one s. For d = 2 this is the associated flow and
+// psi a potential; for d = 3 the tangent is not symmetric, by about a hundredth.
 
 #pragma once
 
@@ -15,13 +15,13 @@
 
 namespace elastogen {
 
-/// Of a strain: A = mu b, dev and mean of A - mu with |dev|, and the energy density.
+/// Stress of a strain: A = mu b, dev and mean of A - mu with |dev|, and the energy density.
 template <class T>
 struct NeoHookeanStress {
   T A[3] = {}, dev[3] = {}, size = 0, mean = 0, energy = 0;
 };
 
-/// Of the strain (trace/d) 1 + x, x free of trace.
+/// The stress of the strain (trace/d) 1 + x, x free of trace.
 template <int d, class T>
 ELASTOGEN_HD inline NeoHookeanStress<T> neo_hookean_stress(T trace, const T x[3], T mu, T lambda) {
   const T growth = std::expm1(2 * trace / d), scale = mu * (1 + growth);  // J^(2/d) - 1
@@ -45,7 +45,7 @@ struct NeoVonMises {
   T mu, lambda;         ///< [Pa]
   T radius, hardening;  ///< |dev tau| <= radius + hardening flow [Pa]
 
-  /// Of the strain with size s along the line.
+  /// The stress of the strain whose deviator is s n.
   ELASTOGEN_HD NeoHookeanStress<T> stress(const HenckyStrain<T, d>& e, T s) const {
     T x[3] = {};
     set_strain<d>(T(0), s, e.n, x);
@@ -67,8 +67,8 @@ struct NeoVonMises {
     return increasing_root(excess, T(0), e.size, smaller(e.size, T(limit / (2 * mu * scale))));
   }
 
-  /// D = dtau/de with s = size_after: with g the gradient of |dev tau| in the strain after the map,
-  /// and Q what that strain does where s stays, ds = (H n - Q g).de/(g.n + H).
+  /// D = dtau/de with s = size_after. With g the gradient of |dev tau| in the strain after the map,
+  /// and Q the derivative of that strain at fixed s, ds = (H n - Q g).de/(g.n + H).
   ELASTOGEN_HD void set_plastic_tangent(const HenckyStrain<T, d>& e, T s,
                                         const NeoHookeanStress<T>& b, Returned<T>& r) const {
     T g[3], ds[3] = {}, along = hardening;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the return maps of isotropic plasticity share. In the first d principal directions the
-// Hencky strain e = ln s of the elastic trial splits into trace t and deviator a n, |n| = 1; a map
-// gives from it the elastic strain after the step and Kirchhoff's stress tau with D = dtau/de. With
-// d = 3 also plane strain; with d = 2 stretch and stress out of the plane, the third, take no part.
+// Shared by the return maps of isotropic plasticity. In the first d principal directions the Hencky
+// strain e = ln s of the elastic trial splits into trace t and deviator a n, |n| = 1. From it a map
+// gives the elastic strain after the step and Kirchhoff's stress tau with D = dtau/de. d = 3
+// includes plane strain; with d = 2 stretch and stress out of the plane, the third, are left out.
 
 #pragma once
 
@@ -12,13 +12,13 @@
 
 namespace elastogen {
 
-/// e = (trace/d) 1 + size n; n = 0 where the deviator is.
+/// e = (trace/d) 1 + size n; n = 0 if the deviator is 0.
 template <class T, int d>
 struct HenckyStrain {
   T e[3] = {}, n[3] = {}, trace = 0, size = 0;
 };
 
-/// Where a map leaves a point. What has an energy has it per unit of volume before any flow.
+/// The result of a map at a point. Energies are per unit of volume before any flow.
 template <class T>
 struct Returned {
   T e[3] = {};     ///< elastic Hencky strain
@@ -27,7 +27,8 @@ struct Returned {
   Mat3<T> D = {};  ///< dtau/de [Pa]; filled only if asked for
 };
 
-/// tau = mean 1 + shear n of laws that see trace and size alone, with both derivatives of each.
+/// tau = mean 1 + shear n of laws that depend on trace and size alone, with both derivatives of
+/// each.
 template <class T>
 struct RadialStress {
   T mean, mean_trace, mean_size, shear, shear_trace, shear_size;
@@ -43,7 +44,7 @@ ELASTOGEN_HD inline HenckyStrain<T, d> split_strain(const T e[3]) {
   return r;
 }
 
-/// Of stretches s; below 0.1 the logarithm goes on as in the elastic laws.
+/// Hencky strain of stretches s; below 0.1 the logarithm is continued as in the elastic laws.
 template <int d, class T>
 ELASTOGEN_HD inline HenckyStrain<T, d> hencky_strain(const T s[3]) {
   T e[3] = {};
@@ -51,8 +52,8 @@ ELASTOGEN_HD inline HenckyStrain<T, d> hencky_strain(const T s[3]) {
   return split_strain<d>(e);
 }
 
-/// Writes the stretches whose Hencky strains are `after`, of numbers or packs; those that stay are
-/// left to the bit.
+/// Writes the stretches, numbers or packs, whose Hencky strains are `after`; stretches whose strain
+/// does not change keep their bits.
 template <int d, class T>
 ELASTOGEN_HD inline void set_stretches(const T before[3], const T after[3], T s[3]) {
   constexpr auto kStart = Scalar<T>(0.1), kLogStart = Scalar<T>(-2.302585092994045684);
@@ -102,7 +103,7 @@ ELASTOGEN_HD inline NonsymmetricResponse<T> in_stretches(const T s[3], const Ret
   return from_log_strain(s, r.psi, r.tau, r.D);
 }
 
-/// The same of a map that has a potential, psi.
+/// in_stretches for a map that has a potential, psi.
 template <class T>
 ELASTOGEN_HD inline Response<T> symmetric_in_stretches(const T s[3], const Returned<T>& r) {
   const NonsymmetricResponse<T> full = in_stretches(s, r);
@@ -121,8 +122,8 @@ struct ValueAndSlope {
   T value, slope;
 };
 
-/// The root of an increasing function that has one in [lower, upper]: Newton's steps from x, halves
-/// of the bracket where they leave it.
+/// The root of an increasing function that has one in [lower, upper]: Newton's steps from x, or the
+/// middle of the bracket where a step leaves it.
 /// @param f  f(x) gives ValueAndSlope
 template <class T, class F>
 ELASTOGEN_HD inline T increasing_root(const F& f, T lower, T upper, T x) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a body is made of: an elastic material that may yield, and its law at a point.
+// The material of a body, elastic or yielding, and its law at a point.
 
 #pragma once
 
@@ -16,8 +16,8 @@ namespace elastogen {
 /// When a solid yields; none: it is elastic.
 using Yield = std::variant<std::monostate, MetalYield, SandYield, SnowYield>;
 
-/// The elastic law of sand and metal is Hencky's, of snow the decoupled neo-Hookean one of
-/// cam_clay.hpp, whatever `elastic` says; of metal with Law::kNeoHookean that one.
+/// The elastic law of sand and metal is Hencky's, that of snow the decoupled neo-Hookean one of
+/// cam_clay.hpp, for any law of `elastic`; a metal with Law::kNeoHookean has that law.
 struct Solid {
   Material elastic;
   Yield yield = {};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// All named materials, elastic ones and those that yield, and the words that change one.
+// All named materials, elastic ones and those that yield, and measures of their yield.
 
 #pragma once
 
@@ -12,18 +12,18 @@ namespace elastogen {
 
 struct SolidPreset {
   Solid solid;
-  const char* kind;    ///< as of MaterialPreset
+  const char* kind;    ///< as in MaterialPreset
   const char* source;  ///< where the numbers come from
 };
 
 /// The preset of that name. @throws Error naming the known ones.
 SolidPreset solid_preset(std::string_view name);
 
-/// What it does beyond its elastic range: "elastic", "metal", "sand" or "snow".
+/// Behaviour beyond the elastic range: "elastic", "metal", "sand" or "snow".
 const char* yield_name(const Yield& yield);
 
-/// Whether a body of it falls apart into grains: sand, and snow whose strength in tension beta p0 is
-/// below 10 kPa.
+/// Whether a body falls apart into grains: one of sand, or of snow whose strength in tension beta
+/// p0 is below 10 kPa.
 bool is_granular(const Yield& yield);
 
 /// M = 6 sin/(3 - sin) of a friction angle [rad]: the slope of the critical state of snow.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// When solids yield, as experiments say it. The yield surfaces bound the radius |dev tau|, where
-// an experiment pulls a bar: with q = sqrt((6-d)/2) |dev tau| a bar in d dimensions has q = sigma.
+// The yield limits of solids, in the numbers that experiments give. The yield surfaces bound the
+// radius |dev tau|, while an experiment pulls a bar: with q = sqrt((6-d)/2) |dev tau| a bar in d
+// dimensions has q = sigma.
 
 #pragma once
 
@@ -22,7 +23,7 @@ struct MetalYield {
 struct SandYield {
   double friction = 0.5236;  ///< angle of triaxial compression [rad], in [0, pi/2)
   double cohesion = 0;       ///< the Hencky strain in every direction that it bears [-], >= 0
-  bool keeps_volume = true;  ///< whether what opens has to close before it bears again
+  bool keeps_volume = true;  ///< whether an opening has to close before the sand bears again
 
   friend bool operator==(const SandYield&, const SandYield&) = default;
 };

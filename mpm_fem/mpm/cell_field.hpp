@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Fields of the 3^d nodes around a cell at points in it, one axis after the other.
 //
-// With s in [-1/2, 1/2) from the middle node in h and l_0 = 1/2 - s, l_2 = 1/2 + s the splines of an
-// axis are w_0 = l_0^2/2, w_2 = l_2^2/2, w_1 = 1 - w_0 - w_2. So with e_0 = v_0 - v_1, e_2 = v_2 - v_1
+// s in [-1/2, 1/2) is the distance from the middle node over h. With l_0 = 1/2 - s, l_2 = 1/2 + s
+// the splines of an axis are w_0 = l_0^2/2, w_2 = l_2^2/2, w_1 = 1 - w_0 - w_2. So with e_0 = v_0 -
+// v_1, e_2 = v_2 - v_1
 //
 //     sum w_i v_i = v_1 + w_0 e_0 + w_2 e_2,   h sum w_i' v_i = l_2 e_2 - l_0 e_0,
-//     4/h sum w_i v_i (x_i - x) = the same + 2 s l_0 l_2 (e_0 + e_2).
+//     4/h sum w_i v_i (x_i - x) = h sum w_i' v_i + 2 s l_0 l_2 (e_0 + e_2).
 
 #pragma once
 
@@ -20,7 +21,7 @@ struct FieldPack {
   Mat3<T> G = {}, C = {};
 };
 
-/// Where points of a cell are along each axis.
+/// Positions of points of a cell along each axis.
 template <int d, class T>
 struct CellPoint {
   T w[d][2], l[d][2], bend[d];
@@ -35,7 +36,7 @@ struct CellPoint {
       bend[a] = 2 * s * l[a][0] * l[a][1];
     }
   }
-  /// Of v_0 - v_1, v_1, v_2 - v_1 along axis a.
+  /// Value from v_0 - v_1, v_1, v_2 - v_1 along axis a.
   template <class V>
   T value(int a, const V* c) const {
     return c[1] + (w[a][0] * c[0] + w[a][1] * c[2]);

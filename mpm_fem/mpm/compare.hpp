@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// How much two clouds of particles have in common, by the mass that both bring to the nodes of one
-// grid. With A_i and B_i the masses of node i
+// Likeness of two clouds of particles, by the mass that both bring to the nodes of one grid. With
+// A_i and B_i the masses of node i
 //
 //     iou_weighted = sum min(A, B) / sum max(A, B),
 //     iou_binary   = nodes with more than a tenth of a full node's mass in both / in one of them,
 //     iou_soft     = I/(U - I),  I = sum A B/(max A max B),  U = sum A/max A + B/max B.
 //
-// The first two are 1 for the same cloud. The third, which PlasticityNet (Li et al. 2022) cites from
-// Huang et al. 2021, is not, so that it is also given over sqrt of what each has with itself.
+// The first two are 1 for equal clouds. The third, which PlasticityNet (Li et al. 2022) cites from
+// Huang et al. 2021, is not. So it is also given over the root of its values for each cloud with
+// itself.
 
 #pragma once
 

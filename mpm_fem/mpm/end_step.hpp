@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The end of a step at the particles of a pack: laws are asked once, for strain and stress.
+// The end of a step at the particles of a pack: laws are evaluated once, for strain and stress.
 
 #pragma once
 
@@ -13,8 +13,8 @@ struct Ended {
   T stretch[3], tau[3];
 };
 
-/// Of the lanes [first, last) of a law that flows: strain and stretches in packs, the map lane by
-/// lane; writes the histories.
+/// Ends the step of lanes [first, last) with a law that flows: strain and stretches in packs, the
+/// map lane by lane. Writes the histories.
 template <int d, class T, class L>
 void end_lanes(const L& law, const int32_t* particle, int first, int last, const T sigma[3],
                Array<double>& history, Ended<T>& r) {
@@ -48,7 +48,7 @@ void end_lanes(const ElasticLaw<double>& law, const int32_t*, int first, int las
     }
 }
 
-/// Of the lanes of a pack from `begin` on, solid by solid.
+/// Ends the step of the lanes of a pack from `begin` on, solid by solid.
 template <int d, class T>
 Ended<T> ended(const std::vector<PointLaw<d>>& laws, const CellPack& pack, int begin,
                const T sigma[3], Particles& p) {
@@ -65,9 +65,8 @@ Ended<T> ended(const std::vector<PointLaw<d>>& laws, const CellPack& pack, int b
   return r;
 }
 
-/// Ends a step at the particles of a pack from the lane `begin` on: the trial F becomes elastic,
-/// history and stress those after the step; the stress is Kirchhoff's, U diag(tau) U^T of the
-/// trial.
+/// Ends a step at the particles of a pack from the lane `begin` on: stores elastic F, history and
+/// Kirchhoff's stress after the step, U diag(tau) U^T with U of the trial F.
 template <int d, class T>
 void end_step(const std::vector<PointLaw<d>>& laws, const CellPack& pack, int begin,
               const Mat3<T>& trial, Particles& p) {
@@ -77,7 +76,7 @@ void end_step(const std::vector<PointLaw<d>>& laws, const CellPack& pack, int be
   T stress[6] = {};
   for (int k = 0; k < 6; ++k)
     for (int i = 0; i < 3; ++i) stress[k] += svd.U(kRow[k], i) * end.tau[i] * svd.U(kColumn[k], i);
-  // where no stretch changed the trial stays to the bit
+  // where no stretch changed the trial keeps its bits
   auto flows = end.stretch[0] != svd.sigma[0];
   for (int i = 1; i < d; ++i) flows |= end.stretch[i] != svd.sigma[i];
   Mat3<T> F = trial;

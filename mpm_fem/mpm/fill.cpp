@@ -10,7 +10,7 @@
 namespace elastogen::mpm {
 namespace {
 
-/// The next of a sequence of numbers that look random (splitmix64 of Steele et al. 2014), in [0, 1).
+/// The next of a sequence of pseudo-random numbers (splitmix64 of Steele et al. 2014), in [0, 1).
 double next_number(uint64_t& state) {
   uint64_t z = state += 0x9e3779b97f4a7c15u;
   z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
@@ -18,7 +18,7 @@ double next_number(uint64_t& state) {
   return double((z ^ z >> 31) >> 11) * 0x1p-53;
 }
 
-/// Middle of a voxel's fill, in its edges from corner 0.
+/// Middle of a voxel's fill from corner 0, over the edge.
 Vec3 middle_of_fill(const VoxelGrid& grid, int64_t voxel) {
   Vec3 middle = {};
   for (int c = 0; c < 8; ++c)
@@ -27,7 +27,7 @@ Vec3 middle_of_fill(const VoxelGrid& grid, int64_t voxel) {
   return middle;
 }
 
-/// The parts of a voxel, those next to a place first.
+/// The parts of a voxel, sorted by their distance from a place.
 std::vector<Vec3> parts_from(const Vec3& place, int per_edge) {
   std::vector<Vec3> parts;
   for (int k = 0; k < per_edge * per_edge * per_edge; ++k)
@@ -61,6 +61,7 @@ Filled fill_body(const VoxelGrid& grid, In<int32_t> material, const std::vector<
                  const FillOptions& options) {
   check_options(options);
   const double cube = grid.h * grid.h * grid.h;
+  // count of particles of each voxel
   double volume = 0;
   std::vector<int64_t> first(size_t(grid.voxel_count()) + 1);
   for (int64_t v = 0; v < grid.voxel_count(); ++v) {
@@ -71,12 +72,14 @@ Filled fill_body(const VoxelGrid& grid, In<int32_t> material, const std::vector<
   Filled result{particles_at(Array<double>(first.back(), 3), 1, 0, 1),
                 Array<int32_t>(first.back())};
   Particles& p = result.particles;
+  // parts next to the middle of the fill
   for_each(grid.voxel_count(), [&](int64_t v) {
     const int64_t count = first[size_t(v) + 1] - first[size_t(v)];
     const std::vector<Vec3> parts = parts_from(middle_of_fill(grid, v), options.per_edge);
     uint64_t random = options.seed;
     for (int a = 0; a < 3; ++a)
       random = random * 0x100000001b3u + uint64_t(uint32_t(grid.voxel_coord(v, a)));
+    // at random in their parts, with equal shares of the volume
     for (int64_t k = 0; k < count; ++k) {
       const int64_t at = first[size_t(v)] + k;
       for (int a = 0; a < 3; ++a) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The potentials of the particles of a pack: that of their law, or where it has none the one frozen
-// at a state (frozen_law.hpp).
+// The potentials of the particles of a pack: that of the law or, if it has none, the one that is
+// frozen at a state (frozen_law.hpp).
 
 #pragma once
 
@@ -25,7 +25,7 @@ void freeze(const std::vector<PointLaw<d>>& laws, const Particles& p, const Cell
   }
 }
 
-/// As respond, of the potentials. @return psi [J/m^3]
+/// As respond of pack_laws.hpp, with these potentials. @return psi [J/m^3]
 template <bool kTangent, int d>
 Eight respond(const std::vector<PointLaw<d>>& laws, const Particles& p,
               const std::vector<FrozenPoint<d>>& frozen, const CellPack& pack, const Eight sigma[3],
@@ -36,11 +36,13 @@ Eight respond(const std::vector<PointLaw<d>>& laws, const Particles& p,
   for (int lane = 0; lane < pack.count; ++lane) {
     const int32_t k = pack.particle[lane];
     const double s[3] = {sigma[0][lane], sigma[1][lane], sigma[2][lane]};
+    // puts the response of a law into the lane
     const auto take = [&](const Response<double>& r) {
       psi[lane] = r.psi;
       for (int i = 0; i < 3; ++i) t[i][lane] = r.t[i];
       if constexpr (kTangent) set_lane(lane, derivative(r), *D);
     };
+    // the law's own potential, or the frozen one
     std::visit(
         [&]<class L>(const L& law) {
           if constexpr (has_energy<L>) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the particles of a pack have, in packs.
+// Values of the particles of a pack, in packs.
 
 #pragma once
 
@@ -18,7 +18,7 @@ T row_lanes(In<double> rows, const CellPack& pack, int k, int begin = 0) {
     value[lane] = rows(pack.particle[begin + lane], k);
   return value;
 }
-/// The same, 0 beyond the count: for what is summed.
+/// row_lanes with 0 beyond the count, for sums.
 template <class T = Eight>
 T counted_lanes(In<double> rows, const CellPack& pack, int k, int begin = 0) {
   T value = row_lanes<T>(rows, pack, k, begin);
@@ -44,7 +44,7 @@ Mat3<T> part(const Mat3<Eight>& all, int begin) {
   return value;
 }
 
-/// Asks for the rows of the particles of pack k, which need not lie together, before they are used.
+/// Prefetches the rows of the particles of pack k, which need not lie together.
 template <int d, class... Rows>
 void fetch_ahead(const ParticleGrid<d>& g, size_t k, const Rows&... rows) {
   if (k >= g.packs().size()) return;

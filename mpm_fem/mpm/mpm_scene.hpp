@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the particle integrators are given.
+// The scene of the particle integrators.
 
 #pragma once
 
@@ -12,9 +12,9 @@ namespace elastogen::mpm {
 
 /// How particles get their velocity from the nodes, v_i after a step and v_i^n before it. kApic:
 /// v = sum w v_i with the affine part C = 4/h^2 sum w v_i (x_i - x)^T (Jiang et al. 2015). kBlend:
-/// of both parts what the grid smoothed away comes back, with the share 1 - dt/blend_time, so that
-/// the smoothing does not depend on the step. kRpic: of C the antisymmetric part only. kFlip: the
-/// change of the nodes' velocity, with `flip` of the particles' own.
+/// kApic plus the share 1 - dt/blend_time of the velocity and of C that the grid smoothed away, so
+/// that the smoothing does not depend on the step. kRpic: the antisymmetric part of C only. kFlip:
+/// v = sum w v_i plus the share `flip` of the velocity that the grid smoothed away, without C.
 enum class Transfer : uint8_t { kApic, kBlend, kRpic, kFlip };
 
 struct TransferOptions {
@@ -29,7 +29,7 @@ struct MpmScene {
   Vec3 gravity = {};  ///< [m/s^2]
   std::vector<Solid> solids;
   std::vector<Wall> walls;
-  double dt = 1e-3;  ///< from transfer to transfer [s]
+  double dt = 1e-3;  ///< from one transfer to the next [s]
   TransferOptions transfer = {};
 };
 

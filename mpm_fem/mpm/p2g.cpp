@@ -21,6 +21,7 @@ void add_pack(const ParticleGrid<d>& grid, const CellPack& pack, const Particles
   const Spline<d, T> s = spline<d>(x, pack.base, grid.h());
   const T m = counted_lanes<T>(p.mass, pack, 0);
   T v[d], u[d][d][3], impulse[6] = {};
+  // impulse of the stress
   if (dt != 0) {
     const T volume = -dt * counted_lanes<T>(p.volume, pack, 0);
     for (int e = 0; e < 6; ++e) impulse[e] = volume * row_lanes<T>(p.stress, pack, e);
@@ -32,6 +33,7 @@ void add_pack(const ParticleGrid<d>& grid, const CellPack& pack, const Particles
       for (int i = 0; i < 3; ++i)
         u[a][b][i] = slope * (s.w[b][i] * s.r[b][i]) + impulse[kStress[a][b]] * s.g[b][i];
     }
+  // axis by axis into momentum and mass of the nodes
   for (int k = 0; k < kPlanes; ++k) {
     T plane[3];
     for (int a = 0; a < d; ++a) plane[a] = d == 3 ? v[a] * s.w[d - 1][k] + u[a][d - 1][k] : v[a];
@@ -57,6 +59,7 @@ template <int d>
 NodeMotion particles_to_grid(const ParticleGrid<d>& grid, const Particles& p,
                              Zeroed<double>& scratch, double dt) {
   Array<double> sums(grid.nodes(), kFour);  // momentum and mass
+  // sums over the particles, tile by tile
   add_tiles<d, kFour>(grid, scratch, sums, [&](int64_t b, double* tile) {
     for (int64_t k = grid.first_pack(b); k < grid.first_pack(b + 1); ++k) {
       const CellPack& pack = grid.packs()[size_t(k)];
@@ -66,6 +69,7 @@ NodeMotion particles_to_grid(const ParticleGrid<d>& grid, const Particles& p,
                          : add_pack<d, HalfPack>(grid, pack, p, dt, tile);
     }
   });
+  // nodes with next to no mass do not move
   const double total = ordered_sum(p.count(), [&](int64_t begin, int64_t end) {
     double sum = 0;
     for (int64_t k = begin; k < end; ++k) sum += p.mass(k);

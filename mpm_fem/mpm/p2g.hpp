@@ -13,8 +13,8 @@ struct NodeMotion {
   Array<double> velocity;  ///< v_i = sum w m (v + C (x_i - x)) / m_i [m/s], (nodes, 3)
 };
 
-/// Nodes whose mass is below 1e-12 of a particle's mean stay with velocity and mass 0.
-/// @param dt  velocities are those after the particles' stress has acted so long [s]
+/// Nodes with a mass below 1e-12 of a particle's mean have velocity and mass 0.
+/// @param dt  time for which the particles' stress has acted on the velocities [s]
 template <int d>
 NodeMotion particles_to_grid(const ParticleGrid<d>& grid, const Particles& particles,
                              Zeroed<double>& scratch, double dt = 0);

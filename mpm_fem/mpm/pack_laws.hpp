@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The laws of the particles of a pack: each lane has its own, stretches and rotations are worked on
-// at once.
+// The laws of the particles of a pack: each lane has its own law; stretches and rotations are found
+// for all lanes at once.
 
 #pragma once
 
@@ -25,7 +25,7 @@ void respond(const std::vector<PointLaw<d>>& laws, const Particles& p, const Cel
   for (int lane = 0; lane < kLanes; ++lane) {
     const int32_t k = pack.particle[lane];
     const double s[3] = {sigma[0][lane], sigma[1][lane], sigma[2][lane]};
-    if (lane >= pack.count) {  // finite, and no more
+    if (lane >= pack.count) {  // finite, nothing more is needed
       for (int i = 0; i < 3; ++i) t[i][lane] = 0;
       if constexpr (kTangent) set_lane(lane, {}, *D);
       continue;
@@ -46,10 +46,11 @@ inline PrincipalHessian<Eight, Mat3<Eight>> hessian_lanes(const Eight sigma[3], 
   return principal_hessian(sigma, NonsymmetricResponse<Eight>{{}, {t[0], t[1], t[2]}, D});
 }
 
-/// A symmetric, positive stand-in for dP/dF of a plastic law: of the coupling of volume and shear in
-/// dtau/de it keeps what is mutual. What makes the strength follow the pressure, but not the pressure
-/// the shear, is left out: it is nilpotent, so that the stand-in's inverse times the true tangent has
-/// the eigenvalues 1, which its symmetric part would not give.
+/// A symmetric, positive substitute for dP/dF of a plastic law. Of the coupling of volume and shear
+/// in dtau/de it keeps the mutual part. The one-sided part, by which the strength follows the
+/// pressure but the pressure not the shear, is left out. That part is nilpotent, so that the
+/// inverse of the substitute times the true tangent has the eigenvalues 1, which the symmetric part
+/// of the tangent would not give.
 template <int d>
 PrincipalHessian<Eight> frozen_hessian(const Eight s[3], const Eight t[3],
                                        PrincipalHessian<Eight, Mat3<Eight>> h) {

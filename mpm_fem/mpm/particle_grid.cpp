@@ -29,7 +29,7 @@ std::array<int32_t, 3> block_place(uint64_t key) {
   return b;
 }
 
-/// The key of the n-th block above (way = 1) or below (-1), bit a of n the step along axis a.
+/// The key of the n-th block above (way = 1) or below (-1); bit a of n is the step along axis a.
 uint64_t shifted(uint64_t key, int n, int way) {
   const std::array<int32_t, 3> at = block_place(key);
   const int64_t to[3] = {at[0] + way * (n & 1), at[1] + way * (n >> 1 & 1), at[2] + way * (n >> 2)};
@@ -78,9 +78,10 @@ void ParticleGrid<d>::check_places(In<double> x) const {
                 ErrorKind::kResources);
 }
 
-/// Puts those that left their cells into their new places among the others, which stay in order.
+/// Sorts the particles that left their cells in among the others, which stay in order.
 template <int d>
 void ParticleGrid<d>::sort_moved(In<double> x) {
+  // with a new count of particles all have moved
   if (int64_t(key_.size()) != x.rows) {
     key_.assign(size_t(x.rows), ~uint64_t(0));
     order_.resize(size_t(x.rows));
@@ -92,6 +93,7 @@ void ParticleGrid<d>::sort_moved(In<double> x) {
     moved[size_t(p)] = key != key_[size_t(p)];
     key_[size_t(p)] = key;
   });
+  // particles that stayed, and those that left
   const auto groups =
       grouped(x.rows, 2, [&](int64_t k) { return int64_t(moved[size_t(order_[size_t(k)])]); });
   if (groups[1].empty()) return;
@@ -102,6 +104,7 @@ void ParticleGrid<d>::sort_moved(In<double> x) {
   for_each(int64_t(stayed.size()),
            [&](int64_t k) { stayed[size_t(k)] = order_[size_t(groups[0][size_t(k)])]; });
   for (size_t k = 0; k < left.size(); ++k) left[k] = order_[size_t(groups[1][k])];
+  // sort the latter, and merge
   parallel_sort(left.begin(), left.end(), before);
   std::merge(stayed.begin(), stayed.end(), left.begin(), left.end(), order_.begin(), before);
 }
@@ -117,7 +120,7 @@ void ParticleGrid<d>::find_blocks() {
   for_each(blocks(), [&](int64_t b) { block_[size_t(b)] = block_of(begins[size_t(b)]); });
 }
 
-/// Where the pack that begins at place k of the order ends.
+/// The end of the pack that begins at place k of the order.
 template <int d>
 int64_t ParticleGrid<d>::pack_end(int64_t k, int64_t end) const {
   const auto key = [&](int64_t at) { return key_[size_t(order_[size_t(at)])]; };
@@ -128,6 +131,7 @@ int64_t ParticleGrid<d>::pack_end(int64_t k, int64_t end) const {
 
 template <int d>
 void ParticleGrid<d>::make_packs(In<double> x) {
+  // count of packs of each block
   std::vector<int64_t> packs(block_.size());
   for_each(
       blocks(),
@@ -139,6 +143,7 @@ void ParticleGrid<d>::make_packs(In<double> x) {
   first_pack_.resize(size_t(blocks() + 1));
   exclusive_sum(packs.data(), blocks(), first_pack_.data());
   packs_.resize(size_t(first_pack_.back()));
+  // their cell, particles and places
   run_tasks(blocks(), [&](int64_t b) {
     const std::array<int32_t, 3> from = corner(b);
     CellPack* pack = packs_.data() + first_pack(b);
@@ -157,7 +162,7 @@ void ParticleGrid<d>::make_packs(In<double> x) {
   });
 }
 
-/// Which places of its tile a block's particles touch.
+/// Marks the places of the tiles that particles touch.
 template <int d>
 void ParticleGrid<d>::mark_tiles() {
   touched_.assign(size_t(blocks() * kTile), 0);
@@ -171,10 +176,11 @@ void ParticleGrid<d>::mark_tiles() {
   });
 }
 
-/// Numbers the nodes in the order of the blocks that own them; those of a block's upper faces belong
-/// to blocks that may have no particles.
+/// Numbers the nodes in the order of the blocks that own them. Nodes on a block's upper faces
+/// belong to other blocks, which may have no particles.
 template <int d>
 void ParticleGrid<d>::number_nodes() {
+  // blocks that own nodes
   std::vector<uint64_t> key;
   key.reserve(size_t(blocks() * kNeighbours));
   for (const uint64_t own : block_)
@@ -182,6 +188,7 @@ void ParticleGrid<d>::number_nodes() {
   parallel_sort(key.begin(), key.end());
   key.erase(std::unique(key.begin(), key.end()), key.end());
 
+  // count of their nodes and of the sources of these
   std::vector<Owner> owners(key.size());
   const auto count = int64_t(key.size());
   std::vector<int64_t> nodes(key.size()), sources(key.size());
@@ -192,6 +199,7 @@ void ParticleGrid<d>::number_nodes() {
         count_nodes(owners[size_t(o)], nodes[size_t(o)], sources[size_t(o)]);
       },
       16);
+  // numbers by prefix sums, then nodes and sources block by block
   std::vector<int64_t> first_node(key.size() + 1), first_source(key.size() + 1);
   exclusive_sum(nodes.data(), count, first_node.data());
   exclusive_sum(sources.data(), count, first_source.data());

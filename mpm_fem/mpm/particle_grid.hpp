@@ -2,8 +2,8 @@
 // The nodes around particles, in blocks of 4^d cells, and which particles are in which block.
 //
 // Particles of a block see a tile of 6^d nodes. Sums of particles into nodes go tile by tile, and a
-// node adds the sums of its tiles in the order of the blocks; particles of a block are taken cell by
-// cell, within a cell by number. So every run gives the same bits on any number of threads.
+// node adds the sums of its tiles in the order of the blocks. Particles of a block are summed cell
+// by cell, within a cell by number. So every run gives the same bits on any number of threads.
 
 #pragma once
 
@@ -22,7 +22,7 @@ struct CellPack {
   int32_t particle[kLanes];         ///< lanes beyond count repeat the first
   int32_t count;
   int32_t base[3];  ///< coordinates of their first node in h
-  int32_t place;    ///< of that in the tile
+  int32_t place;    ///< place of this node in the tile
 };
 
 template <int d>
@@ -47,7 +47,7 @@ class ParticleGrid {
   /// Particles of block b: order()[first(b)] ... order()[first(b + 1) - 1].
   int64_t first(int64_t b) const { return first_[size_t(b)]; }
   const std::vector<int32_t>& order() const { return order_; }
-  /// The same particles in packs: packs()[first_pack(b)] ... packs()[first_pack(b + 1) - 1].
+  /// Packs of block b: packs()[first_pack(b)] ... packs()[first_pack(b + 1) - 1].
   int64_t first_pack(int64_t b) const { return first_pack_[size_t(b)]; }
   const std::vector<CellPack>& packs() const { return packs_; }
 

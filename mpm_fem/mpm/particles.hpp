@@ -43,8 +43,8 @@ struct Momentum {
 /// @param h  grid spacing [m]; the affine part is that of quadratic splines
 Momentum momentum(const Particles& particles, double h);
 
-/// sum m |v|^2/2 + m (h^2/8) |C|^2 [J]: what the particles' motion carries to the grid before its
-/// smoothing.
+/// sum m |v|^2/2 + m (h^2/8) |C|^2 [J]: the energy that particles bring to the grid, before the
+/// grid smooths it.
 double kinetic_energy(const Particles& particles, double h);
 
 }  // namespace elastogen::mpm

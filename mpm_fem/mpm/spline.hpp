@@ -5,7 +5,7 @@
 //     w = 3/4 - t^2 (|t| < 1/2),   (3/2 - |t|)^2/2 (|t| < 3/2),   0 beyond;
 //
 // weights of several directions multiply. They sum to 1, and sum w_i x_i = x, so that affine fields
-// are met exactly; sum w_i (x_i - x)(x_i - x)^T = h^2/4 I.
+// are reproduced exactly; sum w_i (x_i - x)(x_i - x)^T = h^2/4 I.
 
 #pragma once
 
@@ -16,8 +16,8 @@
 
 namespace elastogen::mpm {
 
-/// Weights along each axis for the nodes base, base + 1, base + 2, of a point or of a pack of points
-/// that share these nodes.
+/// Weights along each axis for the nodes base, base + 1, base + 2, of a point or of a pack of
+/// points that share these nodes.
 template <int d, class T = double>
 struct Spline {
   int32_t base[3] = {};
@@ -56,8 +56,8 @@ ELASTOGEN_HD inline Spline<d> spline(const double* x, double h) {
   return spline<d, double>(x, base, h);
 }
 
-/// visit(place, w, g, r) for the 3^d nodes: their place in a tile of that width, weight, gradient
-/// and node - point.
+/// Calls visit(place, w, g, r) for the 3^d nodes: their place in a tile of width kWidth, weight,
+/// gradient and node - point.
 /// @param place  of the first node
 template <int d, int kWidth, class T, class Visit>
 ELASTOGEN_HD inline void for_nodes(const Spline<d, T>& s, int place, const Visit& visit) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sums of particles into nodes and of nodes into particles, tile by tile and in it pack by pack
+// Sums of particles into nodes and of nodes into particles, tile by tile and pack by pack in a tile
 // (particle_grid.hpp).
 
 #pragma once
@@ -14,7 +14,7 @@
 
 namespace elastogen::mpm {
 
-/// A number of each particle of a pack.
+/// One number for each particle of a pack.
 using Eight = Pack<double>;
 template <int d>
 using PackSpline = Spline<d, Eight>;
@@ -45,7 +45,7 @@ void add_sums(const T& a, const T& b, const T& c, const T& d, double* to) {
   std::memcpy(to, &sum, sizeof sum);
 }
 
-/// visit(pack, spline) for the packs of a block; `pack` is the number of grid.packs().
+/// Calls visit(pack, spline) for the packs of a block; `pack` is the index into grid.packs().
 template <int d, class Visit>
 void for_packs(const ParticleGrid<d>& g, int64_t b, const Visit& visit) {
   for (int64_t k = g.first_pack(b); k < g.first_pack(b + 1); ++k) {
@@ -55,14 +55,15 @@ void for_packs(const ParticleGrid<d>& g, int64_t b, const Visit& visit) {
   }
 }
 
-/// visit(at, w, g, r) for the nodes of a pack as for_nodes, `at` their places in the tile.
+/// Calls visit(at, w, g, r) for the nodes of a pack as for_nodes; `at` is their place in the tile.
 template <int d, class Visit>
 void for_pack_nodes(const ParticleGrid<d>& g, int64_t pack, const PackSpline<d>& s,
                     const Visit& visit) {
   for_nodes<d, ParticleGrid<d>::kTileWidth>(s, g.packs()[size_t(pack)].place, visit);
 }
 
-/// Values of the nodes of a block's tile, (kTile, 4), the last 0; all 0 where there is none.
+/// Reads the values of the nodes of a block's tile, (kTile, 4). The fourth number is 0, and all are
+/// 0 where there is no node.
 template <int d>
 void read_tile(const ParticleGrid<d>& g, int64_t b, In<double> nodes, double* tile) {
   const int32_t* node = g.tile(b);
@@ -71,9 +72,9 @@ void read_tile(const ParticleGrid<d>& g, int64_t b, In<double> nodes, double* ti
       tile[kFour * t + a] = node[t] < 0 || a == 3 ? 0 : nodes(node[t], a);
 }
 
-/// fill(block, tile) writes the sums of a block's particles, (kTile, K), into zeros; nodes get
-/// those of their tiles.
-/// @param nodes  (nodes, K), or of the K numbers the first ones
+/// Sums over all particles at the nodes. fill(block, tile) writes the sums of a block's particles,
+/// (kTile, K), into zeros; nodes add those of their tiles.
+/// @param nodes  (nodes, K), or fewer columns for the first of the K numbers
 template <int d, int K, class Fill>
 void add_tiles(const ParticleGrid<d>& g, Zeroed<double>& scratch, Out<double> nodes,
                const Fill& fill) {
@@ -92,10 +93,10 @@ void add_tiles(const ParticleGrid<d>& g, Zeroed<double>& scratch, Out<double> no
   });
 }
 
-/// add(pack, spline, read, write) for each pack, with the values of the nodes in
-/// read[4 at + component], which adds four numbers to nodes in write[4 at + k].
+/// Calls add(pack, spline, read, write) for each pack. read[4 at + component] has the values of the
+/// nodes; add adds four numbers to nodes in write[4 at + k].
 /// @param from  (nodes, 3)
-/// @param to    (nodes, 4), or of the four the first ones
+/// @param to    (nodes, 4), or fewer columns for the first of the four
 template <int d, class Add>
 void gather_scatter(const ParticleGrid<d>& g, In<double> from, Zeroed<double>& scratch,
                     Out<double> to, const Add& add) {
@@ -106,7 +107,8 @@ void gather_scatter(const ParticleGrid<d>& g, In<double> from, Zeroed<double>& s
   });
 }
 
-/// take(pack, spline, tile) for each pack, with the values of the nodes in tile[4 at + component].
+/// Calls take(pack, spline, tile) for each pack; tile[4 at + component] has the values of the
+/// nodes.
 /// @param nodes  (nodes, 3)
 template <int d, class Take>
 void gather(const ParticleGrid<d>& g, In<double> nodes, const Take& take) {

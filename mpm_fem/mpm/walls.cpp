@@ -8,18 +8,19 @@
 namespace elastogen::mpm {
 namespace {
 
-/// A node that lies on a wall to rounding counts as inside [h].
+/// A node that lies on a collider to rounding counts as inside [h].
 constexpr double kOn = 1e-9;
 
 enum class Touch { kNone, kSlides, kSticks };
 
-/// Takes what points into the wall off m, and friction.
+/// Removes the motion into a collider from m, and friction; D is the derivative of the result.
 Touch apply(const NodeWall& wall, Vec3& m, Mat3<double>& D) {
   D = {};
   if (wall.sticky) {
     m = wall.motion;
     return Touch::kSticks;
   }
+  // motion into the collider, and along it
   const Vec3 relative = minus(m, wall.motion);
   const double into = -dot(relative, wall.normal);
   if (into <= 0) {
@@ -28,10 +29,12 @@ Touch apply(const NodeWall& wall, Vec3& m, Mat3<double>& D) {
   }
   Vec3 along;
   for (size_t a = 0; a < 3; ++a) along[a] = relative[a] + into * wall.normal[a];
+  // friction stops the motion along it, or shortens it
   const double size = safe_norm(along), limit = wall.friction * into;
   m = wall.motion;
   if (size <= limit) return wall.friction > 0 ? Touch::kSticks : Touch::kSlides;
   const double left = 1 - limit / size;
+  // the derivative of sliding
   const Vec3& n = wall.normal;
   Vec3 t;
   for (size_t a = 0; a < 3; ++a) t[a] = along[a] / size, m[a] += left * along[a];
@@ -53,6 +56,7 @@ void WallContact::begin(const ParticleGrid<d>& grid, const std::vector<Wall>& wa
     return proximity(wall.collider, offset_at(wall.collider, time + dt),
                      {at[0] * h, at[1] * h, at[2] * h});
   };
+  // nodes inside a collider at the end of the step
   std::vector<Vec3> motion;
   for (const Wall& wall : walls)
     motion.push_back(minus(offset_at(wall.collider, time + dt), offset_at(wall.collider, time)));
@@ -61,6 +65,7 @@ void WallContact::begin(const ParticleGrid<d>& grid, const std::vector<Wall>& wa
       if (distance(wall, i).distance <= kOn * h) return true;
     return false;
   });
+  // their contacts, node by node
   first_.assign(1, 0);
   wall_.clear();
   for (const int32_t i : node_) {

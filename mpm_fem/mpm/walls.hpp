@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Colliders as the nodes of a particle grid feel them: a node inside a collider keeps its motion out
-// of it. Coulomb's friction is exact: a node sticks while the force along the wall stays below mu
-// times that across it.
+// Contact of the nodes of a particle grid with colliders: a node inside a collider does not move
+// into it. Coulomb's friction is exact: a node sticks while the force along the collider stays
+// below mu times that across it.
 
 #pragma once
 
@@ -15,38 +15,38 @@ namespace elastogen::mpm {
 
 struct Wall {
   Collider collider;
-  bool sticky = false;  ///< what touches it moves with it, and does not come off
+  bool sticky = false;  ///< nodes that touch it move with it and do not come off
 };
 
-/// What one wall asks of a node.
+/// Contact of a node with one collider.
 struct NodeWall {
   Vec3 normal = {};
-  Vec3 motion = {};  ///< of the wall in the step [m]
+  Vec3 motion = {};  ///< of the collider in the step [m]
   double friction = 0;
   bool sticky = false;
 };
 
 class WallContact {
  public:
-  /// The nodes inside of walls as these stand at the end of a step.
+  /// Finds the nodes inside colliders, where these are at the end of a step.
   template <int d>
   void begin(const ParticleGrid<d>& grid, const std::vector<Wall>& walls, double time, double dt);
 
   int64_t count() const { return int64_t(node_.size()); }
   int64_t node(int64_t k) const { return node_[size_t(k)]; }
 
-  /// The motion [m] that the k-th node is left with of a motion m without walls: what points into a
-  /// wall is taken off, of what goes along it up to friction times as much. Wall by wall.
-  /// @param derivative  of the result in m; null: not asked for
+  /// The part of a motion m [m] that colliders leave the k-th node. One collider after the other
+  /// removes the motion into it, and up to friction times as much of the motion along it.
+  /// @param derivative  of the result in m; null: not wanted
   Vec3 allowed(int64_t k, const Vec3& m, Mat3<double>* derivative) const;
 
-  /// The projector onto what no wall holds of that motion: where it sticks none of it, where it
-  /// slides what is along the wall.
+  /// The projector onto the directions of that motion that no collider holds: none where the node
+  /// sticks, those along the collider where it slides.
   Mat3<double> free_part(int64_t k, const Vec3& m) const;
 
  private:
   std::vector<int32_t> node_;
-  std::vector<int32_t> first_;  // wall of each node, (count + 1)
+  std::vector<int32_t> first_;  // first contact of each node in wall_, (count + 1)
   std::vector<NodeWall> wall_;
 };
 

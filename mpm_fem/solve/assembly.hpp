@@ -13,9 +13,9 @@ namespace elastogen::fem {
 /// a. It need not be symmetric.
 using StencilMatrix = std::function<void(int64_t stencil, double* K)>;
 
-/// Stencils are added colour by colour, where no two of a colour share a node, so that the result
-/// does not depend on the number of threads. The colours are made once, the places in the matrix
-/// anew with each pattern.
+/// Stencils are added colour by colour. No two of a colour share a node, so that the result does
+/// not depend on the number of threads. The colours are made once, the places in the matrix anew
+/// with each pattern.
 class Assembly {
  public:
   /// @throws Error as stencils_of_nodes

@@ -5,8 +5,9 @@
 
 namespace elastogen::fem {
 
-/// Holds OpenBLAS, where that is the BLAS at hand, at one thread: the bits of its sums depend on
-/// their number. The reference BLAS has one; SuiteSparse's own loops do not sum across threads.
+/// Holds OpenBLAS, if that is the BLAS in use, at one thread: the bits of its sums depend on the
+/// number of threads. The reference BLAS has one; SuiteSparse's own loops do not sum across
+/// threads.
 void hold_blas_threads();
 
 }  // namespace elastogen::fem

@@ -47,12 +47,13 @@ CoarseSpace::CoarseSpace(const SparseMatrix& pattern, In<double> positions, cons
   direct_ = std::make_unique<SparseDirect>(matrix_);
 }
 
-/// A node with all its neighbours where none is taken yet; the rest joins the group of the first
-/// neighbour that has one.
+/// A node forms a group with all its neighbours if none of them has one yet; the others join the
+/// group of the first neighbour that has one.
 void CoarseSpace::make_groups(const SparseMatrix& pattern) {
   const int64_t nodes = pattern.rows() / 3;
   group_.assign(size_t(nodes), -1);
   int32_t count = 0;
+  // groups of a node with all its neighbours
   for (int64_t n = 0; n < nodes; ++n) {
     bool untouched = true;
     for_neighbours(pattern, n, [&](int32_t m) { untouched &= group_[size_t(m)] < 0; });
@@ -60,6 +61,7 @@ void CoarseSpace::make_groups(const SparseMatrix& pattern) {
     for_neighbours(pattern, n, [&](int32_t m) { group_[size_t(m)] = count; });
     ++count;
   }
+  // other nodes join a group of a neighbour
   std::vector<int32_t> joined = group_;
   for (int64_t n = 0; n < nodes; ++n)
     if (group_[size_t(n)] < 0)
@@ -67,6 +69,7 @@ void CoarseSpace::make_groups(const SparseMatrix& pattern) {
         if (joined[size_t(n)] < 0) joined[size_t(n)] = group_[size_t(m)];
       });
   group_ = std::move(joined);
+  // members of each group
   first_.assign(size_t(count) + 1, 0);
   for (const int32_t g : group_) ++first_[size_t(g) + 1];
   for (size_t g = 0; g < size_t(count); ++g) first_[g + 1] += first_[g];

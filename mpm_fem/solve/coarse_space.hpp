@@ -3,7 +3,7 @@
 //
 //     z += P (P^T A P)^-1 P^T r,
 //
-// which carry what local preconditioners see least, rotation and bending (Vanek, Mandel, Brezina
+// These are rotation and bending, which local preconditioners reduce least (Vanek, Mandel, Brezina
 // 1996, without their smoothing).
 
 #pragma once
@@ -17,7 +17,7 @@ class CoarseSpace {
  public:
   /// @param pattern    of the matrices, (3 nodes, 3 nodes)
   /// @param positions  of the nodes [m], (nodes, 3)
-  /// @param fixed      1 where an unknown is fixed, 3 nodes of them: coarse motions are 0 there
+  /// @param fixed      1 where an unknown is fixed, (3 nodes): coarse motions are 0 there
   CoarseSpace(const SparseMatrix& pattern, In<double> positions, const uint8_t* fixed);
 
   int64_t groups() const { return int64_t(first_.size()) - 1; }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Solves with one symmetric matrix after another of the same pattern: by Cholesky factors where
-// they cost little, else by conjugate gradients. Their preconditioner is the inverse of the 3x3
-// block of each node plus a coarse space of rigid motions: about a hundred iterations whatever the
-// number of nodes (1.4e5 nodes of tet10, nu = 0.3: 106 to 1e-6), more towards nu = 0.5.
+// Solves with symmetric matrices that share a pattern: by Cholesky factors where they cost little,
+// else by conjugate gradients. Their preconditioner is the inverse of the 3x3 block of each node
+// plus a coarse space of rigid motions: about a hundred iterations for any number of nodes (1.4e5
+// nodes of tet10, nu = 0.3: 106 to 1e-6), more towards nu = 0.5.
 
 #pragma once
 
@@ -16,24 +16,24 @@ class LinearSolver {
  public:
   /// @param pattern    of the matrices, (3 nodes, 3 nodes)
   /// @param positions  of the nodes [m], (nodes, 3)
-  /// @param fixed      1 where the rows of the matrices are those of the identity, 3 nodes of them
+  /// @param fixed      1 where the rows of the matrices are those of the identity, (3 nodes)
   LinearSolver(const SparseMatrix& pattern, In<double> positions, const uint8_t* fixed,
                const LinearOptions& options = {});
-  /// Without a pattern, which reset must give.
+  /// Without a pattern: call reset() before factor().
   explicit LinearSolver(const LinearOptions& options = {}) : options_(options) {}
 
-  /// Takes another pattern; the analysis is made anew.
+  /// Sets another pattern, and analyses it.
   void reset(const SparseMatrix& pattern, In<double> positions, const uint8_t* fixed);
 
   bool direct() const { return direct_ != nullptr; }
 
-  /// Takes a matrix, which must stay until the last solve.
-  /// @return false where it is seen not to be positive definite
+  /// Prepares solves with a matrix, which must stay until the last of them.
+  /// @return false if it turns out not to be positive definite
   /// @throws Error unless it has the rows and entries of the pattern
   bool factor(const SparseMatrix& A);
 
   /// Solves A x = b, by PCG to |b - A x| <= tolerance |b|.
-  /// @return false where PCG met a direction of negative curvature; x is then what it had before
+  /// @return false if PCG met a direction of negative curvature; x is then its value before that
   bool solve(const double* b, double* x, double tolerance);
 
   int64_t iterations() const { return iterations_; }  ///< of PCG, in all solves so far

@@ -25,7 +25,7 @@ void check_mass(const FemScene& scene) {
   check_positive(scene.mass);
 }
 
-/// The same (n, n) matrix for each of the three components.
+/// Repeats an (n, n) matrix for each of the three components.
 void expand(const double* M, int corners, double* K) {
   const int width = 3 * corners;
   std::fill(K, K + width * width, 0.0);

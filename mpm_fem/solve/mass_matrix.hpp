@@ -11,8 +11,8 @@ namespace elastogen::fem {
 
 class MassMatrix {
  public:
-  /// @throws Error if scene.mass is not one positive number a node, or is given with a consistent
-  ///         mass.
+  /// @throws Error if scene.mass is not one positive number for each node, or is given with a
+  ///         consistent mass.
   MassMatrix(const FemScene& scene, const ElasticBody& body);
   /// A lumped mass.
   /// @param nodal  of each node [kg], (nodes, 1)
@@ -22,7 +22,7 @@ class MassMatrix {
   /// Mass of each node [kg], (nodes, 1): with a consistent matrix that of ElasticBody::lumped_mass.
   const Array<double>& nodal() const { return nodal_; }
   bool consistent() const { return matrix_.rows() > 0; }
-  /// Nodes that the matrix couples; none of a lumped one.
+  /// Nodes that the matrix couples; none if it is lumped.
   const Stencils& stencils() const { return stencils_; }
 
   /// y = M x, nodal vectors (nodes, 3).

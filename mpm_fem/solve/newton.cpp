@@ -49,20 +49,20 @@ class Newton {
   double first_ = 0;  // residual at the start
 };
 
-/// How far a linear system is solved: superlinear convergence, but not beyond what is asked for.
+/// Tolerance of a linear solve: for superlinear convergence, but not beyond what is asked for.
 double Newton::solve_tolerance() const {
   const double eta = std::min(kLooseSolve, result_.residual / first_);
   return std::max({eta, 0.1 * options_.tolerance / result_.residual, 1e-12});
 }
 
-/// What the function allows of step_.
+/// The share of step_ that the function allows.
 double Newton::longest_step() {
   if (!function_.longest_step) return 1;
   for_each(size_, [&](int64_t k) { trial_[size_t(k)] = x_[k] + step_[size_t(k)]; });
   return function_.longest_step(x_, trial_.data());
 }
 
-/// Goes along step_ until the value falls. False: it never did.
+/// Shortens step_ until the value falls. False: it never did.
 bool Newton::line_search() {
   const double slope = dot(gradient_.data(), step_.data(), size_);
   if (!(slope < 0)) return false;
@@ -84,7 +84,7 @@ bool Newton::line_search() {
   return true;
 }
 
-/// One step, exact or projected; where there is none result_.stop says why.
+/// Makes one step, exact or projected; if there is none result_.stop says why.
 bool Newton::advance() {
   const double tolerance = solve_tolerance();
   result_.stop = NewtonStop::kIndefinite;
@@ -125,7 +125,7 @@ NewtonResult Newton::run() {
     if (!advance()) return end_above_tolerance(result_.stop);
     const double before = result_.residual;
     result_.residual = norm(gradient_.data(), size_);
-    // a step that hardly helps may be the last that can
+    // after a step that gains little, rounding may hide any further gain
     const bool stalled = result_.residual > options_.tolerance && result_.residual > before / 2;
     if (stalled && result_.residual <= function_.gradient_noise(x_))
       return end_above_tolerance(NewtonStop::kRoundOff);

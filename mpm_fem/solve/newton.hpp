@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Newton's method for a minimum. Each step tries the exact Hessian, where that is not positive
-// definite the projected one, and goes along it by Armijo's rule (core/line_search.hpp).
+// Newton's method for a minimum. Each step uses the exact Hessian or, if that is not positive
+// definite, the projected one, and a line search by Armijo's rule (core/line_search.hpp).
 
 #pragma once
 
@@ -17,17 +17,17 @@ struct NewtonValue {
   double noise = 0;  ///< bound on the rounding error of value
 };
 
-/// What is minimised. Held unknowns are among the x; there gradient and step are 0.
+/// The function that is minimised. x includes held unknowns; their gradient and step are 0.
 struct NewtonFunction {
   int64_t unknowns = 0;
   /// Value and gradient at x.
   std::function<NewtonValue(const double* x, double* gradient)> evaluate;
-  /// Writes step = -H^-1 gradient, the linear system solved to a relative tolerance; false where H
-  /// is not positive definite. It should not be false of the projected H.
+  /// Writes step = -H^-1 gradient, the linear system solved to a relative tolerance; false if H is
+  /// not positive definite, as the projected H always should be.
   std::function<bool(const double* x, const double* gradient, TangentKind kind, double tolerance,
                      double* step)>
       step;
-  /// Largest share, at most 1, of the way from x to end on which the value stays finite; empty: 1.
+  /// Largest share, at most 1, of the path from x to end on which the value stays finite; empty: 1.
   std::function<double(const double* x, const double* end)> longest_step;
   /// Bound on the rounding error of the gradient at x, 2-norm.
   std::function<double(const double* x)> gradient_noise;
@@ -58,7 +58,7 @@ struct NewtonResult {
   int projected = 0;    ///< iterations with the projected Hessian
   int evaluations = 0;  ///< of value and gradient
   double residual = 0;  ///< 2-norm of the gradient at the end
-  double noise = 0;     ///< bound on its rounding error; 0 where nobody had to ask
+  double noise = 0;     ///< bound on its rounding error; 0 if not needed
   double value = 0;
 };
 

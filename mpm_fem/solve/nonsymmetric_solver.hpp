@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Solves with one matrix after another of the same pattern that need not be symmetric: by LU
-// factors where they cost little, else by GMRES with the inverse of the 3x3 block of each node.
+// Solves with matrices that share a pattern and need not be symmetric: by LU factors where they
+// cost little, else by GMRES with the inverse of the 3x3 block of each node.
 
 #pragma once
 
@@ -12,21 +12,21 @@ namespace elastogen::fem {
 
 class NonsymmetricSolver {
  public:
-  /// Without a pattern, which reset must give.
+  /// Without a pattern: call reset() before factor().
   explicit NonsymmetricSolver(const LinearOptions& options = {}) : options_(options) {}
 
-  /// Takes the pattern of the matrices to come, (3 nodes, 3 nodes), and analyses it.
+  /// Sets the pattern of the matrices to come, (3 nodes, 3 nodes), and analyses it.
   void reset(const SparseMatrix& pattern);
 
   bool direct() const { return direct_ != nullptr; }
 
-  /// Takes a matrix, which must stay until the last solve.
-  /// @return false where it, or without LU the block of a node, is singular or not finite
+  /// Prepares solves with a matrix, which must stay until the last of them.
+  /// @return false if it, or without LU the block of a node, is singular or not finite
   /// @throws Error unless it has the rows and entries of the pattern
   bool factor(const SparseMatrix& A);
 
   /// Solves A x = b, by GMRES to |b - A x| <= tolerance |b|.
-  /// @return false where GMRES broke down; x is then what it had before
+  /// @return false if GMRES broke down; x is then its value before that
   bool solve(const double* b, double* x, double tolerance);
 
   int64_t iterations() const { return iterations_; }  ///< of GMRES, in all solves so far

@@ -9,8 +9,8 @@
 
 namespace elastogen::fem {
 
-/// Without potential its gradient is the true force and its Hessian the derivative of that, which
-/// is not symmetric, until the body is frozen. Steps end where det F would fall below a tenth.
+/// For laws without potential, until the body is frozen, the gradient is the true force and the
+/// Hessian its derivative, which is not symmetric. Steps end where det F would fall below a tenth.
 class PlasticTerm final : public Term {
  public:
   /// @throws Error as PlasticBody

@@ -12,7 +12,7 @@ namespace elastogen::fem {
 namespace {
 
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
-constexpr double kFirstOrder = 1e-4;  // how far the system of move_fixed is solved
+constexpr double kFirstOrder = 1e-4;  // tolerance of the linear system of move_fixed
 
 std::vector<uint8_t> fixed_unknowns(In<uint8_t> fixed, int64_t nodes) {
   if (fixed.size() == 0) return std::vector<uint8_t>(size_t(3 * nodes));
@@ -37,7 +37,7 @@ Potential::Potential(In<double> rest, In<uint8_t> fixed, MassMatrix mass, std::v
   ELASTOGEN_CHECK(rest.cols == 3, "positions must be (nodes, 3), got ", rest);
   ELASTOGEN_CHECK(inertia_.mass().nodal().rows() == rest.rows, "mass must be (nodes, 1) with ",
                   rest.rows, " nodes, got ", inertia_.mass().nodal().rows());
-  // the mass after the first term: sums are rounded in the order that they are taken in
+  // the mass comes after the first term: the rounding of sums depends on their order
   hessian_order_.insert(hessian_order_.begin() + (terms_.empty() ? 0 : 1), &inertia_);
   update_pattern();
 }
@@ -78,8 +78,8 @@ NewtonValue Potential::evaluate(const double* u, double* gradient) {
   return {sum.value, kEpsilon * (32 * sum.size + sum.rounding)};
 }
 
-/// Makes the pattern anew where a term has other stencils than before, and the analysis of the
-/// solver where that changes the pattern.
+/// Makes the pattern anew if a term has other stencils than before, and the analysis of the solver
+/// if that changes the pattern.
 void Potential::update_pattern() {
   bool same = stencils_.size() == hessian_order_.size();
   for (size_t t = 0; same && t < stencils_.size(); ++t)
@@ -101,7 +101,7 @@ void Potential::update_pattern() {
   for (Term* term : hessian_order_) term->take_pattern(hessian_);
 }
 
-/// Hessian with the rows of what is fixed still in it.
+/// Assembles the Hessian, with the rows of fixed components.
 void Potential::assemble(const double* u, TangentKind kind) {
   update_pattern();
   std::fill(hessian_.value.begin(), hessian_.value.end(), 0.0);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// What statics and implicit steps minimise over the displacements that are free,
+// The function that statics and implicit steps minimise over the free displacements,
 //
 //     Phi(u) = sum_t E_t(u) - f.u + a/2 (u - uhat).M (u - uhat),
 //
 // E_t the terms (elements of meshes, contact, ...), f dead loads, M the mass; statics have a = 0.
-// The pattern of the Hessian is that of the terms' stencils, and follows them where they change.
+// The pattern of the Hessian is that of the terms' stencils, and changes with them.
 
 #pragma once
 
@@ -34,7 +34,7 @@ class Potential {
   const LinearSolver& solver() const { return solver_; }
   int64_t unknowns() const { return rest_.size(); }
   bool is_fixed(int64_t unknown) const { return fixed_[size_t(unknown)] != 0; }
-  /// The Hessian of the last newton_step, with the rows of what is fixed as fix_unknowns leaves
+  /// The Hessian of the last newton_step, with the rows of fixed components as fix_unknowns leaves
   /// them.
   const SparseMatrix& hessian() const { return hessian_; }
 
@@ -42,11 +42,11 @@ class Potential {
   void set_inertia(double weight, In<double> predictor);  ///< a [1/s^2], uhat [m], (nodes, 3)
 
   /// Phi [J] with the bound on its rounding error, eps (32 sum of the terms' sizes + sum of their
-  /// roundings). The gradient [N] is 0 at what is fixed.
+  /// roundings). The gradient [N] is 0 at fixed components.
   NewtonValue evaluate(const double* u, double* gradient);
-  /// The same gradient with the forces that hold what is fixed.
+  /// The gradient with the forces that hold fixed components.
   void full_gradient(const double* u, double* gradient);
-  /// The gradient of evaluate alone.
+  /// The gradient of evaluate() alone.
   void free_gradient(const double* u, double* gradient);
 
   /// step = -H^-1 gradient; its fixed components are those of `moved` or, if null, 0. A projected
@@ -56,12 +56,12 @@ class Potential {
                    const double* moved, double* step);
 
   /// eps | |H| (|u| + l) |, with the Hessian of the last newton_step and the longest length l of a
-  /// term: what the rounding of u and of the stretches leaves of the gradient [N].
+  /// term: the error of the gradient [N] by rounding of u and of the stretches.
   double gradient_noise(const double* u) const;
 
   /// Moves u to a minimum of Phi.
   NewtonResult minimise(const NewtonOptions& options, double* u);
-  /// Moves u to where the gradient is 0, of terms whose gradient has no potential.
+  /// Moves u to where the gradient is 0, for terms whose gradient has no potential.
   RootResult find_root(const RootOptions& options, double* u);
   /// Iterations of GMRES in all find_root so far.
   int64_t root_iterations() const { return root_solver_ ? root_solver_->iterations() : 0; }

@@ -45,7 +45,7 @@ class RootSearch {
   double first_ = 0;  // |r| at the start
 };
 
-/// How far a linear system is solved: superlinear convergence, but not beyond what is asked for.
+/// Tolerance of a linear solve: for superlinear convergence, but not beyond what is asked for.
 double RootSearch::solve_tolerance() const {
   const double loose = options_.loosest_solve;
   const double eta = std::min(loose, result_.residual / first_);
@@ -56,7 +56,7 @@ void RootSearch::move_trial(double share) {
   for_each(size_, [&](int64_t k) { trial_[size_t(k)] = x_[k] + share * step_[size_t(k)]; });
 }
 
-/// Goes along step_ until |r| falls by enough: the merit's slope along the step is at most
+/// Shortens step_ until |r| falls by enough: the merit's slope along the step is at most
 /// -(1 - tolerance) |r|^2. False: it never did.
 bool RootSearch::shorten_step(double tolerance) {
   double size = 0;
@@ -80,7 +80,7 @@ bool RootSearch::shorten_step(double tolerance) {
   return true;
 }
 
-/// The stop, or round-off where that explains it.
+/// Ends with a stop, or with kRoundOff if rounding explains it.
 RootResult RootSearch::end(RootStop stop) {
   result_.stop = stop;
   if (stop == RootStop::kConverged || stop == RootStop::kNotFinite) return result_;
@@ -99,7 +99,7 @@ RootResult RootSearch::run() {
     if (!function_.step(x_, r_.data(), tolerance, step_.data())) return end(RootStop::kSingular);
     if (!shorten_step(tolerance)) return end(RootStop::kLineSearch);
     ++result_.iterations;
-    // a step that hardly helps may be the last that can
+    // after a step that gains little, rounding may hide any further gain
     const bool stalled = result_.residual > options_.tolerance && result_.residual > before / 2;
     if (stalled && result_.residual <= function_.noise(x_)) return end(RootStop::kRoundOff);
   }

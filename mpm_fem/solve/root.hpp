@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Newton's method for a root r(x) = 0 whose Jacobian need not be symmetric, so that no energy can
-// judge a step: the merit |r|^2/2 does. A step is taken where it lowers |r| as an inexact Newton
-// step should (Eisenstat, Walker 1994).
+// Newton's method for a root r(x) = 0 whose Jacobian need not be symmetric. As there is no energy,
+// the merit |r|^2/2 judges a step: it must lower |r| as an inexact Newton step should (Eisenstat,
+// Walker 1994).
 
 #pragma once
 
@@ -11,22 +11,23 @@
 
 namespace elastogen::fem {
 
-/// What has the root. Held unknowns are among the x; there residual and step are 0.
+/// The function whose root is sought. x includes held unknowns; their residual and step are 0.
 struct RootFunction {
   int64_t unknowns = 0;
   /// Writes r(x).
   std::function<void(const double* x, double* r)> residual;
-  /// Writes step = -J^-1 r, the linear system solved to |J step + r| <= tolerance |r|; false where
-  /// it cannot be solved.
+  /// Writes step = -J^-1 r, the linear system solved to |J step + r| <= tolerance |r|; false if it
+  /// cannot be solved.
   std::function<bool(const double* x, const double* r, double tolerance, double* step)> step;
-  /// Largest share, at most 1, of the way from x to end on which r stays finite; empty: 1.
+  /// Largest share, at most 1, of the path from x to end on which r stays finite; empty: 1.
   std::function<double(const double* x, const double* end)> longest_step;
   /// Bound on the rounding error of r at x, 2-norm.
   std::function<double(const double* x)> noise;
 };
 
-/// Why it ended. kRoundOff: above the tolerance, but within the rounding error of r, and no step
-/// made it smaller. kSingular: no step could be found. kLineSearch: none of its shares lowered |r|.
+/// Why the search ended. kRoundOff: above the tolerance, but within the rounding error of r, and no
+/// step made it smaller. kSingular: no step could be found. kLineSearch: no share of a step lowered
+/// |r|.
 enum class RootStop : uint8_t {
   kConverged,
   kRoundOff,
@@ -51,10 +52,10 @@ struct RootResult {
   int iterations = 0;
   int evaluations = 0;  ///< of r
   double residual = 0;  ///< |r| at the end
-  double noise = 0;     ///< bound on its rounding error; 0 where nobody had to ask
+  double noise = 0;     ///< bound on its rounding error; 0 if not needed
 };
 
-/// Moves x to a root; where there is none in reach, to the smallest |r| on its way.
+/// Moves x to a root or, if it reaches none, to the smallest |r| that it finds.
 RootResult solve_root(const RootFunction& function, const RootOptions& options, double* x);
 
 }  // namespace elastogen::fem

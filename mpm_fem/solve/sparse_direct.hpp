@@ -10,7 +10,7 @@
 
 namespace elastogen::fem {
 
-/// Same bits on every run and any number of threads of ours; the threads of BLAS are held at one.
+/// Returns the same bits on every run, with any number of our threads; BLAS is held at one thread.
 class SparseDirect {
  public:
   /// Orders the unknowns of a pattern; the values are not read.

@@ -9,13 +9,14 @@
 
 namespace elastogen::fem {
 
-// UMFPACK takes columns: our rows are those of A^T, which it factors, and solves with its transpose
+// UMFPACK reads columns. Our rows are the columns of A^T: it factors A^T and solves with its
+// transpose
 struct SparseLu::Impl {
   double control[UMFPACK_CONTROL], info[UMFPACK_INFO];
   void *symbolic = nullptr, *numeric = nullptr;
   int64_t rows = 0;
   double operations = 0;
-  const SparseMatrix* matrix = nullptr;  // that is factored
+  const SparseMatrix* matrix = nullptr;  // the one that is factored
 
   Impl() { umfpack_di_defaults(control); }
   ~Impl() {

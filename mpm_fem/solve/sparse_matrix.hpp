@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sparse matrices of three components a node, in compressed rows. Of symmetric ones both triangles
-// are kept.
+// Sparse matrices with three components for each node, in compressed rows. Symmetric ones store
+// both triangles.
 
 #pragma once
 
@@ -38,8 +38,8 @@ std::vector<double> diagonal(const SparseMatrix& A);
 
 /// Makes the rows and columns of the fixed unknowns those of the identity.
 /// @param fixed  1 where an unknown is fixed, A.rows() of them
-/// @param b      right-hand side or null. In: what the fixed unknowns shall be, and the right-hand
-///               sides of the others. Out: from the latter, A times the former is taken off.
+/// @param b      right-hand side or null. In: the values of the fixed unknowns, and the right-hand
+///               sides of the others. Out: the latter less A times the former.
 void fix_unknowns(const uint8_t* fixed, SparseMatrix& A, double* b);
 
 /// A without the rows and columns of the fixed unknowns.

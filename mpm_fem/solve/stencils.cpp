@@ -46,7 +46,7 @@ StencilsOfNodes stencils_of_nodes(const Stencils& stencils, int64_t nodes) {
 
 SparseMatrix pattern_of(const Stencils& stencils, int64_t nodes) {
   const StencilsOfNodes around = stencils_of_nodes(stencils, nodes);
-  // neighbours of each node, itself included: first their number, then they
+  // neighbours of each node, itself included, ascending
   std::vector<std::vector<int32_t>> neighbours(static_cast<size_t>(nodes));
   for_each(nodes, [&](int64_t n) {
     std::vector<int32_t>& list = neighbours[size_t(n)];

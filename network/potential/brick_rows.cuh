@@ -157,7 +157,7 @@ __global__ void __launch_bounds__(kThreads)
   finish(node, sum);
 }
 
-/// With NoSums there is no sum to do anything with.
+/// For NoSums, which have no sum.
 struct NoThen {
   __device__ void operator()(const NoSums&) const {}
 };

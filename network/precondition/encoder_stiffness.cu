@@ -24,8 +24,8 @@ __device__ int product_place(int m, int n) {
 
 /// products[chunk] = sum over its entries of mode m times mode n times the entry's block; one block
 /// of threads for each chunk. It copies the stiffness of the entries into shared memory. If all of
-/// it is 0, it only marks the chunk as not touched. Else it
-/// copies the modes too, and each thread sums some of the kProducts numbers over the entries.
+/// it is 0, it only marks the chunk as not touched. Else it copies the modes too, and each thread
+/// sums some of the kProducts numbers over the entries.
 template <class Number>
 __global__ void __launch_bounds__(kThreads)
     product_kernel(const EncoderChunk* chunks, const StiffEntry* entries, const double* blocks,
