@@ -18,7 +18,7 @@ StateNet state_net(const LearnedLaw& net) {
   return result;
 }
 
-/// What both machines share.
+/// Members that the steppers of CPU and card share.
 struct Network {
   const Scene& scene;
   LearnedLaws nets;
@@ -35,7 +35,7 @@ struct Network {
   }
 };
 
-/// Steps work on the state in place.
+/// Steps on the CPU, which change the state in place.
 class CpuStepper : public HostStepper {
  public:
   explicit CpuStepper(Network network)
@@ -52,7 +52,7 @@ class CpuStepper : public HostStepper {
   Network network_;
 };
 
-/// The state stays on the card, where frames are made too.
+/// Steps on a card, where the state stays and frames are made.
 class CardStepper : public Stepper {
  public:
   explicit CardStepper(Network network) : network_(std::move(network)) {}
@@ -83,7 +83,7 @@ class CardStepper : public Stepper {
 
  private:
   Network network_;
-  State state_;  ///< as it was read last
+  State state_;  ///< the state as it was read last
 };
 
 }  // namespace
