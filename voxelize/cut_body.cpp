@@ -16,8 +16,7 @@ namespace {
 /// Thickest layer [voxel edges]. A tilted sheet has an area of up to sqrt(3) in a voxel, which must
 /// hold its volume.
 constexpr double kThickestLayer = 0.5;
-constexpr double kNoVolume[2] = {1e-6,
-                                 0.1};  // mean fill of a surface around no solid: closed, open
+constexpr double kNoVolume[2] = {1e-6, 0.1};  // mean fill of surfaces around no solid: closed, open
 
 void check(const Surface& surface) {
   ELASTOGEN_CHECK(surface.vertices.cols() == 3, "vertices must be (vertices, 3)");
