@@ -47,10 +47,9 @@ double largest(const std::vector<double>& values) {
 
 /// Results of a method on a group after some iterations.
 struct Stage {
-  double share = 0;  ///< share inside all limits
-  double median = 0, p99 = 0,
-         worst = 0;   ///< of the stress: median net; worst: largest p99
-  double fit_ms = 0;  ///< median time of the fits
+  double share = 0;                       ///< share inside all limits
+  double median = 0, p99 = 0, worst = 0;  ///< of the stress: median net; worst: largest p99
+  double fit_ms = 0;                      ///< median time of the fits
 };
 
 Stage stage_of(const Method& method, const Group& group, size_t k) {
