@@ -52,12 +52,12 @@ TEST(Collider, TheCoreLiesALayerBelowTheSurface) {
   const Vec3 outside = {0, 5, 0};
   for (const Collider& c : {half_space({0, 1, 0}, 1, 0), ball({0, 0, 0}, 1), block({}, {1, 1, 1})})
     EXPECT_NEAR(proximity(core_of(c, layer), {}, outside).distance, 4 + layer, 1e-15);
-  // what is thinner than two layers keeps its middle
+  // a collider thinner than two layers keeps its middle
   EXPECT_EQ(core_of(block({}, {1, 0.1, 1}), layer).half, (Vec3{0.75, 0, 0.75}));
   EXPECT_EQ(core_of(ball({}, 0.1), layer).radius, 0);
 }
 
-/// Smallest distance on the way from a to its share t towards b, by sampling.
+/// Smallest distance on the segment from a to its share t towards b, by sampling.
 double least_distance(const Collider& c, const Vec3& a, const Vec3& b, double t) {
   double least = 1e300;
   for (int k = 0; k <= 4000; ++k) {

@@ -73,6 +73,7 @@ VoxelGrid porous_grid() {
 SparseMatrix scalar_operator(const VoxelGrid& grid, double kappa) {
   Eigen::Matrix<double, 8, 8> element;
   const double weight[4] = {kappa, kappa, kappa, kappa}, none[7] = {};
+  // the element matrix, column by column
   for (int col = 0; col < 8; ++col) {
     double p[8] = {}, f[8] = {}, d[3], q[4], slope[4];
     p[col] = 1;
@@ -86,6 +87,7 @@ SparseMatrix scalar_operator(const VoxelGrid& grid, double kappa) {
     hex8::to_corners(f);
     for (int row = 0; row < 8; ++row) element(row, col) = f[row];
   }
+  // assembled with the fills as weights
   std::vector<Eigen::Triplet<double>> entries;
   for (int64_t v = 0; v < grid.voxel_count(); ++v)
     for (int row = 0; row < 8; ++row)

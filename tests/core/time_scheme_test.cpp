@@ -114,7 +114,7 @@ TEST(TimeScheme, SecondExtrapolationFollowsAParabolaExactly) {
   EXPECT_NEAR(extrapolated_motion(euler, 2, mean, mean_before), way, 1e-14);
   const double v = 2 - 9.81 * 2 * dt, v_before = 2 - 9.81 * dt;
   EXPECT_NEAR(extrapolated_motion(bdf2, 2, v, v_before), way, 1e-14);
-  // the first misses what a force brings in a step
+  // the first order misses the effect of a force during a step
   EXPECT_NEAR(extrapolated_motion(bdf2, 1, v, v_before), way + 9.81 / 2 * dt * dt, 1e-14);
 }
 

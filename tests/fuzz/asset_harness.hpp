@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What holds for every asset that a reader gives, and for every reader: the same bytes give the
-// same asset or the same sentence, and what passes the gate can be posed and made a body of, or is
+// Properties of every asset that a reader returns, and of every reader: equal bytes give equal
+// assets or equal sentences, and an asset that passes the check can be posed and made a body, or is
 // refused as an asset.
 
 #pragma once
@@ -26,7 +26,7 @@ std::string_view bytes_of(const std::vector<T>& values) {
   return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
 }
 
-/// Everything that a reader says, to the bit.
+/// All data that a reader returns, to the bit.
 inline std::string fingerprint(const Asset& asset) {
   std::string all = encode_asset(asset);
   for (const Mesh& mesh : asset.meshes) {
@@ -99,7 +99,7 @@ inline void check_ply_frame(const Asset& asset) {
   require(corners == size_t(surface.triangles.size()), "a frame has the triangles of the asset");
 }
 
-/// What follows a reader in the command.
+/// The steps that follow a reader in the command.
 inline void check_read(Asset asset) {
   try {
     check_asset(asset);

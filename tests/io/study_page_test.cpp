@@ -56,6 +56,7 @@ TEST(StudyPage, EscapesEveryText) {
   StudyResult study = test::example_study();
   StudyHeader& header = study.header;
   const std::string& hostile = test::kHostile;
+  // every text of the study is hostile
   for (std::string* text : {&header.scene, &header.scene_text, &header.command, &header.commit,
                             &header.date, &header.machine.cpu})
     *text = hostile;
@@ -72,6 +73,7 @@ TEST(StudyPage, EscapesEveryText) {
   overlay.title = overlay.horizontal = overlay.vertical = overlay.outlines[0].name = hostile;
   study.figures[0].name = study.figures[0].unit = hostile;
 
+  // the page is well-formed and runs nothing
   const std::string page = study_page(study);
   EXPECT_EQ(test::markup_fault(page), "");
   for (const char* part : {"<script", "<img", "\xff", "\x01"})

@@ -32,6 +32,7 @@ StudyResult small_study() {
 }
 
 TEST(StudyJson, HasEveryFieldOfTheDocumentation) {
+  // every member, with a number of its own
   const Json expected = Json::parse(R"({"format": "elastogen-study", "version": 1,
     "header": {"scene": "beam", "scene_text": "h = 0.03125\n",
       "command": "elastogen study beam.toml", "commit": "abc123", "date": "2026-11-22T10:00:00Z",

@@ -161,12 +161,14 @@ TEST(ElasticBody, EnergyAndForcesTurnWithTheBody) {
       const Mat3<double> Q = test::rotation(random);
       const Array<double> u =
           test::displaced(body.mesh(), test::stretched(1.3, 1, 0.8, random), 0.1, random);
+      // the whole body turned by Q
       Array<double> turned(u.rows(), 3);
       for (int64_t n = 0; n < u.rows(); ++n)
         for (int i = 0; i < 3; ++i) {
           turned(n, i) = -body.mesh().rest(n, i);
           for (int j = 0; j < 3; ++j) turned(n, i) += Q(i, j) * (body.mesh().rest(n, j) + u(n, j));
         }
+      // energies agree, and forces turn with the body
       body.freeze_rotations(u);
       const double E = test::energy(body, u);
       const Array<double> g = test::array_of(test::gradient(body, u));

@@ -113,6 +113,7 @@ TEST(ReturnMap, InFloatTheStressIsTheSame) {
 
 template <class T, int d>
 void mapped_extremes() {
+  // huge, small, collapsed and inverted stretches in all combinations
   const T values[] = {T(1e4),  T(30),    T(1 + 1e-7), 1,        T(0.1),
                       T(1e-3), T(1e-30), 0,           T(-0.01), T(-0.5)};
   test::for_each_map<T, d>([&](const char* name, const auto& law) {
@@ -122,6 +123,7 @@ void mapped_extremes() {
           T s[3] = {a, b, d == 3 ? c : 1};
           typename std::decay_t<decltype(law)>::History history;
           const auto r = law.template response<true>(s, history);
+          // the response, and the strain that is left, are finite
           EXPECT_TRUE(std::isfinite(r.psi)) << name << ' ' << a << ' ' << b << ' ' << c;
           for (const T t : r.t)
             EXPECT_TRUE(std::isfinite(t)) << name << ' ' << a << ' ' << b << ' ' << c;

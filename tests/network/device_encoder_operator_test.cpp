@@ -190,6 +190,7 @@ TEST_F(RestOperatorOnCard, TablesOfVoxelsAreThoseOfTheHost) {
     SCOPED_TRACE(named.name);
     const IncrementalPotential host(named.scene);
     cuda::DevicePotential device(host);
+    // tables are equal to the bit
     const BrickRows found = device.download_rows();
     const BrickRows& expected = host.rows();
     EXPECT_EQ(differences(found.rows, expected.rows), 0u);
@@ -206,6 +207,7 @@ TEST_F(RestOperatorOnCard, TablesOfVoxelsAreThoseOfTheHost) {
     border_rows += int64_t(expected.border.size());
     shared += int64_t(expected.shared_node.size());
   }
+  // some scenes have border rows and shared nodes
   EXPECT_GT(border_rows, 0);
   EXPECT_GT(shared, 0);
 }

@@ -121,6 +121,7 @@ TEST(Fold, ThePotentialFallsWithEveryStepOfNewton) {
   const Scene scene = folding_beam();
   const State start = before_the_fold(scene);
   const StepScheme scheme = step_scheme(scene, start);
+  // one potential for the solver, another to judge it
   IncrementalPotential potential(scene), judge(scene);
   potential.begin_step(start, scheme);
   judge.begin_step(start, scheme);
@@ -138,6 +139,7 @@ TEST(Fold, ThePotentialFallsWithEveryStepOfNewton) {
     before = now;
     return false;
   };
+  // each of Newton's steps is watched
   NewtonSolver solver(potential);
   const IterationResult result =
       solver.solve(u.data(), 0.95e-3 * reference_force(scene), 100, 400, first, watch);

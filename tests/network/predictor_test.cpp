@@ -14,6 +14,7 @@ TEST(Predictor, ExtrapolationMovesFreeNodesOfPinnedPiecesAlone) {
   Scene scene = clamped_beam(6, 2, 2, 0.1, solid(1e5, 0.3));
   State state = initial_state(scene);
   state.x_before = state.x, state.v_before = state.v;
+  // velocities now and before, different at each node
   for (int64_t n = 0; n < state.x.rows(); ++n)
     for (int d = 0; d < 3; ++d) {
       state.v(n, d) = 1 + double(n) + 0.1 * d;
@@ -22,6 +23,7 @@ TEST(Predictor, ExtrapolationMovesFreeNodesOfPinnedPiecesAlone) {
   const StepScheme bdf2{TimeScheme::kBdf2, scene.dt, 2.25};
   const Predictor predictor(scene);
   for (int order = 1; order <= 2; ++order) {
+    // both orders written out; pinned nodes do not move
     std::vector<double> u(size_t(state.x.size()), 7);
     predictor.extrapolate(state, bdf2, order, u.data());
     int64_t held = 0;

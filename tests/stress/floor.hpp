@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// All that the stress cases know of the floor: how a scene gets one, how deep its points lie, and
-// the contact equations of docs/formats.md for it.
+// The floor of the stress cases: how a scene gets one, how deep its points lie, and the contact
+// equations of docs/formats.md for it.
 
 #pragma once
 

@@ -159,6 +159,7 @@ Outcome run(Record& record, Scene& scene, const State& start, const Plan& plan) 
   const Vec3 gravity = scene.gravity;
   try {
     Watch watch(record, plan);
+    // two threads, checked step by step
     std::vector<uint64_t> hashes;
     {
       const ThreadLimit threads(2);
@@ -169,6 +170,7 @@ Outcome run(Record& record, Scene& scene, const State& start, const Plan& plan) 
                       });
     }
     label_run(record, outcome);
+    // one thread, compared by hashes
     scene.gravity = gravity;
     const ThreadLimit threads(1);
     size_t step = 0;

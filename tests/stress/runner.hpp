@@ -64,7 +64,7 @@ struct Outcome {
 /// the hashes. An Error ends the run as refused.
 Outcome run(Record& record, Scene& scene, const State& start, const Plan& plan);
 
-/// The same without any check, for measurements.
+/// Runs the scene without any check, for measurements.
 Outcome plain_run(Scene& scene, const State& start, const Plan& plan);
 
 /// Expects that the action throws an Error of that kind, whose message becomes the label.
