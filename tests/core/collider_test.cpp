@@ -85,7 +85,7 @@ TEST(Collider, AFreeShareKeepsATenthOfTheDistanceAllAlong) {
       cut += share < 1;
       const double least = least_distance(c, a, b, share);
       EXPECT_GT(least, 0.1 * distance - 1e-12);
-      // and no less is taken than must be: a cut ends near the tenth, by sqrt 3 at a box's corner
+      // a share is cut no more than needed: to the tenth, within sqrt 3 of it at a box's corner
       if (share < 1) {
         EXPECT_LT(least, 0.1 * distance * std::sqrt(3) + 1e-9);
       }

@@ -257,7 +257,7 @@ TEST(ElasticLaw, OgdenWithoutExponentIsHencky) {
 }
 
 TEST(ElasticLaw, PackOfFloatKeepsItsDigitsNearRest) {
-  // the same stretches, given in float, in both formats: what is left is rounding in the law
+  // stretches given in float, evaluated in both formats: the difference is rounding in the law
   std::mt19937_64 random(2);
   std::uniform_real_distribution<float> unit(-1, 1);
   for (const Law kind : kLaws)

@@ -12,7 +12,7 @@ namespace {
 /// f(a) = -a + k a^2/2, which records the shares that are tried.
 struct Quadratic {
   double k;
-  double cut = 1;  // what is left of the first trial
+  double cut = 1;  // share that remains of the first trial
   std::vector<double> shares = {};
 
   LineTrial operator()(double share, int halvings) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Spectra of assembled operators: what one deformation gradient a voxel does not see on a clamped
-// box, and the element bound on Jacobi's iteration with the strain-variance term.
+// Spectra of assembled operators: modes that one deformation gradient per voxel does not see on a
+// clamped box, and the element bound on Jacobi's iteration with the strain-variance term.
 
 #include "tests/support/eigenvalues.hpp"
 #include "tests/support/element_assembly.hpp"

@@ -31,7 +31,7 @@ WeightCodec some_codec(const WeightDataset& data) {
   return {data.layers, metric, kComponents};
 }
 
-/// A denoiser that says b whatever it sees.
+/// A denoiser that returns b for any input.
 Denoiser constant_denoiser(const std::vector<float>& b) {
   const DenoiserSizes sizes{kComponents, kMaterialFeatures, 4};
   Denoiser::Layers layers;

@@ -74,9 +74,9 @@ inline void check_sized(const Asset& asset, double size) {
   }
 }
 
-/// Whether a body is made of it. A shell of points or splats takes OpenVDB a second under the
-/// sanitizers, a reader a millisecond: one in 64 is enough, chosen by what was read, so that an
-/// input that fails fails again.
+/// Whether to make a body of the asset. OpenVDB needs a second for a shell of points or splats
+/// under the sanitizers, a reader a millisecond: one asset in 64 is enough, chosen by its content,
+/// so that an input that fails fails again.
 inline bool is_worth_a_body(const Asset& asset) {
   return !(asset.points || asset.splats) || std::hash<std::string>{}(fingerprint(asset)) % 64 == 0;
 }
@@ -87,7 +87,7 @@ inline void check_ply_frame(const Asset& asset) {
   const FileOrder order = file_order(asset, surface);
   PlyMesh ply("fuzz.ply", asset, surface, order);
   const std::string header = ply.header();
-  if (header.size() > 60000) return;  // the reader takes 64 KiB
+  if (header.size() > 60000) return;  // the reader accepts 64 KiB
   const Array<double> still(surface.vertices.rows(), 3);
   const Asset back = parse_ply(
       concat("ply\nformat binary_little_endian 1.0\n", header, "end_header\n", ply.body(still)),
@@ -114,7 +114,7 @@ inline void check_read(Asset asset) {
 }
 
 /// @param read  gives an asset or throws.
-/// @return what it gave, as one text.
+/// @return the asset or the message, as one text.
 template <class Read>
 std::string answer(const Read& read) {
   try {

@@ -39,7 +39,7 @@ class GlbClip : public ::testing::Test {
   }
   Asset read(const Builder& builder) { return read_gltf(folder.write("a.glb", builder.file())); }
 
-  /// Largest distance between the waves and what the file shows, in the world and metres [m].
+  /// Largest distance between the waves and the motion in the file, in the world [m].
   double shown_error(const GlbFile& file, const Asset& asset, const Surface& surface);
 
   test::TempFolder folder;

@@ -197,7 +197,7 @@ TEST_F(GltfReader, RefusesWhatItCannotRead) {
   expect_says(refusal(old), "version");
 }
 
-/// A change of the triangle's document and what the refusal must say.
+/// A change of the triangle's document and words of its refusal.
 struct Damage {
   const char* pointer;
   Json value;

@@ -306,7 +306,7 @@ TEST(ObjReader, AnyByteOfObjectsAndGroupsMayBeWrong) {
       try {
         Asset asset = parsed_obj(changed);
         check_asset(asset);
-        // what is shared is counted, and the file's numbers are a row without gaps
+        // repeated positions are counted, and the file's numbers are a row without gaps
         const Surface surface = pose_surface(asset);
         std::vector<uint8_t> seen(size_t(surface.vertices.rows() - repeated_positions(asset)), 0);
         for (const Mesh& mesh : asset.meshes)

@@ -42,7 +42,7 @@ class Sequence {
   Surface surface_;
 };
 
-/// uv, colour and material's name of the corners of all triangles, sorted by what they say.
+/// uv, colour and material's name of the corners of all triangles, as sorted texts.
 std::vector<std::string> corners_of(const Asset& asset) {
   std::vector<std::string> corners;
   const Mesh& mesh = asset.meshes.at(0);

@@ -18,7 +18,7 @@ std::vector<std::vector<std::string>> rows_of(const std::string& html) {
   std::vector<std::vector<std::string>> rows;
   for (const std::string& row : test::parts_between(html, "<tr>", "</tr>")) {
     rows.emplace_back();
-    // a cell is what stands between the end of its tag and the next one
+    // a cell is the text between the end of its tag and the next tag
     for (const std::string& cell : test::parts_between(row, "<t", "</t"))
       rows.back().push_back(cell.substr(cell.find('>') + 1));
   }

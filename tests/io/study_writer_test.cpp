@@ -134,7 +134,7 @@ TEST(StudyJson, KeepsHostileText) {
   EXPECT_EQ(back.header.command, "name \xef\xbf\xbd of a file");
 }
 
-/// What the reader says to the small study after a change of its JSON.
+/// The reader's message for the small study after a change of its JSON.
 std::string refusal(const std::function<void(Json&)>& change) {
   Json json = Json::parse(study_json(small_study()));
   change(json);

@@ -86,7 +86,7 @@ TEST(LinePlot, LeavesOutAndCountsWhatHasNoPlace) {
   const SvgPlot log = line_plot(plot_of(x, y, true));
   EXPECT_EQ(log.left_out, 5);
   EXPECT_EQ(markers_of(log.svg).size(), 3u);
-  // the line does not run across what is left out
+  // the line does not run across points that are left out
   EXPECT_EQ(test::count_of(line_of(log.svg), "M"), 3);
   EXPECT_EQ(test::count_of(line_of(log.svg), "L"), 0);
 

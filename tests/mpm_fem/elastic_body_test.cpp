@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What holds for every element: rigid motions, zero modes, balance, objectivity, uniform states.
+// Properties of every element: rigid motions, zero modes, balance, objectivity, uniform states.
 
 #include "core/parallel.hpp"
 #include "tests/mpm_fem/bodies.hpp"
@@ -259,8 +259,8 @@ TEST(ElasticBody, StressOfASmallStateIsHookesOfTheMeanStrain) {
 }
 
 TEST(ElasticBody, EnergyAlongAPathThatTurnsAnElementInsideOutIsTheWorkOnIt) {
-  // Simpson's rule over short steps: what is left is a jump. The families climb to 1000 E in a
-  // small part of the path, with a kink of the second derivative there
+  // Simpson's rule over short steps: a remaining difference would be a jump. The families climb to
+  // 1000 E in a small part of the path, with a kink of the second derivative there
   Random random(10);
   for (const Element element : test::kAllElements)
     for (const Law law : test::kLaws) {

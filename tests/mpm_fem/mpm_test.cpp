@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Particles and their grid: what transfers conserve, and steps against closed forms.
+// Particles and their grid: conservation by transfers, and steps against closed forms.
 
 #include "core/error.hpp"
 #include "core/reduce.hpp"
@@ -187,7 +187,7 @@ TEST(InversionBound, StopsShortOfTheFirstRootOfTheDeterminant) {
 }
 
 /// The assembled Jacobian, the matrix-free one and differences of the residual agree, in a state
-/// that yields and slides along a wall.
+/// that yields and slides along a plane.
 template <int d>
 void check_jacobian() {
   // sand that yields between two planes
@@ -331,7 +331,7 @@ TEST(Mpm, SlidesOnAnInclineByCoulombsLaw) {
   }
 }
 
-/// What Newton's method does where it does not come to the tolerance, or GMRES not to its own.
+/// Reports where Newton's method does not reach its tolerance, or GMRES does not reach its own.
 TEST(Mpm, ImplicitStepsSayWhatTheyMissAndWhatTheyFactored) {
   MpmScene s = test::column_scene(test::sand(1e8), 1e-2);
   const auto step = [&](const ImplicitMpmOptions& options) {

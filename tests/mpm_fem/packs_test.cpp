@@ -106,7 +106,7 @@ TEST(CellPacks, GiveNodesTheSumsOfSingleParticles) {
   check_sums<3>();
 }
 
-/// Of eight states at random, on every branch of the law.
+/// Packs of eight random states, on every branch of the law.
 template <int d, class Law, class Frozen>
 void check_frozen(const Law& law, const Frozen& frozen) {
   test::Random random(23);

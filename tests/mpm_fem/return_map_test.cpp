@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What holds for every return map.
+// Properties of every return map.
 #include "mpm_fem/materials/return_map.hpp"
 
 #include "core/constitutive.hpp"
@@ -147,7 +147,8 @@ TEST(ReturnMap, ExtremeStretchesStayFinite) {
   mapped_extremes<double, 3>();
 }
 
-/// Apart, equal, nearly equal, all equal, inverted; inside and beyond what yields.
+/// Stretches apart, equal, nearly equal, all equal and inverted; within and beyond the yield
+/// surface.
 TEST(ReturnMap, TangentInFIsTheSlopeOfPiolasStress) {
   const double stretches[][3] = {
       {1.2, 1.05, 0.9},      {0.95, 0.95, 0.8}, {0.99, 0.99 - 1e-8, 0.95}, {0.97, 0.97, 0.97},
@@ -212,7 +213,7 @@ TEST(ReturnMap, StretchesComeBackFromTheirLogarithms) {
     const HenckyStrain<double, 3> e = hencky_strain<3>(stretches), none = {};
     double back[3] = {};
     set_stretches<3>(none.e, e.e, back);
-    EXPECT_NEAR(back[0], s == 1 ? 0 : s, 1e-15);  // what stays is not written
+    EXPECT_NEAR(back[0], s == 1 ? 0 : s, 1e-15);  // an unchanged stretch is not written
   }
 }
 

@@ -173,7 +173,7 @@ TEST_F(ContactOnCard, FirstMatrixOfManyLevelsIsThatOfTheHost) {
   expect_first_matrix_of_host(scene, true);
 }
 
-/// What a run gives.
+/// Results of a run.
 struct ContactRun {
   State state;
   int converged = 0, outer = 0, inner = 0;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the device makes of a scene at rest, tables of its voxels, modes of the encoder and their
-// operators, against those of the CPU. Nothing is here in
-// builds without CUDA; skipped where there is no device.
+// Data that the device computes from a scene at rest (tables of its voxels, modes of the encoder
+// and their operators) against those of the CPU. Empty in builds without CUDA; skipped without a
+// device.
 
 #ifdef ELASTOGEN_CUDA
 

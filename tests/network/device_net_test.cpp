@@ -19,7 +19,7 @@ constexpr Law kFitted[] = {Law::kFixedCorotated, Law::kNeoHookean, Law::kStableN
                            Law::kStvk, Law::kHencky};
 const StepScheme kBegun{TimeScheme::kEuler, 1.0 / 60, 1};
 
-/// What the materials of a ragged block may have: a net and a law, two nets, a net and a table.
+/// Laws of the materials of a ragged block: a net and a law, two nets, a net and a table.
 std::vector<LearnedLaws> mixtures(Law law) {
   const auto net = [law](double poisson, Evaluation evaluation) {
     return shipped_net(law, poisson, evaluation);

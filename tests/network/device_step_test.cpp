@@ -26,7 +26,7 @@ State in_motion(const Scene& scene) {
   return state;
 }
 
-/// The same step on the host and on the device.
+/// A step that is begun on the host and on the device.
 struct Begun {
   explicit Begun(const Scene& s) : Begun(s, in_motion(s)) {}
   Begun(const Scene& s, const State& from)
@@ -46,7 +46,7 @@ struct Begun {
     device->download_u(u.data());
     return u;
   }
-  /// What Solver chooses of the starts of the host, and its order.
+  /// The start of lowest Phi on the host, as Solver chooses it; keeps its order.
   std::vector<double> chosen_start() {
     std::vector<double> lowest = start(), other = lowest;
     for (int order = 1; order <= Predictor::orders(!state.x_before.empty()); ++order) {

@@ -274,7 +274,7 @@ void expect_room_asked_for(const Scene& scene, const LearnedLaws& nets = {}) {
   State state = initial_state(scene);
   solver.step(state);
   const double taken = double(before - free_on_card()) / (1 << 20);
-  EXPECT_GE(asked, 0.98 * taken);  // kernels that are loaded late count as taken
+  EXPECT_GE(asked, 0.98 * taken);  // kernels that are loaded late count as used
   EXPECT_LE(asked, 2 * taken);     // only one of the two iterations was made
 }
 

@@ -77,7 +77,7 @@ TEST(NewtonRegion, ShrinksWherePhiDoesNotFallAndGivesUpInTheEnd) {
     EXPECT_DOUBLE_EQ(region.scalars(kUnit).radius, 3.0 / 64);
   }
   EXPECT_FALSE(take(region, 0, 0));
-  // what promises less than the noise of Phi is not tried again
+  // a step whose predicted gain is below the noise of Phi is not tried again
   NewtonRegion other;
   other.begin();
   EXPECT_FALSE(other.take_step({}, kUnit, {.slope = -1e-10, .noise = 1e-9}));

@@ -24,7 +24,7 @@ Scene ragged_scene(Law law, TimeScheme scheme, Hourglass hourglass) {
   return scene;
 }
 
-/// Turned by 0.7 rad about (2, -1, 2)/3 and disturbed: what a step may start from.
+/// A possible start of a step: turned by 0.7 rad about (2, -1, 2)/3 and disturbed.
 State moved_state(const Scene& scene, double noise) {
   State state = initial_state(scene);
   const double s = std::sin(0.7), c = 1 - std::cos(0.7), a[3] = {2.0 / 3, -1.0 / 3, 2.0 / 3};

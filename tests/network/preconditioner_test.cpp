@@ -197,7 +197,7 @@ TEST(Preconditioner, IsAsGoodWithTheEncoderAsWithoutInItsWorstDirection) {
         const auto [low_alone, high_alone] = spectrum_at_rest(scene, false);
         printf("%-8s C %5g, nu %4g: %.4f ... %.3f, multigrid alone %.4f ... %.3f\n", c.name, C,
                poisson, low, high, low_alone, high_alone);
-        // what multigrid gives is taken away where the encoder knows better, and not twice given
+        // the encoder replaces multigrid's result where it is better, and is not added to it
         EXPECT_GT(low, 0.85 * low_alone);
         EXPECT_LT(high, 1.25 * high_alone);
         if (C == 100) {

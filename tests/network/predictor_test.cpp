@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where steps begin: pieces with a pin by their predictor or by what their velocities say.
+// Starts of steps: pieces with a pin start from their predictor or by their velocities.
 #include "network/predictor.hpp"
 
 #include "network/solver.hpp"
@@ -49,7 +49,7 @@ TEST(Predictor, ExtrapolationLeavesFreePiecesAlone) {
 
 /// Outer iterations of a step to 1e-3 from where `steps` steps have brought the scene to rest.
 int iterations_at_rest(Scene scene, SolverMode mode, double dt, int steps) {
-  scene.dt = dt;  // Euler damps what swings at once
+  scene.dt = dt;  // Euler damps vibrations at once
   scene.scheme = TimeScheme::kEuler;
   scene.gravity = {0, -9.81, 0};
   finish_scene(scene);

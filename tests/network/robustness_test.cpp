@@ -195,7 +195,7 @@ TEST(Robustness, TheResultDoesNotDependOnThePlace) {
   // 1e6 m away a position carries an error of 1e-10 m, a strain of 5e-9
   const std::vector<double> here = dimensionless_result(1, 1e-4);
   EXPECT_LT(relative_difference(dimensionless_result(1, 1e-4, 1e6), here), 1e-4);
-  // the integration reads displacements only: what is left is the rounding of the positions
+  // the integration reads displacements only: the difference is the rounding of the positions
   EXPECT_LT(relative_difference(dimensionless_result(1, 1e-4, 10), here), 1e-8);
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Every weight file of network/weights: its fit measured anew on other strains than its card's, by
-// the net and by the table; what must hold of a law at rest; the published bias of the lagged loop.
+// the net and by the table; the conditions on a law at rest; the published bias of the lagged loop.
 
 #include "core/error.hpp"
 #include "network/mtl_weights.hpp"
@@ -58,7 +58,7 @@ TEST(ShippedWeights, KeepTheirLimitsByNetAndByTable) {
   }
 }
 
-// psi = 0, P = 0 and the moduli are exact for rotations, whatever the weights
+// psi = 0, P = 0 and the moduli are exact for rotations, with any weights
 TEST(ShippedWeights, AreExactAtRest) {
   for (const Shipped& file : shipped()) {
     const auto net = read(file, Evaluation::kTable);

@@ -188,7 +188,7 @@ TEST(Solver, WithoutSkippingReachesTheSameState) {
     const Scene scene = clamped_beam(12, 4, 4, 0.025, solid(young, 0.3));
     const State a = after(scene, 8, {.skip = true}), b = after(scene, 8, {.skip = false});
     EXPECT_LT(state_difference(scene, a, b), 1e-3);
-    EXPECT_GT(state_difference(scene, a, b), 0);  // two ways, not one
+    EXPECT_GT(state_difference(scene, a, b), 0);  // two methods, not one
   }
 }
 

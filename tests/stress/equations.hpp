@@ -11,7 +11,7 @@
 
 namespace elastogen::stress {
 
-/// What the equations say of one step.
+/// Results of the equations for one step.
 struct Balance {
   double residual = 0;       ///< of "The residual, exactly" [-]
   double energy_before = 0;  ///< kinetic, elastic, hourglass and barrier at the start [J]
@@ -19,7 +19,7 @@ struct Balance {
   double gravity_work = 0;   ///< of gravity over the step [J]
   double residual_work = 0;  ///< of the forces that the solver left unbalanced [J]
   /// By how much the energy of the voxels lies above its tangent at the end of the step [J]. Where
-  /// it is convex this is not negative; else implicit Euler itself may gain what is missing.
+  /// it is convex this is not negative; a negative amount is energy that implicit Euler may gain.
   double convexity = 0;
   std::vector<double> internal;  ///< derivative of elastic and hourglass energy [N], (nodes, 3)
 };

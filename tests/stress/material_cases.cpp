@@ -63,8 +63,8 @@ double layer_motion(const Scene& scene, const Array<double>& x, int layer) {
   return sum / count;
 }
 
-/// A block a million times as dense on a light one: what is let go presses the light one by at most
-/// twice the static amount, and comes to rest there.
+/// A block a million times as dense on a light one: let go, it presses the light one by at most
+/// twice the static amount, and comes to rest at the static amount.
 void density(Record& record, double light, double heavy) {
   // the heavy half lies on the light one
   const auto make = [&](double dt) {

@@ -67,7 +67,7 @@ class Watch {
     const double limit = plan_.options.tolerance * (1 + 1e-9) + floor;
     fault(2, !r.converged || b.residual <= limit, "step ", r.step, ": converged, but the residual ",
           "is ", b.residual);
-    // a draft a million tolerances away stands on points within rounding of a wall: there the last
+    // a draft a million tolerances away has points within rounding of a collider: there the last
     // bits of a position decide the barrier's force
     const bool lost = std::min(b.residual, r.residual) > 1e6 * plan_.options.tolerance;
     const double gap = std::abs(b.residual - r.residual);

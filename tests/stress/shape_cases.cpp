@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Extreme shapes: one voxel, none, many loose ones, sheets, needles, hinges, and ways to pin.
+// Extreme shapes: one voxel, none, many loose ones, sheets, needles, hinges, and kinds of pins.
 #include "core/error.hpp"
 #include "tests/stress/cases.hpp"
 #include "tests/stress/equations.hpp"

@@ -82,7 +82,7 @@ double volume_of(const PointSolid& solid) {
   return sum;
 }
 
-/// Every edge is run along as often one way as the other.
+/// Every edge occurs equally often in both directions.
 bool is_closed(const PointSolid& solid) {
   std::map<std::pair<int, int>, int> balance;
   for (int64_t t = 0; t < solid.triangles.rows(); ++t)

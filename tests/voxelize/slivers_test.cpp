@@ -64,7 +64,7 @@ TEST(Slivers, OfARoundBodyNearlyAllGo) {
   EXPECT_LT(report.thin_voxels, report.dropped_slivers / 20);
 }
 
-/// What goes of voxels given by coordinate and fill, as their coordinates.
+/// Coordinates of the voxels that are dropped, of those given by coordinate and fill.
 std::set<Coord> dropped(const Fills& fills) {
   Array<int32_t> coords(static_cast<int64_t>(fills.size()), 3);
   Array<double> fill(coords.rows());

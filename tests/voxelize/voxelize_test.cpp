@@ -198,7 +198,7 @@ TEST(Voxelize, ASheetBecomesALayerOfFullVoxels) {
 }
 
 TEST(Voxelize, AFoldedSheetIsNotFilled) {
-  // rolled up to nine tenths of a tube, half of it wound the other way
+  // rolled up to nine tenths of a tube, half of it with the opposite winding
   Soup cloth = sheet(1, 40);
   cloth.map([](const Vec3& p) {
     const double angle = 1.8 * M_PI * p[0];
@@ -293,7 +293,7 @@ TEST(Voxelize, OverlappingShellsAreTheirUnion) {
   // two unit spheres one apart: lens of height 1/2 caps, volume pi h^2 (3 - h) / 3 each
   Soup soup = sphere(1, {}, 5);
   soup.add(sphere(1, {1, 0, 0}, 5));
-  // half a sphere's surface bounds it, so it lacks half of what a sphere of triangles lacks
+  // half a sphere's area bounds the lens, so triangles take half a sphere's error from its volume
   const double volume = sphere(1, {}, 5).volume();
   const double lens = 2 * M_PI * 0.25 * 2.5 / 3 - (4 * M_PI / 3 - volume) / 2;
   const Voxelized result = voxelize(soup.surface(), {.voxels = 45});

@@ -18,7 +18,7 @@ std::vector<T> values_of(const Array<T>& array) {
   return {array.data(), array.data() + array.size()};
 }
 
-/// Whether it is the mesh of test::two_tets, whatever the regions.
+/// Whether it is the mesh of test::two_tets, with any regions.
 bool is_two_tets(const TetFile& file) {
   return file.elements.cols() == 4 &&
          values_of(file.rest) ==
