@@ -15,7 +15,7 @@
 namespace elastogen::bench {
 namespace {
 
-/// The box of a grid's voxels.
+/// The box of the grid's voxels as a dense array.
 struct Dense {
   std::array<int64_t, 3> lower = {INT64_MAX, INT64_MAX, INT64_MAX}, dims = {};
 
@@ -29,7 +29,7 @@ struct Dense {
     for (size_t d = 0; d < 3; ++d) dims[d] = upper[d] - lower[d] + 1;
   }
 
-  /// Place of a lattice point in an array of dims + more.
+  /// Index of a lattice point in an array of dims + more.
   size_t place(const int32_t* coord, int64_t more) const {
     return size_t(coord[0] - lower[0] +
                   (dims[0] + more) *

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is measured of the CUDA device; in builds without CUDA every function throws Error (device).
+// Measurements of the CUDA device. In builds without CUDA every function throws Error (device).
 
 #pragma once
 
@@ -19,10 +19,10 @@ struct KernelRow {
 struct CardCeilings {
   double copy = 0;                         ///< bytes read and written a second
   double float_rate = 0, double_rate = 0;  ///< fused multiply-adds count twice [FLOP/s]
-  double launch_us = 0;                    ///< a kernel of many in a row [us]
-  double graph_node_us = 0;                ///< the same inside a graph
-  double sync_us = 0;                      ///< a kernel and the wait for it
-  double fetch_us = 0;                     ///< 64 bytes to the host
+  double launch_us = 0;                    ///< one kernel of many in a row [us]
+  double graph_node_us = 0;                ///< one kernel inside a graph [us]
+  double sync_us = 0;                      ///< one kernel and the wait for it [us]
+  double fetch_us = 0;                     ///< a copy of 64 bytes to the host [us]
   int64_t memory_bytes = 0;
   int multiprocessors = 0;
 };
@@ -32,7 +32,7 @@ double card_copy_rate();
 
 CardCeilings card_ceilings();
 
-/// Memory of the card that is taken, by whom ever [bytes].
+/// Memory of the card that all programs together use [bytes].
 int64_t card_memory_used();
 
 /// The kernels of a step of the scene.

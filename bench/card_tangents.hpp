@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The product with the projected Hessian on the device whose tangents are not kept as 45 numbers a
-// voxel but made anew in every product, from the nine of F: what `newton` does not do, to measure
-// why.
+// The product with the projected Hessian on the device, without storing 45 numbers of the tangent
+// for each voxel: every product computes them again from the nine numbers of F. `newton` stores
+// them; this measures why.
 
 #pragma once
 
@@ -13,11 +13,11 @@ namespace elastogen::bench {
 
 class RecomputedHessian {
  public:
-  /// On the tables of a potential of laws, which must outlive it.
+  /// Uses the tables of a potential of laws, which must outlive it.
   explicit RecomputedHessian(cuda::DevicePotential& potential);
   ~RecomputedHessian();
 
-  /// Keeps F_v at u; hessian_product then gives A p as that of the potential does.
+  /// Stores F_v at u. hessian_product then gives A p as the potential does.
   void linearise(const double* u);
   void hessian_product(const float* p, float* product);
 

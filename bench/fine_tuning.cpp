@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// What gradient steps make of nets for materials never seen, by where they begin: the fine-tuning
-// of the ElastoGen paper, to set beside the Levenberg-Marquardt iterations of bench/generation.cpp.
-// All materials of a start are fitted at once (training/fit_neural_mtl.hpp, all layers, SOAP), each
-// number of steps by a run of its own whose rate falls to 0, at each of two rates.
+// Nets for unseen materials after gradient steps, by where they start: the fine-tuning of the
+// ElastoGen paper, to compare with the Levenberg-Marquardt iterations of bench/generation.cpp. All
+// materials of a start are fitted at once (training/fit_neural_mtl.hpp, all layers, SOAP). Each
+// number of steps has a run of its own, whose rate falls to 0, with each of two rates.
 //
 //   fine_tuning FOLDER [--count N] [--seed S] [--device cpu|cuda] [--json FILE]
 //
-// FOLDER has hidden.tensors and generator.tensors. Prints a Markdown table; of the two rates the
-// row has the one with more nets inside.
+// FOLDER has hidden.tensors and generator.tensors. Prints a Markdown table. Each row has the better
+// of the two rates, by the number of nets that pass.
 
 #include "bench/generation_arguments.hpp"
 #include "core/parallel.hpp"
@@ -22,7 +22,7 @@
 namespace elastogen::bench {
 namespace {
 
-constexpr int64_t kStrains = 4000;  // of a report
+constexpr int64_t kStrains = 4000;  // strains of a report
 constexpr int64_t kSteps[] = {0, 100, 300, 1000};
 constexpr double kRates[] = {3e-3, 3e-4};
 constexpr double kNearIncompressible = 0.48;
@@ -30,7 +30,7 @@ constexpr double kNearIncompressible = 0.48;
 constexpr const char* kUsage =
     "usage: fine_tuning FOLDER [--count N] [--seed S] [--device cpu|cuda] [--json FILE]";
 
-/// Weights that each net begins from, (materials, 17153).
+/// Weights from which each net starts, (materials, 17153).
 struct Beginning {
   std::string name;
   std::vector<float> weights;
@@ -57,7 +57,7 @@ std::vector<Beginning> beginnings(const Arguments& arguments,
   return all;
 }
 
-/// What became of all nets of a start after some steps.
+/// Results of all nets of a start after some steps.
 struct Outcome {
   double rate = 0, seconds = 0;
   int low = 0, inside_low = 0, inside = 0;  ///< low: nu up to 0.48
@@ -109,6 +109,7 @@ Outcome tuned(const Arguments& arguments, const std::vector<FitMaterial>& materi
 }
 
 void run(const Arguments& arguments) {
+  // materials of the family, by number
   std::vector<FitMaterial> materials;
   for (int64_t n = 0; n < arguments.count; ++n)
     materials.push_back(family_material(arguments.seed, uint64_t(n)));
@@ -116,6 +117,7 @@ void run(const Arguments& arguments) {
       "| begins at | steps | rate | inside all limits | nu up to 0.48 | stress, median net: "
       "median [%%] | p99 [%%] | all nets at once [s] |\n|---|---|---|---|---|---|---|---|\n");
   std::ostringstream rows;
+  // a row for each start and number of steps: printed, and kept for JSON
   for (const Beginning& beginning : beginnings(arguments, materials))
     for (const int64_t steps : kSteps) {
       const Outcome o = tuned(arguments, materials, beginning, steps);
@@ -129,6 +131,7 @@ void run(const Arguments& arguments) {
            << R"(, "inside_to_048": )" << low << R"(, "median": )" << o.median << R"(, "p99": )"
            << o.p99 << R"(, "seconds": )" << o.seconds << '}';
     }
+  // the JSON file
   if (arguments.json.empty()) return;
   std::ostringstream json;
   json << R"({"seed": )" << arguments.seed << R"(, "materials": )" << materials.size()

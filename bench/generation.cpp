@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// How soon a net for a material never seen is good enough, by where its last layer begins: random
-// materials of diffusion/material_family.hpp, of another seed than a dataset's, fitted for some
-// iterations each (training/last_layer_fit.hpp) and judged on strains that no fit has seen.
+// How soon a net for an unseen material is good enough, by where its last layer starts: random
+// materials of diffusion/material_family.hpp, with another seed than a dataset's, fitted for some
+// iterations each (training/last_layer_fit.hpp) and judged on strains that no fit has used.
 //
 //   generation FOLDER [--count N] [--seed S] [--generator FILE] [--only START] [--json FILE]
 //
-// FOLDER has hidden.tensors, hidden-sums.tensors and, unless named, generator.tensors; without it
-// there are only the starts at 0. Prints Markdown tables.
+// FOLDER has hidden.tensors, hidden-sums.tensors and, unless it is named, generator.tensors.
+// Without a generator there are only the starts at 0. Prints Markdown tables.
 
 #include "bench/generation_arguments.hpp"
 #include "bench/generation_tables.hpp"
@@ -25,13 +25,13 @@
 namespace elastogen::bench {
 namespace {
 
-constexpr int64_t kStrains = 4000;  // of a report
+constexpr int64_t kStrains = 4000;  // strains of a report
 
 constexpr const char* kUsage =
     "usage: generation FOLDER [--count N] [--seed S] [--generator FILE] [--only START] "
     "[--json FILE]";
 
-/// The one that is named, or that of the folder, where it has one.
+/// The named generator, else that of the folder, if it has one.
 std::optional<WeightGenerator> find_generator(const Arguments& arguments,
                                               const std::vector<float>& hidden) {
   const bool named = !arguments.generator.empty();
@@ -40,7 +40,7 @@ std::optional<WeightGenerator> find_generator(const Arguments& arguments,
   return read_generator(path, hidden);
 }
 
-/// Hidden layers drawn as training/fit_neural_mtl.hpp begins.
+/// Random hidden layers, drawn as at the start of training/fit_neural_mtl.hpp.
 std::vector<float> drawn_hidden(uint64_t seed) {
   std::vector<float> drawn;
   for (int64_t k = 0; k < kMtlParameters; ++k)
@@ -65,7 +65,7 @@ struct Layers {
   LastLayer fits;
 };
 
-/// A way to begin, and the hidden layers for it.
+/// A method to start a fit, and the hidden layers for it.
 struct Way {
   std::string name;
   std::function<const Layers&(const FitMaterial&)> layers_of;
@@ -76,8 +76,8 @@ std::vector<float> zero(const FitMaterial&, uint64_t) {
   return std::vector<float>(kMtlWidthOfLast);
 }
 
-/// Fits each material in all ways, one after another, so that whatever else the machine does slows
-/// all of them.
+/// Fits each material with all starts, one after another, so that other load on the machine slows
+/// all of them alike.
 void run_ways(const std::vector<Way>& ways, Results& results) {
   for (const Way& way : ways) results.methods.push_back({way.name, {}});
   for (size_t n = 0; n < results.materials.size(); ++n) {
@@ -96,12 +96,12 @@ void run_ways(const std::vector<Way>& ways, Results& results) {
   }
 }
 
-/// The codec alone: the best net of each material that a fit has ended in, there and back.
+/// Judges the codec alone: the best fitted net of each material, encoded and decoded.
 void judge_codec(const WeightGenerator& generator, const std::vector<float>& hidden,
                  Results& results) {
   for (size_t n = 0; n < results.materials.size(); ++n) {
     const StartFit* best = nullptr;
-    for (size_t m = 1; m < results.methods.size(); ++m) {  // not on random hidden layers
+    for (size_t m = 1; m < results.methods.size(); ++m) {  // leaves out random hidden layers
       const StartFit& fit = results.methods[m].courses[n].fits.back();
       if (!best || fit.report.stress_p99 < best->report.stress_p99) best = &fit;
     }
@@ -116,15 +116,17 @@ void judge_codec(const WeightGenerator& generator, const std::vector<float>& hid
   results.components = generator.codec().components();
 }
 
-/// All starts on the layers of most materials, and what the command does: sums that have layers of
-/// their own (training/hidden_layers.hpp) begin there, at 0, all others at the regression. No
-/// member of the family has the limits of Gent's law that have layers of their own.
+/// All starts on the hidden layers of most materials, and the choice of the command. That starts
+/// sums with hidden layers of their own (training/hidden_layers.hpp) at 0 on these, all others at
+/// the regression. No material of the family has the hidden layers for near limits of Gent's law.
 std::vector<Way> all_ways(const Layers& drawn, const Layers& shipped, const Layers& sums,
                           const WeightGenerator* generator) {
+  // zeros, on random and on shipped hidden layers
   const auto on_shipped = [&shipped](const FitMaterial&) -> const Layers& { return shipped; };
   std::vector<Way> ways = {{"random hidden layers, zero",
                             [&drawn](const FitMaterial&) -> const Layers& { return drawn; }, zero}};
   if (!generator) ways.push_back({name_of(Start::kZero), on_shipped, zero});
+  // what the generator gives
   for (const Start start : kStarts) {
     if (!generator || (start == Start::kDiffusion && !generator->has_denoiser())) continue;
     ways.push_back(
@@ -132,6 +134,7 @@ std::vector<Way> all_ways(const Layers& drawn, const Layers& shipped, const Laye
            return generator->last_layer(m, start, n);
          }});
   }
+  // the choice of the command
   const auto sum = [](const FitMaterial& m) {
     return std::string_view(hidden_layers_of(m)) == kSumHiddenLayers;
   };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the benchmarks of generated weights are given: options, hidden layers, generator.
+// Input of the benchmarks of generated weights: options, hidden layers, generator.
 
 #pragma once
 
@@ -17,24 +17,26 @@
 namespace elastogen::bench {
 
 struct Arguments {
-  std::string folder;     ///< of hidden.tensors and, unless named, generator.tensors
-  std::string generator;  ///< file
-  std::string only;       ///< start
+  std::string folder;     ///< folder of hidden.tensors and, unless named, generator.tensors
+  std::string generator;  ///< file of the generator
+  std::string only;       ///< name of the only start
   std::string json;       ///< file to write
   std::string device = "cpu";
   int64_t count = 200;  ///< materials
   uint64_t seed = 1'000'003;
 };
 
-/// @throws Error (usage) with the usage.
+/// @throws Error (usage) with the usage text.
 inline Arguments arguments_of(int argc, char** argv, const char* usage) {
   Arguments arguments;
   for (int k = 1; k < argc; ++k) {
     const std::string word = argv[k];
+    // the folder is the only word without a dash
     if (word[0] != '-') {
       arguments.folder = word;
       continue;
     }
+    // every option has a value
     ELASTOGEN_CHECK(k + 1 < argc, word, " needs a value");
     const char* const value = argv[++k];
     if (word == "--count")

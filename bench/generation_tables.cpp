@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kNearIncompressible = 0.48;
 
-/// Some of the materials.
+/// Indices of some of the materials.
 struct Group {
   std::string name;
   std::vector<size_t> members;
@@ -45,11 +45,11 @@ double largest(const std::vector<double>& values) {
   return *std::max_element(values.begin(), values.end());
 }
 
-/// A method on a group after some iterations.
+/// Results of a method on a group after some iterations.
 struct Stage {
-  double share = 0;                       ///< inside all limits
-  double median = 0, p99 = 0, worst = 0;  ///< of the stress: median net; worst: p99
-  double fit_ms = 0;                      ///< median
+  double share = 0;                       ///< share inside all limits
+  double median = 0, p99 = 0, worst = 0;  ///< of the stress: median net; worst: largest p99
+  double fit_ms = 0;                      ///< median time of the fits
 };
 
 Stage stage_of(const Method& method, const Group& group, size_t k) {
@@ -66,8 +66,8 @@ Stage stage_of(const Method& method, const Group& group, size_t k) {
           middle(ms)};
 }
 
-/// Time to the first report that passes: the start, the fit up to there and the reports so far,
-/// their mean and what 99 of 100 keep; and the materials for which there was none.
+/// Time to the first report that passes: the start, the fit up to there and all reports. Mean, and
+/// the time that 99 of 100 materials keep. Materials that never pass are listed.
 struct Passing {
   double mean_ms = 0, p99_ms = 0;
   std::vector<size_t> never;
@@ -76,6 +76,7 @@ struct Passing {
 Passing passing_of(const Method& method, const Group& group) {
   Passing passing;
   std::vector<double> ms;
+  // time of each material until a report passes
   for (const size_t n : group.members) {
     const Course& course = method.courses[n];
     double seconds = course.start_seconds;
@@ -92,6 +93,7 @@ Passing passing_of(const Method& method, const Group& group) {
     else
       passing.never.push_back(n);
   }
+  // mean and 99th percentile of these
   if (ms.empty()) return passing;
   std::sort(ms.begin(), ms.end());
   for (const double value : ms) passing.mean_ms += value / double(ms.size());
@@ -135,7 +137,7 @@ void print_group(const Results& results, const Group& group) {
   }
 }
 
-/// The codec alone on a group: share inside, median net.
+/// The codec alone on a group: share inside, errors of the median net.
 Stage decoded_of(const Results& results, const Group& group) {
   std::vector<double> median, p99;
   int inside = 0;
@@ -147,7 +149,7 @@ Stage decoded_of(const Results& results, const Group& group) {
   return {inside / double(group.members.size()), middle(median), middle(p99), largest(p99), 0};
 }
 
-// numbers that are none are written as null
+// not-a-number and infinity are written as null
 std::string number(double value) {
   return std::isfinite(value) ? fmt::format("{:.4g}", value) : "null";
 }

@@ -15,9 +15,9 @@ namespace elastogen::bench {
 inline constexpr int kIterations[] = {0, 1, 3, 10, 30, 80};
 inline constexpr size_t kStages = std::size(kIterations);
 
-/// What became of a material from a start.
+/// Results of a material from one start.
 struct Course {
-  double start_seconds = 0;    ///< to make the start
+  double start_seconds = 0;    ///< time to make the start
   std::vector<StartFit> fits;  ///< after kIterations
 };
 
@@ -30,16 +30,16 @@ struct Method {
 struct Results {
   std::vector<FitMaterial> materials;
   std::vector<Method> methods;
-  std::vector<FitReport> decoded;  ///< of the best net of each material through the codec; or none
-  int64_t strains = 0;             ///< of a report
+  std::vector<FitReport> decoded;  ///< of each material's best net after the codec; or empty
+  int64_t strains = 0;             ///< strains of a report
   uint64_t seed = 0;
-  int components = 0;  ///< of the codec
+  int components = 0;  ///< components of the codec
 };
 
 /// Prints the tables as Markdown: all materials, then each group of laws and of Poisson ratios.
 void print_tables(const Results& results);
 
-/// The same and more as JSON.
+/// The numbers of the tables, and more, as JSON.
 std::string json_of(const Results& results);
 
 }  // namespace elastogen::bench

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a net costs in the place of a law: stress and projected Hessian of a voxel from its
-// deformation gradient, by the law, by the table and by the net; and whole steps.
+// The cost of a net in place of a law: stress and projected Hessian of a voxel from its deformation
+// gradient, by the law, by the table and by the net; and whole steps.
 //
 //   laws [WEIGHTS LAW POISSON]   prints Markdown tables; without arguments the net with weights 0
 
@@ -27,7 +27,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Rows = std::vector<Mat3<Pack<float>>>;
 
-/// Shortest of so many runs [s].
+/// Shortest of several runs [s].
 double seconds(int runs, const std::function<void()>& body) {
   double best = 1e300;
   for (int k = 0; k < runs; ++k) {
@@ -39,7 +39,7 @@ double seconds(int runs, const std::function<void()>& body) {
   return best;
 }
 
-/// Deformation gradients within about 30 %.
+/// Random deformation gradients within about 30 % of the identity.
 Rows gradients(int64_t rows) {
   std::mt19937_64 random(1);
   std::uniform_real_distribution<float> uniform(-0.15f, 0.15f);
@@ -50,7 +50,7 @@ Rows gradients(int64_t rows) {
   return F;
 }
 
-/// Time of a voxel [ns] for what Newton needs of it: P and the projected Hessian.
+/// Time for a voxel [ns] of what Newton needs: P and the projected Hessian.
 double voxel_time(const Rows& F, const LearnedLaw* net, const LawParameters<float>& law, int runs) {
   std::vector<float> sums(F.size());
   const auto pass = [&] {
@@ -68,7 +68,7 @@ double voxel_time(const Rows& F, const LearnedLaw* net, const LawParameters<floa
   return 1e9 * seconds(runs, pass) / double(F.size() * kLanes);
 }
 
-/// The same without SVD and projection: the response alone, from stretches.
+/// Time for a voxel [ns] of the response alone, from stretches, without SVD and projection.
 double response_time(const Rows& F, const LearnedLaw* net, const LawParameters<float>& law,
                      int runs) {
   std::vector<float> sums(F.size());
@@ -84,7 +84,7 @@ double response_time(const Rows& F, const LearnedLaw* net, const LawParameters<f
   return 1e9 * seconds(runs, pass) / double(F.size() * kLanes);
 }
 
-/// FLOP/s of products of large matrices, on as many threads as the loops have.
+/// FLOP/s of products of large matrices, on as many threads as loops use.
 double product_rate() {
   constexpr int kSize = 768;
   const Eigen::MatrixXd A = Eigen::MatrixXd::Random(kSize, kSize);
@@ -140,7 +140,7 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-/// A run with its times and iterations a step.
+/// A run, with the times and iterations of its steps.
 struct Run {
   Run(const Scene& scene, const LearnedLaws& learned, SolverMode mode)
       : solver(scene, {.mode = mode, .learned = learned}), state(initial_state(scene)) {}
@@ -157,7 +157,7 @@ struct Run {
   int64_t outer = 0;
 };
 
-/// Steps of both ways take turns; the ratio is the median of those of the steps.
+/// Steps with law and table alternate; the ratio is the median of the ratios of the steps.
 void print_steps(const Nets& nets) {
   constexpr int kSteps = 25;
   Scene scene = porous_ball({.voxels = 3e4, .poisson = nets.table->poisson()});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A step of a solver, timed from a fixed state and compared with a reference.
+// Times a step of a solver from a fixed state and compares it with a reference.
 
 #pragma once
 
@@ -14,14 +14,14 @@ struct Timing {
   StepReport report;
   double ms = 0;             ///< median
   double error = 0;          ///< rms distance to the reference over the rms motion of the step
-  double setup_seconds = 0;  ///< of the solver
+  double setup_seconds = 0;  ///< time to set up the solver
 };
 
-/// The median of several steps from the same state; a first one warms up.
+/// The median time of several steps from one state; a first step warms up.
 Timing time_step(const Scene& scene, const State& start, const SolverOptions& options, int repeats,
                  const Array<double>& reference);
 
-/// The state after some steps of newton at 1e-10, and the next one as reference.
+/// The state after some steps of newton at 1e-10, and the state after the next step as reference.
 struct Reference {
   State start, next;
 };

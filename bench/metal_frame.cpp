@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// A body that yields under a collider, by implicit steps of several lengths and by explicit ones,
-// against fine implicit steps: the comparison of PlasticityNet (Li et al. 2022, figure 5c, table 1).
-// Their explicit run has a lower Young's modulus, which allows longer steps; so has one here.
+// A body that yields under a collider, by implicit steps of several lengths and by explicit steps,
+// compared with fine implicit steps: the comparison of PlasticityNet (Li et al. 2022, figure 5c,
+// table 1). Their explicit run has a lower Young's modulus, which allows longer steps; so has one
+// here.
 //
 //   bench_metal_frame SCENE.toml [--explicit] [--json FILE]
 //
-// SCENE has a file of triangles or tetrahedra; its last collider is the one whose push is given.
+// SCENE has a file of triangles or tetrahedra. The push of its last collider is reported.
 
 #include "cli/options.hpp"
 #include "core/stopwatch.hpp"
@@ -27,7 +28,7 @@ namespace {
 constexpr double kFine = 2e-4;                           // dt of the reference [s]
 constexpr double kImplicit[] = {1e-2, 2e-3, 1e-3};       // [s]
 constexpr double kExplicit = 1e-6, kReducedStep = 1e-5;  // [s]
-constexpr double kReduced = 1e-2;  // of Young's modulus, where the step is ten times as long
+constexpr double kReduced = 1e-2;  // factor of Young's modulus with a step ten times as long
 
 struct Played {
   std::string name;
@@ -35,10 +36,10 @@ struct Played {
   int64_t steps = 0, drafts = 0, solves = 0, parts = 0, halvings = 0;
   double seconds = 0, residual = 0;
   std::vector<Array<double>> u = {};  // at the end of each frame [m]
-  std::vector<double> push = {};      // up, of the last collider, there [N]
+  std::vector<double> push = {};      // of the last collider along y, at the end of each frame [N]
 };
 
-/// Takes the frames by advance(state), one step each call; pushes() is asked at the end of each.
+/// Plays the frames, one call of advance(state) for a step; calls pushes() at the end of each.
 template <class Advance, class Pushes>
 void play(const fem::FemScene& scene, int64_t frames, double frame, const Advance& advance,
           const Pushes& pushes, Played& run) {

@@ -19,7 +19,7 @@ int run_program(const std::string& program, const std::vector<std::string>& word
   std::vector<char*> arguments;
   for (std::string& word : all) arguments.push_back(word.data());
   arguments.push_back(nullptr);
-  // not posix_spawn: its child would count our peak of memory as its own
+  // not posix_spawn, whose child would count our peak memory as its own
   const pid_t child = fork();
   if (child < 0) return kNotStarted;
   if (child == 0) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Other programs that a benchmark runs, and the folder in which it meets them.
+// Other programs that a benchmark runs, and the folder for the files exchanged with them.
 
 #pragma once
 
@@ -8,16 +8,16 @@
 
 namespace elastogen::bench {
 
-/// Runs a program, found in PATH, with the words as its arguments and waits for it. What it prints
+/// Runs a program, found in PATH, with the words as its arguments, and waits for it. Its output
 /// goes to standard error.
-/// @return its exit code, 128 plus the signal that ended it, or 127 where it cannot be started.
+/// @return its exit code, 128 plus the signal that ended it, or 127 if it cannot be started.
 int run_program(const std::string& program, const std::vector<std::string>& words);
 
-/// A folder with a name of its own below the one for temporary files; it goes with everything in
+/// A folder with a unique name below the one for temporary files; it is removed with everything in
 /// it.
 class TemporaryFolder {
  public:
-  /// @throws Error (resources) where none can be made.
+  /// @throws Error (resources) if none can be made.
   TemporaryFolder();
   ~TemporaryFolder();
   TemporaryFolder(const TemporaryFolder&) = delete;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scenes side by side, each on a thread of its own. What the threads share is here: the next scene,
-// the sums of the summary and the two streams that are printed to.
+// Runs scenes side by side, each on a thread of its own. The threads share what is defined here:
+// the next scene, the sums of the summary, and the two streams to which they print.
 #include "cli/run.hpp"
 #include "cli/signals.hpp"
 #include "cli/typed.hpp"
@@ -33,7 +33,7 @@ struct BatchScene {
 BatchScene resolved(const BatchTask& task, const std::string& file) {
   std::vector<const char*> argv = {"elastogen"};
   for (const std::string& word : task.words) argv.push_back(word.c_str());
-  argv.insert(argv.begin() + 2, {"--scene", file.c_str()});  // behind the verb
+  argv.insert(argv.begin() + 2, {"--scene", file.c_str()});  // after the verb
   BatchScene scene{file, {}, {}};
   try {
     scene.options = parse_command_line(int(argv.size()), argv.data()).animate.value();
@@ -44,7 +44,7 @@ BatchScene resolved(const BatchTask& task, const std::string& file) {
   return scene;
 }
 
-/// Messages of scene files begin with their name already.
+/// Adds the scene's name to a message, unless it begins with that already.
 std::string of_scene(const std::string& file, const std::string& text) {
   return text.starts_with(file + ':') ? text : file + ": " + text;
 }
@@ -54,7 +54,7 @@ class Batch {
   Batch(const std::vector<BatchScene>& scenes, bool quiet)
       : scenes_(scenes), quiet_(quiet), codes_(scenes.size(), kNotRun) {}
 
-  /// Runs the scenes on that many threads. @return the exit code.
+  /// Runs the scenes on `jobs` threads. @return the exit code.
   int run(size_t jobs) {
     const Stopwatch watch;
     {
@@ -66,7 +66,7 @@ class Batch {
   }
 
  private:
-  /// Takes one scene after the other until there is none or a signal comes.
+  /// Runs one scene after the other until there is none left or a signal comes.
   void work() {
     for (size_t k; pending_signal() == 0 && (k = next_++) < scenes_.size();) {
       const BatchScene& scene = scenes_[k];
@@ -113,7 +113,7 @@ class Batch {
                voxel_steps_ / seconds);
   }
 
-  /// That of a signal which left scenes unfinished, else of the first scene that failed.
+  /// The code of a signal that left scenes unfinished, else of the first scene that failed.
   int code() const {
     const int signal = pending_signal();
     for (const int code : codes_)
@@ -126,13 +126,13 @@ class Batch {
   const std::vector<BatchScene>& scenes_;
   const bool quiet_;
   std::atomic<size_t> next_ = 0;
-  std::vector<int> codes_;  ///< of the scenes; each by the one thread that runs it
-  std::mutex mutex_;        ///< of all below, and of printing
+  std::vector<int> codes_;  ///< of the scenes; each written by the thread that runs it
+  std::mutex mutex_;        ///< guards printing and all members below
   size_t ended_ = 0, written_ = 0;
   double voxel_steps_ = 0;
 };
 
-/// Whether steps can go to a card.
+/// Whether some steps may run on a card.
 bool may_use_card(const std::vector<BatchScene>& scenes) {
   const auto may = [](const BatchScene& scene) {
     return !scene.error && scene.options.solver.device != Device::kCpu;
@@ -152,7 +152,7 @@ int animate_batch(const BatchTask& task) {
 
   watch_signals();
   const bool card = may_use_card(scenes);
-  // on the CPU all of a scene stays on its thread: the cores have scenes enough
+  // on the CPU a scene stays on its thread, as there are enough scenes for all cores
   std::optional<ThreadLimit> limit;
   if (!card) {
     limit.emplace(1);

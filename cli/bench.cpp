@@ -17,7 +17,7 @@
 namespace elastogen {
 namespace {
 
-/// What was run, by what, where, and how fast it copies.
+/// What was run, by which build, on which machine, and how fast that copies.
 bench::Json header(const BenchVerb& verb, const bench::CopyRates& rates) {
   const StudyMachine machine = this_machine();
   const bool card = rates.card > 0;
@@ -59,7 +59,7 @@ int bench_verb(const BenchVerb& verb) {
   bench::Json result = header(verb, rates);
   for (const std::string& part : verb.task.parts) {
     result[part] = measure(part, verb.task, rates);
-    // after each part, so that no later one can lose it
+    // write after each part, so that a failure in a later part loses nothing
     if (!verb.json.empty()) write_file(verb.json, result.dump(1) + "\n");
   }
   return complete(result) ? kExitDone : kExitDraft;

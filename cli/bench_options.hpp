@@ -21,7 +21,7 @@ struct BenchVerb {
   std::string command;
 };
 
-/// What is typed for `bench`, while it is parsed.
+/// Options of `bench` while they are parsed.
 class BenchOptions {
  public:
   void add(CLI::App& app, const std::string& command);

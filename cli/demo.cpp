@@ -13,8 +13,8 @@ namespace elastogen {
 namespace {
 
 constexpr int kFrames = 55;
-constexpr int kRows = 12;         // of the table of certificates, about
-constexpr double kFloor = -0.35;  // below the character's feet [m]
+constexpr int kRows = 12;         // approximate rows of the table of certificates
+constexpr double kFloor = -0.35;  // height of the floor, below the character's feet [m]
 
 AnimateOptions demo_scene(const DemoOptions& options) {
   AnimateOptions o;

@@ -15,7 +15,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// What came of the file: findings and counts, or why it cannot be used.
+/// The result of the check: findings and counts, or why the file cannot be used.
 struct Diagnosis {
   RunReport report;
   std::string error;

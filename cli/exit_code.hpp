@@ -16,10 +16,10 @@ enum ExitCode : int {
   kExitAsset = 3,          ///< a file that cannot be used, nothing to simulate
   kExitDraft = 4,          ///< a step missed the tolerance, a voxel is inverted, --max-time is over
   kExitDiverged = 5,       ///< a step had to be refused; the frames before it were written
-  kExitResources = 6,      ///< memory, a budget, a disk
+  kExitResources = 6,      ///< memory, a budget or a disk is exhausted
   kExitDevice = 7,         ///< --device cuda without a device that can be used
-  kExitInterrupted = 130,  ///< SIGINT; what there was has been written
-  kExitTerminated = 143,   ///< SIGTERM; the same
+  kExitInterrupted = 130,  ///< SIGINT; the results so far were written
+  kExitTerminated = 143,   ///< SIGTERM; the results so far were written
 };
 
 /// The code of an exception.
@@ -39,7 +39,7 @@ inline ExitCode exit_code(ErrorKind kind) {
   return kExitUsage;
 }
 
-/// The code that action() returns; an exception has one too, and its text goes to say(text).
+/// The code that action() returns, or that of its exception, whose text goes to say(text).
 template <class Action, class Say>
 int exit_code_of(const Action& action, const Say& say) {
   try {

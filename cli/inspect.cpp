@@ -22,18 +22,18 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kMaxCounted = 2e6;  ///< voxels up to which inspect counts instead of estimating
 
-/// Resolution and what it costs.
+/// Resolution and its cost.
 struct Cost {
   double h = 0;        ///< [m]
   double at_most = 0;  ///< voxels, estimated from extents and areas
-  int64_t voxels = 0;  ///< counted; 0 where that would take long
+  int64_t voxels = 0;  ///< counted; 0 if counting would need long
   double bytes() const { return (voxels > 0 ? double(voxels) : at_most) * double(kBytesPerVoxel); }
 };
 
 Cost cost_of(const Body& body, double longest_edge, const AnimateOptions& o) {
   Cost cost;
   cost.h = o.h > 0 ? o.h : longest_edge / o.voxels;
-  if (o.shape && o.shape->in_plane()) return cost;  // particles alone
+  if (o.shape && o.shape->in_plane()) return cost;  // a run with particles only
   cost.at_most = estimate_voxels(weld(body.surface), cost.h);
   if (cost.at_most <= kMaxCounted)
     cost.voxels = voxelize(body.surface, resolution(o)).grid.voxel_count();
@@ -65,17 +65,20 @@ Json provenance(const Provenance& from) {
 }
 
 Json describe(const Asset& asset, const Body& body, const AssetSummary& summary, const Cost& cost) {
+  // size and direction, each with its reason
   const PlacedBox& box = body.surface.box;
   Json size = {{"longest_edge", summary.size.longest_edge}};
   size.update(provenance(summary.size.from));
   Json up = {{"axis", up_name(summary.up.up)}};
   up.update(provenance(summary.up.from));
+  // what readers and check noticed
   Json findings = Json::array();
   for (const Finding& f : summary.findings)
     findings.push_back({{"what", f.what},
                         {"severity", severity_name(kind_of(f).severity)},
                         {"count", f.count},
                         {"text", f.text}});
+  // voxels are counted where that is quick, else estimated
   Json counted = cost.voxels > 0 ? Json(cost.voxels) : Json();
   return {{"path", asset.path},
           {"format", asset.format},
@@ -102,12 +105,14 @@ std::string joined(const Json& names) {
 
 void print_text(const Json& d) {
   const auto number = [&](const char* key) { return d[key].get<double>(); };
+  // the asset
   const auto& lower = d["box"]["lower"];
   const auto& upper = d["box"]["upper"];
   fmt::print("{}: {}\n", d["path"].get<std::string>(), d["format"].get<std::string>());
   for (const auto& [what, count] : d["counts"].items())
     if (count != 0) fmt::print("  {}: {}\n", what, count.get<int64_t>());
   fmt::print("  nodes: {}\n  materials: {}\n", joined(d["nodes"]), joined(d["materials"]));
+  // extent, size and direction
   for (size_t k = 0; k < 3; ++k)
     fmt::print("  {}: {:.6g} ... {:.6g} m\n", "xyz"[k], lower[k].get<double>(),
                upper[k].get<double>());
@@ -115,11 +120,13 @@ void print_text(const Json& d) {
              d["size"]["reason"].get<std::string>());
   fmt::print("  {} up ({})\n", d["up"]["axis"].get<std::string>(),
              d["up"]["reason"].get<std::string>());
+  // voxels and memory that a run needs
   if (d["voxels"].is_null())
     fmt::print("  voxels of {:.4g} m: at most {:.3g}\n", number("h"), number("voxels_at_most"));
   else
     fmt::print("  voxels of {:.4g} m: {}\n", number("h"), d["voxels"].get<int64_t>());
   fmt::print("  memory: about {:.3g} MB\n", number("memory_bytes") / 1e6);
+  // findings
   for (const Json& f : d["findings"])
     fmt::print("  {} ({}): {}\n", f["what"].get<std::string>(), f["count"].get<int64_t>(),
                f["text"].get<std::string>());

@@ -21,11 +21,11 @@ using Json = nlohmann::ordered_json;
 
 constexpr int64_t kMostTestBytes = 1 << 24;
 
-/// A tension test hardly tells the Poisson ratio; rubber is nearly incompressible, and nearer to
-/// 0.5 steps take more iterations.
+/// A tension test says little about the Poisson ratio. Rubber is nearly incompressible; nearer to
+/// 0.5 steps need more iterations.
 constexpr double kTestPoisson = 0.48;
 
-/// @throws Error (usage) unless the output has the ending and is not the input.
+/// @throws Error (usage) unless the output has this ending and is not the input.
 void check_output(const MaterialsTask& task, const std::string& input, const char* ending) {
   ELASTOGEN_CHECK(ending_of(task.output) == ending, task.output, ": the output must end in .",
                   ending);
@@ -50,7 +50,7 @@ Json to_json(const FitReport& r) {
           {"passes", r.passes()}};
 }
 
-/// The law and Poisson ratio of a preset, or of a law at the typed ratio.
+/// Law and Poisson ratio of a preset, or of a law with the typed ratio.
 FitMaterial named_material(const MaterialsTask& task) {
   std::string presets;
   for (const MaterialPreset& preset : material_presets()) {
@@ -67,7 +67,7 @@ FitMaterial named_material(const MaterialsTask& task) {
   return fit_material(task.name, task.poisson.value_or(Material().poisson));
 }
 
-/// The weights of a file, which must be those of the material.
+/// The tensors of a weight file. @throws Error unless they belong to the material.
 TensorFile opened(const WeightFile& file, const FitMaterial& material) {
   TensorFile weights = decode_tensors(file.bytes, file.place);
   ELASTOGEN_CHECK_ASSET(is_of(weights, material), file.place, ": not the weights of ",
@@ -75,7 +75,7 @@ TensorFile opened(const WeightFile& file, const FitMaterial& material) {
   return weights;
 }
 
-// ---- of a test
+// ---- material tests
 
 std::string place_text(const TestPoint& point) {
   return fmt::format("{} {:.4g} (line {})", path_name(point.path), point.stretch, point.line);
@@ -113,8 +113,7 @@ void print(const TestFit& fit, const std::vector<TestPoint>& points) {
              fit.at_end ? "; shape at the end of its range" : "");
 }
 
-/// The material of a fit, in numbers of six digits, which are what a scene says and what nets are
-/// cached under.
+/// The material of a fit, rounded to six digits. Scenes and the cache of nets use these digits.
 Material rounded(const TestFit& fit, double poisson, const std::vector<TestPoint>& points) {
   Material m;
   m.law = {fit.law.kind, parse_number(short_number(fit.law.shape, 6))};
@@ -203,6 +202,7 @@ int generate_material(const MaterialsTask& task) {
 }
 
 int fit_material_test(const MaterialsTask& task) {
+  // fit the laws to the test, and a net to the best of them
   if (!task.output.empty()) check_output(task, task.name, "toml");
   const std::vector<TestPoint> points =
       read_material_test(read_file(task.name, kMostTestBytes), task.name);
@@ -211,8 +211,10 @@ int fit_material_test(const MaterialsTask& task) {
   const Material best = rounded(fits[0], poisson, points);
   const std::string scene = scene_text(best, fits[0], points.size());
   const std::vector<std::string> warnings = test_warnings(best, fits[0], points);
+  // write its scene
   if (!task.output.empty()) write_file(task.output, scene);
   const FitReport net = net_report(best);
+  // print as JSON
   if (task.json) {
     Json json = {{"points", points.size()}, {"poisson", poisson}, {"laws", Json::array()}};
     for (const TestFit& fit : fits) json["laws"].push_back(to_json(fit, points));
@@ -223,6 +225,7 @@ int fit_material_test(const MaterialsTask& task) {
     fmt::print("{}\n", json.dump(2));
     return kExitDone;
   }
+  // print as text
   fmt::print("{} points, Poisson ratio {}{}\n\n{:<26} {:>10} {:>9} {:>9}  worst at\n",
              points.size(), poisson,
              task.poisson ? "" : ", which a tension test hardly tells: --poisson gives another",

@@ -8,14 +8,14 @@
 namespace elastogen {
 
 /// Writes the page of the net that `animate --energy neural` uses for a law or a preset.
-/// @return 0, or 4 where the net misses its limits.
+/// @return 0, or 4 if the net misses its limits.
 int report_material(const MaterialsTask& task);
 
-/// Makes a weight file of a law or sum of laws. @return 0, or 4 where it misses its limits.
+/// Makes a weight file for a law or sum of laws. @return 0, or 4 if it misses its limits.
 int generate_material(const MaterialsTask& task);
 
-/// Fits laws to a material test, says how well each does and whether the net of the best keeps its
-/// limits, and writes a scene with that material. @return 0.
+/// Fits laws to a material test, prints how well each fits and whether the net of the best keeps
+/// its limits, and writes a scene with that material. @return 0.
 int fit_material_test(const MaterialsTask& task);
 
 }  // namespace elastogen

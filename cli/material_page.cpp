@@ -19,10 +19,10 @@
 namespace elastogen {
 namespace {
 
-constexpr uint64_t kPageSeed = 0x7061'6765;  // of no fit and no card
+constexpr uint64_t kPageSeed = 0x7061'6765;  // differs from the seeds of fits and cards
 constexpr int64_t kPageStrains = 20000;
 
-/// An error of the card, measured for the page, and its limit.
+/// An error measured for the page, the same error on the model card, and its limit.
 struct ErrorRow {
   const char *name, *key;
   double measured;
@@ -44,12 +44,12 @@ std::optional<double> card_number(const TensorFile& file, const std::string& key
   if (found == file.text.end()) return std::nullopt;
   try {
     return number(found->second);
-  } catch (const Error&) {  // the limit is missed
+  } catch (const Error&) {  // without the number the limit is missed
     return std::nullopt;
   }
 }
 
-/// Whether what the card says and what was measured keep the limit.
+/// Whether both the card's number and the measured one keep the limit.
 bool passes(const ErrorRow& row, const TensorFile& file) {
   if (!row.limit) return true;
   const std::optional<double> card = card_number(file, row.key);
@@ -95,7 +95,7 @@ std::string mode_title(LoadPath path) {
   return "Change of volume, stretches (l, l, l)";
 }
 
-/// Law and net, one on the other, and below them the errors of the net.
+/// Plots of law and net in one frame, and below them the errors of the net.
 std::string curve_figures(const NetCurve& curve) {
   const PlotAxis stretch{"stretch l [-]", false};
   const std::string title = mode_title(curve.path);
@@ -113,7 +113,7 @@ std::string curve_figures(const NetCurve& curve) {
   errors.series = {{"stress", {}, {}, {}}, {"tangent", {}, {}, {}}, {"energy", {}, {}, {}}};
   const std::vector<double>* values[] = {&curve.stress_error, &curve.tangent_error,
                                          &curve.energy_error};
-  // at rest all errors are 0
+  // leave out the rest state, where all errors are 0
   for (size_t k = 0; k < curve.stretch.size(); ++k)
     for (size_t n = 0; n < 3 && curve.stretch[k] != 1; ++n) {
       errors.series[n].x.push_back(curve.stretch[k]);
@@ -132,10 +132,11 @@ std::string curve_figures(const NetCurve& curve) {
                             "relative as in the table of errors."));
 }
 
-/// Shares of the strains over the decadic logarithm of their error, as the outline of a histogram;
-/// smaller errors stand in the first bin.
+/// Histogram of the strains over the decadic logarithm of their error, drawn as its outline. The
+/// first bin has all smaller errors.
 std::string histogram(const std::string& title, const std::vector<double>& errors,
                       const std::vector<std::pair<std::string, double>>& limits) {
+  // share of the strains in each bin
   constexpr int kLowest = -9, kHighest = 1, kPerDecade = 8,
                 kBins = (kHighest - kLowest) * kPerDecade;
   std::vector<double> shares(kBins);
@@ -144,6 +145,7 @@ std::string histogram(const std::string& title, const std::vector<double>& error
     const int bin = place > 0 ? int(std::min(place, double(kBins - 1))) : 0;
     shares[size_t(bin)] += 100.0 / double(errors.size());
   }
+  // outline up to the last bin that is not empty
   int last = kBins - 1;
   while (last > 0 && shares[size_t(last)] == 0) --last;
   PlotSeries outline{"strains", {}, {}, {}};
@@ -152,6 +154,7 @@ std::string histogram(const std::string& title, const std::vector<double>& error
       outline.x.push_back(std::pow(10, kLowest + double(bin + side) / kPerDecade));
       outline.y.push_back(shares[size_t(bin)]);
     }
+  // limits as vertical lines
   const double most = *std::max_element(shares.begin(), shares.end());
   LinePlot plot{title, {"relative error [-]", true}, {"strains in a bin [%]", false}, {outline}};
   for (const auto& [name, limit] : limits)

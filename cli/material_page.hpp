@@ -10,25 +10,25 @@
 
 namespace elastogen {
 
-/// What a page is about.
+/// Subject of a page.
 struct MaterialPage {
   FitMaterial material;
-  std::string subject;  ///< as it was asked for: a law, or a preset
-  TensorFile weights;   ///< with their card
-  std::string place;    ///< where they are from
+  std::string subject;  ///< as typed: a law or a preset
+  TensorFile weights;   ///< weights with their card
+  std::string place;    ///< where the weights are from
   std::string hash;     ///< SHA-256 of the file, hexadecimal
   std::string command;  ///< that makes the page
 };
 
 struct PageResult {
   std::string html;
-  bool passes = false;  ///< the errors measured for the page, and those of the card, are in limits
+  bool passes = false;  ///< errors measured for the page and those of the card keep the limits
 };
 
-/// Errors against limits, model card, curves along the loads of material tests with errors below,
-/// and histograms of the errors on strains that neither the fit nor its card has seen. One
-/// self-contained page, well-formed as XML too.
-/// @throws Error (asset) where the weights are not those of a NeuralMTL.
+/// Errors against limits, model card, curves along the loads of material tests with their errors,
+/// and histograms of errors on strains that neither fit nor card used. One self-contained page,
+/// well-formed as XML.
+/// @throws Error (asset) if the weights are not those of a NeuralMTL.
 PageResult material_page(const MaterialPage& page);
 
 }  // namespace elastogen

@@ -14,7 +14,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Numbers that follow from those of a material.
+/// Numbers derived from those of a material.
 struct Derived {
   double mu, lambda, bulk;           ///< [Pa]
   double pressure_wave, shear_wave;  ///< speeds [m/s]
@@ -27,7 +27,7 @@ Derived derived(const Material& m) {
           std::sqrt(mu / m.density)};
 }
 
-/// What a solid yields by; empty of an elastic one.
+/// Parameters of yielding; empty for an elastic material.
 Json yield_json(const Yield& yield) {
   if (const auto* metal = std::get_if<MetalYield>(&yield))
     return {{"yield", metal->stress}, {"hardening", metal->hardening}};

@@ -13,19 +13,19 @@ class App;
 
 namespace elastogen {
 
-/// The task of `elastogen materials`.
+/// Task of `elastogen materials`.
 struct MaterialsTask {
   enum class Action { kList, kShow, kReport, kGenerate, kFit };
   Action action = Action::kList;
-  std::string name;               ///< preset, law, sum of laws or file that it is about
+  std::string name;               ///< preset, law, sum of laws or file
   std::optional<double> poisson;  ///< unset: the preset's, or the verb's own
-  std::vector<std::string> laws;  ///< to fit; none: all
+  std::vector<std::string> laws;  ///< laws to fit; none: all
   std::string output;
   bool json = false;
   std::string command;  ///< as typed
 };
 
-/// Adds the verb; what is parsed is written into the task, which must outlive the parser.
+/// Adds the verb, whose options are parsed into the task. The task must outlive the parser.
 CLI::App* add_materials(CLI::App& app, MaterialsTask& task);
 
 }  // namespace elastogen

@@ -6,7 +6,7 @@
 namespace elastogen {
 namespace {
 
-/// What a file does not say itself.
+/// Options for facts that an asset file may not state itself.
 void add_body_options(CLI::App& app, AnimateOptions& o, Typed& t) {
   app.add_flag("--part-pieces,!--no-part-pieces", o.part_pieces,
                "pieces that do not touch are not joined, however near they are")
@@ -20,6 +20,7 @@ void add_body_options(CLI::App& app, AnimateOptions& o, Typed& t) {
 }
 
 void add_material_options(CLI::App& app, Typed& t) {
+  // law and its numbers
   app.add_option("--material", t.material,
                  "preset: rubber, soft-rubber, jelly, foam, steel, clay, snow, ...")
       ->group("Material");
@@ -30,6 +31,7 @@ void add_material_options(CLI::App& app, Typed& t) {
   app.add_option("--young", t.young, "Young's modulus, e.g. 1e6 or '1 MPa'")->group("Material");
   app.add_option("--poisson", t.poisson, "Poisson's ratio, 0 <= nu < 0.5")->group("Material");
   app.add_option("--density", t.density, "density, e.g. 1100 or '1.1 g/cm3'")->group("Material");
+  // yielding
   app.add_option("--yield", t.yield,
                  "metal and clay: stress at which a bar flows, e.g. '250 MPa'; snow: pressure p0")
       ->group("Material");
@@ -44,6 +46,7 @@ void add_material_options(CLI::App& app, Typed& t) {
   app.add_option("--keeps-volume", t.keeps_volume,
                  "sand: true or false; true: what opens has to close before it bears again")
       ->group("Material");
+  // other materials in parts of the body
   app.add_option("--region", t.regions,
                  "part of another material: 'y>80%: foam,young=1e5'; repeatable")
       ->group("Material")
@@ -51,7 +54,7 @@ void add_material_options(CLI::App& app, Typed& t) {
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
 }
 
-/// Parts that are held, and what stands in the way.
+/// Options for parts that are held, and for obstacles.
 void add_constraint_options(CLI::App& app, Typed& t) {
   const auto add_texts = [&](const char* name, std::vector<std::string>& texts, const char* text) {
     app.add_option(name, texts, text)
@@ -76,10 +79,12 @@ void add_constraint_options(CLI::App& app, Typed& t) {
 
 void add_scene_options(CLI::App& app, AnimateOptions& o, Typed& t) {
   add_constraint_options(app, t);
+  // forces and motion at the start
   app.add_option("--gravity", t.gravity, "x,y,z [m/s^2]; default 9.81 down")->group("Scene");
   app.add_option("--velocity", t.velocity, "start velocity x,y,z [m/s]")->group("Scene");
   app.add_option("--spin", t.spin, "start spin x,y,z [rad/s] about the centre of mass")
       ->group("Scene");
+  // floor and contact
   app.add_option("--floor", t.floor,
                  "floor plane AXIS=PLACE; alone: the asset's lowest point; off: none")
       ->group("Scene")
@@ -89,6 +94,7 @@ void add_scene_options(CLI::App& app, AnimateOptions& o, Typed& t) {
                  "them move with them")
       ->group("Scene")
       ->capture_default_str();
+  // resolution and size
   app.add_option("--voxels", o.voxels, "voxels along the longest edge")
       ->group("Scene")
       ->capture_default_str();
@@ -106,6 +112,7 @@ void add_scene_options(CLI::App& app, AnimateOptions& o, Typed& t) {
 }
 
 void add_run_options(CLI::App& app, AnimateOptions& o, Typed& t) {
+  // time, solver, energy, hardware, budgets
   app.add_option("--frames", o.frames, "frames after the first")->capture_default_str();
   app.add_option("--fps", o.fps, "frames a second")->capture_default_str();
   app.add_option("--substeps", t.substeps, "time steps a frame, or auto")->capture_default_str();
@@ -161,6 +168,7 @@ void add_particle_options(CLI::App& app, AnimateOptions& o, Typed& t) {
 }
 
 void add_output_options(CLI::App& app, AnimateOptions& o, Typed& t) {
+  // animations
   app.add_option(
          "-o,--output", o.outputs,
          "animation to write: .glb, .ply (a file a frame), .pc2, .pvd, of particles also .obj, "
@@ -179,6 +187,7 @@ void add_output_options(CLI::App& app, AnimateOptions& o, Typed& t) {
   app.add_flag("--glb-colliders,!--no-glb-colliders", o.glb_colliders,
                "floor and colliders in the GLB too")
       ->group("Output");
+  // pictures
   app.add_option("--camera", t.camera,
                  "pictures from three-quarter, front, back, left, right, top, or turntable: once "
                  "around")
@@ -188,6 +197,7 @@ void add_output_options(CLI::App& app, AnimateOptions& o, Typed& t) {
                  "pixels of a picture, WIDTHxHEIGHT; auto: 320x320 on a sheet, else 960x540")
       ->group("Output")
       ->capture_default_str();
+  // files about the run
   app.add_option("--state", o.state, "state file (HDF5)")->group("Output");
   app.add_option("--log-json", o.log, "one JSON object a time step")->group("Output");
   app.add_option("--report", o.report, "summary of the run (JSON)")->group("Output");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The options that verbs share.
+// Options that several verbs have.
 
 #pragma once
 
@@ -11,10 +11,10 @@ class App;
 
 namespace elastogen {
 
-/// All that describes a scene: outputs, material, loads, time, solver, limits.
+/// All options that describe a scene: outputs, material, loads, time, solver, limits.
 void add_scene_groups(CLI::App& app, AnimateOptions& options, Typed& typed);
 
-/// What voxelising needs: resolution, size, limits.
+/// Options of voxelisation: resolution, size, limits.
 void add_resolution_options(CLI::App& app, AnimateOptions& options, Typed& typed);
 
 }  // namespace elastogen

@@ -36,7 +36,7 @@ bool given(CLI::App& app, const char* name) {
   return option && option->count() > 0;
 }
 
-/// One verb: its CLI11 command, the texts of its options, and what becomes of them.
+/// One verb: its CLI11 command, the texts of its options, and the structs that they become.
 struct Verb {
   CLI::App* app = nullptr;
   Typed typed;
@@ -54,8 +54,8 @@ void fill(CLI::Option& option, const SceneOption& scene, const std::string& path
   }
 }
 
-/// Gives the options that are not on the command line the values of a scene file. A more general
-/// option on the command line makes the special ones of the scene void.
+/// Gives options that are not on the command line the values of the scene file. A general option on
+/// the command line overrides the scene's special ones too.
 void fill_from_scene(Verb& verb) {
   CLI::App& app = *verb.app;
   std::set<std::string> taken;
@@ -77,7 +77,7 @@ void fill_from_scene(Verb& verb) {
   }
 }
 
-/// Resolves what was typed for a verb and what its scene file says.
+/// Resolves the texts from the command line and the scene file into values.
 void resolve(Verb& verb) {
   if (!verb.scene_file.empty()) fill_from_scene(verb);
   verb.typed.has_floor = given(*verb.app, "--floor");
@@ -88,7 +88,7 @@ void resolve(Verb& verb) {
   resolve(verb.typed, verb.scene);
 }
 
-/// @throws Error (usage) naming the first option that only finite elements know.
+/// @throws Error (usage) naming the first option that only finite elements have.
 void check_no_boundary(const Typed& typed, std::string_view verb) {
   for (const auto& [option, texts] : {std::pair("--hold", &typed.holds),
                                       {"--traction", &typed.tractions},
@@ -97,14 +97,14 @@ void check_no_boundary(const Typed& typed, std::string_view verb) {
                     texts->front(), "'; use simulate");
 }
 
-/// The asset's name from anywhere, so that the printed scene can be read from anywhere.
+/// Makes the asset's path absolute, so that the printed scene can be read from any folder.
 AnimateOptions& finish_resolved(AnimateOptions& o) {
   if (o.print_resolved && !o.input.empty())
     o.input = std::filesystem::absolute(o.input).lexically_normal().string();
   return o;
 }
 
-/// @param formats  endings of what it reads.
+/// @param formats  endings of the files that it reads.
 void add_run(CLI::App& app, Verb& verb, const char* name, const char* text,
              const std::string& formats) {
   verb.app = app.add_subcommand(name, text);
@@ -124,7 +124,7 @@ void add_animate(CLI::App& app, Verb& verb, BatchTask& batch) {
       "with --batch: scenes at a time; 0, the default: 8 on a card, else one a core");
 }
 
-/// What holds for all scenes of a batch is typed; what each needs for itself stands in its file.
+/// Options that hold for all scenes of a batch are typed; those of one scene stand in its file.
 BatchTask take_batch(const Verb& verb, BatchTask batch, int argc, const char* const* argv) {
   for (const char* name :
        {"--scene", "--print-resolved", "--output", "--state", "--log-json", "--report"})
@@ -153,7 +153,7 @@ void add_simulate(CLI::App& app, Verb& verb) {
                      "the equilibrium under gravity, tractions and moves instead of time steps");
 }
 
-/// A scene file may stand where an asset does.
+/// Accepts a scene file in place of an asset.
 void take_scene_file(Verb& verb) {
   const std::string ending = ending_of(verb.scene.input);
   if (!verb.scene_file.empty() || (ending != "toml" && ending != "json")) return;
@@ -161,7 +161,7 @@ void take_scene_file(Verb& verb) {
   verb.scene.input.clear();
 }
 
-/// Options of animate or simulate, called `name`.
+/// Options of the verb animate or simulate.
 AnimateOptions take_run(Verb& verb) {
   const std::string name = verb.app->get_name();
   ELASTOGEN_CHECK(!given(*verb.app, "--jobs"), "--jobs goes with --batch only");
@@ -195,7 +195,7 @@ VoxelizeTask take_voxelize(Verb& verb, VoxelizeTask task) {
   resolve(verb);
   ELASTOGEN_CHECK(ending_of(task.output) == "vdb", task.output, ": the output must end in .vdb");
   AnimateOptions names = verb.scene;
-  names.state = task.output;  // may not be the input's either
+  names.state = task.output;  // so that check_outputs compares it with the input
   check_outputs(names);
   task.scene = verb.scene;
   return task;
@@ -263,7 +263,7 @@ CLI::App* add_demo(CLI::App& app, DemoOptions& demo) {
   return verb;
 }
 
-/// All verbs while they are parsed.
+/// All verbs, while they are parsed.
 struct Verbs {
   Verb animate, simulate, study, voxelize, inspect, doctor;
   VoxelizeTask voxelize_task;
@@ -299,6 +299,7 @@ void add_verbs(CLI::App& app, Verbs& verbs, const std::string& command) {
 
 /// The task of the verb that was parsed.
 CommandLine taken(Verbs& verbs, int argc, const char* const* argv) {
+  // animate, one scene or many, and simulate
   CommandLine result;
   if (!verbs.batch.files.empty()) {
     result.batch = take_batch(verbs.animate, verbs.batch, argc, argv);
@@ -306,6 +307,7 @@ CommandLine taken(Verbs& verbs, int argc, const char* const* argv) {
     result.animate = take_run(verbs.animate);
   } else if (verbs.simulate.app->parsed()) {
     result.animate = take_run(verbs.simulate);
+    // verbs about an asset or a scene
   } else if (verbs.study.app->parsed()) {
     result.study = take_study(verbs.study, verbs.study_task, verbs.study_names);
   } else if (verbs.voxelize.app->parsed()) {
@@ -316,6 +318,7 @@ CommandLine taken(Verbs& verbs, int argc, const char* const* argv) {
     resolve(verbs.doctor);
     verbs.doctor_task.scene = verbs.doctor.scene;
     result.doctor = verbs.doctor_task;
+    // verbs about nets, solvers and materials
   } else if (verbs.train.parsed()) {
     result.train = verbs.train.take();
   } else if (verbs.bench.parsed()) {

@@ -16,15 +16,15 @@
 
 namespace elastogen {
 
-/// A run, and what the command itself does about it.
+/// A run, and options of the command itself.
 struct AnimateOptions : RunDescription {
-  PictureOptions picture;  ///< of .png
+  PictureOptions picture;  ///< for .png
   bool strict = false;     ///< warnings are errors
   bool quiet = false;
-  bool print_resolved = false;  ///< the scene that results, instead of the run
+  bool print_resolved = false;  ///< print the resolved scene instead of running it
 };
 
-/// Whether it names an asset or a shape.
+/// Whether the options name an asset or a shape.
 inline bool has_body(const AnimateOptions& o) {
   return !o.input.empty() || o.shape;
 }
@@ -48,16 +48,16 @@ struct DoctorTask {
 
 struct StudyTask {
   AnimateOptions scene;
-  std::string folder = "study";  ///< of study.json, .csv, .html and the PVD files
-  int repeats = 3;               ///< of each run, for its time
+  std::string folder = "study";  ///< folder of study.json, .csv, .html and the PVD files
+  int repeats = 3;               ///< runs of each kind, for their time
   std::vector<SolverMode> solvers = {SolverMode::kQuasi, SolverMode::kNewton, SolverMode::kPaper};
   std::vector<double> tolerances = {1e-1, 1e-2, 1e-3, 1e-4, 1e-5};  ///< of quasi and newton
-  fem::Element reference = fem::Element::kHexBbar;                  ///< of discretisation errors
-  int refine = 2;  ///< its grid has voxels of h / refine; 0: no such errors
+  fem::Element reference = fem::Element::kHexBbar;  ///< reference of discretisation errors
+  int refine = 2;  ///< the reference has voxels of h / refine; 0: no such errors
   std::vector<int> resolutions = {4, 2, 1};    ///< h of the sweep over that of the reference
   std::vector<int> time_steps = {1, 2, 4, 8};  ///< dt over that of the sweep; one: no sweep
-  std::vector<double> explicit_dts;            ///< of particles with a transfer after each step [s]
-  bool noise_floor = true;  ///< of particles: the reference also with four times the substeps
+  std::vector<double> explicit_dts;  ///< dt of particles with a transfer after each step [s]
+  bool noise_floor = true;  ///< particles: run the reference also with four times the substeps
 };
 
 struct DemoOptions {
@@ -67,8 +67,8 @@ struct DemoOptions {
   std::string command;
 };
 
-/// What was asked for: at most one verb is set; with none, `code` is the exit code (help, version,
-/// usage errors, which have been printed).
+/// The parsed verb. At most one is set; if none is, `code` is the exit code (help, version and
+/// usage errors have been printed).
 struct CommandLine {
   std::optional<AnimateOptions> animate;  ///< and simulate, where fem is set
   std::optional<BatchTask> batch;         ///< animate --batch
@@ -83,7 +83,7 @@ struct CommandLine {
   int code = 0;
 };
 
-/// A scene file fills in what is not on the command line.
+/// Reads the command line. A scene file supplies options that are not on it.
 /// @throws Error (usage) on values that are no numbers, units, materials or selections, and on
 ///         scene files as read_scene.
 CommandLine parse_command_line(int argc, const char* const* argv);

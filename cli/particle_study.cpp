@@ -19,11 +19,11 @@
 namespace elastogen {
 namespace {
 
-constexpr double kImplicitDt = 1e-3;  // where the scene has none [s]
-constexpr double kFineSubstep = 0.1;  // of the reference [h/c]
+constexpr double kImplicitDt = 1e-3;  // if the scene has none [s]
+constexpr double kFineSubstep = 0.1;  // substep of the reference [h/c]
 constexpr int kFiner = 4;             // substeps of the noise floor over those of the reference
 
-/// A signal came; the run in question does not count.
+/// A signal came; the run that it interrupted does not count.
 struct Interrupted {};
 
 class ParticleStudy {
@@ -80,6 +80,7 @@ void ParticleStudy::describe() {
 }
 
 void ParticleStudy::take_runs() {
+  // implicit steps, and explicit substeps between the same transfers as the reference
   ParticleOptions implicit = task_.scene.particles, sub = implicit, plain = implicit;
   if (implicit.dt == 0) implicit.dt = kImplicitDt;
   implicit.integrator = Integrator::kImplicit;
@@ -89,12 +90,14 @@ void ParticleStudy::take_runs() {
   if (sub.substeps == 1)
     sub.substeps = int(std::ceil(sub.dt / (kFineSubstep * result_.crossing) - 1e-9));
   result_.sub_reference = add("explicit-sub", sub);
+  // the integrator of the scene too, if it is one of the minima
   add("implicit", implicit);
   const Integrator asked = task_.scene.particles.integrator;
   if (asked == Integrator::kFrozenFixedPoint || asked == Integrator::kPnFixedPoint) {
     implicit.integrator = asked;
     add(std::string(integrator_name(asked)).c_str(), implicit);
   }
+  // explicit steps with a transfer after each
   plain.substeps = 1;
   double finest = 1e300;
   for (const double dt : task_.explicit_dts) {
@@ -102,12 +105,13 @@ void ParticleStudy::take_runs() {
     const std::string name = add("explicit", plain);
     if (dt < finest) finest = dt, result_.explicit_reference = name;
   }
+  // the reference with more substeps tells its own error
   if (!task_.noise_floor) return;
   sub.substeps *= kFiner;
   add("explicit-sub", sub);
 }
 
-/// Makes a run. @return its name.
+/// Adds a run. @return its name.
 std::string ParticleStudy::add(const char* kind, ParticleOptions options) {
   const double frame = 1 / task_.scene.fps;
   options.dt = frame / std::ceil(frame / options.dt - 1e-9);
@@ -132,9 +136,11 @@ std::string ParticleStudy::add(const char* kind, ParticleOptions options) {
 void ParticleStudy::step_frame(ParticleIntegrator& integrator, int64_t frame,
                                mpm::Particles& particles, ParticleRun& run,
                                std::vector<double>& seconds) {
+  // counts before the frame
   const auto steps = std::llround(1 / (task_.scene.fps * scene_.dt));
   const int64_t solves = run.solves, iterations = run.iterations, missed = run.not_converged;
   double residual = 0;
+  // steps of one frame, each timed; a step without a finite result ends the run
   for (int64_t k = 0; k < steps; ++k) {
     if (pending_signal() != 0) throw Interrupted();
     const double time = double((frame - 1) * steps + k) * scene_.dt;
@@ -149,6 +155,7 @@ void ParticleStudy::step_frame(ParticleIntegrator& integrator, int64_t frame,
     residual = std::max(residual, r.residual);
     seconds.push_back(taken);
   }
+  // what the frame added
   run.worst_residual = std::max(run.worst_residual, residual);
   add_frame(integrator, particles, double(frame) / task_.scene.fps, run);
   ParticleFrame& f = run.frames.back();
@@ -167,7 +174,7 @@ void ParticleStudy::add_frame(const ParticleIntegrator& integrator, const mpm::P
   frame.cloud = cloud_of(particles, plus(setup_.scene.place, setup_.scene.grid.origin));
 }
 
-/// Likeness of all runs to both references, frame by frame as far as both have come.
+/// Compares all runs with both references, frame by frame, as far as both have come.
 void ParticleStudy::compare_all() {
   const double full = start_.count() > 0
                           ? scene_.solids[0].elastic.density * std::pow(scene_.h, scene_.dimension)

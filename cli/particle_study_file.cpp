@@ -19,7 +19,7 @@ constexpr Column kColumns[] = {{"iou_w", &mpm::Likeness::iou_weighted},
                                {"iou_soft", &mpm::Likeness::iou_soft},
                                {"iou_soft_scaled", &mpm::Likeness::iou_soft_scaled}};
 
-/// Half the width along x and z, the top along y [m].
+/// Half the extent along x and z, and the top along y [m].
 Vec3 extents(const CloudReport& cloud) {
   return {(cloud.upper[0] - cloud.lower[0]) / 2, cloud.upper[1],
           (cloud.upper[2] - cloud.lower[2]) / 2};
@@ -29,7 +29,7 @@ double a_step(const ParticleRun& run, int64_t count) {
   return run.steps > 0 ? double(count) / double(run.steps) : 0;
 }
 
-/// The first run of that kind with a transfer after each step, or not.
+/// The first run of an integrator with a transfer after each step; null if there is none.
 const ParticleRun* first_of(const ParticleStudyResult& result, Integrator kind) {
   for (const ParticleRun& run : result.runs)
     if (run.options.integrator == kind && run.options.substeps == 1) return &run;
@@ -88,13 +88,15 @@ Json to_json(const ParticleRun& run) {
 }
 
 Json to_json(const ParticleStudyResult& r) {
+  // runs, and how many explicit steps cost as much as an implicit one
   Json runs = Json::array();
   for (const ParticleRun& run : r.runs) runs.push_back(to_json(run));
   const ParticleRun* implicit = first_of(r, Integrator::kImplicit);
   const ParticleRun* plain = r.find(r.explicit_reference);
-  Json equivalents;  // null without both
+  Json equivalents;  // null unless both runs exist
   if (implicit && plain && plain->step_seconds > 0)
     equivalents = implicit->step_seconds / plain->step_seconds;
+  // the study itself
   return {{"format", "elastogen-particle-study"},
           {"version", 1},
           {"scene", r.scene},
@@ -114,7 +116,7 @@ Json to_json(const ParticleStudyResult& r) {
           {"runs", runs}};
 }
 
-/// A line of heads, then a line a run and frame.
+/// A line of heads, then a line for each run and frame.
 std::string csv(const ParticleStudyResult& r) {
   std::string text =
       "run,time [s],half_width [m],half_depth [m],top [m],volume [m3],kinetic [J],elastic [J],"

@@ -35,14 +35,14 @@ std::string encode_png(int width, int height, std::span<const uint8_t> rgb) {
   ELASTOGEN_CHECK(width > 0 && height > 0 && rgb.size() == 3 * size_t(width) * size_t(height),
                   "a picture of ", width, " x ", height, " needs 3 bytes a pixel, got ",
                   rgb.size());
-  // each row stands behind a filter byte: 0, as it is
+  // each row follows a filter byte; 0 means no filter
   std::string raw;
   const size_t row = 3 * size_t(width);
   for (size_t y = 0; y < size_t(height); ++y) {
     raw += '\0';
     raw.append(reinterpret_cast<const char*>(rgb.data()) + y * row, row);
   }
-  // 8 bits, RGB, deflate, no filter set but the standard one, not interlaced
+  // 8 bits, RGB, deflate, standard filter set, not interlaced
   const std::string header =
       big_endian(uint32_t(width)) + big_endian(uint32_t(height)) + std::string({8, 2, 0, 0, 0});
   return "\x89PNG\r\n\x1a\n" + chunk("IHDR", header) + chunk("IDAT", deflated(raw)) +

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// PNG, as much as pictures of this project need: 8-bit RGB, one deflate stream.
+// Writes PNG: 8-bit RGB in one deflate stream, enough for the pictures of this project.
 
 #pragma once
 

@@ -17,7 +17,7 @@ constexpr const char* kEraseLine = "\r\033[K";
 constexpr const char* kYellow = "\033[33m";
 constexpr const char* kPlain = "\033[0m";
 
-// the convention: set and not empty
+// by convention NO_COLOR counts if it is set and not empty
 bool wants_colour() {
   const char* value = std::getenv("NO_COLOR");
   return value == nullptr || *value == '\0';

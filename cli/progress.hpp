@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One line of progress on stderr, rewritten in place; nothing where stderr is no terminal.
+// One line of progress on stderr, rewritten in place; nothing if stderr is no terminal.
 
 #pragma once
 
@@ -11,7 +11,7 @@ namespace elastogen {
 
 class Progress {
  public:
-  /// @param total  frames to come.
+  /// @param total  number of frames that follow.
   /// @param quiet  never show anything.
   Progress(int64_t total, bool quiet);
   /// Removes the line.
@@ -19,8 +19,8 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// Shows how many frames are done, the residual of the last step and the time left. Drafts are
-  /// yellow unless NO_COLOR is set. At most ten times a second, and at the end.
+  /// Shows how many frames are done, the residual of the last step and the time left, at most ten
+  /// times a second and at the end. Drafts are yellow unless NO_COLOR is set.
   void update(int64_t done, double residual, bool converged);
 
  private:

@@ -22,7 +22,7 @@
 namespace elastogen {
 namespace {
 
-/// Of particles, whose steps are taken in parts by Euler's scheme, without that of the transfers.
+/// Prints the numerical damping; for particles that of Euler's scheme alone, not of transfers.
 void print_damping(const Setup& setup, const ParticleOptions& options) {
   const bool parts = setup.particles.has_value();
   if (parts && options.integrator == Integrator::kExplicit) return;
@@ -52,9 +52,10 @@ void print_particles(const Setup& setup, const ParticleOptions& options) {
   fmt::print("\n");
 }
 
-/// What will be computed, in a few lines: size, up, grid, material, time step, numerical damping.
+/// Prints in a few lines what will be computed: size, up, grid, material, time step, damping.
 void print_setup(const Setup& setup, const AnimateOptions& o) {
   const Scene& scene = setup.scene;
+  // body and grid
   fmt::print("longest edge {:.4g} m ({}), {} up ({})\n", setup.asset.size.longest_edge,
              setup.asset.size.from.reason, up_name(setup.asset.up.up), setup.asset.up.from.reason);
   if (setup.tets)
@@ -66,6 +67,7 @@ void print_setup(const Setup& setup, const AnimateOptions& o) {
                scene.grid.h, scene.grid.node_count(), scene.grid.pieces,
                scene.grid.pieces == 1 ? "" : "s");
   if (setup.particles) print_particles(setup, o.particles);
+  // materials and sheets
   for (size_t k = 0; k < scene.materials.size(); ++k) {
     const Material& m = scene.materials[k];
     const bool yields = !setup.yields.empty() && setup.yields[k].index() > 0;
@@ -80,6 +82,7 @@ void print_setup(const Setup& setup, const AnimateOptions& o) {
                : setup.body.shell > 0               ? "by its points; --thickness sets it"
                                                     : "a voxel; --thickness sets it",
                scene.materials[0].density * setup.sheet_volume);
+  // time steps, if there are any
   if (o.fem && o.fem->statics) {
     fmt::print("static equilibrium\n");
     std::fflush(stdout);
@@ -108,7 +111,7 @@ void warn(const std::vector<std::string>& warnings, const RunHooks& hooks) {
       fmt::print(stderr, "warning: {}\n", w);
 }
 
-/// Says what was found before the first step. @throws Error (usage) with --strict on a warning.
+/// Prints the findings before the first step. @throws Error (usage) with --strict on a warning.
 void say_findings(const RunReport& report, const AnimateOptions& options, const RunHooks& hooks) {
   const std::vector<Finding>& findings = report.asset.findings;
   if (!options.quiet)
@@ -120,7 +123,7 @@ void say_findings(const RunReport& report, const AnimateOptions& options, const 
   ELASTOGEN_CHECK(!options.strict || warnings.empty(), "--strict: ", warnings[0]);
 }
 
-/// The exit code of a clip's end.
+/// The exit code for the end of a clip.
 ExitCode code_of(ClipEnd end) {
   switch (end) {
     case ClipEnd::kConverged:
@@ -135,16 +138,18 @@ ExitCode code_of(ClipEnd end) {
   return kExitDone;
 }
 
-/// Plays the clip with what the command adds to it: signals, fitted nets, pictures, progress.
+/// Plays the clip with the parts that the command adds: signals, fitted nets, pictures, progress.
 ClipEnd play(const Asset& asset, const Setup& setup, const AnimateOptions& options,
              const RunHooks& hooks, RunReport& report) {
   std::optional<Progress> progress(std::in_place, options.frames, options.quiet);
   bool begun = false;
+  // signals, nets, and the hooks of the verb
   ClipHooks clip;
   clip.stop = [] { return pending_signal() != 0; };
   clip.make_net = make_net;
   clip.on_frame = hooks.on_frame;
   clip.on_step = hooks.on_step;
+  // pictures have a writer of their own
   clip.open_writer = [&](const std::string& path, const Asset& of, const Setup& with,
                          const auto& note) -> std::unique_ptr<AnimationWriter> {
     if (ending_of(path) != "png") return nullptr;
@@ -153,12 +158,13 @@ ClipEnd play(const Asset& asset, const Setup& setup, const AnimateOptions& optio
     for (std::string& text : notes) note(std::move(text));
     return writer;
   };
+  // progress, until the clip is over
   clip.on_progress = [&](int64_t frame, const FrameCertificate& c) {
     begun = true;
     progress->update(frame, c.residual, c.converged);
   };
   clip.on_note = [&](const std::string& text) {
-    if (begun) progress.reset();  // the clip is over: its line makes room
+    if (begun) progress.reset();  // the clip is over: removes the progress line
     if (!options.quiet) fmt::print("{}\n", text);
   };
   return play_clip(asset, setup, options, clip, report);
@@ -168,6 +174,7 @@ ClipEnd play(const Asset& asset, const Setup& setup, const AnimateOptions& optio
 
 CommandResult run_animation(const Asset& asset, const AnimateOptions& options, double read_seconds,
                             const RunHooks& hooks) {
+  // settings and header of the report
   std::optional<ThreadLimit> threads;
   if (options.threads > 0) threads.emplace(options.threads);
   CommandResult result;
@@ -176,16 +183,19 @@ CommandResult run_animation(const Asset& asset, const AnimateOptions& options, d
   report.commit = build_commit();
   report.stage_seconds.read = read_seconds;
 
+  // set up, and print what was found
   const Setup setup = hooks.tets ? set_up(*hooks.tets, options) : set_up(asset, options);
   add_summary(setup, report);
   if (!options.quiet) print_setup(setup, options);
   say_findings(report, options, hooks);
   const size_t warned = report.warnings.size();
 
-  if (!options.report.empty()) SafeFile probe(options.report);  // refuses a folder at once
+  // play and report
+  if (!options.report.empty()) SafeFile probe(options.report);  // throws early if unwritable
   result.code = code_of(play(shown_asset(asset, setup), setup, options, hooks, report));
   report.peak_memory_bytes = peak_memory_bytes();
   if (!options.report.empty()) write_report(options.report, report);
+  // warnings of the clip
   warn({report.warnings.begin() + int64_t(warned), report.warnings.end()}, hooks);
   if (options.strict && report.warnings.size() > warned && result.code == kExitDone)
     result.code = kExitUsage;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The main job of the command: plays a run, says what is found, and gives the exit code.
+// The main job of the command: runs a scene, prints what is found, and gives the exit code.
 
 #pragma once
 
@@ -12,9 +12,9 @@
 
 namespace elastogen {
 
-/// What a verb may add to a run.
+/// Additions of a verb to a run.
 struct RunHooks {
-  const TetAsset* tets = nullptr;  ///< stepped in place of the voxelised asset
+  const TetAsset* tets = nullptr;  ///< used in place of the voxelised asset
   std::function<void(const Array<double>& positions)> on_frame;  ///< as ClipHooks
   std::function<void(const StepReport&)> on_step;
   std::function<void(const std::string& text)> on_warning;  ///< instead of standard error
@@ -25,8 +25,8 @@ struct CommandResult {
   RunReport report;
 };
 
-/// Animates an asset that has been read. Outputs are whole even if the run ends early.
-/// @throws Error for everything that is found before the first step, and for disks that fail.
+/// Animates an asset that has been read. Output files are complete even if the run ends early.
+/// @throws Error for all errors before the first step, and for failing disks.
 CommandResult run_animation(const Asset& asset, const AnimateOptions& options, double read_seconds,
                             const RunHooks& hooks = {});
 

@@ -14,14 +14,14 @@ namespace {
 
 using Kind = SceneValue::Kind;
 
-/// Shortest text that is read as the same number; whole ones without exponent.
+/// Shortest text that reads back as the same number; whole numbers without exponent.
 std::string number_text(double number) {
   if (number == std::floor(number) && std::abs(number) < 1e15)
     return fmt::format("{}", int64_t(number));
   return fmt::format("{}", number);
 }
 
-/// Numbers between commas, or the one text.
+/// Numbers between commas, or a single text.
 std::string value_text(const SceneValue& value) {
   if (value.kind == Kind::kText) return value.text;
   if (value.kind == Kind::kFlag) return value.flag ? "true" : "false";
@@ -56,7 +56,7 @@ std::string region_text(const SceneValue& region, const std::string& preset) {
   return text;
 }
 
-/// " T:x,y,z; T:x,y,z" of lists of a time and what there is at that time.
+/// " T:x,y,z; T:x,y,z" from lists of a time and values at that time.
 std::string path_text(const SceneValue& path) {
   std::string text;
   for (const SceneValue& key : path.items) {
@@ -114,7 +114,7 @@ std::string floor_text(const SceneValue& floor) {
   return fmt::format("{}={}", text_of(floor, "axis", "auto"), text_of(floor, "place", "auto"));
 }
 
-/// The texts of a key's value; none where nothing is given.
+/// The texts of a key's value; none if it has none.
 std::vector<std::string> key_texts(const SceneKey& key, const SceneValue& value) {
   std::vector<std::string> texts;
   if (key.type == SceneType::kTexts)
@@ -126,7 +126,7 @@ std::vector<std::string> key_texts(const SceneKey& key, const SceneValue& value)
   return texts;
 }
 
-/// The tables that may be there many times, behind what the list of texts has.
+/// Adds the tables that may occur many times, after the list of texts of that option.
 void add_tables(const SceneValue& scene, std::vector<SceneOption>& options) {
   const auto add = [&](const char* table, const char* option, const auto& text) {
     const SceneValue* items = scene.find(table);
@@ -157,7 +157,7 @@ SceneValue vector(const double* x) {
   return list;
 }
 
-/// Values as they were said.
+/// Values as they were typed.
 template <class Values>
 SceneValue texts_of(const Values& values) {
   std::vector<std::string> texts;
@@ -172,7 +172,7 @@ SceneValue asset_table(const AnimateOptions& o) {
   t.set("up", scene_text(o.up ? up_name(*o.up) : "auto"));
   t.set("splat_scales", scene_text(splat_scales_name(o.read.splat_scales)));
   t.set("grid", scene_text(o.read.grid.empty() ? "auto" : o.read.grid));
-  if (o.fem && is_tet_file(o.input)) return t;  // which have their own resolution
+  if (o.fem && is_tet_file(o.input)) return t;  // meshes of tetrahedra have no voxels
   t.set("voxels", scene_number(o.voxels));
   t.set("h", quantity(o.h, "auto"));
   t.set("part_pieces", scene_flag(o.part_pieces));
@@ -180,7 +180,7 @@ SceneValue asset_table(const AnimateOptions& o) {
   return t;
 }
 
-/// A preset of the same kind as a material that was changed, all of whose numbers follow.
+/// A preset that yields as a changed material does; all its numbers are overridden.
 const char* preset_like(const Yield& yield) {
   constexpr const char* kNames[] = {"rubber", "steel", "sand", "snow"};
   return kNames[yield.index()];

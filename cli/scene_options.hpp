@@ -8,17 +8,17 @@
 
 namespace elastogen {
 
-/// What a scene would have typed: the texts of one option, one each time it is given.
+/// One option that a scene stands for: its texts, one for each time it is given.
 struct SceneOption {
   std::string option;
   std::vector<std::string> texts;
 };
 
-/// @param scene  checked, as read_scene gives it.
+/// @param scene  a checked scene, as read_scene returns it.
 std::vector<SceneOption> scene_options(const SceneValue& scene);
 
-/// Every key of a scene file with the value that it has, in SI; regions, colliders, holds,
-/// tractions and moves as texts.
+/// Every key of a scene file with its value in SI; regions, colliders, holds, tractions and moves
+/// as texts.
 SceneValue resolved_scene(const AnimateOptions& options);
 
 }  // namespace elastogen

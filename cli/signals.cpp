@@ -10,7 +10,7 @@ namespace elastogen {
 
 namespace {
 
-// a signal comes on any thread, and every scene of a batch asks for it on its own
+// atomic: a signal may arrive on any thread, and each scene of a batch asks for it
 std::atomic<int> pending = 0;
 static_assert(std::atomic<int>::is_always_lock_free);
 

@@ -16,7 +16,7 @@
 namespace elastogen {
 namespace {
 
-/// A line a run.
+/// Prints a line for each run.
 void print(const StudyResult& result) {
   for (const StudyRun& run : result.runs) {
     fmt::print("{:24} {:10.2f} ms a step", run.name, run.step_ms.median);

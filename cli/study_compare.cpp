@@ -19,7 +19,7 @@ Span<const double> first_rows(const Array<double>& array, int64_t rows) {
   return {array.data(), rows, array.cols()};
 }
 
-/// Largest of the reference's rms displacements, each at the end of a step.
+/// Largest rms displacement of the reference at the end of a step.
 double largest_displacement(const Scene& scene, const Trajectory& reference) {
   double largest = 0;
   for (const State& state : reference.states)
@@ -28,7 +28,7 @@ double largest_displacement(const Scene& scene, const Trajectory& reference) {
   return largest;
 }
 
-/// Distance of two states over a length.
+/// Rms distance of two states over a length.
 double displacement_error(const Scene& scene, const State& state, const State& reference,
                           double size) {
   const int64_t nodes = scene.grid.node_count();
@@ -49,7 +49,7 @@ double total(const EnergyParts& e) {
 
 using VoxelKey = std::array<int64_t, 3>;
 
-/// Fill of each voxel by its place in the lattice of planes through 0.
+/// Fill of each voxel, by its place in a lattice with planes through 0.
 std::map<VoxelKey, double> fills(const Surface& surface, const Array<double>& vertices, double h) {
   Surface moved = surface;
   moved.vertices = vertices;

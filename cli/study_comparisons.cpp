@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which runs a study takes.
+// The runs of a study.
 #include "cli/scene_options.hpp"
 #include "cli/study_machine.hpp"
 #include "cli/study_runs.hpp"
@@ -29,14 +29,14 @@ Trajectory thinned(const Trajectory& run, size_t k) {
 
 }  // namespace
 
-/// The network's modes at several tolerances against the same element solved to the end.
+/// Compares the network's modes at several tolerances with a tight solution on the same element.
 void Study::compare_solvers() {
   solver_reference_.name = "fem voxel";
   add_run(solver_reference_.name, stage_, fem_options(fem::Element::kVoxel),
           &solver_reference_.run);
   add_overlay(solver_reference_.name, stage_, solver_reference_.run);
   write_pvd("fem", stage_, solver_reference_.run);
-  bool shown = false;  // a run of the network, in the overlay and as PVD
+  bool shown = false;  // whether a run of the network is in the overlay and the PVD files
   for (const SolverMode mode : task_.solvers)
     for (const double tolerance : task_.tolerances) {
       if (mode == SolverMode::kPaper) continue;
@@ -52,7 +52,7 @@ void Study::compare_solvers() {
     }
 }
 
-/// The published algorithm has no torsion correction: it is compared with its own element.
+/// The published algorithm has no torsion correction, so it is compared with its own element.
 void Study::compare_paper() {
   AnimateOptions scene = task_.scene;
   if (scene.hourglass == Hourglass::kFull) scene.hourglass = Hourglass::kVariance;
@@ -70,19 +70,20 @@ void Study::compare_paper() {
   }
 }
 
-/// A run of an element on the voxels of the scene.
+/// Runs an element on the voxels of the scene.
 void Study::add_element(fem::Element element) {
   Trajectory run;
   StudyRun& entry = add_run(fmt::format("fem {}", fem::element_name(element)), stage_,
                             fem_options(element), &run);
-  // the reference's own element: what refining it changed bounds what it is off
+  // how much refining changed the reference's own element bounds the reference's error
   if (element == task_.reference)
     reference_change_ =
         errors_between(stage_.setup.scene, run, fine_->setup.scene, grid_reference_.run).max;
   entry.discretisation_error = grid_errors(stage_, run);
 }
 
-/// Elements on the voxels of the scene against another element on a finer grid, its own first.
+/// Compares elements on the voxels of the scene, the reference's own first, with the reference on a
+/// finer grid.
 void Study::compare_elements() {
   AnimateOptions fine = task_.scene;
   fine.h = stage_.setup.scene.grid.h / task_.refine;
@@ -126,7 +127,7 @@ void Study::sweep_tolerance() {
   }
 }
 
-/// The network on coarser and finer grids against the reference of the discretisation.
+/// Compares the network on coarser and finer grids with the reference of discretisation errors.
 void Study::sweep_resolution() {
   StudySweep sweep{.name = "newton, voxel",
                    .variable = "h",
@@ -150,8 +151,8 @@ void Study::sweep_resolution() {
   result_.sweeps.push_back(std::move(sweep));
 }
 
-/// The time scheme on one grid: newton with dt, dt/2, ..., each against the next, so that the slope
-/// is the order whatever the limit.
+/// Newton on one grid with dt, dt/2, ..., each run compared with the next. The slope is then the
+/// order of the time scheme, whatever limit the runs converge to.
 void Study::sweep_time_step() {
   StudySweep sweep{.name = "newton, to the next dt",
                    .variable = "dt",
@@ -161,6 +162,7 @@ void Study::sweep_time_step() {
                    .x = {},
                    .error = {},
                    .order = 0};
+  // each run against the one before it, at the times of that one
   std::optional<Trajectory> before;
   for (const int divisor : task_.time_steps) {
     AnimateOptions options = network_options(SolverMode::kNewton, 1e-6);
@@ -173,6 +175,7 @@ void Study::sweep_time_step() {
     sweep.x.push_back(stage.setup.scene.dt);
     before = std::move(run);
   }
+  // the last run has none to compare with
   sweep.x.pop_back();
   sweep.order = observed_order(sweep.x, sweep.error);
   result_.sweeps.push_back(std::move(sweep));
@@ -191,7 +194,7 @@ StudyResult Study::run() {
   try {
     take_runs();
   } catch (const StudyInterrupted&) {
-    // what is there is handed out
+    // return the runs so far
   }
   result_.time_to_error = times_to_error(result_.runs);
   return std::move(result_);

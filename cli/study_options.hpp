@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What study alone is told.
+// The options of study alone.
 
 #pragma once
 
@@ -11,7 +11,7 @@ class App;
 
 namespace elastogen {
 
-/// Names in the options of study.
+/// Options of study that are names.
 struct StudyNames {
   std::vector<std::string> explicit_dts = {"1e-5"};
   std::string reference = "hex-bbar";
@@ -20,7 +20,7 @@ struct StudyNames {
 
 void add_study_options(CLI::App& app, StudyTask& task, StudyNames& names);
 
-/// @throws Error (usage) naming the option that is out of range.
+/// @throws Error (usage) naming an option that is out of range.
 void resolve_study(const StudyNames& names, StudyTask& task);
 
 }  // namespace elastogen

@@ -16,7 +16,7 @@
 namespace elastogen {
 namespace {
 
-constexpr double kReferenceTolerance = 1e-9;  // of the residual of finite element runs
+constexpr double kReferenceTolerance = 1e-9;  // tolerance of the residual in finite element runs
 
 /// Mean wall time of a step.
 double step_ms(const Trajectory& run) {
@@ -75,14 +75,14 @@ void Study::take_energies(const Trajectory& trajectory, StudyRun& run) const {
   if (run.steps > 0) run.converged_share /= double(run.steps);
 }
 
-/// Runs the scene of a stage once to warm up where it is repeated, then for its time. Finite
-/// elements run once: they take minutes, and nobody chooses them for their speed.
+/// Runs the scene of a stage and times it, after one run to warm up if it is repeated. Finite
+/// elements run once: they need minutes, and nobody chooses them for their speed.
 StudyRun& Study::add_run(const std::string& name, const StudyStage& stage,
                          const AnimateOptions& options, Trajectory* kept) {
   if (!options.quiet) fmt::print("{} ...\n", name);
   std::fflush(stdout);
   const Scene& scene = stage.setup.scene;
-  std::vector<std::string> notes;  // none: energy is never auto here
+  std::vector<std::string> notes;  // stays empty, as energy is never auto here
   const std::unique_ptr<Stepper> stepper =
       make_stepper(stage.setup, options, {[] { return pending_signal() != 0; }, make_net}, notes);
   Trajectory trajectory;
@@ -147,7 +147,7 @@ StudyErrors Study::grid_errors(const StudyStage& stage, const Trajectory& run) c
   return errors;
 }
 
-/// The last frame, cut through the middle of the body along its two longest axes.
+/// Adds the last frame, cut through the middle of the body along its two longest axes.
 void Study::add_overlay(const std::string& name, const StudyStage& stage, const Trajectory& run) {
   const Surface& surface = stage.setup.body.surface;
   int across = 0;

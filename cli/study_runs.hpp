@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The runs of a study and what becomes of them (docs/study.md).
+// The runs of a study and their evaluation (docs/study.md).
 
 #pragma once
 
@@ -14,13 +14,13 @@ struct StudyStage {
   int64_t steps = 0;
 };
 
-/// A run that others are compared with.
+/// A run with which others are compared.
 struct Reference {
   std::string name;
   Trajectory run;
 };
 
-/// A signal came; the run in question does not count.
+/// A signal came; the run that it interrupted does not count.
 struct StudyInterrupted {};
 
 class Study {
@@ -28,7 +28,7 @@ class Study {
   /// Reads and voxelises the asset. @throws Error as read_asset and set_up.
   explicit Study(const StudyTask& task);
 
-  /// Takes all runs, says on the way which, and writes the PVD files; after a signal what there is.
+  /// Makes all runs, prints their names, writes the PVD files; a signal ends it early.
   /// @throws Error as make_stepper.
   StudyResult run();
 
@@ -58,10 +58,10 @@ class Study {
 
   const StudyTask& task_;
   Asset asset_;
-  StudyStage stage_;                // as the scene has it
-  std::optional<StudyStage> fine_;  // of the reference of discretisation errors
+  StudyStage stage_;                // the grid of the scene
+  std::optional<StudyStage> fine_;  // grid of the reference of discretisation errors
   Reference solver_reference_, grid_reference_;
-  double reference_change_ = 0;  // of grid_reference_ from the grid of the scene
+  double reference_change_ = 0;  // change of grid_reference_ from the grid of the scene
   StudyResult result_;
 };
 

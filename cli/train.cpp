@@ -67,13 +67,15 @@ TrainEnd run(const GeneratorTask& task) {
                         : train_autoencoder(generator, hooks_of(task.quiet));
 }
 
-/// Makes a dataset; without libtorch.
+/// Makes a dataset; needs no libtorch.
 TrainEnd run(const DatasetTask& task) {
+  // the hidden layers that all materials share
   const std::string path = task.hidden.empty() ? find_weight_file(kHiddenLayers) : task.hidden;
   ELASTOGEN_CHECK(!path.empty(), "there is no ", kHiddenLayers, " in ",
                   fmt::format("{}", fmt::join(weight_folders(), ", ")),
                   "; name hidden layers (--hidden)");
   const TensorFile hidden = decode_tensors(read_file(path, 1 << 24), path);
+  // fit material after material; a part file lets a stopped run go on
   const LearnHooks learn = hooks_of(task.quiet);
   FitHooks hooks;
   hooks.say = learn.say, hooks.stopped = learn.stopped;
@@ -84,6 +86,7 @@ TrainEnd run(const DatasetTask& task) {
   options.checkpoint = task.out + ".part";
   const MadeDataset made =
       make_dataset(hidden.get("neural_mtl", {kMtlParameters}).values, options, hooks);
+  // write the dataset and drop the part file
   if (made.data.count() == 0) {
     hooks.say(fmt::format("stopped after {} fits; --resume goes on", made.fits));
     return TrainEnd::kStopped;

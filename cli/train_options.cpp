@@ -6,7 +6,7 @@
 namespace elastogen {
 namespace {
 
-/// What training the parts of a generator shares.
+/// Adds options that the trainings of all parts of a generator share.
 void add_generator(CLI::App& verb, GeneratorTask& task) {
   verb.add_option("DATASET", task.dataset, "of elastogen train dataset (.h5)")->required();
   verb.add_option("-o,--out", task.out, "file of tensors")->required();

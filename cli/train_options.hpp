@@ -13,11 +13,11 @@ class App;
 
 namespace elastogen {
 
-/// The task of `elastogen train mtl`.
+/// Task of `elastogen train mtl`.
 struct TrainTask {
   std::string law = "neo-hookean";  ///< or a sum "0.3*stvk+0.7*hencky"
   double poisson = 0.45;
-  std::string list;   ///< file of materials instead
+  std::string list;   ///< file of materials in place of one law
   std::string start;  ///< weight file to begin from
   std::string out;    ///< file of a single material, folder of a list
   int64_t steps = 3000, samples = 512;
@@ -28,17 +28,17 @@ struct TrainTask {
   bool shared = false, resume = false, quiet = false;
 };
 
-/// The task of `elastogen train dataset`.
+/// Task of `elastogen train dataset`.
 struct DatasetTask {
   int64_t count = 2000;
-  int iterations = 40;  ///< of a fit, at most
+  int iterations = 40;  ///< largest number for a fit
   uint64_t seed = 1;
   std::string hidden;  ///< weight file with the hidden layers; empty: the shipped ones
   std::string out;
   bool resume = false, quiet = false;
 };
 
-/// The tasks of `elastogen train autoencoder` and `train diffusion`.
+/// Tasks of `elastogen train autoencoder` and `train diffusion`.
 struct GeneratorTask {
   bool diffusion = false;  ///< else the autoencoder
   std::string dataset, autoencoder, out;
@@ -53,7 +53,7 @@ struct GeneratorTask {
 
 using TrainVerb = std::variant<TrainTask, DatasetTask, GeneratorTask>;
 
-/// What is typed for `train`, while it is parsed.
+/// Options of `train` while they are parsed.
 class TrainOptions {
  public:
   void add(CLI::App& app);

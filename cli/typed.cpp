@@ -52,7 +52,7 @@ void resolve_material(const Typed& t, AnimateOptions& o) {
   if (!same) o.material.name = "custom";
 }
 
-/// What yields is stepped by elements, or by particles, not by the network.
+/// Bodies that yield are stepped by elements or particles, not by the network.
 void resolve_method(const Typed& t, AnimateOptions& o) {
   o.method = Method(choice("--method", t.method, {"auto", "mpm", "fem"}));
   const Method method = method_of(o);
@@ -61,7 +61,7 @@ void resolve_method(const Typed& t, AnimateOptions& o) {
   if (method == Method::kFem && !o.fem) o.fem.emplace();
 }
 
-/// "": everything by itself; AXIS=PLACE; off.
+/// "": automatic axis and place; AXIS=PLACE; off.
 std::optional<FloorPlane> resolve_floor(const std::vector<std::string>& typed) {
   FloorPlane floor;
   if (typed.empty() || typed[0].empty()) return floor;
@@ -91,7 +91,7 @@ void copy(const Vec3& from, double to[3]) {
   std::copy(from.begin(), from.end(), to);
 }
 
-/// Finite elements know one more scheme than the network.
+/// Finite elements have one scheme more than the network.
 void resolve_scheme(const Typed& t, AnimateOptions& o) {
   if (!o.fem) {
     o.scheme = TimeScheme(choice("--time-scheme", t.scheme, {"euler", "bdf2"}));
@@ -105,7 +105,7 @@ void resolve_scheme(const Typed& t, AnimateOptions& o) {
   o.fem->mass = fem::Mass(choice("--mass", t.mass, {"lumped", "consistent"}));
 }
 
-/// What may be given many times.
+/// Options that may be given many times.
 void convert_lists(const Typed& t, AnimateOptions& o) {
   for (const std::string& pin : t.pins) o.pins.push_back(parse_pin(pin));
   for (const std::string& region : t.regions) o.regions.push_back(parse_region(region));
@@ -115,7 +115,7 @@ void convert_lists(const Typed& t, AnimateOptions& o) {
   for (const std::string& text : t.colliders) o.colliders.push_back(parse_obstacle(text));
 }
 
-/// A body without a file, and particles.
+/// Bodies without a file, and particles.
 void resolve_particles(const Typed& t, AnimateOptions& o) {
   if (!t.shape.empty()) o.shape = parse_shape(t.shape);
   ParticleOptions& p = o.particles;
@@ -227,7 +227,7 @@ void check_ranges(const Typed& t, const AnimateOptions& o) {
                   t.max_time, "'");
 }
 
-/// The file of that name: its folder without links and dots; "" for "".
+/// The path of a file with its folder resolved (no links, no dots); "" for "".
 std::string place_of(const std::string& name) {
   if (name.empty()) return name;
   std::error_code error;
@@ -236,7 +236,7 @@ std::string place_of(const std::string& name) {
   return ((error ? path.parent_path() : folder) / path.filename()).string();
 }
 
-/// Names that are taken, one after the other.
+/// Names that are in use.
 class TakenNames {
  public:
   void take(const std::string& name) {
@@ -247,7 +247,7 @@ class TakenNames {
     taken_.push_back(place);
   }
 
-  /// @throws Error (usage) if a frame after the first has a name that is taken.
+  /// @throws Error (usage) if a frame after the first has a name that is in use.
   void check_frames(const std::string& output, int64_t frames) const {
     const std::string place = place_of(output), first = frame_file(place, 0);
     for (const std::string& name : taken_)
@@ -259,7 +259,7 @@ class TakenNames {
   std::vector<std::string> taken_;
 };
 
-/// Files of scenes that run at the same time, each with the scene that it belongs to.
+/// Files of scenes that run at one time, each with its scene.
 class SharedNames {
  public:
   void take(const NamedScene& scene) {
@@ -280,7 +280,7 @@ class SharedNames {
     }
   }
 
-  /// After the last scene: frames in the places of single files.
+  /// Call after the last scene. Checks frames against single files.
   void check_frames() const {
     for (const auto& [place, file] : files_) {
       const std::filesystem::path path(place);
@@ -326,9 +326,9 @@ class SharedNames {
     file.written |= writes;
   }
 
-  std::map<std::string, File> files_;         // by place
-  std::map<std::string, Numbered> numbered_;  // by the place of their first frame
-  std::vector<Numbered> pictures_;            // whose names have their numbers anywhere
+  std::map<std::string, File> files_;         // by resolved path
+  std::map<std::string, Numbered> numbered_;  // by the resolved path of their first frame
+  std::vector<Numbered> pictures_;            // numbers may stand anywhere in their names
 };
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Options of a scene as they were typed, and what they mean.
+// Options of a scene as they were typed, and their values.
 
 #pragma once
 
@@ -21,7 +21,7 @@ struct Typed {
   std::string up = "auto", scheme = "euler", solver = "auto", hourglass = "auto", profile = "modal";
   std::string device = "auto", energy = "auto";
   std::string camera = "three-quarter", image_size = "auto";
-  std::string element = "auto", mass = "lumped";  ///< of simulate
+  std::string element = "auto", mass = "lumped";  ///< only for simulate
   std::vector<std::string> pins, regions, colliders, holds, tractions, moves;
   bool no_skip = false;
 };
@@ -30,18 +30,18 @@ struct Typed {
 /// @throws Error (usage) naming the option.
 void resolve(const Typed& typed, AnimateOptions& options);
 
-/// No output, the numbered files of animations included, may take the place of another or of the
-/// scene file; only an animation that is one file may take that of the input.
+/// No output (numbered files of animations included) may replace another one or the scene file.
+/// Only an animation in a single file may replace the input.
 /// @throws Error (usage) naming the file.
 void check_outputs(const AnimateOptions& options, const std::string& scene_file = "");
 
-/// A scene of a batch, by its file.
+/// A scene of a batch and its file.
 struct NamedScene {
   std::string file;
   const AnimateOptions& options;
 };
 
-/// No scene may write a file that another one writes or reads.
+/// No scene may write a file that another scene writes or reads.
 /// @throws Error (usage) naming the file and both scenes.
 void check_outputs(const std::vector<NamedScene>& scenes);
 

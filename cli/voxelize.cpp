@@ -16,16 +16,19 @@ namespace elastogen {
 
 int voxelize(const VoxelizeTask& task) {
   const AnimateOptions& o = task.scene;
+  // threads and header of the report
   std::optional<ThreadLimit> threads;
   if (o.threads > 0) threads.emplace(o.threads);
   RunReport report;
   report.command = o.command;
   report.commit = build_commit();
+  // voxelise, write, report
   const VoxelizedAsset voxelized = voxelize_asset(o, report);
   const VoxelGrid& grid = voxelized.voxels.grid;
   write_vdb(task.output, grid, voxelized.body.surface.box.origin);
   report.peak_memory_bytes = peak_memory_bytes();
   if (!o.report.empty()) write_report(o.report, report);
+  // print findings, warnings and counts
   const std::vector<Finding>& findings = report.asset.findings;
   for (const std::string& note : finding_lines(findings, Severity::kNote))
     if (!o.quiet) fmt::print("note: {}\n", note);

@@ -11,7 +11,7 @@ namespace {
 
 constexpr int64_t kMostGenerator = 1 << 28;
 
-/// Where a fit begins; empty: at 0.
+/// Where a fit starts; empty for zero weights.
 std::vector<float> start_of(const FitMaterial& material, std::span<const float> hidden) {
   const std::string path = find_weight_file(kGenerator);
   if (path.empty()) return {};

@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 constexpr int64_t kMostBytes = 1 << 24;
 
-/// What nets without a file are fitted on.
+/// Hidden layers on which nets without a file are fitted.
 struct HiddenLayers {
   TensorFile file;
   std::string hash;
@@ -61,7 +61,7 @@ std::string card_text(const TensorFile& weights, const std::string& key) {
   return found == weights.text.end() ? "" : found->second;
 }
 
-/// The bytes of a file of the cache, if it is whole and of this material.
+/// The bytes of a file of the cache, if it is undamaged and belongs to this material.
 std::optional<std::string> kept_weights(const std::string& path, const FitMaterial& material) {
   std::error_code error;
   if (path.empty() || !fs::is_regular_file(path, error)) return std::nullopt;
@@ -69,7 +69,7 @@ std::optional<std::string> kept_weights(const std::string& path, const FitMateri
     std::string bytes = read_file(path, kMostBytes);
     const TensorFile weights = decode_tensors(bytes, path);
     if (is_of(weights, material) && card_text(weights, "error.passes") == "yes") return bytes;
-  } catch (const Error&) {  // damaged: made again
+  } catch (const Error&) {  // damaged: it is made again
   }
   return std::nullopt;
 }

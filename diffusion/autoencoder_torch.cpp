@@ -14,7 +14,7 @@ namespace elastogen {
 namespace {
 
 constexpr int64_t kMostLayers = 16, kWidest = 1 << 17;
-constexpr int64_t kBlock = 256;  // nets that are encoded at once
+constexpr int64_t kBlock = 256;  // nets encoded at once
 
 std::string layer_name(size_t k) {
   return concat("autoencoder.", k % 2 == 0 ? 'W' : 'b', k / 2 + 1);
@@ -24,7 +24,7 @@ at::Tensor floats(In<float> values) {
   return at::from_blob(const_cast<float*>(values.data), {values.rows, values.cols}, at::kFloat);
 }
 
-/// Sizes of the layers of encoder and decoder, one after another.
+/// Sizes of the layers of encoder and decoder in sequence.
 std::vector<std::pair<int64_t, int64_t>> shapes_of(const std::vector<int64_t>& layers) {
   std::vector<std::pair<int64_t, int64_t>> shapes;
   for (size_t k = 1; k < layers.size(); ++k) shapes.emplace_back(layers[k], layers[k - 1]);
@@ -32,7 +32,7 @@ std::vector<std::pair<int64_t, int64_t>> shapes_of(const std::vector<int64_t>& l
   return shapes;
 }
 
-/// Layers with SiLU between them, parameters from `first`.
+/// Applies layers with SiLU between them; `first` is the index of the first parameter.
 at::Tensor through(const Parameters& parameters, size_t first, size_t layers, at::Tensor a) {
   for (size_t k = 0; k < layers; ++k) {
     const size_t at = first + 2 * k;
@@ -55,7 +55,7 @@ Autoencoder::Autoencoder(In<float> nets, const std::vector<int64_t>& layers, uin
   layers_.insert(layers_.end(), layers.begin(), layers.end());
   const at::Tensor all = floats(nets).to(at::kDouble);
   const at::Tensor mean = all.mean(0), spread = (all - mean).square().mean(0).sqrt();
-  // what is the same in all nets comes out with the rounding of its mean
+  // a weight that is equal in all nets has a spread of the rounding of its mean
   const at::Tensor varies = spread > 1e-6 * mean.abs();
   mean_ = mean.to(at::kFloat).to(device);
   varies_ = varies.to(at::kFloat).to(device);

@@ -3,8 +3,8 @@
 //
 //   x_0 = W_4 silu(W_3 silu(W_2 silu(W_1 [x_t, embedding(t), features] + b_1) + b_2) + b_3) + b_4
 //
-// in float. The embedding has sin and cos of t 10000^(-2 k/d), k = 0 ... d/2 - 1; features are
-// taken less their mean, over their scale.
+// in float. The embedding has sin and cos of t 10000^(-2 k/d), k = 0 ... d/2 - 1. Features are
+// centred at their mean and divided by their scale.
 
 #pragma once
 
@@ -28,15 +28,15 @@ struct DenoiserSizes {
   int columns(int layer) const { return layer == 0 ? inputs() : width; }
 };
 
-/// Mean and standard deviation of features, (features); the latter 1 where they do not vary.
+/// Mean and standard deviation of features, (features); the scale is 1 where they do not vary.
 struct FeatureScale {
   std::vector<float> mean, scale;
 };
 
-/// Of features (n, features), n > 0.
+/// The scale of features (n, features), n > 0.
 FeatureScale feature_scale(In<double> features);
 
-/// sin and then cos of the time, (64).
+/// sin, then cos, of the embedding of a time, (64).
 std::vector<float> time_embedding(int t);
 
 class Denoiser {
@@ -49,15 +49,15 @@ class Denoiser {
 
   /// @throws Error (usage) for layers or scales of other sizes.
   Denoiser(const DenoiserSizes& sizes, Layers layers, FeatureScale scale);
-  /// Takes the tensors "denoiser.*" of a file. @throws Error (asset) if they are not all there, or
-  /// of other sizes than these for code and features.
+  /// Reads the tensors "denoiser.*" of a file. @throws Error (asset) if any is missing or does not
+  /// fit these sizes of code and features.
   Denoiser(const TensorFile& file, int code, int features);
-  /// Adds them to a file.
+  /// Adds these tensors to a file.
   void write(TensorFile& file) const;
 
   const DenoiserSizes& sizes() const { return sizes_; }
 
-  /// x_0, (code). @throws Error (usage) for other sizes.
+  /// The prediction of x_0, (code). @throws Error (usage) for other sizes.
   std::vector<float> x0(std::span<const float> x, int t, std::span<const float> features) const;
 
  private:

@@ -16,7 +16,7 @@ namespace {
 constexpr double kAverage = 0.999;
 constexpr int kDdimSteps = 50;
 
-/// Of times 0 ... T, (T + 1, 64).
+/// Embeddings of the times 0 ... T, (T + 1, 64).
 at::Tensor embeddings(at::Device device) {
   at::Tensor all = at::empty({kNoiseSteps + 1, kTimeEmbedding});
   for (int t = 0; t <= kNoiseSteps; ++t) {
@@ -31,13 +31,13 @@ at::Tensor schedule_tensor(at::Device device) {
   return at::tensor(A, at::kDouble).to(at::kFloat).to(device);
 }
 
-/// Features less their mean, over their scale.
+/// Features centred at their mean, divided by their scale.
 at::Tensor standardised(In<double> features, const FeatureScale& scale, at::Device device) {
   const at::Tensor mean = at::tensor(scale.mean), size = at::tensor(scale.scale);
   return ((tensor_of(features, at::kCPU) - mean) / size).to(device);
 }
 
-/// A digest of numbers, for the identity of a checkpoint.
+/// A digest of numbers that identifies a checkpoint.
 std::string digest(In<double> values) {
   return hex(
       sha256({reinterpret_cast<const char*>(values.data), size_t(values.size()) * sizeof(double)}));
@@ -53,11 +53,11 @@ LoopOptions loop_of(const DenoiserOptions& options, const char* kind, In<double>
   return loop;
 }
 
-/// x_0 by a net of x_t, the numbers of its times and features, all of one batch.
+/// Predicts x_0 from x_t, times and features of one batch.
 using Predict = std::function<at::Tensor(const Parameters&, const at::Tensor& x,
                                          const at::Tensor& t, const at::Tensor& features)>;
 
-/// The loss of a step: rows drawn with replacement, a time and noise for each.
+/// The loss of a step: rows drawn with replacement, with a time and noise for each row.
 StepLoss x0_loss(const at::Tensor& data, const at::Tensor& features, const Predict& predict,
                  const DenoiserOptions& options) {
   const at::Device device = data.device();
@@ -89,11 +89,13 @@ std::optional<Denoiser> train_denoiser(In<double> codes, In<double> features,
   check_sizes(codes, features, options);
   const at::Device device = fit_device(options.device);
   const DenoiserSizes sizes{codes.cols, features.cols, options.width};
+  // random weights
   const FeatureScale scale = feature_scale(features);
   at::Generator random = step_generator(options.seed, -1);
   Parameters start;
   for (int k = 0; k < kDenoiserLayers; ++k)
     add_linear(start, sizes.rows(k), sizes.columns(k), random, device);
+  // the net of the header, SiLU between its layers
   const at::Tensor of_time = embeddings(device);
   const Predict predict = [&](const Parameters& w, const at::Tensor& x, const at::Tensor& t,
                               const at::Tensor& f) {
@@ -104,11 +106,13 @@ std::optional<Denoiser> train_denoiser(In<double> codes, In<double> features,
     }
     return a;
   };
+  // train
   const StepLoss loss =
       x0_loss(tensor_of(codes, device), standardised(features, scale, device), predict, options);
   const LoopOutcome outcome =
       train_loop(start, loss, loop_of(options, "denoiser", codes, features), hooks);
   if (outcome.steps < options.loop.steps) return std::nullopt;
+  // the weights as floats, without libtorch
   Denoiser::Layers layers;
   for (size_t k = 0; k < kDenoiserLayers; ++k)
     layers[k] = {floats_of(outcome.parameters[2 * k]), floats_of(outcome.parameters[2 * k + 1])};

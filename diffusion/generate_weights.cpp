@@ -77,7 +77,7 @@ const char* name_of(Start start) {
 
 WeightGenerator::WeightGenerator(GeneratorParts parts) : parts_(std::move(parts)) {
   check_parts(parts_);
-  for (int64_t k = 0; k < parts_.codes.size(); ++k)  // as a file has them
+  for (int64_t k = 0; k < parts_.codes.size(); ++k)  // rounded as a file has them
     parts_.codes.data()[k] = float(parts_.codes.data()[k]);
 }
 
@@ -118,7 +118,7 @@ std::vector<double> WeightGenerator::code(const std::vector<double>& features, S
     default:
       break;
   }
-  // the code of the mean is 0
+  // the mean has the code 0, so the ancestor has the smallest code
   int64_t ancestor = 0;
   double least = std::numeric_limits<double>::infinity();
   for (int64_t n = 0; n < codes.rows(); ++n) {
@@ -161,7 +161,7 @@ std::vector<double> WeightGenerator::diffused(const std::vector<double>& feature
         parts_.denoiser->x0(std::vector<float>(x.begin(), x.end()), t, condition);
     std::copy(result.begin(), result.end(), x0.begin());
   };
-  // components of variance 1 are diffused
+  // diffusion works on components of variance 1
   std::vector<double> code =
       sample_ddim(denoise, parts_.codec.components(), seed, kDdimSteps, noise_schedule());
   for (size_t c = 0; c < code.size(); ++c) code[c] *= parts_.codec.scale()[c];

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Last layers for materials that were never fitted, from one file that is shipped beside the hidden
-// layers: a codec, the codes of the fits it was made from, a regression and, if it was trained, a
-// denoiser. A fit that begins there (training/last_layer_fit.hpp) needs few iterations or none.
+// Last layers for materials that were never fitted. They come from one file that is shipped beside
+// the hidden layers: a codec, the codes of the fits from which it was made, a regression and
+// optionally a denoiser. A fit that starts from them (training/last_layer_fit.hpp) needs few or
+// none.
 
 #pragma once
 
@@ -13,12 +14,12 @@
 
 namespace elastogen {
 
-/// Where a last layer comes from.
+/// Origin of a last layer.
 enum class Start {
   kZero,           ///< 0, Hencky's law
-  kAncestor,       ///< one for all: of the known fits the one nearest to their mean
+  kAncestor,       ///< the known fit nearest to the mean of all, for any material
   kNearest,        ///< the nearest known fit, by the distance of the regression
-  kInterpolation,  ///< the eight nearest, by the inverse of the squared distance
+  kInterpolation,  ///< the eight nearest, weighted by 1 / squared distance
   kRegression,     ///< kernel regression
   kDiffusion,      ///< a sample of the diffusion, DDIM with 50 steps
 };
@@ -28,9 +29,9 @@ inline constexpr Start kStarts[] = {Start::kZero,          Start::kAncestor,   S
 
 const char* name_of(Start start);
 
-/// What a generator is made of.
+/// Parts of a generator.
 struct GeneratorParts {
-  std::string hidden;  ///< hidden_hash of the layers it is for
+  std::string hidden;  ///< hidden_hash of the layers that it fits
   WeightCodec codec;
   WeightRegression regression;
   Array<double> codes;  ///< of the known fits, (n, components)
@@ -39,21 +40,21 @@ struct GeneratorParts {
 
 class WeightGenerator {
  public:
-  /// @throws Error (usage) if the parts are not of the same sizes.
+  /// @throws Error (usage) if the sizes of the parts do not fit.
   explicit WeightGenerator(GeneratorParts parts);
   /// @param place  name of the file, for messages.
-  /// @throws Error (asset) that names the place: of another form, parts missing or of other sizes.
+  /// @throws Error (asset) naming the place: another form, missing parts, or sizes that do not fit.
   WeightGenerator(const TensorFile& file, const std::string& place);
   TensorFile file() const;
 
-  /// hidden_hash of the layers that its last layers belong to.
+  /// hidden_hash of the layers to which its last layers belong.
   const std::string& hidden() const { return parts_.hidden; }
   const WeightCodec& codec() const { return parts_.codec; }
   bool has_denoiser() const { return parts_.denoiser.has_value(); }
 
   /// A last layer for a material, (128).
-  /// @param seed  of the noise of a diffusion.
-  /// @throws Error (usage) for a diffusion without a denoiser.
+  /// @param seed  seed of the noise of a diffusion.
+  /// @throws Error (usage) for a diffusion if there is no denoiser.
   std::vector<float> last_layer(const FitMaterial& material, Start start, uint64_t seed = 0) const;
 
  private:
@@ -64,7 +65,7 @@ class WeightGenerator {
   GeneratorParts parts_;
 };
 
-/// A generator without a denoiser of a dataset and a codec.
+/// A generator from a dataset and a codec, without a denoiser.
 WeightGenerator make_generator(const WeightDataset& data, const WeightCodec& codec);
 
 }  // namespace elastogen

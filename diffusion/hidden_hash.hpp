@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Last layers fit the hidden layers that they were found on and no others: a hash names these.
+// A last layer fits only the hidden layers on which it was found. A hash identifies these.
 
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace elastogen {
 
-/// SHA-256 of the hidden layers of weights, (17153): all but the last 129, as bytes.
+/// SHA-256 of the hidden layers within weights, (17153): the bytes of all but the last 129.
 /// @throws Error (usage) for another number of weights.
 inline std::string hidden_hash(std::span<const float> weights) {
   ELASTOGEN_CHECK(int64_t(weights.size()) == kMtlParameters, "a NeuralMTL has ", kMtlParameters,

@@ -19,7 +19,7 @@ namespace elastogen {
 namespace {
 
 constexpr int64_t kNeighbours = 8, kStarts = 3;
-constexpr double kMuchHigher = 3, kLeast = 1e-6;  // an error that needs no second fit
+constexpr double kMuchHigher = 3, kLeast = 1e-6;  // errors below need no second fit
 constexpr int64_t kFitsOfLine = 16;
 
 std::vector<FitMaterial> family(const MakeDatasetOptions& options) {
@@ -69,7 +69,7 @@ class Run {
     return {layers.row(n), size_t(layers.cols())};
   }
 
-  /// Takes a fit of material n, with its report.
+  /// Stores a fit of material n and its report.
   void keep(int64_t n, const LastLayerFit& fit) {
     ReportOptions judged;
     judged.strains = options_.judged;
@@ -90,7 +90,7 @@ class Run {
     ++fits_;
   }
 
-  /// Materials whose error is much above the median of their neighbours'.
+  /// Materials with an error much above the median error of their neighbours.
   std::vector<int64_t> too_high() const {
     std::vector<int64_t> numbers;
     for (int64_t n = 0; n < options_.count; ++n) {
@@ -105,8 +105,8 @@ class Run {
     return numbers;
   }
 
-  /// Fits those again from their neighbours as the first pass left them.
-  /// @return how many ended lower, -1 when stopped.
+  /// Fits these materials again, starting from their neighbours' layers of the first pass.
+  /// @return how many ended lower, -1 if stopped.
   int64_t fit_again() {
     const Array<float> first = data_.layers;
     const std::vector<int64_t> numbers = too_high();
@@ -146,7 +146,7 @@ class Run {
 
   std::vector<int64_t> done() const { return {tree_.order.begin(), tree_.order.begin() + fits_}; }
 
-  /// The checkpoint: the fits so far as a dataset, in the order of the tree.
+  /// Writes the checkpoint: the fits so far as a dataset, in the order of the tree.
   void save() const {
     if (options_.checkpoint.empty() || fits_ == 0) return;
     write_file(options_.checkpoint, encode_dataset(dataset_rows(data_, done())));
@@ -185,7 +185,7 @@ TreeOrder tree_order(In<double> features) {
   const int64_t n = features.rows;
   TreeOrder tree;
   const std::vector<double> root = material_features(fit_material("hencky", 0.3));
-  std::vector<double> distance;  // to the nearest that is in the tree; at first to the root
+  std::vector<double> distance;  // to the nearest material in the tree; at first to the root
   for (int64_t k = 0; k < n; ++k)
     distance.push_back(feature_distance(features.row(k), root.data()));
   std::vector<int64_t> nearest(size_t(n), -1);

@@ -9,13 +9,13 @@
 namespace elastogen {
 namespace {
 
-constexpr uint64_t kFamilyStream = 0x6d61'7465'7269'616c;  // draws that no strain of the seed uses
+constexpr uint64_t kFamilyStream = 0x6d61'7465'7269'616c;  // not the draws of strains
 
 double rounded(double value, double digits) {
   return std::round(value * digits) / digits;
 }
 
-/// The draws of one material, in [0, 1).
+/// Random numbers of one material, in [0, 1).
 class Draws {
  public:
   Draws(uint64_t seed, uint64_t number) : seed_(~seed ^ kFamilyStream), number_(number) {}
@@ -26,7 +26,7 @@ class Draws {
   uint64_t seed_, number_, draw_ = 0;
 };
 
-/// Some of the five laws, with random weights of sum 1.
+/// A mixture of some of the five laws, with random weights of sum 1.
 std::vector<LawTerm> mixture(Draws& draws, int count) {
   Law laws[] = {Law::kFixedCorotated, Law::kNeoHookean, Law::kStableNeoHookean, Law::kStvk,
                 Law::kHencky};
@@ -35,7 +35,7 @@ std::vector<LawTerm> mixture(Draws& draws, int count) {
   for (int k = 0; k < count; ++k) {
     std::swap(laws[k], laws[k + int(draws.next() * (5 - k))]);
     const bool last = k == count - 1;
-    // what is left is never used up: the next has at least a tenth of it
+    // a term leaves at least a tenth of the rest to the next one
     const double weight = last ? left : rounded(left * draws.next(0.1, 0.9), 1e4);
     terms.push_back({laws[k], rounded(weight, 1e4)});
     left -= weight;

@@ -7,6 +7,7 @@ namespace elastogen {
 
 std::vector<double> material_features(const FitMaterial& material) {
   std::vector<double> x(kMaterialFeatures);
+  // sums over the laws, by kind and by shape
   for (const LawTerm& term : material.terms) {
     const double w = term.weight, shape = term.law.shape;
     x[size_t(term.law.kind)] += w;
@@ -25,6 +26,7 @@ std::vector<double> material_features(const FitMaterial& material) {
         break;
     }
   }
+  // Poisson's ratio
   x[12] = std::sqrt((1 - 2 * material.poisson) / (1 + material.poisson));
   x[13] = 1 / (1 - material.poisson);
   x[14] = x[12] * x[size_t(Law::Kind::kStvk)];

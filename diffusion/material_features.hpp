@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a material lies among others, as numbers: what a generator of weights knows of it.
+// A material's place among others, in numbers. Generators of weights know only these of it.
 
 #pragma once
 
@@ -15,8 +15,8 @@ inline constexpr int kMaterialFeatures = 15;
 ///
 ///   0 ... 7   sum of w over the terms of each law, in the order of Law::Kind
 ///   8, 9      sum of w a/4 and w (a/4)^2 over Ogden's terms, a the exponent
-///   10        sum of w r over those of Mooney-Rivlin, r the share
-///   11        sum of w 10/L over those of Gent, L the limit
+///   10        sum of w r over Mooney-Rivlin's terms, r the share
+///   11        sum of w 10/L over Gent's terms, L the limit
 ///   12, 13    s = sqrt((1 - 2 nu)/(1 + nu)) = sqrt(2 mu/(3 K)), and 1/(1 - nu)
 ///   14        s times the weight of StVK, whose volume term needs K/mu
 std::vector<double> material_features(const FitMaterial& material);

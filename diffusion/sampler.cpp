@@ -12,7 +12,7 @@ namespace elastogen {
 namespace {
 
 constexpr double kOffset = 0.008, kLeastStep = 1e-3;
-constexpr uint64_t kNoiseStream = 0x6e6f'6973'65;  // numbers that no strain of the seed uses
+constexpr uint64_t kNoiseStream = 0x6e6f'6973'65;  // keeps draws apart from those of strains
 
 std::vector<double> noise(int64_t size, uint64_t seed, uint64_t number) {
   std::vector<double> x;

@@ -10,7 +10,7 @@
 namespace elastogen {
 namespace {
 
-/// A last layer on its way, and when it was there.
+/// A last layer during the fit, and the time of it.
 struct Moment {
   std::vector<float> layer;
   double seconds = 0;
@@ -34,7 +34,7 @@ std::vector<StartFit> fit_from(const LastLayer& layer, std::span<const float> hi
   });
   const double seconds = watch.seconds();
   const auto ended = last.weights.end() - kMtlLast;
-  // later ones are what the fit ended with
+  // the fit ended before the other iterations: they have its last layer
   while (moments.size() < iterations.size())
     moments.push_back({{ended, ended + kMtlWidthOfLast}, seconds});
   std::vector<StartFit> fits;

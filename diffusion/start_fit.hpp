@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How good a net is after some iterations from a start: what generators of weights are judged by.
+// Quality of a net after some iterations from a start, by which generators of weights are judged.
 
 #pragma once
 
@@ -8,17 +8,17 @@
 
 namespace elastogen {
 
-/// A net after some iterations; fewer where the fit ended before.
+/// A net after some iterations; after fewer if the fit ended before.
 struct StartFit {
-  int iterations = 0;        ///< asked for
-  std::vector<float> layer;  ///< the last one, (128)
+  int iterations = 0;        ///< number that was asked for
+  std::vector<float> layer;  ///< last layer, (128)
   FitReport report;
-  double fit_seconds = 0;     ///< of the fit up to here, in one run
+  double fit_seconds = 0;     ///< of the fit up to this iteration, in one run
   double report_seconds = 0;  ///< of this report
 };
 
 /// Fits a material from a start and reports after 0 and other numbers of iterations.
-/// @param layer       its options give the most iterations.
+/// @param layer       its options limit the iterations.
 /// @param start       (128).
 /// @param iterations  ascending, the first 0.
 /// @throws Error (usage) for a start of another size and iterations that do not ascend from 0.

@@ -17,7 +17,7 @@ void fail(LearnReply& reply, ErrorKind kind, const char* message) {
   std::snprintf(reply.error, sizeof reply.error, "%s", message);
 }
 
-/// Runs a task; what it throws goes into the reply.
+/// Runs a task; an exception is written into the reply.
 template <class Task>
 int guarded(LearnReply& reply, const Task& task) {
   try {
@@ -26,7 +26,7 @@ int guarded(LearnReply& reply, const Task& task) {
     fail(reply, error.kind(), error.what());
   } catch (const std::bad_alloc&) {
     fail(reply, ErrorKind::kResources, "out of memory; fewer materials or samples need less");
-  } catch (const std::exception& error) {  // libtorch's errors end in the place they came from
+  } catch (const std::exception& error) {  // libtorch's errors end with their place in its sources
     fail(reply, ErrorKind::kResources, error.what());
   }
   return 0;
@@ -57,7 +57,7 @@ TrainGenerator from(const TrainGeneratorTask& task) {
   return result;
 }
 
-/// Runs a task with hooks that answer to the reply.
+/// Runs a task with hooks that call those of the reply.
 template <class Task>
 int answered(LearnReply* reply, const Task& task) {
   return guarded(*reply, [&] {

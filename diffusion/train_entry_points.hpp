@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the shared library elastogen_learn exports: C functions, no type of libtorch, no exception.
+// Exports of the shared library elastogen_learn: C functions, no types of libtorch, no exceptions.
 
 #pragma once
 
@@ -7,7 +7,7 @@
 
 extern "C" {
 
-/// Version of the tasks that this library takes: kLearnVersion of its build.
+/// Version of the tasks that this library accepts: kLearnVersion of its build.
 int elastogen_learn_version();
 
 /// The task of `elastogen train mtl` (training/train_mtl.hpp).

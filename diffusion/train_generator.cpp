@@ -19,13 +19,13 @@
 namespace elastogen {
 namespace {
 
-constexpr int64_t kHeldOut = 10;      // one in so many
-constexpr int64_t kMostJudged = 100;  // held-out materials
-constexpr int64_t kStrains = 4000;    // of their reports
+constexpr int64_t kHeldOut = 10;      // one material in this many is held out
+constexpr int64_t kMostJudged = 100;  // most held-out materials that are judged
+constexpr int64_t kStrains = 4000;    // strains of their reports
 constexpr int kIterations[] = {0, 1, 3, 10, 30};
 constexpr int kChannels = 64;
 
-/// A dataset in two parts.
+/// A dataset in two parts: known and held out.
 struct Parts {
   WeightDataset known, held;
 };
@@ -52,7 +52,7 @@ bool is_paper(const TrainGenerator& task) {
   return task.size == "paper";
 }
 
-/// Sizes of hidden layers: the paper's, or those of a text.
+/// Sizes of hidden layers: the paper's, or from a text.
 std::vector<int64_t> layers_of(const std::string& text) {
   if (text.empty()) return {std::begin(kPaperLayers), std::end(kPaperLayers)};
   std::vector<int64_t> layers;
@@ -87,12 +87,13 @@ Array<float> nets_of(const WeightDataset& data) {
   return nets;
 }
 
-/// Says how good nets of held-out materials are after going through a codec.
+/// Reports the quality of nets of held-out materials after encoding and decoding.
 /// @param weights  (n, 17153) of the first n held-out materials.
 void say_decoded(const WeightDataset& held, In<float> weights, TensorFile& file,
                  const FitHooks& hooks) {
   std::vector<double> median, p99;
   int64_t inside = 0;
+  // judge each decoded net
   ReportOptions judged;
   judged.strains = kStrains;
   for (int64_t n = 0; n < weights.rows; ++n) {
@@ -101,11 +102,13 @@ void say_decoded(const WeightDataset& held, In<float> weights, TensorFile& file,
     inside += report.passes();
     median.push_back(report.stress_median), p99.push_back(report.stress_p99);
   }
+  // medians over the nets
   const auto middle = [](std::vector<double>& values) {
     std::nth_element(values.begin(), values.begin() + int64_t(values.size()) / 2, values.end());
     return values[values.size() / 2];
   };
   const double of_median = middle(median), of_p99 = middle(p99);
+  // into the file and to the user
   file.text["held_out.materials"] = std::to_string(weights.rows);
   file.text["held_out.inside"] = std::to_string(inside);
   file.text["held_out.stress.median"] = shortest_text(of_median);
@@ -182,7 +185,7 @@ TrainEnd paper_autoencoder(const TrainGenerator& task, const FitHooks& hooks) {
   return write_output(task, file);
 }
 
-/// The file of an autoencoder of a form, for these hidden layers.
+/// The file of an autoencoder of this form, for the hidden layers of the dataset.
 TensorFile read_autoencoder(const TrainGenerator& task, const char* form,
                             const WeightDataset& data) {
   TensorFile file = decode_tensors(read_file(task.autoencoder), task.autoencoder);
@@ -193,14 +196,14 @@ TensorFile read_autoencoder(const TrainGenerator& task, const char* form,
   return file;
 }
 
-/// The codec of a file, or made from the dataset; none when stopped.
+/// The codec from a file, or made from the dataset; no value if stopped.
 std::optional<WeightCodec> codec_of(const TrainGenerator& task, const WeightDataset& data,
                                     const FitHooks& hooks) {
   if (task.autoencoder.empty()) return make_codec(data, task.components, hooks);
   return WeightCodec(read_autoencoder(task, "compact", data));
 }
 
-/// Columns over their scale, 0 where that is 0.
+/// Columns divided by their scale; 0 where the scale is 0.
 Array<double> scaled(Array<double> codes, const std::vector<double>& scale) {
   for (int64_t n = 0; n < codes.rows(); ++n)
     for (int c = 0; c < codes.cols(); ++c)
@@ -211,12 +214,14 @@ Array<double> scaled(Array<double> codes, const std::vector<double>& scale) {
 TrainEnd compact_diffusion(const TrainGenerator& task, const FitHooks& hooks) {
   const WeightDataset data = read_dataset(task);
   const std::optional<WeightCodec> codec = codec_of(task, data, hooks);
+  // codes of the dataset, and a regression on them
   if (!codec) return stopped(hooks);
   Array<double> codes = codec->encode(data.layers);
   WeightRegression regression(data.features, codes);
   std::string lengths;
   for (const double length : regression.lengths()) lengths += concat(' ', length);
   hooks.say(concat("regression of ", data.count(), " materials, lengths", lengths));
+  // a denoiser of the codes, if it gets steps
   std::optional<Denoiser> denoiser;
   if (task.steps > 0) {
     DenoiserOptions options;
@@ -225,6 +230,7 @@ TrainEnd compact_diffusion(const TrainGenerator& task, const FitHooks& hooks) {
     denoiser = train_denoiser(scaled(codes, codec->scale()), data.features, options, hooks);
     if (!denoiser) return stopped(hooks);
   }
+  // one file for all, with the options
   const WeightGenerator generator({hidden_hash(data.hidden), *codec, std::move(regression),
                                    std::move(codes), std::move(denoiser)});
   TensorFile file = generator.file();
@@ -236,7 +242,7 @@ TrainEnd compact_diffusion(const TrainGenerator& task, const FitHooks& hooks) {
   return write_output(task, file);
 }
 
-/// Fits held-out materials from last layers and says how many are inside all limits.
+/// Fits held-out materials starting from these last layers, and reports how many pass.
 void say_fits(const WeightDataset& held, In<float> nets, TensorFile& file, const FitHooks& hooks) {
   LastLayerOptions options;
   options.iterations = kIterations[std::size(kIterations) - 1];
@@ -260,6 +266,7 @@ void say_fits(const WeightDataset& held, In<float> nets, TensorFile& file, const
 
 TrainEnd paper_diffusion(const TrainGenerator& task, const FitHooks& hooks) {
   ELASTOGEN_CHECK(!task.autoencoder.empty(), "the paper's diffusion needs an --autoencoder");
+  // the autoencoder's codes are square images
   const Parts parts = parts_of(read_dataset(task));
   const at::Device device = fit_device(task.device);
   const Autoencoder autoencoder(read_autoencoder(task, "paper", parts.known), device);
@@ -268,6 +275,7 @@ TrainEnd paper_diffusion(const TrainGenerator& task, const FitHooks& hooks) {
       int64_t(side) * side == autoencoder.code_size() && autoencoder.net_size() == kMtlParameters,
       "codes of ", autoencoder.code_size(), " numbers are no square image, or nets of ",
       autoencoder.net_size(), " weights no NeuralMTLs");
+  // train on standardised codes
   const Array<double> codes = autoencoder.encode(nets_of(parts.known));
   const FeatureScale spread = feature_scale(codes);
   Array<double> images = codes;
@@ -280,12 +288,14 @@ TrainEnd paper_diffusion(const TrainGenerator& task, const FitHooks& hooks) {
   ConvDenoiser denoiser(side, kChannels, feature_scale(parts.known.features), task.seed, device);
   if (!denoiser.train(images, parts.known.features, options, hooks)) return stopped(hooks);
 
+  // sample nets for held-out materials, and judge fits that start from them
   Array<double> samples(judged_count(parts.held), codes.cols());
   for (int64_t n = 0; n < samples.rows(); ++n) {
     const std::vector<double> x = denoiser.sample(parts.held.features.row(n), uint64_t(n));
     for (int c = 0; c < samples.cols(); ++c)
       samples(n, c) = spread.mean[size_t(c)] + spread.scale[size_t(c)] * x[size_t(c)];
   }
+  // write
   TensorFile file = new_file("paper diffusion", parts.known);
   say_fits(parts.held, autoencoder.decode(samples), file, hooks);
   file.tensors.push_back({"latent.mean", {codes.cols()}, spread.mean});

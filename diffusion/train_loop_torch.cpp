@@ -22,7 +22,7 @@ namespace {
 
 constexpr double kFirst = 0.9, kSecond = 0.999, kFloor = 1e-8;
 constexpr int64_t kStepsBetweenLines = 500;       // between two lines of progress
-constexpr int64_t kMostBytes = int64_t{1} << 34;  // of a checkpoint
+constexpr int64_t kMostBytes = int64_t{1} << 34;  // largest checkpoint
 
 class Loop {
  public:
@@ -59,7 +59,7 @@ class Loop {
     return options_.rate * rise * (1 + std::cos(std::numbers::pi * share)) / 2;
   }
 
-  /// @return the loss before the step, every few hundred steps; else 0, for asking waits.
+  /// @return the loss before the step, but only every few hundred steps, else 0: reading it waits.
   double descend() {
     Parameters leaves;
     for (const at::Tensor& w : w_) leaves.push_back(w.detach().requires_grad_());
@@ -89,7 +89,7 @@ class Loop {
     hooks_.say(line);
   }
 
-  /// All numbers that decide the next steps, beside the step.
+  /// All numbers that decide the next steps, beside the number of the step.
   std::vector<at::Tensor> state() const {
     std::vector<at::Tensor> all;
     for (const Parameters* part : {&w_, &m_, &v_, &a_})
@@ -143,12 +143,12 @@ LoopOutcome train_loop(const Parameters& start, const StepLoss& loss, const Loop
                       options.checkpoint_steps > 0 && options.rate > 0,
                   "training needs parameters and positive steps and rate, got ", options.steps,
                   " and ", options.rate);
-  at::globalContext().setFloat32MatmulPrecision("highest");  // no TF32: it has 11 bits
+  at::globalContext().setFloat32MatmulPrecision("highest");  // no TF32, which has 11 bits
   return Loop(start, loss, options, hooks).run();
 }
 
 at::Generator step_generator(uint64_t seed, int64_t step) {
-  // far apart, so that the steps of two seeds have nothing in common
+  // far apart, so that the random numbers of two seeds never overlap
   return at::make_generator<at::CPUGeneratorImpl>((seed + 1) * 0x9e3779b97f4a7c15 + uint64_t(step));
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// elastogen-train: the trainer without the rest of the project, for machines that have libtorch and
-// little else. The options are those of `elastogen train`:
+// elastogen-train: the trainer without the rest of the project, for machines with libtorch and
+// little else. It has the options of `elastogen train`:
 //
 //   elastogen-train [mtl] OPTIONS
 //   elastogen-train autoencoder|diffusion DATASET OPTIONS
@@ -66,7 +66,7 @@ bool set_flag(TrainGenerator& task, const std::string& option) {
   return option == "--resume" && (task.resume = true);
 }
 
-/// The options from argument `first`.
+/// Reads the options from argument `first` on.
 template <class Task>
 Task task_of(Task task, int first, int argc, char** argv) {
   for (int k = first; k < argc; ++k) {

@@ -15,7 +15,7 @@ namespace elastogen {
 namespace {
 
 constexpr int kWidth = kMtlWidthOfLast;
-// of the trace, added to the diagonal: directions that no stress sees are left as they are
+// share of the trace added to the diagonal: directions that no stress depends on stay as they are
 constexpr double kRidge = 1e-14;
 
 using Square = Eigen::Matrix<double, kWidth, kWidth>;
@@ -40,27 +40,32 @@ Array<double> array(const CodeRows& rows) {
 }  // namespace
 
 WeightCodec::WeightCodec(In<float> layers, In<double> metric, int components) {
+  // two layers at least, and a metric of their size
   ELASTOGEN_CHECK(layers.rows > 1 && layers.cols == kWidth, "a codec needs two last layers of ",
                   kWidth, " weights, got ", layers);
   ELASTOGEN_CHECK(metric.is(kWidth, kWidth) && components > 0,
                   "the metric must be (128, 128) and components positive, got ", metric, " and ",
                   components);
+  // the factor L of the metric
   Square M = Eigen::Map<const CodeRows>(metric.data, kWidth, kWidth);
   M.diagonal().array() += kRidge * M.trace();
   const Eigen::LLT<Square> factor(M);
   ELASTOGEN_CHECK(factor.info() == Eigen::Success, "the metric is not positive");
+  // principal components of z = L^T (w - mean w)
   CodeRows w = doubles(layers);
   const Eigen::RowVectorXd mean = w.colwise().mean();
   w.rowwise() -= mean;
   const Square L = factor.matrixL();
   const CodeRows z = w * L;
   const Square covariance = z.transpose() * z / double(layers.rows);
-  const Eigen::SelfAdjointEigenSolver<Square> solved(covariance);  // the smallest first
+  const Eigen::SelfAdjointEigenSolver<Square> solved(covariance);  // the smallest eigenvalue first
   const auto kept = int(std::min<int64_t>({components, kWidth, layers.rows - 1}));
   const CodeRows P = solved.eigenvectors().rightCols(kept).rowwise().reverse();
+  // maps to codes and back
   mean_ = array(mean);
   to_ = array(P.transpose() * L.transpose());
   from_ = array(factor.matrixU().solve(P));
+  // spread of the kept components, and what the others lose
   for (int k = 0; k < kWidth; ++k) {
     const double variance = std::max(solved.eigenvalues()[kWidth - 1 - k], 0.0);
     if (k < kept)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Last layers as few numbers that mean something: the distance of two codes is, to first order, the
-// root mean square of the relative change of stress between the two nets,
+// Last layers as few meaningful numbers. To first order, the distance of two codes is the root mean
+// square of the relative change of stress between the two nets,
 //
 //   z = L^T (w - mean w),   L L^T = mean over the fits of J^T J   (LastLayer::stress_metric)
 //   c = P^T z,              P: the first principal components of z
@@ -22,19 +22,19 @@ class WeightCodec {
  public:
   /// @param layers  (n, 128), n > 1.
   /// @param metric  mean of J^T J, (128, 128), symmetric.
-  /// @param components  at most; no more are kept than n - 1 layers and 128 weights allow.
+  /// @param components  upper limit; n - 1 layers and 128 weights limit the number too.
   /// @throws Error (usage) for other sizes and a metric that is not positive.
   WeightCodec(In<float> layers, In<double> metric, int components);
 
-  /// Takes the tensors "codec.*" of a file. @throws Error (asset) if they are not all there.
+  /// Reads the tensors "codec.*" of a file. @throws Error (asset) if any is missing.
   explicit WeightCodec(const TensorFile& file);
-  /// Adds them to a file.
+  /// Adds these tensors to a file.
   void write(TensorFile& file) const;
 
   int components() const { return int(scale_.size()); }
   /// Root mean square of each component over the layers, the largest first, (components).
   const std::vector<double>& scale() const { return scale_; }
-  /// What is lost: root mean square over the layers of |z - P c|.
+  /// Loss of the code: root mean square over the layers of |z - P c|.
   double lost() const { return lost_; }
 
   /// Codes of last layers: (n, 128) to (n, components).
@@ -49,7 +49,7 @@ class WeightCodec {
   double lost_ = 0;
 };
 
-/// The codec of a dataset; J of each material at its fit. Nothing when stopped.
+/// The codec of a dataset, with J of each material at its fit; no value if stopped.
 /// @throws Error (usage) for a dataset of one material.
 std::optional<WeightCodec> make_codec(const WeightDataset& data, int components,
                                       const FitHooks& hooks = {});

@@ -15,12 +15,12 @@ namespace {
 
 using hdf5::Handle;
 
-constexpr std::string_view kSeal = "elastogen-weight-dataset 1\n";  // then the hash of what follows
+constexpr std::string_view kSeal = "elastogen-weight-dataset 1\n";  // then the hash of the rest
 constexpr size_t kUserBlock = 512, kHashDigits = 64;
 constexpr hsize_t kMostRows = 1 << 20;
 constexpr size_t kLongestText = 1024;
 
-/// A file in memory. @param image  bytes to open; empty: a new one, to lie behind a user block.
+/// A file in memory. @param image  bytes to open; empty: a new file with a user block.
 Handle memory_file(std::string_view image, const std::string& place) {
   H5dont_atexit();
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // errors are thrown, not printed
@@ -37,14 +37,14 @@ Handle memory_file(std::string_view image, const std::string& place) {
   return {file, H5Fclose, place};
 }
 
-/// The type of texts of a length.
+/// A text type of a length.
 Handle text_type(size_t length) {
   Handle type(H5Tcopy(H5T_C_S1), H5Tclose, "text");
   hdf5::check(H5Tset_size(type, length), "text");
   return type;
 }
 
-/// Texts, all with the room of the longest.
+/// Writes texts, all in the length of the longest.
 void write_texts(hid_t file, const char* name, std::vector<std::string> texts) {
   size_t length = 1;
   for (const std::string& text : texts) length = std::max(length, text.size() + 1);
@@ -64,13 +64,13 @@ std::string image_of(hid_t file) {
   hdf5::check(H5Fflush(file, H5F_SCOPE_GLOBAL), "dataset");
   const ssize_t size = H5Fget_file_image(file, nullptr, 0);
   hdf5::check(size > 0 ? 0 : -1, "dataset");
-  std::string image(kUserBlock + size_t(size), '\0');  // the library leaves the user block out
+  std::string image(kUserBlock + size_t(size), '\0');  // the library does not write the user block
   const ssize_t got = H5Fget_file_image(file, image.data() + kUserBlock, size_t(size));
   hdf5::check(got == size ? 0 : -1, "dataset");
   return image;
 }
 
-/// Arrays of a file, each checked before it is read.
+/// Reads arrays of a file, each after checks.
 class Arrays {
  public:
   Arrays(hid_t file, size_t bytes, const std::string& place)
@@ -84,7 +84,7 @@ class Arrays {
     return extents[0];
   }
 
-  /// Numbers of an array (rows, cols), (rows) where cols is 1.
+  /// Reads numbers of an array (rows, cols), or (rows) if cols is 1.
   template <class T>
   std::vector<T> numbers(const char* name, hsize_t rows, hsize_t cols) const {
     const Handle array = open(name);
@@ -148,7 +148,7 @@ class Arrays {
                           "' is of another type of number");
   }
 
-  /// Its extents, and that its numbers lie in this file as they are, no more than it has bytes.
+  /// Checks the extents of an array, and that its numbers lie in this file as plain numbers.
   void check_room(hid_t array, const char* name, const std::vector<hsize_t>& extents,
                   size_t size) const {
     ELASTOGEN_CHECK_ASSET(extents_of(array, name) == extents, place_, ": '", name,
@@ -198,7 +198,7 @@ Array<T> array_of(const std::vector<T>& values, int cols) {
   return array;
 }
 
-/// What no type can tell.
+/// Checks what types and sizes cannot tell.
 void check_content(const WeightDataset& data, const std::vector<double>& features,
                    const std::string& place) {
   for (size_t k = 0; k < features.size(); ++k)
@@ -226,7 +226,7 @@ bool WeightDataset::passes(int64_t n) const {
 }
 
 WeightDataset empty_dataset(std::vector<float> hidden, std::vector<FitMaterial> materials) {
-  hidden_hash(hidden);  // checks their number
+  hidden_hash(hidden);  // checks the number of weights
   WeightDataset data;
   data.hidden = std::move(hidden);
   std::fill(data.hidden.end() - kMtlLast, data.hidden.end(), 0.0f);
@@ -259,6 +259,7 @@ WeightDataset dataset_rows(const WeightDataset& data, const std::vector<int64_t>
 
 std::string encode_dataset(const WeightDataset& data) {
   const int64_t n = data.count();
+  // all arrays must have a row for each material
   ELASTOGEN_CHECK(n > 0 && n <= int64_t(kMostRows), "a dataset has 1 to ", kMostRows,
                   " materials, not ", n);
   const auto is = [&](const auto& array, int cols) {
@@ -268,6 +269,7 @@ std::string encode_dataset(const WeightDataset& data) {
                       is(data.errors, 4) && int64_t(data.rms.size()) == n &&
                       int64_t(data.iterations.size()) == n,
                   "arrays of the dataset do not have ", n, " rows");
+  // write the arrays to a file in memory
   const Handle file = memory_file({}, "dataset");
   std::vector<std::string> laws;
   std::vector<double> poisson;
@@ -284,6 +286,7 @@ std::string encode_dataset(const WeightDataset& data) {
   hdf5::write_dataset<double>(file, "errors", data.errors);
   write_numbers(file, "rms", data.rms);
   write_numbers(file, "iterations", data.iterations);
+  // seal it with its hash in the user block
   std::string bytes = image_of(file);
   const std::string seal =
       std::string(kSeal) + hex(sha256(std::string_view(bytes).substr(kUserBlock))) + '\n';

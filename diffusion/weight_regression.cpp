@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kLeastRidge = 1e-12, kLargestRidge = 1e-4;
 constexpr int64_t kMostSearched = 1024, kMostKnown = 1 << 16;
-constexpr double kFirstLength = 2, kFloor = 1e-8;  // of an error whose logarithm is taken
+constexpr double kFirstLength = 2, kFloor = 1e-8;  // least squared error in a logarithm
 
 using FeatureRows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
@@ -34,7 +34,7 @@ double matern(double squared) {
   return (1 + r + r * r / 3) * std::exp(-r);
 }
 
-/// K of two sets of features.
+/// Kernel matrix K of two sets of features.
 Eigen::MatrixXd kernel(In<double> x, In<double> y, const std::vector<double>& lengths) {
   Eigen::MatrixXd K(x.rows, y.rows);
   for_each(
@@ -47,7 +47,7 @@ Eigen::MatrixXd kernel(In<double> x, In<double> y, const std::vector<double>& le
   return K;
 }
 
-/// The solution of (K + ridge) A = B with the least ridge that the factorisation bears.
+/// The solution of (K + ridge) A = B with the least ridge that allows a factorisation.
 Eigen::MatrixXd solve(const Eigen::MatrixXd& K, const FeatureRows& B) {
   for (double ridge = kLeastRidge; ridge <= kLargestRidge; ridge *= 10) {
     Eigen::MatrixXd damped = K;
@@ -58,7 +58,7 @@ Eigen::MatrixXd solve(const Eigen::MatrixXd& K, const FeatureRows& B) {
   throw Error("the kernel matrix of the regression is not positive: a material is there twice");
 }
 
-/// Some rows of an array.
+/// The rows of an array that `taken` selects.
 Array<double> rows(In<double> from, int64_t count, bool (*taken)(int64_t)) {
   std::vector<int64_t> numbers;
   for (int64_t n = 0; n < count; ++n)
@@ -73,7 +73,7 @@ Eigen::Map<const FeatureRows> mapped(const Array<double>& array) {
   return {array.data(), array.rows(), array.cols()};
 }
 
-/// Finds lengths coordinate by coordinate.
+/// Finds the lengths, coordinate by coordinate.
 class LengthSearch {
  public:
   LengthSearch(In<double> features, In<double> codes) {
@@ -98,7 +98,7 @@ class LengthSearch {
   }
 
  private:
-  /// The best of the lengths and those that factors make of them.
+  /// Replaces the lengths by the best of those that the factors make of them, if it is better.
   template <class Change>
   void take_best(std::vector<double>& best, const std::vector<double>& factors,
                  const Change& change) {

@@ -12,10 +12,10 @@ namespace {
 
 using Json = AnimatedDocument::Json;
 
-/// Lists of a document that something is added to.
+/// Lists of a document that get further entries.
 constexpr const char* kLists[] = {"accessors", "bufferViews", "materials", "meshes", "nodes"};
 
-/// Nodes that are nobody's child.
+/// Nodes without a parent.
 Json roots_of(const Json& nodes) {
   std::set<size_t> children;
   for (const Json& node : nodes) {
@@ -34,8 +34,8 @@ bool has_mode(const Json& primitive, int first, int last) {
   return mode >= first && mode <= last && primitive["attributes"].contains("POSITION");
 }
 
-/// Primitives in the order in which the reader (io/gltf_reader.hpp) takes their vertices: those of
-/// triangles, then points and lines.
+/// Primitives in the order in which io/gltf_reader.hpp reads their vertices: triangles first, then
+/// points and lines.
 std::vector<const Json*> in_order(const Json& primitives) {
   std::vector<const Json*> order;
   for (const auto& [first, last] : {std::pair(4, 6), std::pair(0, 3)})
@@ -48,7 +48,7 @@ std::vector<const Json*> in_order(const Json& primitives) {
 
 AnimatedDocument::AnimatedDocument(GlbDocument base, std::vector<float> clip_times)
     : bin_(std::move(base.bin)), json_(parsed_json(base.json)), clip_times_(std::move(clip_times)) {
-  // a list that comes later would move the others, and references into them would dangle
+  // make all lists now: one that is added later moves the others, and references to them dangle
   for (const char* list : kLists)
     if (!json_.contains(list)) json_[list] = Json::array();
   for (const Json& node : json_["nodes"]) names_.try_emplace(node.value("name", ""), 2);
@@ -90,7 +90,7 @@ void AnimatedDocument::play(size_t node, const MorphTargets& targets, const Fram
   add_channel(node, "weights", "LINEAR", times_of(frames), weights);
 }
 
-/// The default scene, made where there is none.
+/// The default scene; makes one if there is none.
 Json& AnimatedDocument::scene() {
   if (!json_.contains("scenes"))
     json_["scenes"] = Json::array({{{"nodes", roots_of(json_["nodes"])}}});
@@ -107,7 +107,7 @@ void AnimatedDocument::add_root(const Matrix4& matrix) {
 
 void AnimatedDocument::write(const std::string& path) {
   if (!channels_.empty()) {
-    // the first one, which is the one that many clients play
+    // extend the first animation, because many clients play that one
     Json animations =
         Json::array({{{"name", "elastogen"}, {"channels", channels_}, {"samplers", samplers_}}});
     for (Json& other : json_.value("animations", Json::array()))
@@ -120,7 +120,7 @@ void AnimatedDocument::write(const std::string& path) {
   write_glb(path, json_.dump(-1, ' ', false, Json::error_handler_t::replace), bin_);
 }
 
-/// Whether a node below this one has a mesh. Without recursion: trees may be a chain.
+/// Whether a node below this one has a mesh. Not recursive, as a tree may be one long chain.
 bool AnimatedDocument::shows_below(size_t node) const {
   const Json& nodes = json_["nodes"];
   std::vector<size_t> stack = {node};
@@ -136,7 +136,7 @@ bool AnimatedDocument::shows_below(size_t node) const {
   return false;
 }
 
-/// A name that no node has: some clients find nodes by their names. It is taken then.
+/// A name that no node has yet, reserved for one: some clients find nodes by their names.
 std::string AnimatedDocument::free_name(const std::string& wanted) {
   auto [taken, is_free] = names_.try_emplace(wanted, 2);
   std::string name = wanted;
@@ -157,8 +157,8 @@ size_t AnimatedDocument::add_child(size_t node, const std::string& ending) {
   return child;
 }
 
-/// An empty material, which is what glTF takes where a primitive names none. Without one Filament
-/// drops the normals of morph targets.
+/// An empty material, as glTF assumes for a primitive that names none. Without one Filament drops
+/// the normals of morph targets.
 size_t AnimatedDocument::default_material() {
   if (!material_) {
     json_["materials"].push_back(Json::object());
@@ -167,7 +167,7 @@ size_t AnimatedDocument::default_material() {
   return *material_;
 }
 
-/// Shows a mesh, or a copy of it without targets where another node has it.
+/// Lets the node show the mesh, or a copy without targets if another node owns the mesh.
 void AnimatedDocument::own_mesh(size_t node, size_t mesh) {
   if (!taken_.insert(mesh).second) {
     Json copy = json_["meshes"][mesh];
@@ -181,7 +181,8 @@ void AnimatedDocument::own_mesh(size_t node, size_t mesh) {
   json_["nodes"][node]["mesh"] = mesh;
 }
 
-/// A scale of 1 for each node in its piece, else 0, by steps; where two pieces meet the later one.
+/// Gives each node the scale 1 during its piece and 0 else, in steps; at a time that two pieces
+/// share the later one is shown.
 void AnimatedDocument::show_in_turn(const std::vector<size_t>& nodes,
                                     const std::vector<FrameRange>& pieces) {
   std::vector<float> times;
@@ -217,7 +218,7 @@ size_t AnimatedDocument::add_scalars(const std::vector<float>& values) {
                        {"max", Json::array({*largest})}});
 }
 
-/// The times of a range of frames, stored once.
+/// The accessor of the times of a range of frames, stored once.
 size_t AnimatedDocument::times_of(const FrameRange& frames) {
   const auto [at, is_new] = times_.try_emplace({frames.first, frames.last});
   if (is_new) {
@@ -237,7 +238,7 @@ size_t AnimatedDocument::add_accessor(Json accessor) {
   return json_["accessors"].size() - 1;
 }
 
-/// An accessor of three floats an element with its bounds, at an offset of a view.
+/// An accessor with bounds of elements of three floats, at an offset of a view.
 size_t AnimatedDocument::add_vectors(size_t view, uint64_t offset, const float* values,
                                      int64_t count) {
   std::array<float, 3> lower, upper;
@@ -257,7 +258,7 @@ size_t AnimatedDocument::add_vectors(size_t view, uint64_t offset, const float* 
                        {"max", upper}});
 }
 
-/// Vectors of zeros, stored once for each count.
+/// An accessor of zero vectors, stored once for each count.
 size_t AnimatedDocument::zeros(int64_t count) {
   const auto [at, is_new] = zeros_.try_emplace(count);
   if (is_new) {
@@ -270,7 +271,7 @@ size_t AnimatedDocument::zeros(int64_t count) {
   return at->second;
 }
 
-/// One view with rows of vectors, and an accessor for each row.
+/// Adds one view with rows of vectors, and an accessor for each row.
 std::vector<size_t> AnimatedDocument::add_rows(const Array<float>& rows, const Range& range) {
   std::vector<size_t> accessors;
   if (rows.rows() == 0) return accessors;
@@ -302,8 +303,7 @@ void AnimatedDocument::fill_range(const MorphTargets& targets, Range& range) {
   }
 }
 
-/// The distinct POSITION accessors of a mesh in order of first use, as the reader puts them one
-/// after the other.
+/// The distinct POSITION accessors of a mesh in order of first use, in which the reader joins them.
 std::map<size_t, AnimatedDocument::Range> AnimatedDocument::ranges_of(const Json& mesh,
                                                                       const MorphTargets& targets) {
   std::map<size_t, Range> ranges;
@@ -336,7 +336,7 @@ void AnimatedDocument::set_targets(Json& mesh, const MorphTargets& targets) {
       list = found->second.targets[normals ? 1 : 0];
       if (normals && !primitive.contains("material")) primitive["material"] = default_material();
     } else {
-      // of an unknown mode
+      // primitives of an unknown mode
       const auto count = json_["accessors"][attributes["POSITION"].get<size_t>()]["count"];
       const Json still = {{"POSITION", zeros(count.get<int64_t>())}};
       list = Json(size_t(targets.count()), still);

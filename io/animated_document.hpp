@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A glTF document that is being given an animation of morph target weights, written such that
-// clients with habits of their own play it: docs/formats.md, "What clients need".
+// A glTF document to which an animation of morph target weights is added, written so that clients
+// with different habits play it: docs/formats.md, "What clients need".
 
 #pragma once
 
@@ -19,37 +19,37 @@ class AnimatedDocument {
  public:
   using Json = nlohmann::ordered_json;
 
-  /// @param clip_times  of the frames of the whole clip [s].
+  /// @param clip_times  times of the frames of the whole clip [s].
   AnimatedDocument(GlbDocument base, std::vector<float> clip_times);
 
   Json& json() { return json_; }
 
-  /// Nodes other than these keep their meshes as they are: staged ones that show such a mesh too
-  /// get copies.
+  /// Nodes other than `staged` keep their meshes as they are. Staged nodes that show such a mesh
+  /// too get a copy.
   void keep_meshes_of_others(const std::set<size_t>& staged);
 
   /// The nodes that show the mesh of a node, one for each of several pieces of the clip.
   ///
   /// It is the node itself, unless that has a matrix (which glTF forbids in nodes that an animation
-  /// targets) or shows meshes below it (some clients hand weights down), or there are several
-  /// pieces: then each piece has a child without transform, and a scale of 0 or 1 hides all but
-  /// one. Each has a mesh of its own; copies share their vertices.
+  /// targets) or shows meshes below it (some clients pass weights down), or the clip has several
+  /// pieces: then each piece has a child without transform, and a scale of 0 or 1 hides all but one
+  /// of them. Each has its own mesh; copies share their vertices.
   std::vector<size_t> stage(size_t node, const std::vector<FrameRange>& pieces);
 
   /// An accessor of the weights of a piece, (frames, targets).
   size_t add_weights(const Array<float>& weights);
 
-  /// Gives the mesh of a staged node targets, and plays their weights.
+  /// Gives the mesh of a staged node its targets and animates their weights.
   void play(size_t node, const MorphTargets& targets, const FrameRange& frames, size_t weights);
 
-  /// Adds a grey body to the default scene: its surface about `place` (vertices, 3) in the numbers
-  /// of the asset, and, where it moves, its offsets in each frame of the clip.
+  /// A grey body in the default scene: its surface about `place`, (vertices, 3), in the numbers of
+  /// the asset and, if it moves, its offsets in each frame of the clip.
   struct Obstacle {
     std::string name;
     Vec3 place = {};
     std::vector<float> positions, normals;
     std::vector<uint32_t> corners;
-    std::vector<Vec3> offsets = {};  ///< empty: it stands
+    std::vector<Vec3> offsets = {};  ///< empty: it does not move
   };
   void add_obstacle(const Obstacle& obstacle);
 
@@ -60,7 +60,7 @@ class AnimatedDocument {
   void write(const std::string& path);
 
  private:
-  /// Vertices that primitives share by one POSITION accessor, and their targets.
+  /// Vertices that primitives share through one POSITION accessor, and their targets.
   struct Range {
     int64_t first = 0, count = 0;
     std::vector<Json> targets;  // without and with NORMAL
@@ -94,11 +94,11 @@ class AnimatedDocument {
   Bytes bin_;
   Json json_, channels_ = Json::array(), samplers_ = Json::array();
   std::vector<float> clip_times_;
-  std::map<std::pair<int64_t, int64_t>, size_t> times_;  // accessors of the times of ranges
-  std::map<int64_t, size_t> zeros_;                      // accessors of zero vectors by count
+  std::map<std::pair<int64_t, int64_t>, size_t> times_;  // accessor of times by range of frames
+  std::map<int64_t, size_t> zeros_;                      // accessor of zero vectors by count
   std::optional<size_t> material_, grey_;                // default_material(), of obstacles
-  std::map<std::string, int> names_;                     // of nodes, and the number tried next
-  std::set<size_t> taken_;                               // meshes that are somebody's already
+  std::map<std::string, int> names_;  // names of nodes, with the number to try next
+  std::set<size_t> taken_;            // meshes that a node owns already
 };
 
 }  // namespace elastogen

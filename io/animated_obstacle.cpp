@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The bodies that an AnimatedDocument shows beside its meshes.
+// Obstacles (floor and colliders) that an AnimatedDocument shows beside its meshes.
 
 #include "io/animated_document.hpp"
 
@@ -19,6 +19,7 @@ size_t AnimatedDocument::obstacle_material() {
 }
 
 void AnimatedDocument::add_obstacle(const Obstacle& obstacle) {
+  // positions, normals and corners get a buffer view each
   const auto vectors = [this](const std::vector<float>& values) {
     const size_t size = values.size() * sizeof(float);
     const size_t view = add_view(append_bytes(bin_, values.data(), size), size);
@@ -33,6 +34,7 @@ void AnimatedDocument::add_obstacle(const Obstacle& obstacle) {
                                      {"componentType", kUnsignedInt},
                                      {"count", obstacle.corners.size()},
                                      {"type", "SCALAR"}});
+  // a mesh, and a node for it at a root of the scene
   const Json primitive = {{"attributes", {{"POSITION", position}, {"NORMAL", normal}}},
                           {"indices", index},
                           {"material", obstacle_material()}};
@@ -44,6 +46,7 @@ void AnimatedDocument::add_obstacle(const Obstacle& obstacle) {
                             {"translation", obstacle.place}});
   roots.push_back(node);
   if (obstacle.offsets.empty()) return;
+  // an obstacle that moves gets a translation for each frame
   std::vector<float> places;
   for (const Vec3& offset : obstacle.offsets)
     for (size_t d = 0; d < 3; ++d) places.push_back(float(obstacle.place[d] + offset[d]));

@@ -16,6 +16,7 @@ namespace elastogen {
 std::unique_ptr<AnimationWriter> AnimationWriter::create(const std::string& path,
                                                          const Asset& asset, const Surface& surface,
                                                          const AnimationOptions& options) {
+  // endings that have no writer here
   const std::string ending = ending_of(path);
   const bool known = ending == "glb" || ending == "ply" || ending == "pc2" || ending == "pvd";
   ELASTOGEN_CHECK(ending != "png", path, ": pictures are written by the command alone");
@@ -26,9 +27,11 @@ std::unique_ptr<AnimationWriter> AnimationWriter::create(const std::string& path
                   ": the output must end in .glb, .ply, .pc2, .pvd or .png, of "
                   "particles also .obj or .vdb, got \".",
                   ending, '"');
+  // options out of range
   ELASTOGEN_CHECK(options.fps > 0 && options.modal_error > 0 && options.max_targets >= 4,
                   "fps and modal_error must be positive and max_targets 4 at least, got ",
                   options.fps, ", ", options.modal_error, " and ", options.max_targets);
+  // one writer for each ending; a GLB cannot hold points
   if (ending == "pc2") return make_point_cache_writer(path, asset, surface);
   if (ending == "ply") return make_ply_writer(path, asset, surface, options.particles);
   if (ending == "pvd" && options.particles) return make_particle_vtu_writer(path, options);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// An animation as a file: the asset unchanged, its vertices moved frame by frame.
+// An animation as a file: the asset unchanged except for its vertices, which move frame by frame.
 
 #pragma once
 
@@ -22,8 +22,8 @@ struct FrameCertificate {
   double min_j = 1;     ///< smallest det F [-]
 };
 
-/// One frame as the writers see it. The carried points are the vertices of the surface, or the
-/// points or splats of the asset.
+/// One frame as writers see it. The carried points are the vertices of the surface, or the asset's
+/// points or splats.
 struct AnimationFrame {
   Span<const double> displacement;   ///< of the carried points [m], (points, 3), finite
   Span<const double> gradient = {};  ///< F at the carried points, row-major, (points, 9); filled
@@ -35,8 +35,8 @@ struct AnimationFrame {
   FrameCertificate certificate = {};
 };
 
-/// Motion from which on there is something to be seen, as a share of the longest edge: a tenth of a
-/// pixel where the asset is a thousand pixels long.
+/// Least motion that can be seen, as a share of the longest edge: a tenth of a pixel if the asset
+/// is a thousand pixels long.
 inline constexpr double kVisibleMotion = 1e-4;
 
 struct AnimationOptions {
@@ -45,7 +45,7 @@ struct AnimationOptions {
   double modal_error = 1e-3;   ///< largest vertex error of the modes / longest edge [-]; a tenth of
                                ///< the motion where that is less
   int max_targets = 64;        ///< of a mesh of a GLB, 4 at least; longer clips are in pieces
-  bool colliders = false;      ///< scene->colliders stand in a GLB too
+  bool colliders = false;      ///< a GLB shows scene->colliders too
   std::string generator = "";  ///< program and version
   std::string command = "";    ///< the command line
   std::string commit = "";     ///< of the program
@@ -57,14 +57,14 @@ struct AnimationOptions {
   std::optional<ParticleSet> particles = {};  ///< the nodes are particles
 };
 
-/// Writes an animation frame by frame; the first frame is the start. Frames wait in an unnamed
-/// file beside the output, so that memory does not grow with their number, and nothing is left
-/// behind without finish(), but for the files of a sequence, which are whole each by itself.
+/// Writes an animation frame by frame; the first frame is the start. Frames wait in an unnamed file
+/// beside the output, so that memory does not grow with their number. Without finish() nothing
+/// remains except the finished files of a sequence.
 class AnimationWriter {
  public:
   virtual ~AnimationWriter() = default;
 
-  /// A writer for the ending of `path`: .glb (meshes), .ply (one file a frame), .pc2, .pvd (voxels
+  /// A writer by the ending of `path`: .glb (meshes), .ply (one file a frame), .pc2, .pvd (voxels
   /// or particles). Pictures (.png) and surfaces of particles (.obj, .vdb, .mesh.ply) have writers
   /// of their own (cli/picture/picture_writer.hpp, scene/particle_surface_writer.hpp).
   /// @param asset, surface  what was read and posed; both must outlive the writer.
@@ -84,10 +84,10 @@ class AnimationWriter {
   virtual void frame(const AnimationFrame& frame) = 0;
 
   /// Writes the file under a temporary name and renames it.
-  /// @throws Error (usage) without a frame; (resources) where disk or format is too small.
+  /// @throws Error (usage) without a frame; (resources) if disk or format cannot hold it.
   virtual void finish() = 0;
 
-  /// What the user should know of the file, after finish(): choices, and what it could not hold.
+  /// Sentences for the user after finish(): choices, and what the file could not hold.
   virtual std::vector<std::string> notes() const { return {}; }
   virtual std::vector<std::string> warnings() const { return {}; }
 };

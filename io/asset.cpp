@@ -28,7 +28,7 @@ Vec3 transformed(const Matrix4& m, const Vec3& p) {
   return q;
 }
 
-/// It turns a right-handed triple into a left-handed one.
+/// Whether the matrix turns a right-handed triple into a left-handed one.
 bool is_mirror(const Matrix4& m) {
   return m[0] * (m[5] * m[10] - m[6] * m[9]) - m[4] * (m[1] * m[10] - m[2] * m[9]) +
              m[8] * (m[1] * m[6] - m[2] * m[5]) <
@@ -48,7 +48,7 @@ class WorldMatrices {
   explicit WorldMatrices(const Asset& asset) : asset_(asset) {}
 
   const Matrix4& operator[](int node) {
-    // climb to a node that is known or to the root, then come down
+    // climb to the root or to a node whose matrix is known, then come down
     std::vector<int> path;
     for (int n = node; n >= 0 && !world_.contains(n); n = parent_of(asset_, n)) {
       ELASTOGEN_CHECK_ASSET(path.size() < asset_.nodes.size(), asset_.path, ": node ", node, " (",
@@ -67,7 +67,7 @@ class WorldMatrices {
   std::unordered_map<int, Matrix4> world_;
 };
 
-/// Where every instance stands. @throws Error (resources) if indices would overflow.
+/// Places of all instances in the surface. @throws Error (resources) if indices would overflow.
 std::vector<SurfaceInstance> instances_of(const Asset& asset, int64_t& vertices,
                                           int64_t& triangles) {
   std::vector<SurfaceInstance> instances;
@@ -91,7 +91,7 @@ std::vector<SurfaceInstance> instances_of(const Asset& asset, int64_t& vertices,
   return instances;
 }
 
-/// Fills the vertices and triangles of one instance; mirrored ones keep their outside outside.
+/// Fills the vertices and triangles of one instance; mirrored ones are turned to face outwards.
 void pose_instance(const Asset& asset, const SurfaceInstance& instance, const Matrix4& world,
                    Surface& surface) {
   const Mesh& mesh = asset.meshes[size_t(instance.mesh)];
@@ -161,7 +161,7 @@ Surface pose_surface(const Asset& asset, double size) {
   for (const SurfaceInstance& instance : surface.instances)
     pose_instance(asset, instance, world[instance.node], surface);
 
-  // the scale, from the vertices that are used
+  // scale by the longest edge of the box of the used vertices
   const double longest = longest_edge(box_of_triangles(surface));
   ELASTOGEN_CHECK_ASSET(longest > 0, asset.path, ": all its triangles lie in one point");
   ELASTOGEN_CHECK_ASSET(longest > 1 / kMaxLength && longest < kMaxLength, asset.path,
@@ -188,7 +188,7 @@ void settle(Surface& surface) {
   for (int d = 0; d < 3; ++d)
     farthest = std::max({farthest, std::abs(box.lower[d]), std::abs(box.upper[d])});
   if (!(farthest > kFar * longest_edge(box))) return;
-  // a multiple of a power of two that is no longer than the body: it is taken off without rounding
+  // a multiple of a power of two no longer than the body, so that subtracting it does not round
   const double unit = std::exp2(std::floor(std::log2(longest_edge(box))));
   Vec3 origin;
   for (size_t d = 0; d < 3; ++d)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// An asset as its file has it: meshes, points or splats in the file's own numbers and order, the
-// node tree, materials; and the one surface in metres that the solver is given.
+// An asset as its file has it: meshes, points or splats in the file's own numbers and order, node
+// tree and materials. And the surface in metres that the solver gets.
 
 #pragma once
 
@@ -20,7 +20,7 @@ namespace elastogen {
 using Matrix4 = std::array<double, 16>;
 inline constexpr Matrix4 kIdentity4 = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
 
-/// Longest edge of an asset, 1 / it the shortest: volumes neither overflow nor vanish.
+/// Longest edge of an asset; the shortest is 1 / it. Volumes then neither overflow nor vanish.
 inline constexpr double kMaxLength = 1e100;
 
 /// Triangles of one material.
@@ -28,10 +28,10 @@ struct TriangleGroup {
   int material = -1;            ///< index into Asset::materials, -1 for none
   std::vector<int32_t> corner;  ///< three drawn vertices a triangle
   int primitive = -1;           ///< glTF: index of the primitive in its mesh
-  bool has_uv = true;           ///< its corners mean what the mesh's uv says
+  bool has_uv = true;           ///< the mesh's uv is valid for its corners
 };
 
-/// A property of vertices that means nothing here; outputs that can hold it keep it.
+/// A property of vertices without a meaning here; outputs that can hold it keep it.
 struct OwnColumn {
   std::string name;
   PlyType type = PlyType::kFloat64;  ///< of its numbers in the file
@@ -48,8 +48,8 @@ struct Mesh {
   std::vector<std::array<float, 3>> normal;  ///< per drawn vertex, or empty
   std::vector<std::array<float, 4>> colour;  ///< per drawn vertex, linear RGBA, or empty
   std::vector<TriangleGroup> groups;
-  /// Number of each position in the file where it is not the place in the row of all meshes'
-  /// positions: meshes of one file that are shown once may share positions. Else empty.
+  /// Number of each position in the file; empty if that is its place among the positions of all
+  /// meshes. Meshes of one file may share positions.
   std::vector<int32_t> file_position;
   std::vector<OwnColumn> own;  ///< only of an asset that is one mesh, shown once
 };
@@ -103,7 +103,7 @@ struct Asset {
   double unit = 0;  ///< metres per file unit where the format says so (glTF: 1), else 0
 };
 
-/// Where the vertices of one shown mesh stand in a Surface.
+/// Place of the vertices of one shown mesh in a Surface.
 struct SurfaceInstance {
   int node = -1;
   int mesh = -1;
@@ -112,19 +112,19 @@ struct SurfaceInstance {
   int64_t triangles = 0;
 };
 
-/// A box, and where its numbers begin in the asset's coordinates [m].
+/// A box, and the origin of its numbers in the asset's coordinates [m].
 struct PlacedBox : Box {
   Vec3 origin = {};
 };
 
-/// Every shown mesh, posed by the node tree, in metres and the asset's own axes. Its numbers begin
-/// at box.origin: zero but for a body that lies a hundred of its edges or more from the origin,
-/// which is computed about its own middle.
+/// Every shown mesh, posed by the node tree, in metres and the asset's own axes. Coordinates count
+/// from box.origin. It is zero, except for a body that lies a hundred of its edges or more from the
+/// asset's origin: such a body is computed about its own middle.
 struct Surface {
   Array<double> vertices;    ///< [m], (vertices, 3)
   Array<int32_t> triangles;  ///< (triangles, 3)
   Array<int32_t> material;   ///< asset material of each triangle, -1 for none, (triangles, 1)
-  Array<int32_t> part;  ///< of each triangle where pieces are kept apart (voxelize), else empty
+  Array<int32_t> part;  ///< piece of each triangle if pieces are kept apart (voxelize), else empty
   std::vector<SurfaceInstance> instances;
   double scale = 1;  ///< metres per file unit that was applied (--size)
   PlacedBox box;     ///< of the vertices that triangles use [m]
@@ -136,14 +136,14 @@ Matrix4 world_matrix(const Asset& asset, int node);
 /// Matrices of all nodes to the asset's root. @throws Error (asset) on a cycle.
 std::vector<Matrix4> world_matrices(const Asset& asset);
 
-/// Moves a surface to its own middle where it lies far from the origin: vertices, box, box.origin.
+/// Moves the origin of a surface that lies far out to its middle: vertices, box, box.origin.
 void settle(Surface& surface);
 
-/// Positions of meshes that are one with those of others in the file.
+/// Number of positions that meshes share with other meshes in the file.
 int64_t repeated_positions(const Asset& asset);
 
-/// Poses an asset and scales it so that its longest edge is `size` metres (0: as the file has it).
-/// @throws Error (asset) if there is no triangle, no extent, or a number is not finite.
+/// Poses an asset and scales it to a longest edge of `size` metres (0: as the file has it).
+/// @throws Error (asset) if there is no triangle, no extent, or a number that is not finite.
 Surface pose_surface(const Asset& asset, double size = 0);
 
 }  // namespace elastogen

@@ -62,18 +62,20 @@ std::vector<Vec3> area_normals(const Mesh& mesh) {
   return sum;
 }
 
-/// Makes normals of length one. Rounding of files is neither counted nor changed.
+/// Gives normals the length one. What a file's rounding changes is neither counted nor mended.
 void mend_normals(Asset& asset, Mesh& mesh) {
   constexpr double kCounted = 1e-2, kRounding = 1e-6;
   const auto length_of = [](const auto& n) {
     return std::hypot(double(n[0]), double(n[1]), double(n[2]));
   };
+  // by_area is made for the first normal of length zero, as few assets have one
   std::vector<Vec3> by_area;
   int64_t zero = 0, counted = 0;
   for (size_t v = 0; v < mesh.normal.size(); ++v) {
     Vec3 n = {mesh.normal[v][0], mesh.normal[v][1], mesh.normal[v][2]};
     double length = length_of(n);
     if (std::abs(length - 1) <= kRounding) continue;
+    // no direction: that of the faces around the vertex, else z
     if (length == 0) {
       ++zero;
       if (by_area.empty()) by_area = area_normals(mesh);
@@ -95,14 +97,16 @@ bool has_uv(const Mesh& mesh, const TriangleGroup& group) {
   return group.has_uv && !mesh.uv.empty();
 }
 
-/// Textures need coordinates: triangles without get the material without its texture, a copy where
-/// others show it.
+/// A texture needs coordinates. Triangles without them get their material without its texture, or
+/// a copy of it where triangles with coordinates show the same material.
 void drop_textures_without_uv(Asset& asset) {
-  std::vector<int> plain(asset.materials.size());  // itself, -1 where a copy is needed
+  // materials that nobody shows with coordinates lose their texture in place
+  std::vector<int> plain(asset.materials.size());  // itself, -1 if a copy must be made
   std::iota(plain.begin(), plain.end(), 0);
   for (const Mesh& mesh : asset.meshes)
     for (const TriangleGroup& group : mesh.groups)
       if (group.material >= 0 && has_uv(mesh, group)) plain[size_t(group.material)] = -1;
+  // each group without coordinates gets the plain material, copied once
   std::vector<uint8_t> cleared(plain.size(), 0);
   for (Mesh& mesh : asset.meshes)
     for (TriangleGroup& group : mesh.groups) {
@@ -123,7 +127,7 @@ void drop_textures_without_uv(Asset& asset) {
     }
 }
 
-/// What the welded triangles tell.
+/// Findings about vertices, edges and faces of the welded surface.
 void add_topology(Asset& asset, const Surface& surface, const WeldedMesh& w) {
   add_finding(asset, "zero-area", w.zero_area, "triangles have no area");
   add_finding(asset, "duplicate-faces", w.duplicate_faces, "triangles repeat another one");
@@ -131,14 +135,14 @@ void add_topology(Asset& asset, const Surface& surface, const WeldedMesh& w) {
               "triangles are there twice, once from each side");
   add_finding(asset, "unreferenced", w.unreferenced, "vertices belong to no triangle");
   if (asset.format == "obj" || asset.format == "ply" ||
-      asset.format == "off")  // the others split vertices by design
+      asset.format == "off")  // other formats split vertices by design
     add_finding(asset, "duplicate-vertices", w.merged - repeated_positions(asset),
                 "vertices lie on another one");
   add_finding(asset, "non-manifold", w.nonmanifold_edges, "edges have three faces or more");
   add_finding(asset, "open", w.border_edges, "edges have one face: the surface is open");
   add_finding(asset, "mixed-winding", w.turned_edges,
               "edges lie between two triangles of opposite winding");
-  // of bodies inside out beside others the volume may be that of rounding
+  // some bodies inside out among others: the volume may be nothing but rounding
   const double room = surface.box.extent(0) * surface.box.extent(1) * surface.box.extent(2);
   if (w.closed() && w.balanced() && w.volume < -1e-9 * room)
     add_finding(asset, "flipped", surface.triangles.rows(),
@@ -160,7 +164,7 @@ void add_finding(Asset& asset, const std::string& what, int64_t count, const std
 
 void check_asset(Asset& asset) {
   if (asset.points || asset.splats) return check_cloud(asset);
-  // of glTF the document is kept as it is
+  // the document of a glTF file is kept as it is
   const bool is_gltf = asset.format == "glb" || asset.format == "gltf";
   for (Mesh& mesh : asset.meshes) {
     check_positions(asset, mesh);

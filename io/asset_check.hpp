@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The gate behind every reader: what a file may not contain, and what it should not.
+// The check behind every reader: what a file must not contain, and what it should not contain.
 
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace elastogen {
 
-/// Adds to the finding of that id, or begins it with the sentence.
+/// Adds to the finding of that id, or makes it with the sentence.
 void add_finding(Asset& asset, const std::string& what, int64_t count, const std::string& text);
 
 template <class Values>
@@ -32,10 +32,10 @@ void reset_bad_rows(Asset& asset, std::vector<Row>& rows, const Row& value, cons
               std::string(name) + " that were not finite were reset");
 }
 
-/// Refuses what cannot be simulated, repairs attributes, adds findings (see docs/formats.md):
-/// repairs are non-finite uv, normals and colours, set to 0, (0, 0, 1) and white; but for glTF,
-/// whose document outputs keep, also normals that are not of length one, and textures without uv,
-/// which are dropped. Assets of points or splats need no triangle (io/cloud_check.hpp).
+/// Refuses what cannot be simulated, repairs attributes, adds findings (see docs/formats.md).
+/// Repairs: uv, normals and colours that are not finite become 0, (0, 0, 1) and white. Except for
+/// glTF, whose document outputs keep: normals get the length one, textures without uv are dropped.
+/// Assets of points or splats need no triangle (io/cloud_check.hpp).
 /// @throws Error (asset) naming file, mesh and first index: a position that is not finite, a
 ///         corner out of range, no triangle ("nothing to simulate"), no extent.
 void check_asset(Asset& asset);

@@ -60,7 +60,7 @@ SizeChoice choose_size(const Asset& asset, double longest_edge, bool asked) {
 }
 
 Matrix4 root_matrix(double scale, const UpAxis& up) {
-  // rows of the rotation: (axis, sign) that x', y', z' are taken from
+  // row of the rotation: from which axis, with which sign, x', y' or z' comes
   struct Row {
     int axis, sign;
   };

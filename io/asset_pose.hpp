@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which way is up in an asset and how large it is: what its file says, else a guess with its
-// reason. Nothing is rescaled or turned by a guess that is not reported.
+// Up axis and size of an asset: from its file, else a guess with its reason. Every guess that
+// rescales or turns anything is reported.
 
 #pragma once
 
@@ -22,7 +22,7 @@ struct UpAxis {
 std::optional<UpAxis> up_from_name(std::string_view name);
 std::string up_name(const UpAxis& up);
 
-/// Where a choice comes from.
+/// Why a choice was made.
 struct Provenance {
   bool guessed = false;
   std::string reason;  ///< a clause, like "STL states no axis; most are z up"
@@ -33,21 +33,21 @@ struct UpChoice {
   Provenance from;
 };
 
-/// What is asked for, else what the file states, else z for STL and LAS (printing, surveying)
-/// and y for all others.
+/// The axis that is asked for, else the one that the file states, else z for STL and LAS (printing,
+/// surveying) and y for all others.
 UpChoice choose_up(const Asset& asset, const std::optional<UpAxis>& asked);
 
 struct SizeChoice {
   double longest_edge = 0;  ///< [m]
   Provenance from;
-  std::string warning;  ///< a sentence where the guess looks wrong: outside 1 mm ... 100 m
+  std::string warning;  ///< a sentence if the guess looks wrong: outside 1 mm ... 100 m
 };
 
 /// @param longest_edge  of the posed asset [m].
-/// @param asked         by --size.
+/// @param asked         whether --size was given.
 SizeChoice choose_size(const Asset& asset, double longest_edge, bool asked);
 
-/// Scale, then the rotation that takes `up` to y, for the root of a file with y up.
+/// Scale, then the rotation that turns `up` to y, for the root of a file with y up.
 Matrix4 root_matrix(double scale, const UpAxis& up);
 
 }  // namespace elastogen

@@ -12,7 +12,7 @@
 namespace elastogen {
 namespace {
 
-/// Points where an asset has them, without own columns.
+/// Points, where an asset has them; columns of their own are not sent.
 template <class Stream, class AssetOfStream>
 void transfer_points(Stream& s, AssetOfStream& asset) {
   auto count = uint8_t(asset.points.has_value());
@@ -25,9 +25,10 @@ void transfer_points(Stream& s, AssetOfStream& asset) {
   if constexpr (!std::is_const_v<AssetOfStream>) asset.points = std::move(points);
 }
 
-/// Every member that is sent, in order; the same for both directions.
+/// Every member that is sent, in the order that writer and reader share.
 template <class Stream, class AssetOfStream>
 void transfer(Stream& s, AssetOfStream& asset) {
+  // axes and unit, then geometry
   s.value(asset.up);
   s.value(asset.unit);
   s.list(asset.meshes, [&](auto& mesh) {
@@ -42,6 +43,7 @@ void transfer(Stream& s, AssetOfStream& asset) {
       s.array(group.corner);
     });
   });
+  // how it is shown
   s.list(asset.nodes, [&](auto& node) {
     s.array(node.name);
     s.value(node.parent);
@@ -54,6 +56,7 @@ void transfer(Stream& s, AssetOfStream& asset) {
     s.array(material.texture);
   });
   transfer_points(s, asset);
+  // points, and what the reader noticed
   s.list(asset.findings, [&](auto& finding) {
     s.array(finding.what);
     s.value(finding.count);

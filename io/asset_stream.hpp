@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// An asset of meshes or points as what the reader process answers (io/flat_stream.hpp).
+// The bytes by which the reader process answers with an asset (io/flat_stream.hpp).
 
 #pragma once
 

@@ -43,7 +43,7 @@ Wrap wrap_of(const Value& mode) {
   return mode == 33071 ? Wrap::kClamp : mode == 33648 ? Wrap::kMirror : Wrap::kRepeat;
 }
 
-/// offset + rotation scale (u, v) of KHR_texture_transform.
+/// offset + rotation scale (u, v) of KHR_texture_transform, as a matrix.
 std::array<float, 6> transform_of(const Value& extension) {
   const double angle = number_or(member(extension, "rotation"), 0);
   const double c = std::cos(angle), s = std::sin(angle);
@@ -89,7 +89,7 @@ class GltfColours {
     colour.image = image(image_index(texture));
   }
 
-  /// Of PNG or JPEG, else of WebP, else of what is not read.
+  /// Index of the PNG or JPEG image, else of the WebP image, else of a format that is not read.
   static const Value& image_index(const Value& texture) {
     const Value& plain = member(texture, "source");
     if (plain.is_number()) return plain;
@@ -140,7 +140,7 @@ class GltfColours {
   std::map<size_t, int> image_of_;
 };
 
-/// Textures that lie beside the asset.
+/// Reads textures that lie beside the asset.
 void read_files(const Asset& asset, BaseColours& result) {
   std::map<std::string, int> image_of;
   for (size_t m = 0; m < asset.materials.size(); ++m) {

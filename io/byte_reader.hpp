@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bounded reads of bytes and text. A count is believed only if the bytes for it are there.
+// Bounded reads of bytes and text. A count is accepted only if the bytes for it are there.
 
 #pragma once
 
@@ -65,7 +65,7 @@ inline std::string_view trimmed(std::string_view text) {
   return text;
 }
 
-/// Takes the next word (up to a blank) off the front of a line; empty at its end.
+/// Cuts the next word (up to a blank) off the front of a line; empty at its end.
 inline std::string_view next_word(std::string_view& line) {
   while (!line.empty() && is_blank(line.front())) line.remove_prefix(1);
   size_t n = 0;
@@ -75,7 +75,7 @@ inline std::string_view next_word(std::string_view& line) {
   return word;
 }
 
-/// Takes the next line (ended by LF, CRLF or the end) off the front of a text.
+/// Cuts the next line (ended by LF, CRLF or the end) off the front of a text.
 inline std::string_view next_line(std::string_view& text) {
   const size_t n = text.find('\n');
   std::string_view line = text.substr(0, n);
@@ -84,7 +84,7 @@ inline std::string_view next_line(std::string_view& text) {
   return line;
 }
 
-/// The number a whole word spells, whatever the locale; too large gives infinity, too small 0.
+/// The number that the whole word spells, in any locale; too large gives infinity, too small 0.
 inline std::optional<double> to_double(std::string_view word) {
   if (word.starts_with('+')) word.remove_prefix(1);
   double value = 0;
@@ -106,13 +106,13 @@ inline std::optional<int64_t> to_integer(std::string_view word) {
   return value;
 }
 
-/// Without the byte order mark of UTF-8.
+/// The text without the byte order mark of UTF-8.
 inline std::string_view without_mark(std::string_view text) {
   return text.starts_with("\xef\xbb\xbf") ? text.substr(3) : text;
 }
 
-/// Whether bytes begin with a mark of UTF-16, or as Latin text in it does: zeros in every second
-/// place of the first 32 characters.
+/// Whether bytes are UTF-16: they begin with its mark, or have zeros in every second place of the
+/// first 32 characters, as Latin text has.
 inline bool is_utf16(std::string_view bytes) {
   if (bytes.starts_with("\xff\xfe") || bytes.starts_with("\xfe\xff")) return true;
   const size_t n = std::min<size_t>(bytes.size() / 2 * 2, 64);

@@ -24,14 +24,14 @@ namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
 constexpr const char* kReaderName = "elastogen-reader";
-constexpr int kTickMilliseconds = 2;  ///< between two looks at a process that closed its pipe
+constexpr int kTickMilliseconds = 2;  ///< between polls of a process that closed its pipe
 
 bool is_program(const fs::path& path) {
   std::error_code error;
   return fs::is_regular_file(path, error) && ::access(path.c_str(), X_OK) == 0;
 }
 
-/// What posix_spawn is told: standard input is a file or /dev/null, error is /dev/null, output is
+/// Settings of posix_spawn: standard input is a file or /dev/null, error is /dev/null, output is
 /// the pipe, nothing else is open, signals are as at the start of a program.
 class SpawnPlan {
  public:
@@ -70,7 +70,7 @@ class SpawnPlan {
   posix_spawnattr_t attributes_;
 };
 
-/// The reader at work: its process and the end of the pipe that we read. Both are gone with it.
+/// A running reader: its process and our end of the pipe. The destructor ends both.
 class Child {
  public:
   Child(const std::string& program, const std::array<std::string, 2>& words, int input) {
@@ -94,7 +94,7 @@ class Child {
   Child(const Child&) = delete;
   Child& operator=(const Child&) = delete;
 
-  /// Everything that it writes. @throws Error (asset) at the deadline and beyond max_bytes.
+  /// All bytes that it writes. @throws Error (asset) at the deadline and beyond max_bytes.
   std::string output(Clock::time_point deadline, const ChildOptions& options);
   /// The status of waitpid, once the process has ended. @throws Error (asset) at the deadline.
   int status(Clock::time_point deadline, const ChildOptions& options);

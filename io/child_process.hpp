@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The program elastogen-reader at work: it is started, given at most one file, and asked for bytes.
+// Runs the program elastogen-reader: starts it, gives it at most one file, collects its bytes.
 
 #pragma once
 
@@ -24,7 +24,7 @@ struct ChildOptions {
 /// @throws Error (asset) if it is at none of these places, saying so.
 std::string find_reader();
 
-/// What the reader writes when it is started with two words.
+/// The bytes that the reader writes when it is started with two words.
 /// @param input  a descriptor for its standard input; below 0: none.
 /// @throws Error (asset): its limits, its crash, a failing exit code.
 std::string answer_of_reader(const std::array<std::string, 2>& words, int input,

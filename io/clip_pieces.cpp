@@ -27,7 +27,7 @@ ClipPiece keyframes(const Motion& motion, const FrameRange& frames) {
   return piece;
 }
 
-/// One piece of a clip; no value where neither modes nor frames keep the limits.
+/// One piece of a clip; no value if neither modes nor frames keep within the limits.
 std::optional<ClipPiece> fitted(const Motion& motion, const FrameRange& frames,
                                 const Array<float>& normals, const PieceOptions& options) {
   constexpr int kFewestKeys = 2;
@@ -45,7 +45,7 @@ std::optional<ClipPiece> fitted(const Motion& motion, const FrameRange& frames,
       keys = normal_keys(normals, frames, moving, options.max_targets - piece.basis.targets());
       good = keys.error <= kNormalTolerance;
     }
-    // rows of vectors that are stored; those of frames hold normals of their own
+    // rows of vectors to store; with one target a frame each needs positions and normals
     const int64_t rows = piece.basis.targets() + int64_t(keys.frames.size());
     if (good && rows < (has_normals ? 2 : 1) * count) {
       piece.weights = has_normals ? beside(piece.basis.weights, keys.weights) : piece.basis.weights;

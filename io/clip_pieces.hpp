@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A clip as stretches of time, each shown by morph targets of its own, so that no mesh has more
-// targets than a client can hold and the stated error is kept at any length.
+// A clip cut into pieces of time, each shown by its own morph targets. No mesh then has more
+// targets than a client can hold, and the stated error is kept at any length.
 
 #pragma once
 
@@ -11,8 +11,8 @@ namespace elastogen {
 struct ClipPiece {
   FrameRange frames;      ///< the last one is the first of the next piece
   ModalBasis basis = {};  ///< of the displacements
-  /// Frames whose normals are targets behind those of the basis; where the basis has one target a
-  /// frame these hold the normals too.
+  /// Frames whose normals are targets behind those of the basis. If the basis has one target a
+  /// frame, these hold the normals too.
   std::vector<int64_t> normal_keys = {};
   Array<float> weights = {};  ///< (frames, targets), 0 ... 1: of the basis, then of the normal keys
   double normal_error = 0;    ///< root mean square angle of the worst frame [rad]
@@ -26,9 +26,9 @@ struct PieceOptions {
   int max_targets = 64;  ///< of a piece, 4 at least
 };
 
-/// The fewest pieces of equal length that keep tolerance and number of targets; a piece has one
-/// target a frame where these take no more room. None where nothing moves.
-/// @param frames   of the clip.
+/// The fewest pieces of equal length that keep the tolerance and the number of targets. A piece has
+/// one target a frame if that needs no more memory. Empty if nothing moves.
+/// @param frames   number of frames of the clip.
 /// @param normals  of some vertices in every frame, of length one, (frames, 3 vertices); without
 ///                 columns where no mesh has normals.
 std::vector<ClipPiece> clip_pieces(const Motion& motion, int64_t frames,

@@ -11,7 +11,7 @@
 namespace elastogen {
 namespace {
 
-/// Keeps the rows of a (rows, n) array, in their order.
+/// Keeps the given rows of a (rows, n) array in their order.
 template <class Values>
 void keep(Values& values, const std::vector<size_t>& rows, size_t n = 1) {
   if (values.empty()) return;
@@ -21,7 +21,7 @@ void keep(Values& values, const std::vector<size_t>& rows, size_t n = 1) {
   values.resize(end);
 }
 
-/// Rows that are good; a finding if there are others. @throws Error (asset) if there is none.
+/// Rows that are good, with a finding if any is not. @throws Error (asset) if none is good.
 template <class IsGood>
 std::vector<size_t> good_rows(Asset& asset, size_t count, const char* name, const IsGood& is_good) {
   ELASTOGEN_CHECK_ASSET(count > 0, asset.path, ": has no ", name, ": nothing to simulate");
@@ -65,7 +65,7 @@ void check_points(Asset& asset) {
   reset_bad_rows(asset, points.colour, {1, 1, 1, 1}, "colours");
 }
 
-/// Makes quaternions unit, those of no length the identity.
+/// Gives quaternions the length one; those of length zero become the identity.
 void normalise(Asset& asset, std::vector<std::array<float, 4>>& rotation) {
   int64_t bad = 0;
   for (std::array<float, 4>& q : rotation) {
@@ -83,6 +83,7 @@ void normalise(Asset& asset, std::vector<std::array<float, 4>>& rotation) {
 }
 
 void check_splats(Asset& asset) {
+  // drop splats without a finite place, size or opacity, and their rows in every array
   SplatCloud& splats = *asset.splats;
   const auto is_good = [&](size_t i) {
     return are_finite(splats.position[i]) && are_finite(splats.scale[i]) &&
@@ -98,9 +99,11 @@ void check_splats(Asset& asset) {
   keep(splats.own.rows, rows, splats.own.row_bytes());
   check_extent(asset, splats.position, true);
 
+  // attributes of the others are repaired: scales need a logarithm, rotations a length
   for (auto& scale : splats.scale)
     for (float& s : scale) s = std::max(s, std::numeric_limits<float>::min());
   normalise(asset, splats.rotation);
+  // harmonics that are not finite only lose colour
   int64_t bad = 0;
   for (float& x : splats.harmonics) {
     if (std::isfinite(x)) continue;

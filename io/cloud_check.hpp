@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The gate behind every reader of points and splats; io/asset_check.hpp calls it.
+// The check behind every reader of points and splats; io/asset_check.hpp calls it.
 
 #pragma once
 

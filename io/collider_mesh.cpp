@@ -11,7 +11,7 @@ namespace elastogen {
 namespace {
 
 constexpr int kMeridians = 48, kZones = 24;
-constexpr double kMargin = 1.5;  // edge of a plane's square over what stands on it
+constexpr double kMargin = 1.5;  // edge of a plane's square over the extent of what is seen
 
 ColliderMesh empty_mesh(int64_t vertices, int64_t triangles) {
   return {Array<double>(vertices, 3), Array<double>(vertices, 3), Array<int32_t>(triangles, 3)};
@@ -67,6 +67,7 @@ ColliderMesh plane_mesh(const Collider& plane, const Box& seen) {
 ColliderMesh sphere_mesh(const Collider& sphere) {
   const int rings = kZones - 1;  // of vertices between the poles
   ColliderMesh mesh = empty_mesh(rings * kMeridians + 2, 2 * rings * kMeridians);
+  // vertices: the poles, and rings between them
   const auto set = [&](int64_t v, const Vec3& n) {
     set_vertex(mesh, v, plus(sphere.centre, scaled(n, sphere.radius)), n);
   };
@@ -80,6 +81,7 @@ ColliderMesh sphere_mesh(const Collider& sphere) {
       set(r * kMeridians + m, {std::sin(across) * std::sin(about), -std::cos(across),
                                std::sin(across) * std::cos(about)});
     }
+  // triangles: caps at both poles, two for each quadrilateral between rings
   int64_t t = 0;
   const auto add = [&](int64_t a, int64_t b, int64_t c) {
     for (const int64_t v : {a, b, c}) mesh.triangles.data()[t++] = int32_t(v);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a collider looks like: its surface as triangles, for pictures and scenes of other programs.
+// The surface of a collider as triangles, for pictures and for scenes of other programs.
 
 #pragma once
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Images of foreign files as pixels, decoded by the reader process.
+// Images of foreign files, decoded to pixels by the reader process.
 
 #pragma once
 
@@ -23,8 +23,8 @@ struct Image {
 /// The stream of an image, as the reader process answers it.
 std::string encode_image(const Image& image);
 
-/// The image of a stream. @throws Error (asset): the failure that was encoded; a stream that is
-/// none.
+/// Reads the image from a stream. @throws Error (asset): the failure that was encoded, or bytes
+/// that are no such stream.
 Image decode_image_stream(std::string_view bytes);
 
 /// Decodes PNG, JPEG or WebP in the reader process.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Vertices that are drawn: the positions of a mesh, split where their attributes differ.
+// Vertices as they are drawn: the positions of a mesh, split where attributes differ.
 
 #pragma once
 
@@ -11,10 +11,10 @@
 
 namespace elastogen {
 
-/// Hands out drawn vertices for corners (io/asset.hpp, Mesh). The first ones are the positions in
-/// their order, each with the attributes of its first corner; every other set of attributes of a
-/// position gives one more, in the order in which they come.
-/// @tparam N  numbers of a corner: its position, then what tells its attributes apart.
+/// Gives each corner its drawn vertex (io/asset.hpp, Mesh). The first drawn vertices are the
+/// positions in their order, each with the attributes of its first corner. Every further set of
+/// attributes of a position adds one, in the order in which they come.
+/// @tparam N  numbers of a corner: its position, then numbers that tell its attributes apart.
 template <size_t N>
 class DrawnVertices {
  public:
@@ -41,7 +41,7 @@ class DrawnVertices {
 
   int32_t position(size_t vertex) const { return corner_[vertex][0]; }
 
-  /// The corner that a drawn vertex stands for, null for a position that has none.
+  /// A corner of the drawn vertex; null for a position without corners.
   const Corner* corner(size_t vertex) const {
     return vertex >= drawn_.size() || drawn_[vertex] ? &corner_[vertex] : nullptr;
   }

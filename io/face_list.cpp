@@ -14,7 +14,7 @@
 namespace elastogen {
 namespace {
 
-/// Position, whether it has uv, the bits of uv and of the face's colour.
+/// Position, whether it has uv, and the bits of uv and of the face's colour.
 using FaceCorner = std::array<int32_t, 8>;
 
 int32_t bits_of(float value) {
@@ -25,7 +25,7 @@ float value_of(int32_t bits) {
   return std::bit_cast<float>(bits);
 }
 
-/// Each row of values of positions, for drawn vertices.
+/// Copies rows of values of positions to the drawn vertices beyond them.
 template <class Row>
 void spread(std::vector<Row>& rows, const std::vector<int32_t>& position_of) {
   if (rows.empty()) return;

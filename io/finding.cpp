@@ -27,7 +27,7 @@ constexpr FindingKind kKinds[] = {
     {"harmonics", kWarning, "left out; the colours do not depend on the view",
      "save the splats as an uncompressed PLY"},
 
-    // what the surface is like
+    // properties of the surface
     {"zero-area", kNote, "passed over by the physics; the output keeps them", ""},
     {"duplicate-faces", kNote, "one of each counts for the physics; the output keeps them", ""},
     {"double-sided", kNote, "one of them or the pair counts for the physics; the output keeps both",
@@ -42,7 +42,7 @@ constexpr FindingKind kKinds[] = {
      ""},
     {"pieces", kNote, "left as it is", ""},
 
-    // what the solid is like
+    // properties of the solid
     {"sheet", kWarning, "filled as layers as thick as a voxel, or --thickness",
      "--thickness, or close the surface"},
     {"overlaps", kNote, "what lies in two solids is filled once, by the winding number", ""},
@@ -58,7 +58,7 @@ constexpr FindingKind kKinds[] = {
 
     {"carried-columns", kNote, "written to .ply outputs as they are, not to others", ""},
 
-    // what is left out
+    // parts of the file that are left out
     {"lost-columns", kWarning, "left out", "save them as numbers of 32 bits at most"},
     {"short-face", kWarning, "left out", "repair the file"},
     {"free-form", kWarning, "left out", "save polygons"},

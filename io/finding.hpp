@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What was noticed of an asset, how much it matters, what is done about it and how to change that.
+// Findings about an asset: how much each matters, what is done about it, how to change that.
 
 #pragma once
 
@@ -18,8 +18,8 @@ struct Finding {
   std::string text;  ///< a sentence for people
 };
 
-/// A warning changes what the user gets: something is left out, joined, filled as layers, loose or
-/// guessed. A note does not.
+/// A warning changes the result: something is left out, joined, filled as layers, loose or guessed.
+/// A note does not.
 enum class Severity { kNote, kWarning };
 
 std::string_view severity_name(Severity severity);
@@ -38,10 +38,10 @@ std::span<const FindingKind> finding_kinds();
 /// @throws Error for an id without a row.
 const FindingKind& kind_of(const Finding& finding);
 
-/// The line that all verbs print: what, count, text, what is done, how to change it.
+/// The line that all verbs print: id, count, text, what is done, how to change it.
 std::string finding_line(const Finding& finding);
 
-/// The lines of those of a severity, in their order.
+/// The lines of the findings of one severity, in their order.
 std::vector<std::string> finding_lines(const std::vector<Finding>& findings, Severity severity);
 
 }  // namespace elastogen

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One flat stream of bytes: what the reader process answers on its pipe. It is not trusted: every
-// count is compared with the bytes that follow it.
+// The flat stream of bytes by which the reader process answers on its pipe. It is not trusted:
+// every count is compared with the bytes that follow it.
 
 #pragma once
 
@@ -23,7 +23,7 @@ enum class ReaderFailure : uint8_t {
   kMemory = 2,   ///< its limit of memory was reached
 };
 
-/// Appends what it is given.
+/// Appends values to a stream.
 class StreamWriter {
  public:
   template <class T>
@@ -47,7 +47,7 @@ class StreamWriter {
   std::string bytes_{kAnswerMagic};
 };
 
-/// Fills what it is given from bytes that may be anything.
+/// Reads values from bytes that may hold anything.
 class StreamReader {
  public:
   explicit StreamReader(std::string_view bytes) : bytes_(bytes) {}
@@ -65,7 +65,7 @@ class StreamReader {
     items.resize(size_t(count));
     if (count > 0) std::memcpy(items.data(), from.data(), from.size());
   }
-  /// The list grows with the bytes that its items take, whatever count is claimed.
+  /// The list grows as the bytes of its items are read, whatever count is claimed.
   template <class T, class Fields>
   void list(std::vector<T>& items, const Fields& fields) {
     uint64_t count = 0;
@@ -87,8 +87,8 @@ class StreamReader {
 /// The stream of a failure.
 std::string encode_failure(ReaderFailure failure, std::string_view message);
 
-/// Reads what every answer begins with. @throws Error (asset): the failure that was encoded; bytes
-/// that are no answer.
+/// Reads the begin of an answer. @throws Error (asset): the failure that was encoded, or bytes that
+/// are no answer.
 void begin_answer(StreamReader& stream);
 
 /// One line of printable text, shortened.

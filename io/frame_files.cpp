@@ -95,6 +95,7 @@ void check_number(const std::string& path) {
 
 FileOrder file_order(const Asset& asset, const Surface& surface) {
   FileOrder order;
+  // points and splats are their own vertices
   if (asset.points || asset.splats) {
     order.rest = asset.points ? asset.points->position : asset.splats->position;
     order.point.resize(order.rest.size());
@@ -102,6 +103,7 @@ FileOrder file_order(const Asset& asset, const Surface& surface) {
     order.vertex = order.point;
     return order;
   }
+  // number of each carried point in the file; meshes may share a position
   for (const SurfaceInstance& instance : surface.instances) {
     const Mesh& mesh = asset.meshes[size_t(instance.mesh)];
     for (size_t i = 0; i < mesh.position.size(); ++i) {
@@ -110,12 +112,14 @@ FileOrder file_order(const Asset& asset, const Surface& surface) {
                                  : int32_t(instance.first_vertex) + int32_t(i));
     }
   }
+  // the first carried point of each vertex of the file
   const auto last = std::ranges::max_element(order.vertex);
   order.point.assign(last == order.vertex.end() ? 0 : size_t(*last) + 1, -1);
   for (size_t k = 0; k < order.vertex.size(); ++k) {
     int32_t& point = order.point[size_t(order.vertex[k])];
     if (point < 0) point = int32_t(k);
   }
+  // rest positions of these, back in the numbers of the file
   for (const int32_t v : order.point) {
     const double* x = surface.vertices.row(v);
     order.rest.push_back(scaled(plus({x[0], x[1], x[2]}, surface.box.origin), 1 / surface.scale));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Frames of an animation on disk, in single precision, until they are all known.
+// Frames of an animation on disk, in single precision, until all of them are known.
 
 #pragma once
 

@@ -26,7 +26,7 @@ constexpr uint8_t kWhitePixel[] = {
     0x9c, 0x63, 0xf8, 0x0f, 0x00, 0x01, 0x01, 0x01, 0x00, 0xb1, 0x38, 0xf6, 0x14, 0x00,
     0x00, 0x00, 0x00, 0x49, 0x45, 0x4e, 0x44, 0xae, 0x42, 0x60, 0x82};
 
-/// Puts the buffers one after the other and moves the buffer views with them.
+/// Joins the buffers and shifts the buffer views accordingly.
 void join_buffers(const GltfSource& source, Json& document, Bytes& bin) {
   std::vector<uint64_t> offset;
   for (const Bytes& buffer : source.buffers) {
@@ -67,7 +67,7 @@ void embed_images(const GltfSource& source, Json& document, GlbDocument& result)
   }
 }
 
-/// Meshes of which nobody but simulated nodes makes use.
+/// Meshes that only simulated nodes show.
 std::vector<size_t> simulated_meshes(const Json& document, const std::vector<AssetNode>& nodes) {
   std::map<size_t, bool> only_simulated;
   for (size_t n = 0; n < nodes.size(); ++n) {
@@ -83,7 +83,7 @@ std::vector<size_t> simulated_meshes(const Json& document, const std::vector<Ass
   return meshes;
 }
 
-/// Removes what would move the simulated vertices besides the simulation.
+/// Removes everything but the simulation that would move simulated vertices.
 void remove_motion(Json& document, const std::vector<AssetNode>& nodes) {
   keep_other_animations(document, nodes);
   for (size_t n = 0; n < nodes.size(); ++n)

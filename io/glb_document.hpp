@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The glTF document of an asset, to which a writer adds an animation, and the GLB container.
+// The GLB container, and the glTF document of an asset to which a writer adds an animation.
 
 #pragma once
 
@@ -15,23 +15,22 @@ namespace elastogen {
 struct GlbDocument {
   std::string json;
   Bytes bin;
-  std::vector<std::string> notes;  ///< what could not be taken along
+  std::vector<std::string> notes;  ///< what could not be kept
 };
 
-/// The document of an asset that came from a glTF file: the file's own, with buffers and images
-/// from beside it embedded, made plain (io/plain_gltf.hpp), without the animations and morph
-/// targets of what is simulated (io/gltf_animations.hpp). The bytes behind its other accessors and
-/// images stay as they are.
+/// The document of an asset from a glTF file: the file's own, with buffers and images from beside
+/// it embedded, made plain (io/plain_gltf.hpp). Animations and morph targets of simulated nodes are
+/// removed (io/gltf_animations.hpp); the bytes of all other accessors and images stay as they are.
 /// @throws Error (asset) as read_gltf_source and plain_gltf.
 GlbDocument gltf_document(const Asset& asset);
 
-/// A document made of an asset from any other format: one mesh for each of the asset's, drawn
-/// vertices in its order. Positions are float32; where a mesh lies further from the origin than
-/// 100 times its size they are relative to its centre, which goes into the node. PNG and JPEG
-/// textures are embedded.
+/// A document for an asset from any other format: one mesh for each of the asset's, with its drawn
+/// vertices in order. Positions are float32. Those of a mesh that lies further from the origin than
+/// 100 times its size are relative to its centre, which goes into the node. PNG and JPEG textures
+/// are embedded.
 GlbDocument mesh_document(const Asset& asset);
 
-/// MIME type of an image by its first bytes, "" if it is none that glTF knows.
+/// MIME type of an image by its first bytes, "" if glTF does not allow it.
 std::string image_type(const Bytes& image);
 
 /// Appends bytes at a multiple of four; returns their offset.

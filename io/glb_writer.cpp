@@ -87,20 +87,20 @@ class GlbWriter : public AnimationWriter {
     return std::max({surface_.box.extent(0), surface_.box.extent(1), surface_.box.extent(2)});
   }
 
-  /// Largest error of the targets that is aimed at [m]; 0 for keyframes. A small motion is shown
-  /// all the same, if there is something to be seen.
+  /// Largest error of the targets to aim at [m]; 0 for keyframes. A small motion that can still be
+  /// seen gets a smaller one.
   double tolerance() const {
     const double usual = options_.modal_error * longest_edge();
     if (options_.keyframe) return 0;
     return motion_ < kVisibleMotion * longest_edge() ? usual : std::min(usual, motion_ / 10);
   }
 
-  /// Shows the meshes of a group piece by piece.
+  /// Adds the pieces of a group to the document.
   void add(const MorphGroup& group, AnimatedDocument& document) {
     if (group.pieces.empty()) return;
     std::vector<FrameRange> ranges;
     for (const ClipPiece& piece : group.pieces) ranges.push_back(piece.frames);
-    std::vector<std::vector<size_t>> nodes;  // by instance and piece
+    std::vector<std::vector<size_t>> nodes;  // (instances, pieces)
     for (const size_t i : group.instances)
       nodes.push_back(document.stage(size_t(surface_.instances[i].node), ranges));
     pieces_ = std::max(pieces_, int64_t(ranges.size()));
@@ -117,7 +117,7 @@ class GlbWriter : public AnimationWriter {
     }
   }
 
-  /// Takes a frame into the box of all that was seen.
+  /// Grows seen_ by a frame.
   void see(const Span<const double>& displacement) {
     for (int64_t k = 0; k < surface_.triangles.size(); ++k) {
       const int32_t v = surface_.triangles.data()[k];
@@ -127,7 +127,7 @@ class GlbWriter : public AnimationWriter {
     }
   }
 
-  /// Floor and colliders as bodies of the scene, in the numbers of the asset.
+  /// Adds floor and colliders as bodies of the scene, in the numbers of the asset.
   void add_colliders(AnimatedDocument& document) const {
     const double scale = surface_.scale;
     Vec3 place;
@@ -178,7 +178,7 @@ class GlbWriter : public AnimationWriter {
     if (!options_.generator.empty()) asset["generator"] = options_.generator;
   }
 
-  /// What the limits of the format changed in what the user gets.
+  /// Notes for the user about what the limits of the format changed.
   void say_limits() {
     if (targets_ == 0 && certificates_.size() > 1)
       warnings_.push_back(concat(path_, " has no animation: nothing in it moves"));
@@ -203,7 +203,7 @@ class GlbWriter : public AnimationWriter {
   std::vector<std::string> notes_, warnings_;
   double motion_ = 0;                 ///< largest component of a displacement [m]
   Box seen_;                          ///< of the triangles in all frames, filled for colliders [m]
-  int64_t targets_ = 0, pieces_ = 0;  ///< the most of a mesh
+  int64_t targets_ = 0, pieces_ = 0;  ///< largest numbers of a mesh
   double max_error_ = 0;              ///< [m]
   double normal_error_ = 0;           ///< root mean square of the worst frame [rad]
 };

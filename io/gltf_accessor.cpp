@@ -14,7 +14,7 @@ namespace elastogen {
 
 namespace {
 
-/// Elements that lie in the bytes of a buffer, `stride` apart.
+/// Elements within the bytes of a buffer, `stride` apart.
 struct Elements {
   const uint8_t* data = nullptr;
   uint64_t count = 0, stride = 0;
@@ -134,7 +134,7 @@ class AccessorReader {
     return {buffer.data() + view.byteOffset + offset, count, stride};
   }
 
-  /// Elements of the accessor itself; none where it has no buffer view (all zeros).
+  /// Elements of the accessor itself; none if it has no buffer view, which means all zeros.
   Elements elements() const {
     check(accessor_->count > 0, "count must be positive");
     if (accessor_->bufferView >= 0) {

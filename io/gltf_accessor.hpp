@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Values of glTF accessors: strides, integer types, normalisation and sparse entries resolved, all
-// ranges checked without overflow.
+// Values of glTF accessors. Strides, integer types, normalisation and sparse entries are resolved;
+// all ranges are checked without overflow.
 
 #pragma once
 
@@ -15,8 +15,8 @@ namespace elastogen {
 
 /// Values of a float or integer accessor, (count, components of its type). A normalised integer c
 /// of b bits becomes c / (2^b - 1), a signed one max(c / (2^(b-1) - 1), -1).
-/// @throws Error (asset) where the accessor, its buffer view or its sparse part leaves its bytes,
-///         or is not a scalar or vector.
+/// @throws Error (asset) if the accessor, its buffer view or its sparse part goes beyond its bytes,
+///         or it is not a scalar or vector.
 Array<double> accessor_values(const GltfSource& source, const tinygltf::Model& model, int accessor);
 
 /// Entries of an accessor of 4x4 float matrices, column-major, (count, 16).

@@ -26,13 +26,13 @@ std::optional<size_t> index_of(const Json& object, const char* key, size_t size)
   return index < size ? std::optional<size_t>(size_t(index)) : std::nullopt;
 }
 
-/// What a channel moves: a node, or something else that stays.
+/// Target of a channel: a node, or something that the simulation does not touch.
 struct Target {
   bool valid = false;
   std::optional<size_t> node = {};
 };
 
-/// "/nodes/3/...": node 3; "/meshes/...": weights, of whoever shows the mesh.
+/// Target of a pointer: "/nodes/3/..." is node 3; "/meshes/..." is invalid: any node may show it.
 Target pointer_target(const std::string& pointer, size_t nodes) {
   constexpr std::string_view kNodes = "/nodes/";
   if (pointer.starts_with("/meshes/")) return {};
@@ -60,10 +60,10 @@ bool has_sampler(const Json& animation, const Json& channel, size_t accessors) {
          index_of(samplers[*sampler], "output", accessors);
 }
 
-/// The animation with some of its channels and the samplers that these use; null without channels.
+/// The animation reduced to some channels and the samplers that they use; null without channels.
 Json with_channels(const Json& animation, const std::function<bool(const Json&)>& stays) {
   Json result = animation, channels = Json::array(), samplers = Json::array();
-  std::map<size_t, size_t> place;  // of the samplers
+  std::map<size_t, size_t> place;  // new index of each sampler
   for (const Json& channel : list_of(animation, "channels")) {
     if (!stays(channel)) continue;
     const auto sampler = channel["sampler"].get<size_t>();
@@ -93,7 +93,7 @@ void filter(Json& document, const std::function<bool(const Target&)>& stays) {
   if (!left.empty()) document["animations"] = std::move(left);
 }
 
-/// Marks nodes and all above them.
+/// Marks the nodes and all nodes above them.
 std::vector<char> with_ancestors(const std::vector<int>& parent, std::vector<char> marked) {
   for (size_t n = 0; n < marked.size(); ++n) {
     if (marked[n] != 1) continue;

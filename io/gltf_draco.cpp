@@ -22,21 +22,21 @@ namespace {
 using Json = GltfEdit::Json;
 
 constexpr const char* kDracoExtension = "KHR_draco_mesh_compression";
-/// No real stream packs more triangles into a byte.
+/// Real streams pack fewer triangles into a byte.
 constexpr uint64_t kMaxFacesPerByte = 1024;
-/// Room for attributes of a vertex that nobody asks for [bytes].
+/// Memory for attributes of a vertex that no accessor asks for [bytes].
 constexpr uint64_t kSpareBytes = 64;
 
-/// Of all attributes of a vertex; vertices times these cannot overflow.
+/// Bound of all attributes of a vertex; vertices times this cannot overflow.
 constexpr uint64_t kMaxVertexBytes = 1 << 16;
 
-/// What a stream may hold by the accessors of its primitive.
+/// What a stream may hold at most, by the accessors of its primitive.
 struct Limits {
   uint64_t faces = 0, vertices = 0;
   uint64_t vertex_bytes = 0;  ///< of all attributes of a vertex
 };
 
-/// A decoder that stops where a stream claims more than its limits, before it allocates.
+/// A decoder that stops before it allocates if a stream claims more than its limits.
 template <class Decoder>
 class LimitedDecoder : public Decoder {
  public:
@@ -45,7 +45,7 @@ class LimitedDecoder : public Decoder {
 
  private:
   bool DecodeConnectivity() override {
-    // both begin with their counts; the kind of traversal, if any, has been read
+    // both methods begin with their counts here; the kind of traversal has been read before
     draco::DecoderBuffer ahead = *this->buffer();
     uint32_t first = 0, second = 0;
     if (!draco::DecodeVarint(&first, &ahead) || !draco::DecodeVarint(&second, &ahead)) return false;
@@ -55,7 +55,7 @@ class LimitedDecoder : public Decoder {
     return !exceeds_ && Decoder::DecodeConnectivity();
   }
 
-  /// Called when the attributes are known by type, and none has its values.
+  /// Called when the types of the attributes are known, before their values are read.
   bool DecodeAllAttributes() override {
     uint64_t bytes = 0;
     for (int a = 0; a < this->point_cloud()->num_attributes(); ++a) {
@@ -84,7 +84,7 @@ std::unique_ptr<draco::Mesh> decoded_by(draco::DecoderBuffer& buffer, const Limi
   return mesh;
 }
 
-/// Decodes a mesh. @throws Error (asset) on broken data and on more than the limits.
+/// Decodes a mesh. @throws Error (asset) on broken data and beyond the limits.
 std::unique_ptr<draco::Mesh> decoded(const uint8_t* data, size_t size, const Limits& limits,
                                      const std::string& place) {
   try {
@@ -93,7 +93,7 @@ std::unique_ptr<draco::Mesh> decoded(const uint8_t* data, size_t size, const Lim
     draco::DecoderBuffer ahead = buffer;
     draco::DracoHeader header = {};
     const draco::Status known = draco::PointCloudDecoder::DecodeHeader(&ahead, &header);
-    // the extension asks for meshes of bitstream 2.2
+    // the extension requires meshes of bitstream 2.2
     const bool mesh = known.ok() && header.encoder_type == draco::TRIANGULAR_MESH &&
                       header.version_major == 2 && header.version_minor == 2;
     if (!mesh) throw std::runtime_error("it is no mesh of Draco 2.2");
@@ -107,7 +107,7 @@ std::unique_ptr<draco::Mesh> decoded(const uint8_t* data, size_t size, const Lim
   }
 }
 
-/// Values of an attribute as T, rows at multiples of four bytes; empty if they do not fit T.
+/// Values of an attribute as T, each row at a multiple of four bytes; empty if they do not fit T.
 template <class T>
 Bytes values_as(const draco::PointAttribute& attribute, size_t vertices, size_t width) {
   const size_t stride = (width * sizeof(T) + 3) / 4 * 4;
@@ -177,7 +177,7 @@ class DracoDecoder {
     const uint64_t view = count_of(extension, "bufferView", place);
     const Limits limits = limits_of(primitive, extension, place);
     const auto [data, size] = bytes_of(view, place);
-    // counts are what accessors state: they may be far beyond what the bytes can hold
+    // limits come from accessors, which may state far more than the bytes can hold
     const bool plausible = limits.faces <= size * kMaxFacesPerByte;
     ELASTOGEN_CHECK_ASSET(plausible && limits.vertices <= 3 * limits.faces, place,
                           ": its accessors state more than its ", size, " packed bytes can hold");
@@ -195,7 +195,7 @@ class DracoDecoder {
   }
 
  private:
-  /// What was decoded for an accessor: stream, attribute (indices: none), accessor.
+  /// What was decoded for an accessor: stream, attribute (kIndices for indices), accessor.
   using Key = std::tuple<uint64_t, uint64_t, size_t>;
   static constexpr uint64_t kIndices = UINT64_MAX;
 
@@ -246,7 +246,7 @@ class DracoDecoder {
     primitive["mode"] = 4;
   }
 
-  /// @param accessor  of the primitive; becomes the one with the values.
+  /// @param accessor  accessor of the primitive; becomes the one that has the values.
   void place_attribute(const draco::Mesh& mesh, Json& accessor, uint64_t id, uint64_t view,
                        const std::string& place) {
     const Json& stated = edit_.entry("accessors", accessor.get<uint64_t>(), place);
@@ -263,7 +263,7 @@ class DracoDecoder {
                             bytes.size() / vertices);
   }
 
-  /// Puts values behind an accessor, or behind a copy where it has some of another stream.
+  /// Gives an accessor the values; a copy of it if it has values of another stream already.
   size_t place_values(const Key& key, const Json& plain, const Bytes& bytes, size_t stride) {
     const auto found = placed_.find(key);
     if (found != placed_.end()) return found->second;
@@ -284,8 +284,8 @@ class DracoDecoder {
   std::map<Key, size_t> placed_;
 };
 
-/// Takes the extension out of a primitive, if it has one. Fields that are added move those
-/// beside them, so no reference to one is kept while a primitive is decoded.
+/// Removes the extension from a primitive and returns it, if there is one. Fields that are added
+/// later move their neighbours, so no reference to one is kept while a primitive is decoded.
 std::optional<Json> taken_extension(Json& primitive) {
   if (!primitive.contains("extensions")) return {};
   Json& extensions = primitive["extensions"];

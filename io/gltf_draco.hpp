@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// KHR_draco_mesh_compression: primitives whose triangles and attributes are packed by Draco.
+// KHR_draco_mesh_compression: primitives with triangles and attributes that Draco packed.
 
 #pragma once
 
@@ -8,9 +8,9 @@
 namespace elastogen {
 
 /// Gives packed primitives plain accessors: 32-bit indices, attributes in the component type that
-/// their accessors state, vertices and triangles in the order of the stream. Two primitives with
-/// the same stream share what they shared before. What a stream claims (triangles, vertices,
-/// attributes) is compared with the accessors before the library allocates for it.
+/// their accessors state, vertices and triangles in the order of the stream. Primitives with one
+/// stream still share what they shared. The claims of a stream (triangles, vertices, attributes)
+/// are compared with the accessors before the library allocates memory.
 /// @throws Error (asset) naming mesh and primitive.
 void decode_draco(GltfEdit& edit);
 

@@ -15,7 +15,7 @@ namespace {
 
 constexpr uint64_t kMaxAdded = uint64_t{1} << 32, kMaxReuse = 64;
 
-/// Least or largest value of each column.
+/// Least or largest value of each column, by the choice.
 template <class Choose>
 std::vector<float> bound(const std::vector<float>& rows, size_t width, Choose choose) {
   std::vector<float> result(rows.begin(), rows.begin() + std::ptrdiff_t(width));
@@ -39,7 +39,7 @@ const GltfSource& GltfEdit::current() {
 }
 
 GltfSource GltfEdit::finished() {
-  // without additions the buffers are the file's
+  // without additions the buffers are those of the file
   if (source_.buffers[added_].empty()) {
     source_.buffers.pop_back();
   } else {

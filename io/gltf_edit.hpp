@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A glTF document whose meshes are being rewritten.
+// A glTF document whose meshes are rewritten.
 
 #pragma once
 
@@ -12,8 +12,8 @@
 
 namespace elastogen {
 
-/// The parsed document, its buffers, and one further buffer for what is added. The document has
-/// passed check_gltf_types: fields of its lists have their types, indices are in no range yet.
+/// The parsed document, its buffers, and one further buffer for additions. The document has passed
+/// check_gltf_types: the fields of its lists have their types, indices may still be out of range.
 class GltfEdit {
  public:
   using Json = nlohmann::ordered_json;
@@ -22,20 +22,20 @@ class GltfEdit {
   explicit GltfEdit(GltfSource source);
 
   const std::string& path() const { return source_.path; }
-  /// The source with what was added; its text is brought up to date by current().
+  /// The source with the additions; current() brings its text up to date.
   const GltfSource& source() const { return source_; }
   const GltfSource& current();
-  /// The buffers, and how many of them are the file's.
+  /// The buffers: those of the file, then the one for additions.
   const std::vector<Bytes>& buffers() const { return source_.buffers; }
   size_t file_buffers() const { return added_; }
-  /// The same, at the end.
+  /// The source after the last change.
   GltfSource finished();
 
-  /// Takes bytes from what may be added, 4 GiB in all.
+  /// Counts bytes towards the 4 GiB that may be added in all.
   /// @throws Error (asset) naming the place.
   void claim(uint64_t bytes, const std::string& place);
-  /// Like claim, for numbers that are there already and are only copied: at most 64 times the
-  /// bytes of the file, so that a small file cannot ask for endless copies.
+  /// Like claim, for numbers that exist already and are only copied: at most 64 times the bytes of
+  /// the file, so that a small file cannot ask for endless copies.
   void claim_copy(uint64_t bytes, const std::string& place);
 
   /// Appends bytes; returns a buffer view of them without stride and target.
@@ -45,7 +45,7 @@ class GltfEdit {
   void set_floats(Json& accessor, const std::vector<float>& rows, size_t width, bool bounds);
   /// Appends to a list of the document; returns the index.
   size_t append(const char* list, Json entry);
-  /// The entry of a list of the document.
+  /// The entry of a list of the document at an index.
   /// @throws Error (asset) naming the place if there is none.
   Json& entry(const char* list, uint64_t index, const std::string& place);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Nodes of a glTF document that nobody sees: they are not simulated.
+// Nodes of a glTF document that nobody sees. They are not simulated.
 
 #pragma once
 
@@ -15,21 +15,21 @@ class Model;
 
 namespace elastogen {
 
-/// 1 for each node that KHR_node_visibility hides, or one above it.
-/// @param nodes  of the document; it has passed check_gltf_types.
+/// 1 for each node that KHR_node_visibility hides, itself or through a node above it.
+/// @param nodes  nodes of the document, which has passed check_gltf_types.
 /// @throws Error (asset) naming the node whose `visible` is no truth value.
 std::vector<char> invisible_nodes(const std::string& path, const GltfEdit::Json& nodes);
 
-/// The same, and nodes that are scaled to a plane, a line or a point. The scale of a node with a
-/// skin has no part in what it shows.
-/// @throws Error (asset) also as gltf_nodes.
+/// 1 for each invisible node and for each node scaled to a plane, a line or a point. The scale of a
+/// node with a skin does not matter, as it has no part in what the node shows.
+/// @throws Error (asset) as invisible_nodes and as gltf_nodes.
 std::vector<char> hidden_nodes(const std::string& path, const GltfEdit::Json& nodes,
                                const tinygltf::Model& model);
 
-/// Whether the linear part of a matrix has no inverse to the rounding of float32.
+/// Whether the linear part of a matrix has no inverse, up to the rounding of float32.
 bool is_singular(const Matrix4& matrix);
 
-/// The first names, for people: "A, B and 3 more"; nodes without one by their index.
+/// The first names for a message: "A, B and 3 more"; nodes without a name by their index.
 std::string node_names(const std::vector<AssetNode>& nodes, const std::vector<int>& some);
 
 }  // namespace elastogen

@@ -28,7 +28,7 @@ bool has_instances(const Json& node) {
   return extensions != node.end() && extensions->is_object() && extensions->contains(kInstancing);
 }
 
-/// Places of the instances of one node; arrays without rows where the file has none.
+/// Transforms of the instances of one node; arrays without rows where the file has none.
 struct Instances {
   int64_t count = -1;
   Array<double> translation, rotation, scale;
@@ -62,7 +62,7 @@ class InstanceExpander {
     ELASTOGEN_CHECK_ASSET(condition, place, ": ", parts...);
   }
 
-  /// Values of an attribute: floats, or normalised integers for rotations.
+  /// Values of an attribute: floats; for rotations also normalised integers.
   Array<double> values(int accessor, const char* name, int width, const std::string& place) {
     const auto& from = model_.accessors[size_t(accessor)];
     edit_.claim_copy(uint64_t(from.count) * uint64_t(width) * 8, place);
@@ -83,6 +83,7 @@ class InstanceExpander {
 
   Instances read(const Json& extension, const std::string& node_place) {
     const std::string place = concat(node_place, ".", kInstancing);
+    // every attribute has one value for each instance
     check(extension.is_object() && extension.contains("attributes") &&
               extension["attributes"].is_object() && !extension["attributes"].empty(),
           place, "it has no attributes");
@@ -95,6 +96,7 @@ class InstanceExpander {
       check(instances.count < 0 || instances.count == count, place, name, " has ", count,
             " instances, another attribute ", instances.count);
       instances.count = count;
+      // transforms are read, other attributes are named in a finding
       const auto accessor = int(index);
       if (name == "TRANSLATION") {
         instances.translation = values(accessor, "TRANSLATION", 3, place);
@@ -117,11 +119,13 @@ class InstanceExpander {
 
   void expand(size_t index, const Instances& instances, const std::string& place) {
     Json& nodes = edit_.json["nodes"];
+    // skins and counts that would fill memory are refused
     check(!nodes[index].contains("skin"), place, "instances of a skinned mesh are not read");
     check(nodes.size() + size_t(instances.count) <= kMaxNodes, place, "it has ", instances.count,
           " instances; at most ", kMaxNodes, " nodes are read");
     const std::string name = nodes[index].value("name", "node");
     edit_.claim_copy(uint64_t(instances.count) * (name.size() + 128), place);
+    // the mesh moves from the node to its children
     Json shown = {{"mesh", nodes[index]["mesh"]}};
     if (nodes[index].contains("weights")) shown["weights"] = nodes[index]["weights"];
     nodes[index].erase("mesh");
@@ -129,6 +133,7 @@ class InstanceExpander {
     const auto row = [](const Array<double>& rows, int64_t k) {
       return std::vector<double>(rows.row(k), rows.row(k) + rows.cols());
     };
+    // one child for each instance, with its transform
     for (int64_t k = 0; k < instances.count; ++k) {
       Json child = shown;
       child["name"] = free_name(concat(name, "_instance_", k + 1));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// EXT_mesh_gpu_instancing: one mesh at many places of a node.
+// EXT_mesh_gpu_instancing: one node that shows its mesh at many places.
 
 #pragma once
 
@@ -10,9 +10,8 @@
 
 namespace elastogen {
 
-/// Gives a node with instances a child for each, NAME_instance_1, ..., with TRANSLATION, ROTATION
-/// and SCALE of the instance and the mesh of the node; other attributes are left out with a
-/// finding.
+/// Gives a node with instances a child for each, NAME_instance_1, ..., with the node's mesh and the
+/// instance's TRANSLATION, ROTATION and SCALE. Other attributes are left out with a finding.
 /// @throws Error (asset) naming the node and attribute: no attributes, counts that differ, numbers
 ///         that are not finite, a rotation of no length, an accessor out of range, a skin, more
 ///         than a million nodes.

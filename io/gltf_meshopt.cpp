@@ -26,7 +26,7 @@ std::string text_of(const Json& object, const char* key, const std::string& plac
   return value.get<std::string>();
 }
 
-/// @throws Error unless mode, filter, stride and count go together.
+/// @throws Error unless mode, filter, stride and count fit together.
 void check_rules(const Packed& packed, const std::string& place) {
   const auto check = [&](bool condition, const char* message) {
     ELASTOGEN_CHECK_ASSET(condition, place, ": ", message);

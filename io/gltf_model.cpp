@@ -25,12 +25,12 @@ using nlohmann::json;
 
 constexpr size_t kMaxItems = 1'000'000;
 
-/// Checks one value of a document and what lies below it. `place` is for messages.
+/// Checks one value of a document and everything below it. `place` is for messages.
 class Checker {
  public:
   explicit Checker(const std::string& path) : path_(path) {}
 
-  /// Leaves out extras and extensions of an object or a list, and checks the rest.
+  /// Removes extras and extensions of an object or a list, and checks everything else.
   void clean(json& value, const std::string& place) const {
     if (value.is_array()) {
       for (size_t i = 0; i < value.size(); ++i) clean(value[i], concat(place, '[', i, ']'));
@@ -47,6 +47,7 @@ class Checker {
 
  private:
   void check(const std::string& key, const json& member, const std::string& place) const {
+    // what the standard says of a key tells its type
     static const std::set<std::string> kIndices = {
         "buffer", "bufferView", "byteStride", "camera",   "componentType",
         "count",  "index",      "indices",    "material", "mesh",
@@ -54,13 +55,16 @@ class Checker {
     static const std::set<std::string> kObjects = {"attributes", "sparse"};
     static const std::set<std::string> kNumbers = {"matrix", "rotation", "scale", "translation"};
     const bool sparse_part = place.find(".sparse.") != std::string::npos;
+    // parts of sparse accessors are objects where others have an index
     if (sparse_part && (key == "indices" || key == "values")) {
       fail_unless(member.is_object(), place, "an object");
     } else if (key == "byteOffset" || key == "byteLength") {
+      // byte counts may be larger than indices
       check_count(member, place, sparse_part ? uint64_t(1) << 31 : uint64_t(1) << 53);
     } else if (kIndices.contains(key) && !member.is_object()) {
       check_count(member, place, uint64_t(1) << 31);
     } else if (key == "children" || key == "nodes") {
+      // lists of indices, and objects of them
       fail_unless(member.is_array(), place, "a list");
       for (const json& entry : member) check_count(entry, place, uint64_t(1) << 31);
     } else if (kObjects.contains(key)) {
@@ -95,7 +99,7 @@ class Checker {
   const std::string& path_;
 };
 
-/// A list of objects, as the document's lists are.
+/// Checks that a value is a list of objects.
 void check_list(const json& list, const std::string& name, const std::string& path) {
   ELASTOGEN_CHECK_ASSET(list.is_array(), path, ": ", name, " must be a list");
   ELASTOGEN_CHECK_ASSET(list.size() <= kMaxItems, path, ": ", name, " has ", list.size(),
@@ -109,6 +113,7 @@ void check_list(const json& list, const std::string& name, const std::string& pa
 json geometry_part(const json& document, const std::string& path) {
   const Checker checker(path);
   json part = {{"asset", {{"version", "2.0"}}}};
+  // the lists that geometry needs; morph targets are handled elsewhere
   for (const char* name : {"accessors", "bufferViews", "materials", "meshes", "nodes", "scenes"}) {
     if (!document.contains(name)) continue;
     json& list = part[name] = document[name];
@@ -126,6 +131,7 @@ json geometry_part(const json& document, const std::string& path) {
     }
     checker.clean(list, name);
   }
+  // the default scene
   if (document.contains("scene")) {
     json scene = {{"scene", document["scene"]}};
     checker.clean(scene, "document");

@@ -11,15 +11,15 @@ class Model;
 
 namespace elastogen {
 
-/// Fills scenes, nodes, meshes, accessors, buffer views and materials of a model. tinygltf takes
-/// fields of a wrong type for absent ones, narrows integers and recurses, so it is given only what
-/// has been checked: every index and size is a non-negative integer below 2^31 (byte offsets and
-/// lengths: 2^53), lists hold objects, extras and extensions are left out, buffers and images too.
-/// Indices are not yet compared with the lists that they point into.
+/// Fills scenes, nodes, meshes, accessors, buffer views and materials of a model. tinygltf treats
+/// fields of a wrong type as absent, narrows integers and recurses. It therefore gets only fields
+/// that have been checked: every index and size is a non-negative integer below 2^31 (byte offsets
+/// and lengths: 2^53), lists hold objects, and extras, extensions, buffers and images are left out.
+/// Indices are not yet compared with the lists that they index.
 /// @throws Error (asset) naming the field.
 void read_gltf_model(const GltfSource& source, tinygltf::Model& model);
 
-/// The same checks alone, for documents whose accessors are still packed.
+/// Only checks, as read_gltf_model does, for documents whose accessors are still packed.
 /// @throws Error (asset) naming the field.
 void check_gltf_types(const GltfSource& source);
 

@@ -29,7 +29,7 @@ bool has_targets(const Json& mesh) {
   });
 }
 
-/// Bakes the weights of one document.
+/// Bakes the morph weights of one document into its meshes.
 class MorphBaker {
  public:
   MorphBaker(GltfEdit& edit, const tinygltf::Model& model) : edit_(edit), model_(model) {}
@@ -73,7 +73,7 @@ class MorphBaker {
           {"morph-targets", int64_t(meshes), "meshes have morph targets of their own"});
   }
 
-  /// Of the node, else of its mesh, else zero; one for each target.
+  /// Weights of the node, else those of its mesh, else zeros; one for each target.
   Weights weights_of(size_t node, size_t mesh) const {
     const Json& at_mesh = edit_.json["meshes"][mesh];
     const Json& at_node = edit_.json["nodes"][node];
@@ -96,7 +96,7 @@ class MorphBaker {
     return weights;
   }
 
-  /// An attribute of a primitive, numbers in double precision; charged to what may be copied.
+  /// An attribute of a primitive in double precision; counts towards what may be copied.
   Array<double> values(const Json& attributes, const std::string& name, const std::string& place) {
     const uint64_t index = count_of(attributes, name.c_str(), place);
     check(index < model_.accessors.size(), place, ": there is no accessor ", index);
@@ -104,7 +104,7 @@ class MorphBaker {
     return accessor_values(edit_.source(), model_, int(index));
   }
 
-  /// X + sum_k w_k d_k of an attribute; no rows where no target of weight has it.
+  /// X + sum_k w_k d_k of an attribute; no rows if no target with a weight has it.
   Array<double> morphed(const Json& primitive, const std::string& name, const Weights& weights,
                         const std::string& place) {
     Array<double> sum;
@@ -132,7 +132,7 @@ class MorphBaker {
     return edit_.append("accessors", std::move(accessor));
   }
 
-  /// Gives each row of unit vectors the length one; keeps the base where nothing is left.
+  /// Scales rows of vectors to length one; a row of length zero becomes that of the base.
   static void set_unit(Array<double>& vectors, const Array<double>& base) {
     for (int64_t v = 0; v < vectors.rows(); ++v) {
       Eigen::Map<Eigen::Vector3d> n(vectors.row(v));
@@ -141,7 +141,7 @@ class MorphBaker {
     }
   }
 
-  /// Takes the part along the normals out of tangents.
+  /// Removes the part along the normals from tangents.
   static void set_orthogonal(Array<double>& tangents, const Array<double>& normals) {
     for (int64_t v = 0; v < std::min(tangents.rows(), normals.rows()); ++v) {
       Eigen::Map<Eigen::Vector3d> t(tangents.row(v));
@@ -150,7 +150,7 @@ class MorphBaker {
     }
   }
 
-  /// Normals or tangents of the weights, of length one; no rows where they stay.
+  /// Normals or tangents after morphing, of length one; no rows if they do not change.
   Array<double> unit_vectors(const Json& primitive, const char* name, const Weights& weights,
                              const Array<double>& normals, const std::string& place) {
     if (!primitive["attributes"].contains(name)) return {};
@@ -165,7 +165,7 @@ class MorphBaker {
     return sum;
   }
 
-  /// One primitive with the attributes of its weights and without targets.
+  /// Bakes the weights into the attributes of one primitive and removes its targets.
   void bake_primitive(Json& primitive, const Weights& weights, const std::string& place) {
     const Json before = primitive;
     Json& attributes = primitive["attributes"];
@@ -185,8 +185,9 @@ class MorphBaker {
     primitive.erase("targets");
   }
 
-  /// The mesh of some nodes in the shape of their weights: itself where nobody else shows it.
+  /// Bakes weights into the mesh that some nodes show, or into a copy if other nodes show it too.
   void bake(size_t index, const Weights& weights, const std::vector<int>& nodes, bool all_users) {
+    // each set of attributes is baked once
     Json mesh = edit_.json["meshes"][index];
     if (!all_users)
       edit_.claim_copy(mesh.dump().size(), concat(edit_.path(), ": meshes[", index, ']'));
@@ -202,8 +203,10 @@ class MorphBaker {
       primitive["attributes"] = shape->second;
       primitive.erase("targets");
     }
+    // nothing of the targets remains
     mesh.erase("weights");
     if (mesh.contains("extras") && mesh["extras"].is_object()) mesh["extras"].erase("targetNames");
+    // the nodes show the result
     const size_t shown = all_users ? index : edit_.append("meshes", Json());
     edit_.json["meshes"][shown] = std::move(mesh);
     for (const int n : nodes) {

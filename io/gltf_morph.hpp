@@ -10,16 +10,15 @@
 
 namespace elastogen {
 
-/// Puts the meshes that are simulated into the shape of their weights (those of the node, else of
-/// the mesh),
+/// Puts the simulated meshes into the shape of their weights (those of the node, else of the mesh),
 ///
 ///     x = X + sum_k w_k d_k
 ///
 /// for every attribute that has targets; normals and tangents get the length one, tangents are made
 /// orthogonal to the normals. Nodes that show a mesh with different weights get copies of it; nodes
-/// that are not simulated keep theirs. Says which nodes were (finding "morph-weights"), and how
-/// many meshes have targets, which the output will lack ("morph-targets").
-/// @throws Error (asset) naming node or mesh: weights that are no finite numbers or not as many as
+/// that are not simulated keep theirs. Findings name the nodes that were changed ("morph-weights")
+/// and count the meshes with targets, which the output will lack ("morph-targets").
+/// @throws Error (asset) naming node or mesh: weights that are not finite or not as many as
 ///         targets, targets that are none, accessors of other lengths.
 void bake_morph_weights(GltfEdit& edit, std::vector<Finding>& findings);
 

@@ -51,7 +51,7 @@ void check_transform(const tinygltf::Node& node, const std::string& place) {
                         ": its rotation is not a quaternion of length one");
 }
 
-/// Nodes that are reached from some, these included, up to one more than the model has.
+/// The nodes at and below some nodes; stops at one more than the model has, for cycles.
 std::vector<int> reached_from(const tinygltf::Model& model, std::vector<int> stack) {
   std::vector<int> reached;
   while (!stack.empty() && reached.size() <= model.nodes.size()) {
@@ -84,7 +84,7 @@ std::vector<AssetNode> gltf_nodes(const std::string& path, const tinygltf::Model
       parent = int(n);
     }
   }
-  // each node has one parent at most, so a cycle is what the roots do not reach
+  // each node has at most one parent, so nodes that the roots do not reach form a cycle
   std::vector<int> roots;
   for (size_t n = 0; n < count; ++n) {
     if (nodes[n].parent < 0) roots.push_back(int(n));

@@ -23,7 +23,7 @@ Vec3 row_of(const Array<double>& rows, int64_t v) {
   return {rows(v, 0), rows(v, 1), rows(v, 2)};
 }
 
-/// Mends the primitives of one document.
+/// Mends the normals of the primitives of one document.
 class NormalMender {
  public:
   NormalMender(GltfEdit& edit, const tinygltf::Model& model) : edit_(edit), model_(model) {}
@@ -36,7 +36,7 @@ class NormalMender {
           continue;
         const std::string place = concat("meshes[", m, "].primitives[", p, ']');
         Json& attributes = edit_.json["meshes"][m]["primitives"][p]["attributes"];
-        // primitives that share their vertices share the mended ones, those with zeros do not
+        // primitives that share their vertices share the mended normals, unless some are zero
         const int normal = primitive.attributes.at("NORMAL");
         const auto known = mended_.find(normal);
         const int accessor = known != mended_.end() ? known->second : mend(primitive, place);
@@ -55,10 +55,12 @@ class NormalMender {
   int mend(const tinygltf::Primitive& primitive, const std::string& place) {
     constexpr double kCounted = 1e-2, kRounding = 5e-4;
     const int accessor = primitive.attributes.at("NORMAL");
+    // read the normals of the primitive
     edit_.claim_copy(uint64_t(model_.accessors.at(size_t(accessor)).count) * 24, place);
     Array<double> rows = accessor_values(edit_.source(), model_, accessor);
     ELASTOGEN_CHECK_ASSET(rows.cols() == 3, edit_.path(), ": ", place,
                           ": its normals do not have three numbers");
+    // scale each to length one; by_area is made for the first of length zero
     int64_t zero = 0, counted = 0, off = 0;
     std::vector<Vec3> by_area;
     for (int64_t v = 0; v < rows.rows(); ++v) {
@@ -76,6 +78,7 @@ class NormalMender {
       }
       for (int d = 0; d < 3; ++d) rows(v, d) = n[size_t(d)] / length;
     }
+    // count, and store only what rounding cannot explain
     say(zero, zero_, zero_place_, place);
     say(counted, long_, long_place_, place);
     const int result = off > 0 ? int(add(rows, place)) : -1;
@@ -98,6 +101,7 @@ class NormalMender {
   /// Normal of each vertex by the triangles of a primitive, as long as twice their area.
   std::vector<Vec3> area_normals(const tinygltf::Primitive& primitive, int64_t vertices,
                                  const std::string& place) {
+    // positions and corners of the primitive
     const int position = primitive.attributes.at("POSITION");
     edit_.claim_copy(uint64_t(model_.accessors.at(size_t(position)).count) * 24, place);
     const Array<double> x = accessor_values(edit_.source(), model_, position);
@@ -108,12 +112,14 @@ class NormalMender {
       index = accessor_indices(edit_.source(), model_, primitive.indices, vertices);
     else
       for (int64_t v = 0; v < vertices; ++v) index.push_back(uint32_t(v));
+    // each face adds its normal, as long as twice its area, to its corners
     std::vector<Vec3> sum(size_t(vertices), Vec3{});
     const auto add_face = [&](size_t a, size_t b, size_t c) {
       const Vec3 p = row_of(x, index[a]);
       const Vec3 n = cross(minus(row_of(x, index[b]), p), minus(row_of(x, index[c]), p));
       for (const size_t k : {a, b, c}) sum[index[k]] = plus(sum[index[k]], n);
     };
+    // every second triangle of a strip runs the other way
     const int mode = primitive.mode;
     for (size_t i = 0; i + 2 < index.size(); i += mode == TINYGLTF_MODE_TRIANGLES ? 3 : 1) {
       if (mode == TINYGLTF_MODE_TRIANGLES) add_face(i, i + 1, i + 2);
@@ -125,7 +131,7 @@ class NormalMender {
 
   GltfEdit& edit_;
   const tinygltf::Model& model_;
-  std::map<int, int> mended_;  // accessors without zeros: the new one, -1 where it stays
+  std::map<int, int> mended_;  // the new accessor by the old (without zeros), -1 where it stays
   int64_t zero_ = 0, long_ = 0;
   std::string zero_place_, long_place_;
 };

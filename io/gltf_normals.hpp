@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Normals of a glTF document that are none.
+// Repairs normals of a glTF document that are not of length one.
 
 #pragma once
 
@@ -8,9 +8,9 @@
 
 namespace elastogen {
 
-/// Gives the normals of triangles the length one, for the solver and for the output. One of length
-/// zero is that of the faces around it, or (0, 0, 1). Primitives whose normals are off by 5e-4 at
-/// most stay as they are; what is off by 1e-2 at most, as packed normals are, is not counted.
+/// Gives the normals of triangles the length one, for the solver and for the output. A normal of
+/// length zero becomes that of the faces around it, or (0, 0, 1). Primitives whose normals are off
+/// by at most 5e-4 stay as they are; errors up to 1e-2, as packed normals have, are not counted.
 /// @throws Error (asset) naming the primitive whose normals do not fit its positions.
 void mend_gltf_normals(GltfEdit& edit, std::vector<Finding>& findings);
 

@@ -15,7 +15,7 @@ namespace elastogen {
 
 namespace {
 
-/// Whether an attribute cannot stay as it is.
+/// Whether an attribute must be widened to floats.
 bool is_quantized(const std::string& name, const tinygltf::Accessor& accessor) {
   if (accessor.componentType == TINYGLTF_COMPONENT_TYPE_FLOAT) return false;
   if (name == "POSITION" || name == "NORMAL" || name == "TANGENT") return true;
@@ -24,7 +24,7 @@ bool is_quantized(const std::string& name, const tinygltf::Accessor& accessor) {
   return name.starts_with("TEXCOORD_") && !(accessor.normalized && is_unsigned);
 }
 
-/// Decoded positions, whose bounds are not those that the file states.
+/// Whether positions were decoded, so that their bounds are not those that the file states.
 bool lacks_bounds(const GltfEdit& edit, const tinygltf::Model& model, const std::string& name,
                   const tinygltf::Accessor& accessor) {
   return name == "POSITION" && accessor.minValues.empty() && accessor.bufferView >= 0 &&

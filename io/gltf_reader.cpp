@@ -63,8 +63,8 @@ class GltfReader {
     add_finding(asset_, what, count, text);
   }
 
-  /// All nodes; a root of the scene stands in it without its parent, if it has one. Hidden nodes
-  /// show nothing.
+  /// All nodes. A root of the scene stands in the tree without its parent, if it has one. Hidden
+  /// nodes show nothing.
   void read_nodes() {
     asset_.nodes = gltf_nodes(asset_.path, model_);
     const std::vector<char> is_hidden =
@@ -176,7 +176,8 @@ class GltfReader {
   /// First vertex and count of POSITION accessors.
   using Ranges = std::map<int, std::pair<int64_t, int64_t>>;
 
-  /// Points and lines beside triangles ride along: vertices without a triangle, behind the others.
+  /// Vertices of points and lines beside triangles are carried too: without a triangle, behind the
+  /// others.
   void append_riders(const tinygltf::Mesh& from, Ranges& ranges, Mesh& mesh) {
     for (const tinygltf::Primitive& primitive : from.primitives) {
       if (!is_points_or_lines(primitive)) continue;
@@ -189,6 +190,7 @@ class GltfReader {
   /// Reads one mesh; counts the primitives that are no triangles.
   Mesh read_mesh(const tinygltf::Mesh& from, int64_t& skipped) {
     Mesh mesh;
+    // vertices that primitives share are read once
     mesh.name = from.name;
     Ranges ranges;
     for (size_t p = 0; p < from.primitives.size(); ++p) {
@@ -203,6 +205,7 @@ class GltfReader {
         range->second = {first, append_vertices(primitive, mesh)};
       }
       const auto [first, count] = range->second;
+      // one group of triangles for each primitive
       const std::vector<uint32_t> indices = indices_of(primitive, count);
       spend(indices.size());
       check(primitive.material < int64_t(model_.materials.size()), "mesh \"", from.name,
@@ -211,6 +214,7 @@ class GltfReader {
       add_triangles(primitive, indices, first, group.corner);
       mesh.groups.push_back(std::move(group));
     }
+    // vertices of points and lines follow, then attributes are padded to all vertices
     if (!mesh.groups.empty()) append_riders(from, ranges, mesh);
     const size_t drawn = mesh.position.size();
     if (!mesh.uv.empty()) mesh.uv.resize(drawn, {});
@@ -253,7 +257,7 @@ class GltfReader {
     note("tangents", count, "primitives have tangents");
   }
 
-  /// The accessors of animations that the output keeps lie in their bytes.
+  /// Throws unless the accessors of animations that the output keeps lie within their bytes.
   void check_animations() const {
     for (const Json& animation : document_.value("animations", Json::array())) {
       for (const Json& sampler : animation["samplers"]) {

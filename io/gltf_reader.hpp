@@ -9,11 +9,11 @@
 
 namespace elastogen {
 
-/// Reads a glTF file. Asset::nodes are all nodes of the file, in its order; those outside the
-/// default scene show no mesh. A mesh's positions are its distinct POSITION accessors one after
-/// the other, in order of first use by a triangle primitive; strips and fans become triangles.
+/// Reads a glTF file. Asset::nodes are all nodes of the file in its order; nodes outside the
+/// default scene show no mesh. A mesh's positions are its distinct POSITION accessors one after the
+/// other, in order of first use by a triangle primitive. Strips and fans become triangles.
 /// Compressed, quantized and skinned meshes are read as plain_gltf makes them. Other primitives,
-/// morph targets and animations are left out, with a finding.
+/// morph targets and animations are left out with a finding.
 /// @throws Error (asset) naming file and place: a broken file, as plain_gltf, unknown required
 ///         extensions, indices or byte ranges out of bounds, a cyclic node tree, files outside the
 ///         asset's folder.

@@ -103,9 +103,11 @@ class SkinPoser {
 
   /// Blended matrix of each vertex.
   Matrices blended(const Parts& parts, int64_t vertices, const Matrices& joints) {
+    // sum of matrices and weights of each vertex, and its first joint
     Matrices sum(size_t(vertices), Eigen::Matrix4d::Zero());
     std::vector<double> total(size_t(vertices), 0);
     std::vector<size_t> first(size_t(vertices), 0);
+    // each pair of JOINTS_n and WEIGHTS_n has four of them
     for (size_t k = 3; k + 1 < parts.size(); k += 2) {
       edit_.claim_copy(uint64_t(vertices) * 16,
                        concat(edit_.path(), ": accessors[", parts[k], ']'));
@@ -127,12 +129,13 @@ class SkinPoser {
         }
       }
     }
+    // weights need not sum to one; a vertex without any follows its first joint
     for (size_t v = 0; v < sum.size(); ++v)
       sum[v] = total[v] > 0 ? sum[v] / total[v] : joints[first[v]];
     return sum;
   }
 
-  /// A copy of an accessor with other values; its bounds are written for positions.
+  /// A copy of an accessor with other values; positions get bounds.
   size_t add_accessor(int like, const std::vector<float>& rows, size_t width, bool bounds) {
     edit_.claim_copy(rows.size() * 4, concat(edit_.path(), ": accessors[", like, ']'));
     Json accessor = edit_.json["accessors"][size_t(like)];
@@ -170,8 +173,8 @@ class SkinPoser {
     return m.topLeftCorner<3, 3>() * p + m.topRightCorner<3, 1>();
   }
 
-  /// A unit vector under M: tangents by M, normals by M^-T, of the length one. Left as it is where
-  /// M takes it to nothing.
+  /// A unit vector under M: tangents by M, normals by M^-T, scaled to length one. It stays as it is
+  /// where M maps it to zero.
   static Eigen::Vector3d direction(const Eigen::Matrix4d& m, const Eigen::Vector3d& p,
                                    bool normal) {
     Eigen::Matrix3d turn = m.topLeftCorner<3, 3>();
@@ -189,6 +192,7 @@ class SkinPoser {
   /// Shows the posed mesh of a node by a new one at the root.
   void pose(size_t index, const tinygltf::Node& node, bool only_user) {
     const Matrices& joints = matrices_of(node.skin);
+    // pose each set of attributes once
     Json mesh = edit_.json["meshes"][size_t(node.mesh)];
     edit_.claim_copy(mesh.dump().size(), concat(edit_.path(), ": nodes[", index, ']'));
     std::map<Parts, std::vector<size_t>> done;  // primitives may share their vertices
@@ -206,8 +210,10 @@ class SkinPoser {
         if (attributes.contains(name)) attributes[name] = found->second[next++];
       }
     }
+    // the posed mesh, in place of the old one unless other nodes show that
     const auto shown = only_user ? size_t(node.mesh) : edit_.append("meshes", Json());
     edit_.json["meshes"][shown] = std::move(mesh);
+    // a new node at the root shows it, as the old node's matrix has no part in it
     Json root = {{"mesh", shown}};
     if (!node.name.empty()) root["name"] = node.name;
     if (invisible_[index]) root["extensions"]["KHR_node_visibility"]["visible"] = false;
@@ -224,7 +230,7 @@ class SkinPoser {
   std::map<int, Matrices> matrices_;
 };
 
-/// Takes what belongs to skins out of the document.
+/// Removes everything that belongs to skins from the document.
 void remove_skins(Json& document) {
   document.erase("skins");
   for (Json& node : document["nodes"]) node.erase("skin");

@@ -14,10 +14,10 @@ namespace elastogen {
 ///
 ///     x = sum_j w_j W_j B_j X / sum_j w_j,
 ///
-/// W_j the world matrix of joint j, B_j its inverse bind matrix; normals and tangents turn with it.
-/// By glTF the matrix of the node that shows the mesh has no part in this, so the posed mesh stands
-/// on a new node at the root, behind the others. A vertex without weights follows its first joint.
-/// Skins, joints and weights are taken out of the document.
+/// with W_j the world matrix of joint j and B_j its inverse bind matrix; normals and tangents turn
+/// with it. In glTF the matrix of the node that shows the mesh has no part in this. The posed mesh
+/// therefore stands on a new node at the root, behind the others. A vertex without weights follows
+/// its first joint. Skins, joints and weights are removed from the document.
 /// @throws Error (asset) naming the node or accessor: no such skin or joint, a joint index out of
 ///         range, weights that are negative or not finite, accessors of different lengths.
 void pose_skins(GltfEdit& edit, std::vector<Finding>& findings);

@@ -20,7 +20,7 @@ constexpr uint32_t kMagic = 0x46546C67, kJsonChunk = 0x4E4F534A, kBinChunk = 0x0
 constexpr uint64_t kMaxFile = uint64_t(1) << 32, kMaxJson = uint64_t(1) << 28;
 constexpr int kMaxDepth = 128;
 
-/// What the container holds before its buffers are resolved.
+/// The parts of the container before buffers are resolved.
 struct Chunks {
   std::string json;
   Bytes bin;
@@ -40,12 +40,14 @@ void read_block(std::ifstream& file, uint64_t size, Block& block) {
 
 /// Chunks of a GLB file of `size` bytes, read behind the magic number.
 Chunks read_glb(std::ifstream& file, uint64_t size, const std::string& path) {
+  // the header
   ELASTOGEN_CHECK_ASSET(size >= 20, path, ": the GLB file ends inside its header");
   const uint32_t version = read_u32(file), length = read_u32(file);
   ELASTOGEN_CHECK_ASSET(version == 2, path, ": GLB version ", version, " is not read; only 2 is");
   ELASTOGEN_CHECK_ASSET(length <= size, path, ": the GLB file is truncated: its header states ",
                         length, " bytes, ", size, " are there");
   Chunks chunks;
+  // chunks: JSON first, then at most one block of bytes; others are passed over
   uint64_t at = 12;
   for (int index = 0; at + 8 <= length; ++index) {
     const uint32_t chunk = read_u32(file), type = read_u32(file);
@@ -58,6 +60,7 @@ Chunks read_glb(std::ifstream& file, uint64_t size, const std::string& path) {
                           ": the JSON is larger than 256 MiB");
     if (index == 0) {
       read_block(file, chunk, chunks.json);
+      // writers pad JSON with zero bytes
       while (!chunks.json.empty() && chunks.json.back() == '\0') chunks.json.pop_back();
     } else if (index == 1 && type == kBinChunk) {
       read_block(file, chunk, chunks.bin);
@@ -88,7 +91,7 @@ Chunks read_container(const std::string& path) {
   return chunks;
 }
 
-/// @throws Error where brackets are nested too deeply for the parsers that recurse.
+/// @throws Error if brackets are nested too deeply for recursive parsers.
 void check_depth(const std::string& text, const std::string& path) {
   int depth = 0;
   bool quoted = false;
@@ -119,8 +122,8 @@ json parse(const std::string& text, const std::string& path) {
   }
 }
 
-/// Extensions that plain_gltf resolves, and those that change neither geometry nor the node tree;
-/// the latter are kept as they are.
+/// Whether the extension is resolved by plain_gltf, or changes neither geometry nor the node tree
+/// and is kept as it is.
 bool is_known(const std::string& name) {
   static const std::set<std::string> kNames = {"EXT_mesh_gpu_instancing",
                                                "EXT_meshopt_compression",
@@ -137,7 +140,7 @@ bool is_known(const std::string& name) {
   return name.starts_with("KHR_materials_") || kNames.contains(name);
 }
 
-/// @throws Error on required extensions that are not known.
+/// @throws Error on a required extension that is not known.
 void check_extensions(const json& document, const std::string& path) {
   for (const char* list : {"extensionsUsed", "extensionsRequired"}) {
     const json names = document.value(list, json::array());
@@ -152,7 +155,7 @@ void check_extensions(const json& document, const std::string& path) {
   }
 }
 
-/// A buffer that only stands in for what EXT_meshopt_compression holds; it may lack its bytes.
+/// Whether a buffer only stands in for what EXT_meshopt_compression holds; it may lack bytes.
 bool is_fallback(const json& buffer) {
   const json::json_pointer flag("/extensions/EXT_meshopt_compression/fallback");
   return buffer.is_object() && buffer.contains(flag) && buffer[flag] == true;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The container of a glTF asset: its JSON text and the bytes that it refers to. The file is
-// untrusted: every length is checked against the bytes that are there, and files beside it are
-// opened only beneath its own folder.
+// The container of a glTF asset: its JSON text and the bytes that the text refers to. The file is
+// not trusted: every length is checked against the bytes that are there, and files beside it are
+// opened only within its own folder.
 
 #pragma once
 
@@ -26,8 +26,8 @@ struct GltfSource {
 ///         folder.
 GltfSource read_gltf_source(const std::string& path);
 
-/// Path of the file beneath the folder of `asset_path` that a URI names; "" if there is none, also
-/// where a link leaves the folder.
+/// Path of the file that a URI names within the folder of `asset_path`; "" if there is no such file
+/// or a link leaves the folder.
 /// @param what  names the place for messages, e.g. "images[2]".
 /// @throws Error (asset) on a URI with a scheme, an absolute path, or "..".
 std::string resolve_gltf_uri(const std::string& asset_path, const std::string& uri,

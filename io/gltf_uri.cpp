@@ -38,7 +38,7 @@ Bytes decode_base64(std::string_view text, const std::string& place) {
   return bytes;
 }
 
-/// %20 and the like to bytes.
+/// Replaces %20 and the like by their bytes.
 std::string percent_decoded(std::string_view text) {
   std::string result;
   for (size_t i = 0; i < text.size(); ++i) {
@@ -54,7 +54,7 @@ std::string percent_decoded(std::string_view text) {
   return result;
 }
 
-/// "http:", "file:", "C:" and any other scheme.
+/// Whether the URI has a scheme: "http:", "file:", "C:" and any other.
 bool has_scheme(std::string_view uri) {
   const size_t colon = uri.find(':');
   return colon != std::string_view::npos && uri.find('/') > colon;

@@ -12,7 +12,7 @@ struct z_stream_s;
 
 namespace elastogen {
 
-/// Unpacks piece by piece, only as far as it is asked.
+/// Unpacks piece by piece, only as far as asked for.
 class GzipReader {
  public:
   /// @param path  for messages; it and the bytes must outlive this.
@@ -22,7 +22,7 @@ class GzipReader {
   GzipReader& operator=(const GzipReader&) = delete;
 
   /// The next bytes, fewer only at the end of the stream.
-  /// @throws Error (asset) if the stream is damaged, its sum included, or cut off.
+  /// @throws Error (asset) if the stream is damaged (its checksum included) or cut off.
   std::string next(int64_t bytes);
 
  private:

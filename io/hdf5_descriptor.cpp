@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// HDF5's files on an open descriptor: the library opens files by name only, and a file that is not
-// finished has none.
+// HDF5 files on an open descriptor. The library opens files by name only, but an unfinished file
+// has no name.
 
 #include "core/error.hpp"
 #include "io/hdf5_file.hpp"
@@ -15,7 +15,7 @@
 namespace elastogen::hdf5 {
 namespace {
 
-/// The library's part of a file, then ours.
+/// The library's part of a file, then our part.
 struct DescriptorFile {
   H5FD_t common = {};
   int descriptor = -1;
@@ -119,9 +119,9 @@ H5FD_class_t driver_class() {
 }  // namespace
 
 Handle create_file(int descriptor, const std::string& path) {
-  // at exit the library would write again what a full disk has refused, and crash
+  // else the library writes at exit what a full disk has refused, and crashes
   H5dont_atexit();
-  // errors are reported by exceptions, not on stderr
+  // errors are reported as exceptions, not on stderr
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   static const H5FD_class_t driver = driver_class();
   static const hid_t id = H5FDregister(&driver);

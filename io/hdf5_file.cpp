@@ -73,7 +73,7 @@ Handle create_dataset(hid_t parent, const char* name, hid_t file_type,
                       const std::vector<hsize_t>& extents) {
   const Handle space(H5Screate_simple(int(extents.size()), extents.data(), nullptr), H5Sclose,
                      name);
-  // the same bits on every run: no time of day in the file
+  // no time of day in the file, so that every run gives the same bits
   const Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, name);
   check(H5Pset_obj_track_times(creation, false), name);
   return {H5Dcreate2(parent, name, file_type, space, H5P_DEFAULT, creation, H5P_DEFAULT), H5Dclose,

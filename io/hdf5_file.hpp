@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The little of HDF5 that the state file needs: attributes, groups, whole arrays, arrays by rows.
-// Not a public header: only io/*.cpp may include it.
+// The few parts of HDF5 that the state file needs: attributes, groups, whole arrays, arrays by
+// rows. Not a public header: only io/*.cpp may include it.
 
 #pragma once
 
@@ -22,7 +22,7 @@ class Handle {
   Handle& operator=(const Handle&) = delete;
   ~Handle();
   operator hid_t() const { return id_; }
-  /// Closes now. @throws Error (resources) if buffered data could not be written.
+  /// Closes before destruction. @throws Error (resources) if buffered data could not be written.
   void close();
 
  private:
@@ -41,10 +41,10 @@ NumberType number_type();
 /// @throws Error (resources) saying what failed, if status < 0.
 void check(herr_t status, const std::string& what);
 
-/// A file on an open, empty descriptor, which stays open; `path` is for messages.
+/// A file on an open, empty descriptor, which the file does not close; `path` is for messages.
 Handle create_file(int descriptor, const std::string& path);
 Handle create_group(hid_t parent, const char* name);
-/// A dataset of these extents, without values.
+/// A dataset of the given extents, without values.
 Handle create_dataset(hid_t parent, const char* name, hid_t file_type,
                       const std::vector<hsize_t>& extents);
 
@@ -54,11 +54,11 @@ void write_attribute(hid_t object, const char* name, int value);
 /// An attribute of shape (3).
 void write_attribute(hid_t object, const char* name, const double (&value)[3]);
 
-/// A dataset (rows) where cols is 1, else (rows, cols).
+/// A dataset of shape (rows) if cols is 1, else (rows, cols).
 template <class T>
 void write_dataset(hid_t parent, const char* name, Span<const T> values);
 
-/// One entry of a dataset (entries, rows, cols), or where cols is 1 (entries, rows).
+/// One entry of a dataset (entries, rows, cols), or (entries, rows) if cols is 1.
 void write_entry(hid_t dataset, hsize_t entry, Span<const double> values);
 
 }  // namespace elastogen::hdf5

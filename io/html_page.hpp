@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A page of tables and plots: one HTML file with its style in it, no scripts and nothing from
-// elsewhere, for light and dark screens and for paper.
+// A page of tables and plots: one HTML file with its style in it. It has no scripts and loads
+// nothing, and suits light and dark screens and paper.
 
 #pragma once
 
@@ -8,8 +8,7 @@
 
 namespace elastogen {
 
-/// @param title  plain text. @param body  what stands in <body>, well-formed as XML; the page is so
-/// too.
+/// @param title  plain text. @param body  content of <body>, well-formed as XML; so is the page.
 std::string html_page(const std::string& title, const std::string& body);
 
 }  // namespace elastogen

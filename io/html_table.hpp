@@ -7,7 +7,7 @@
 
 namespace elastogen {
 
-/// A head over some columns.
+/// A head over several columns.
 struct HeadGroup {
   std::string text;
   int columns = 1;
@@ -16,14 +16,14 @@ struct HeadGroup {
 /// Heads and cells are plain text; the first cell of a row is its head.
 struct HtmlTable {
   std::string caption;
-  std::vector<HeadGroup> groups;  ///< above the heads; none, or over all columns
+  std::vector<HeadGroup> groups;  ///< above the heads; empty, or covering all columns
   std::vector<std::string> heads;
   std::vector<std::vector<std::string>> rows;
 };
 
 std::string html_table(const HtmlTable& table);
 
-/// The plot with its caption and, where points are left out of it, a note that counts them.
+/// The plot with its caption and, if points are left out of it, a note with their number.
 std::string html_figure(const SvgPlot& plot, const std::string& caption);
 
 /// A section with a heading; "" without content.
@@ -32,7 +32,7 @@ std::string html_section(const std::string& heading, const std::string& content)
 /// A cell: four significant digits, all before the point up to 1e7; "nan" or "inf".
 std::string number_cell(double value);
 
-/// A cell for what is not there: a dash.
+/// A cell for a value that does not exist: a dash.
 inline constexpr const char* kNoCell = "\xe2\x80\x93";
 
 }  // namespace elastogen

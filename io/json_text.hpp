@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// JSON from text, in one place: the parser takes seconds in each source that has it.
+// JSON from text, in one place: the parser adds seconds to the build of each source with it.
 
 #pragma once
 
@@ -9,11 +9,11 @@
 
 namespace elastogen {
 
-/// The value that a text is, with keys in the text's order.
+/// The value of a text, keys in the text's order.
 /// @throws nlohmann::json::exception where it is no JSON.
 nlohmann::ordered_json parsed_json(std::string_view text);
 
-/// The same with keys in alphabetical order.
+/// The value of a text, keys in alphabetical order.
 nlohmann::json parsed_sorted_json(std::string_view text);
 
 }  // namespace elastogen

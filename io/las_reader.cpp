@@ -29,6 +29,7 @@ T at(std::string_view bytes, size_t offset) {
 }
 
 LasHeader read_las_header(std::string_view bytes, const std::string& path) {
+  // versions and point formats that are read
   ELASTOGEN_CHECK_ASSET(bytes.starts_with("LASF") && bytes.size() >= kHeaderBytes, path,
                         ": has no LAS header of ", kHeaderBytes, " bytes that begin with LASF");
   const int major = at<uint8_t>(bytes, 24), minor = at<uint8_t>(bytes, 25);
@@ -40,6 +41,7 @@ LasHeader read_las_header(std::string_view bytes, const std::string& path) {
                         "into LAS");
   ELASTOGEN_CHECK_ASSET(format <= 10, path, ": the point format ", format,
                         " is not read; 0 to 10 are");
+  // where the records are; version 1.4 may count them in 64 bits
   LasHeader header;
   header.format = format;
   header.data_offset = at<uint32_t>(bytes, 96);
@@ -51,10 +53,12 @@ LasHeader read_las_header(std::string_view bytes, const std::string& path) {
                           bytes.size(), " bytes");
     header.points = int64_t(points);
   }
+  // integers times scale plus offset are positions
   for (size_t k = 0; k < 3; ++k) {
     header.scale[k] = at<double>(bytes, 131 + 8 * k);
     header.offset[k] = at<double>(bytes, 155 + 8 * k);
   }
+  // what the header states must fit its format and the file
   ELASTOGEN_CHECK_ASSET(header.record_bytes >= kRecordBytes[format], path,
                         ": points of the format ", format, " take ", kRecordBytes[format],
                         " bytes, not ", header.record_bytes);
@@ -72,11 +76,12 @@ struct Attribute {
   int shift, bits;  ///< of an integer that shares its byte; bits 0: the whole value
 };
 
-/// Those of a point format, from the tables of the standard.
+/// Attributes of a point format that are carried, from the tables of the standard.
 std::vector<Attribute> attributes_of(int format) {
   using T = PlyType;
   std::vector<Attribute> all = {{"intensity", T::kUint16, 12, 0, 0}};
   const auto add = [&](const Attribute& attribute) { all.push_back(attribute); };
+  // formats 0 to 5
   if (format < 6) {
     add({"return_number", T::kUint8, 14, 0, 3});
     add({"number_of_returns", T::kUint8, 14, 3, 3});
@@ -90,6 +95,7 @@ std::vector<Attribute> attributes_of(int format) {
     if (format != 0 && format != 2) add({"gps_time", T::kFloat64, 20, 0, 0});
     return all;
   }
+  // formats 6 to 10
   add({"return_number", T::kUint8, 14, 0, 4});
   add({"number_of_returns", T::kUint8, 14, 4, 4});
   add({"classification_flags", T::kUint8, 15, 0, 4});

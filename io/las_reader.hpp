@@ -15,7 +15,7 @@ namespace elastogen {
 ///         points (LAZ), a record shorter than its format, fewer bytes than the counts claim.
 Asset read_las(const std::string& path);
 
-/// The same from memory; `path` is for messages.
+/// Reads LAS from memory; `path` is for messages.
 Asset parse_las(std::string_view bytes, const std::string& path);
 
 }  // namespace elastogen

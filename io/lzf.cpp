@@ -24,7 +24,7 @@ std::optional<std::string> lzf_unpacked(std::string_view packed, size_t size) {
       continue;
     }
 
-    // bytes that came before, which may overlap those that they become
+    // a copy of earlier bytes, which may overlap the bytes that it writes
     size_t n = (control >> 5) + 2;
     if (n == 9) {
       if (packed.empty()) return {};

@@ -10,8 +10,8 @@
 
 namespace elastogen {
 
-/// The `size` bytes that were packed, none if the packed ones do not give exactly as many. Memory
-/// is taken only where the packed bytes could give so many (88 times their number at most).
+/// The `size` bytes that were packed; no value if the packed bytes do not give exactly as many.
+/// Memory is allocated only if they could give that many (at most 88 times their number).
 std::optional<std::string> lzf_unpacked(std::string_view packed, size_t size);
 
 }  // namespace elastogen

@@ -63,7 +63,7 @@ class MeshDocument {
   }
 
  private:
-  /// Adds a buffer view with the bytes of values.
+  /// Adds a buffer view with the bytes of the values.
   template <class T>
   size_t add_view(const std::vector<T>& values, int target) {
     const size_t size = values.size() * sizeof(T);
@@ -104,11 +104,13 @@ class MeshDocument {
   void add_mesh(const Mesh& mesh) {
     centre_.push_back(far_centre(mesh));
     Json primitives = Json::array(), attributes;
+    // a mesh without triangles is not written
     const auto empty = [](const TriangleGroup& group) { return group.corner.empty(); };
     if (std::all_of(mesh.groups.begin(), mesh.groups.end(), empty)) {
       mesh_index_.push_back(-1);
       return;
     }
+    // all groups share the attributes
     attributes["POSITION"] = add_positions(mesh, centre_.back());
     if (!mesh.normal.empty())
       attributes["NORMAL"] = add_accessor(mesh.normal, "VEC3", kFloat, kVertices);
@@ -116,6 +118,7 @@ class MeshDocument {
       attributes["TEXCOORD_0"] = add_accessor(mesh.uv, "VEC2", kFloat, kVertices);
     if (!mesh.colour.empty())
       attributes["COLOR_0"] = add_accessor(mesh.colour, "VEC4", kFloat, kVertices);
+    // a primitive for each group, so that each has its material
     for (const TriangleGroup& group : mesh.groups) {
       if (empty(group)) continue;
       const std::vector<uint32_t> index(group.corner.begin(), group.corner.end());
@@ -127,7 +130,7 @@ class MeshDocument {
     document_["meshes"].push_back({{"name", mesh.name}, {"primitives", primitives}});
   }
 
-  /// For triangles without a material: grey, or white below the colours of vertices, both sides.
+  /// Material of triangles without one: grey, or white where vertices have colours; both sides.
   int plain_material() {
     if (plain_ < 0) {
       const bool coloured = std::any_of(asset_.meshes.begin(), asset_.meshes.end(),
@@ -151,7 +154,7 @@ class MeshDocument {
     document_["materials"].push_back(material);
   }
 
-  /// Embeds an image file; -1 where it is none or cannot be read.
+  /// Embeds an image file; returns -1 if it is no image of glTF or cannot be read.
   int add_texture(const std::string& path) {
     if (path.empty()) return -1;
     try {
@@ -179,7 +182,7 @@ class MeshDocument {
     Json nodes = Json::array(), roots = Json::array();
     for (size_t n = 0; n < asset_.nodes.size(); ++n) {
       const AssetNode& from = asset_.nodes[n];
-      // the centre of a mesh moves from its vertices to its node, and back out of the children
+      // the centre of a mesh moves from its vertices to its node; children subtract it again
       const Matrix4 matrix = product(translation(centre_of(from.parent), -1),
                                      product(from.matrix, translation(centre_of(int(n)), 1)));
       Json node = Json::object();

@@ -17,7 +17,7 @@ using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowM
 using Row = Eigen::RowVectorXd;
 using Map3 = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>;
 
-/// Vertices that are held at once, for all frames.
+/// Vertices that are held in memory at once, for all frames.
 int64_t block_size(int64_t frames) {
   return std::clamp<int64_t>((int64_t{1} << 21) / std::max<int64_t>(frames, 1), 64, 1 << 16);
 }
@@ -61,7 +61,7 @@ std::vector<int64_t> chosen_snapshots(const std::vector<int64_t>& moving) {
   return snapshots;
 }
 
-/// Rows of D, which has one for each of `frames`, of some of them; both ascend.
+/// Rows of D for some of the frames; D has one row for each of `frames`, and both lists ascend.
 Matrix chosen_rows(const Matrix& D, const std::vector<int64_t>& frames,
                    const std::vector<int64_t>& chosen) {
   Matrix result(chosen.size(), D.cols());
@@ -81,12 +81,12 @@ Row mapped(const Matrix3& matrix, const Row& d) {
   return result;
 }
 
-/// What a mesh shows of a displacement: less than all where its node is scaled to zero.
+/// The part of a displacement that a mesh can show: not all of it if its node is scaled to zero.
 Row shown(const MotionPart& part, const Row& d) {
   return mapped(part.to_metres, mapped(part.to_mesh, d));
 }
 
-/// The same of a target that is stored in float32.
+/// The part of a target that a mesh shows after storage in float32.
 Row shown_as_stored(const MotionPart& part, const Row& target) {
   const Eigen::RowVectorXf stored = mapped(part.to_mesh, target).cast<float>();
   return mapped(part.to_metres, stored.cast<double>());
@@ -122,7 +122,7 @@ Matrix inner_products(const Motion& motion, const std::vector<int64_t>& moving,
 
 using Eigensystem = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>;
 
-/// How many of the largest modes double precision can tell from noise, `most` at most.
+/// How many of the largest modes double precision can tell from noise, at most `most`.
 int clear_modes(const Eigensystem& eigen, double largest_square, int most) {
   const Eigen::Index n = eigen.eigenvalues().size();
   const double noise = 1e-15 * double(n) * largest_square;
@@ -132,8 +132,8 @@ int clear_modes(const Eigensystem& eigen, double largest_square, int most) {
   return modes;
 }
 
-/// About the mean, which every frame has in full: H G H v_k = lambda_k v_k with the inner products
-/// G of the snapshots and H = 1 - 1/n, w_tk = (d_t - mean) . m_k / lambda_k.
+/// Modes about the mean, which every frame has in full: H G H v_k = lambda_k v_k with the inner
+/// products G of the snapshots and H = 1 - 1/n, w_tk = (d_t - mean) . m_k / lambda_k.
 PrincipalModes about_mean(const Matrix& C, const std::vector<int64_t>& moving,
                           std::vector<int64_t> snapshots, int most) {
   const auto n = Eigen::Index(snapshots.size());
@@ -155,8 +155,8 @@ PrincipalModes about_mean(const Matrix& C, const std::vector<int64_t>& moving,
   return result;
 }
 
-/// About the rest, carried by the first mode; no value where that changes sign: G v_k = lambda_k
-/// v_k, w_tk = d_t . m_k / lambda_k.
+/// Modes about the rest pose with the first mode as carrier; no value if that changes sign:
+/// G v_k = lambda_k v_k, w_tk = d_t . m_k / lambda_k.
 std::optional<PrincipalModes> about_rest(const Matrix& C, const std::vector<int64_t>& moving,
                                          std::vector<int64_t> snapshots, int most) {
   const auto n = Eigen::Index(snapshots.size());
@@ -179,7 +179,7 @@ std::optional<PrincipalModes> about_rest(const Matrix& C, const std::vector<int6
   return result;
 }
 
-/// Largest error with the carrier and the first 0, 1, ... modes [m].
+/// Largest errors with the carrier and the first 0, 1, ... modes [m].
 std::vector<double> errors(const Motion& motion, const std::vector<int64_t>& moving,
                            const PrincipalModes& modes) {
   std::vector<double> worst(size_t(modes.modes()) + 1, 0);
@@ -195,7 +195,7 @@ std::vector<double> errors(const Motion& motion, const std::vector<int64_t>& mov
   return worst;
 }
 
-/// The basis of the carrier and the first modes, weights stretched to 0 ... 1.
+/// The basis of the carrier and the first modes, with weights stretched to 0 ... 1.
 ModalBasis stretched(const PrincipalModes& from, const FrameRange& range,
                      const std::vector<int64_t>& moving, int modes) {
   const auto n = int64_t(from.snapshots.size());
@@ -220,14 +220,14 @@ ModalBasis stretched(const PrincipalModes& from, const FrameRange& range,
   return basis;
 }
 
-/// Targets of a block of vertices from its snapshots S [m], (targets, 3 vertices).
+/// Targets of a block of vertices from their snapshots S [m], (targets, 3 vertices).
 Matrix targets_of(const Matrix& S, const ModalBasis& basis) {
   if (basis.shares.empty()) return S;
   const Eigen::Map<const Matrix> shares(basis.shares.data(), basis.shares.rows(), basis.targets());
   return shares.transpose() * S;
 }
 
-/// Largest error of what is stored, over all frames of the range [m].
+/// Largest error after storage, over all frames of the range [m].
 double stored_error(const Motion& motion, const FrameRange& range, const ModalBasis& basis) {
   const std::vector<int64_t> frames = frames_of(range);
   double worst = 0;
@@ -245,10 +245,10 @@ double stored_error(const Motion& motion, const FrameRange& range, const ModalBa
   return std::sqrt(worst);
 }
 
-/// Below so many targets one less is tried for.
+/// With fewer targets than this a basis with one less is tried.
 constexpr int kFew = 12;
 
-/// The fewest modes that are good enough, or the best.
+/// The fewest modes that are good enough, else the best number of modes.
 ModalBasis fewest(const Motion& motion, const FrameRange& frames,
                   const std::vector<int64_t>& moving, const PrincipalModes& modes,
                   double tolerance) {
@@ -259,7 +259,7 @@ ModalBasis fewest(const Motion& motion, const FrameRange& frames,
   for (int count = int(best - error.begin());; ++count) {
     ModalBasis basis = stretched(modes, frames, moving, count);
     basis.max_error = stored_error(motion, frames, basis);
-    // rounding may leave a little more than the modes themselves
+    // rounding may add a little to the error of the modes themselves
     const bool may_gain = enough != error.end() && count < modes.modes();
     if (basis.max_error <= tolerance || !may_gain) return basis;
   }
@@ -297,7 +297,7 @@ ModalBasis modal_basis(const Motion& motion, const FrameRange& frames, double to
   const Matrix C = inner_products(motion, moving, snapshots);
   ModalBasis best =
       fewest(motion, frames, moving, about_mean(C, moving, snapshots, max_targets - 1), tolerance);
-  // the mean is a target more than the modes; where these are few that shows in the size
+  // the mean is one target beside the modes; with few modes leaving it out saves size
   const int fewer = best.targets() - 1;
   if (best.max_error > tolerance || fewer < 1 || fewer > kFew) return best;
   const auto carried = about_rest(C, moving, snapshots, fewer - 1);

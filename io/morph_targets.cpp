@@ -65,7 +65,7 @@ Array<float> normal_rows(const Mesh& mesh, const Motion& motion, const MotionPar
   return rows;
 }
 
-/// From positions to drawn vertices.
+/// Copies values of positions to drawn vertices.
 Array<float> drawn(const Mesh& mesh, Array<float> shapes) {
   if (mesh.position_of.size() == mesh.position.size()) return shapes;
   const size_t count = mesh.position_of.size();
@@ -105,12 +105,14 @@ Array<float> sampled_normals(const Asset& asset, const Surface& surface, const M
   const std::vector<Sampled> sample = sampled_vertices(asset, surface, group);
   Array<float> normals(frames, int(3 * sample.size()));
   if (sample.empty()) return normals;
-  size_t begin = 0, end = 0;  // of the samples of a part
+  // samples begin ... end - 1 belong to part p
+  size_t begin = 0, end = 0;  // range of the samples of a part
   for (size_t p = 0; p < group.instances.size(); ++p) {
     const Mesh& mesh = mesh_of(asset, surface, group.instances[p]);
     Array<float> delta(int64_t(mesh.normal.size()), 3);
     for (begin = end; end < sample.size() && sample[end].part == p;) ++end;
     if (begin == end) continue;
+    // normals at rest plus their change in each frame
     for (int64_t t = 0; t < frames; ++t) {
       normal_deltas(mesh, displacement_of(group.motion, group.motion.parts[p], t), delta);
       for (size_t s = begin; s < end; ++s) {
@@ -139,10 +141,12 @@ std::vector<std::vector<size_t>> touching_instances(const Surface& surface) {
   const size_t count = surface.instances.size();
   std::vector<size_t> group(count);
   std::iota(group.begin(), group.end(), size_t{0});
+  // union-find over instances
   const auto root = [&](size_t i) {
     while (group[i] != i) i = group[i] = group[group[i]];
     return i;
   };
+  // instances of which a vertex was welded to one of another touch
   if (count > 1) {
     const WeldedMesh welded = weld(surface);
     std::vector<int64_t> first(size_t(welded.vertices.rows()), -1);
@@ -158,6 +162,7 @@ std::vector<std::vector<size_t>> touching_instances(const Surface& surface) {
       }
     }
   }
+  // groups in the order of their first instance
   std::vector<std::vector<size_t>> result;
   std::vector<int64_t> place(count, -1);
   for (size_t i = 0; i < count; ++i) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The displacements of shown meshes as morph targets.
+// Displacements of shown meshes as morph targets.
 
 #pragma once
 
@@ -9,7 +9,7 @@
 
 namespace elastogen {
 
-/// Shown meshes that touch, and the pieces of the clip that they share: with the same weights
+/// Shown meshes that touch, and the pieces of the clip that they share. With common weights
 /// vertices at one place stay at one place.
 struct MorphGroup {
   std::vector<size_t> instances;  ///< rows of Surface::instances
@@ -19,27 +19,27 @@ struct MorphGroup {
 
 /// Targets of one mesh in one piece. Rows hold deltas in the mesh's numbers.
 struct MorphTargets {
-  Array<float> position;          ///< (rows, 3 drawn vertices)
-  Array<float> normal;            ///< the same of the normals; empty where the mesh has none
-  std::vector<int> position_row;  ///< of each target; -1: no delta
-  std::vector<int> normal_row;    ///< the same, empty where the mesh has none
+  Array<float> position;  ///< (rows, 3 drawn vertices)
+  Array<float> normal;    ///< of the normals, (rows, 3 drawn vertices); empty without normals
+  std::vector<int> position_row;  ///< row of position for each target; -1: no delta
+  std::vector<int> normal_row;    ///< row of normal for each target; empty without normals
 
   int count() const { return int(position_row.size()); }
 };
 
-/// Instances with triangles, those together of which one vertex lies within the weld's tolerance
-/// (io/weld.hpp) of a vertex of another.
+/// Instances with triangles, in groups. Two belong to one group if a vertex of one lies within the
+/// weld's tolerance (io/weld.hpp) of a vertex of the other.
 std::vector<std::vector<size_t>> touching_instances(const Surface& surface);
 
-/// Fits pieces to instances. A displacement d in metres becomes d_mesh = A^+ d with A = s W, s the
-/// scale of the surface, W the linear part of the node's world matrix; what A^+ cannot give (a node
-/// scaled to zero) counts as error.
+/// Fits pieces to instances. A displacement d in metres becomes d_mesh = A^+ d with A = s W, where
+/// s is the scale of the surface and W the linear part of the node's world matrix. The part of d
+/// that A^+ loses (a node scaled to zero) counts as error.
 /// @param frames  rows of displacements [m] of the whole surface, (frames, 3 vertices).
 MorphGroup morph_group(const Asset& asset, const Surface& surface, std::vector<size_t> instances,
                        const FrameStore& frames, const PieceOptions& options);
 
 /// Targets of an instance of a group in a piece of it.
-/// @param part  which instance, row of group.instances.
+/// @param part  index of the instance in group.instances.
 MorphTargets morph_targets(const Asset& asset, const Surface& surface, const MorphGroup& group,
                            size_t part, const ClipPiece& piece);
 

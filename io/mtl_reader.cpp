@@ -13,7 +13,7 @@ namespace {
 
 constexpr int64_t kMaxMtlBytes = 1 << 24;
 
-/// File name of a map line: what follows the options and their values.
+/// File name in a map line: the rest behind the options and their values.
 std::string_view map_name(std::string_view line) {
   static constexpr std::string_view kThreeNumbers[] = {"-o", "-s", "-t"};
   for (std::string_view rest = line;; line = rest) {
@@ -56,6 +56,7 @@ void read_texture(Asset& asset, std::string_view line, AssetMaterial& material) 
 }  // namespace
 
 bool read_mtl(Asset& asset, const std::string& name) {
+  // a file that is not there or cannot be read
   const std::string path = resolve_beside(asset.path, name);
   if (path.empty()) return false;
   std::string content;
@@ -68,8 +69,10 @@ bool read_mtl(Asset& asset, const std::string& name) {
     add_finding(asset, "unread-material-file", 1, "material file is UTF-16 text: " + name);
     return true;
   }
+  // materials by name
   std::unordered_map<std::string_view, AssetMaterial*> material_of;
   for (AssetMaterial& m : asset.materials) material_of[m.name] = &m;
+  // lines change the material that newmtl named last, if the asset uses it
   AssetMaterial* material = nullptr;
   for (std::string_view text = without_mark(content); !text.empty();) {
     std::string_view line = next_line(text);

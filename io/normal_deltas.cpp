@@ -27,7 +27,7 @@ struct Frame {
   bool valid() const { return area > 0 && std::isfinite(area); }
 };
 
-/// n carried from a triangle at rest to the moved one.
+/// n carried from a triangle at rest to its moved position.
 Vec3 carried(const Frame& rest, const Frame& moved, const Vec3& n) {
   const double a = dot(n, rest.e1) / moved.area, b = dot(n, rest.e2) / moved.area;
   const double c = dot(n, rest.m);
@@ -68,7 +68,7 @@ void normal_deltas(const Mesh& mesh, In<double> displacement, Out<float> delta) 
     }
   }
 
-  // the mean, as long as the normal at rest
+  // the mean over triangles, scaled to the length of the normal at rest
   for (int64_t v = 0; v < drawn; ++v) {
     const Vec3 n = normal(mesh, size_t(v)), s = sum[size_t(v)];
     const double from = length(s), to = length(n);

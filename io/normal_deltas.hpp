@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How the normals of a mesh turn when its vertices move.
+// Change of the normals of a mesh when its vertices move.
 
 #pragma once
 
@@ -8,8 +8,8 @@
 
 namespace elastogen {
 
-/// Change of each drawn vertex's normal n. A triangle with edges e1, e2 and unit normal m carries
-/// n as a covector,
+/// Change of each drawn vertex's normal n. A triangle with edges e1, e2 and unit normal m
+/// transforms n as a covector,
 ///
 ///     n' = (n.e1) (e2' x m') / |e1' x e2'| + (n.e2) (m' x e1') / |e1' x e2'| + (n.m) m',
 ///

@@ -11,8 +11,8 @@ namespace elastogen {
 
 namespace {
 
-/// Root mean square over the vertices of the distance between the normals of frame t and those
-/// that lie between the normals of frames a < t < b, scaled to length one.
+/// Root mean square over vertices of the distance between the normals of frame t and those that are
+/// interpolated between the frames a < t < b and scaled to length one.
 double interpolation_error(const Array<float>& normals, int64_t a, int64_t t, int64_t b) {
   const double s = double(t - a) / double(b - a);
   const float *from = normals.row(a), *to = normals.row(b), *exact = normals.row(t);
@@ -32,7 +32,7 @@ double interpolation_error(const Array<float>& normals, int64_t a, int64_t t, in
   return std::sqrt(3 * sum / double(std::max(normals.cols(), 1)));
 }
 
-/// The frame between two keys that their normals give worst.
+/// The frame between two keys whose normals the interpolation gives worst.
 struct Worst {
   int64_t frame = -1;
   double error = 0;
@@ -47,7 +47,7 @@ Worst worst_between(const Array<float>& normals, int64_t a, int64_t b) {
   return worst;
 }
 
-/// Weights of the keys: hats between neighbours in `knots`, still frames included.
+/// Weights of the keys: hat functions between neighbours in `knots`, which include still frames.
 Array<float> hats(const std::vector<int64_t>& knots, const std::vector<int64_t>& keys,
                   const FrameRange& range) {
   Array<float> weights(range.count(), int(keys.size()));
@@ -77,7 +77,7 @@ NormalKeys normal_keys(const Array<float>& normals, const FrameRange& range,
   const auto is_moving = [&](int64_t t) {
     return std::binary_search(moving.begin(), moving.end(), t);
   };
-  // knots: the ends, every still frame; of them the moving ones are keys
+  // knots are the ends and every still frame; keys are the knots that move
   std::vector<int64_t> knots, keys;
   for (int64_t t = range.first; t <= range.last; ++t) {
     const bool key = is_moving(t);
@@ -85,7 +85,7 @@ NormalKeys normal_keys(const Array<float>& normals, const FrameRange& range,
     knots.push_back(t);
     if (key) keys.push_back(t);
   }
-  std::map<int64_t, Worst> gaps;  // by the knot before them
+  std::map<int64_t, Worst> gaps;  // worst frame of each gap, by the knot before it
   for (size_t k = 0; k + 1 < knots.size(); ++k)
     gaps[knots[k]] = worst_between(normals, knots[k], knots[k + 1]);
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Normals of a clip as morph targets of their own: those of a few key frames, whose weights go from
-// one to the next linearly.
+// Normals of a clip as separate morph targets: the normals of a few key frames, between which
+// weights change linearly.
 //
 // A client adds weighted changes of the normal at rest and scales the sum to length one. Some
-// (Filament) store each target as a rotation and so take its length away: a target must be a normal
-// of length one by itself. Normals of frames are; those of principal modes are not, which is why
-// displacements and normals have separate targets.
+// (Filament) store each target as a rotation, which loses its length. A target must therefore be a
+// normal of length one by itself. Normals of frames are, those of principal modes are not: for this
+// reason displacements and normals have separate targets.
 
 #pragma once
 
@@ -14,8 +14,8 @@
 
 namespace elastogen {
 
-/// Largest root mean square over the vertices of a frame of the angle between shown and true
-/// normals that is aimed at [rad]: about 5 of 255 in a shaded picture.
+/// Goal for the largest root mean square, over the vertices of a frame, of the angle between shown
+/// and true normals [rad]: about 5 of 255 in a shaded picture.
 inline constexpr double kNormalTolerance = 0.02;
 
 struct NormalKeys {
@@ -24,8 +24,8 @@ struct NormalKeys {
   double error = 0;             ///< largest root mean square angle of a frame [rad]
 };
 
-/// Key frames for a range, chosen where linear interpolation is worst, until `tolerance` is met or
-/// there are `most` of them, 2 at least. Still frames are free keys: there no target has a weight.
+/// Key frames for a range, added where linear interpolation is worst, until `tolerance` is met or
+/// there are `most` of them, at least 2. Still frames are free keys, without a weight.
 /// @param normals  of some vertices in every frame of the clip, of length one,
 ///                 (clip's frames, 3 vertices).
 /// @param moving   the range's frames that move, ascending.

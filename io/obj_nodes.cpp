@@ -14,7 +14,7 @@
 namespace elastogen {
 namespace {
 
-/// Builds the meshes one after the other; each costs what its own faces cost.
+/// Builds the meshes one after the other; the cost of each depends on its own faces only.
 class ObjMeshes {
  public:
   ObjMeshes(ObjShape shape, Asset& asset)
@@ -55,7 +55,7 @@ class ObjMeshes {
     return all;
   }
 
-  /// Those that the faces of a node use, sorted.
+  /// Positions that the faces of a node use, sorted.
   std::vector<int32_t> positions_of(size_t node, bool with_unused) {
     std::vector<int32_t> used;
     for (const size_t f : faces_of_[node])
@@ -112,11 +112,13 @@ class ObjMeshes {
   }
 
   void fill_groups(Mesh& mesh, DrawnVertices<3>& drawn, const Faces& faces) {
+    // a group for each material, with and without coordinates of a texture
     std::map<std::pair<int32_t, bool>, size_t> group_of;
     std::vector<int32_t> vertex;
     std::vector<Vec3> polygon;
     for (const size_t f : faces) {
       const ObjFace& face = shape_.faces[f];
+      // drawn vertices of the face
       vertex.clear();
       polygon.clear();
       bool has_uv = true;
@@ -132,6 +134,7 @@ class ObjMeshes {
         mesh.groups.push_back({.material = face.material, .corner = {}});
         mesh.groups.back().has_uv = has_uv;
       }
+      // triangles of the face
       std::vector<int32_t>& out = mesh.groups[entry->second].corner;
       if (face.corners == 3)
         out.insert(out.end(), vertex.begin(), vertex.end());
@@ -142,7 +145,7 @@ class ObjMeshes {
 
   ObjShape shape_;
   Asset& asset_;
-  std::vector<int32_t> place_;  ///< of a position of the file in the mesh that is built
+  std::vector<int32_t> place_;  ///< of each position of the file in the mesh being built
   std::vector<Faces> faces_of_;
 };
 

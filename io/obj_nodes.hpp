@@ -31,8 +31,8 @@ struct ObjShape {
 };
 
 /// Nodes in the order of their first face: one for each object (`o`), and below it one for each of
-/// its groups (`g`); groups outside objects stand at the root, like the node of the faces that
-/// belong to neither, which has the name of the file. The same name is the same node.
+/// its groups (`g`). Groups outside objects stand at the root, and so does the node of faces that
+/// belong to neither, which is named after the file. Equal names mean one node.
 class ObjNodes {
  public:
   /// @param asset  gets the nodes; outlives this.
@@ -41,7 +41,7 @@ class ObjNodes {
   void begin_object(std::string_view name);
   void begin_group(std::string_view name);
 
-  /// Node of the faces that come.
+  /// Node of the faces that follow.
   int32_t node();
 
  private:

@@ -63,6 +63,7 @@ class ObjParser {
   void read_statement(std::string_view line) {
     check(line.find('\0') == line.npos, line_, "a zero byte: this is no text");
     const std::string_view keyword = next_word(line);
+    // attributes of vertices; textures run down here
     if (keyword == "v") {
       read_position(line);
     } else if (keyword == "vt") {
@@ -72,8 +73,10 @@ class ObjParser {
       const auto [v, n] = read_numbers(line, 3);
       shape_.normal.push_back({float(v[0]), float(v[1]), float(v[2])});
     } else if (keyword == "f" || keyword == "fo") {
+      // faces
       read_face(line);
     } else if (keyword == "usemtl") {
+      // materials, objects and groups
       use_material(std::string(trimmed(line)));
     } else if (keyword == "mtllib") {
       add_library(trimmed(line));
@@ -82,11 +85,12 @@ class ObjParser {
     } else if (keyword == "g") {
       nodes_.begin_group(trimmed(line));
     } else if (keyword == "surf" || keyword == "curv") {
+      // free-form geometry is only noticed, other keywords are ignored
       add_finding(asset_, "free-form", 1, "curves and surfaces are no polygons");
     }
   }
 
-  /// Up to seven numbers and how many there were.
+  /// Reads up to seven numbers; returns them and their count.
   std::pair<std::array<double, 7>, int> read_numbers(std::string_view line, int least) const {
     std::array<double, 7> value = {};
     int n = 0;
@@ -174,7 +178,7 @@ class ObjParser {
       }
   }
 
-  /// Each line costs a look into the file system.
+  /// Limits the number of lines, because each costs a look into the file system.
   void add_library(std::string_view names) {
     check(names.size() <= kMaxLibraryLine, line_, "the names of material files take ", names.size(),
           " bytes, at most ", kMaxLibraryLine, " are read");
@@ -183,7 +187,7 @@ class ObjParser {
     libraries_.emplace_back(names);
   }
 
-  /// An mtllib line is one name with blanks, or several names.
+  /// The names on an mtllib line are one name with blanks, or several names.
   void read_materials() {
     for (const std::string& library : libraries_) {
       if (read_mtl(asset_, library)) continue;

@@ -9,16 +9,16 @@
 
 namespace elastogen {
 
-/// A node and a mesh for each object and group (io/obj_nodes.hpp) that has faces, one mesh with
-/// every position where there is one only; positions in the file's order, one group a material.
-/// Faces may have any number of corners (io/polygon.hpp), indices may be negative, lines continued.
-/// Colours behind positions are sRGB. Materials come from the MTL files beneath the asset's folder;
-/// a missing one is a finding.
+/// A node and a mesh for each object and group (io/obj_nodes.hpp) that has faces; a file with one
+/// of them gives one mesh with every position. Positions keep the file's order, one group a
+/// material. Faces may have any number of corners (io/polygon.hpp), indices may be negative, lines
+/// continued. Colours behind positions are sRGB. Materials come from the MTL files beneath the
+/// asset's folder; a missing one is a finding.
 /// @throws Error (asset) with the file and the place: an index out of range, a line that is not
 /// what its keyword promises.
 Asset read_obj(const std::string& path);
 
-/// The same from memory; `path` is for messages and for the files that it names.
+/// Reads OBJ from memory; `path` is for messages and for the files that it names.
 Asset parse_obj(std::string_view bytes, const std::string& path);
 
 }  // namespace elastogen

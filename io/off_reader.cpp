@@ -51,7 +51,7 @@ class OffParser {
     ELASTOGEN_CHECK_ASSET(condition, path_, ':', line_, ": ", parts...);
   }
 
-  /// Goes to the next line that is more than a comment.
+  /// Goes to the next line that has more than a comment.
   void begin_line(const char* expected) {
     do {
       check(!rest_.empty(), "the file ends where ", expected, " should be");
@@ -61,7 +61,7 @@ class OffParser {
     } while (current_.empty());
   }
 
-  /// Takes the keyword; counts may be glued to it.
+  /// Reads the keyword; counts may follow it without a blank.
   void read_keyword() {
     begin_line("OFF");
     std::string_view rest = current_;
@@ -97,12 +97,14 @@ class OffParser {
 
   void read_vertex(Mesh& mesh) {
     begin_line("a vertex");
+    // position and normal always have three numbers
     const double x = number(), y = number(), z = number();
     mesh.position.push_back({x, y, z});
     if (has_normal_) {
       const double nx = number(), ny = number(), nz = number();
       mesh.normal.push_back({float(nx), float(ny), float(nz)});
     }
+    // of the numbers left the last two are the texture's, those before them the colour
     std::vector<double> left;
     while (!current_.empty()) left.push_back(number()), current_ = trimmed(current_);
     const size_t uvs = has_uv_ && !left.empty() ? 2 : 0;
@@ -111,6 +113,7 @@ class OffParser {
           "a vertex has ", left.size(), " numbers behind position and normal, ",
           has_colour_ ? "three or four of a colour" : "", has_colour_ && has_uv_ ? " and " : "",
           has_uv_ ? "two of a texture" : "", " are expected");
+    // colours wait until the range of all is known
     if (has_colour_)
       vertex_colours_.push_back(colours > 0 ? colour_of(left.data(), colours) : kNoColour);
     if (has_uv_) {
@@ -124,7 +127,7 @@ class OffParser {
   }
 
   static std::array<float, 4> colour_of(const double* value, size_t count) {
-    std::array<float, 4> colour = {0, 0, 0, -1};  // -1: opaque in whatever range
+    std::array<float, 4> colour = {0, 0, 0, -1};  // -1: opaque, whatever the range is
     for (size_t k = 0; k < count; ++k) colour[k] = float(std::max(value[k], 0.));
     return colour;
   }
@@ -151,8 +154,8 @@ class OffParser {
                   "faces name a colour by its number in a table that is not in the file");
   }
 
-  /// sRGB of 0 ... 255, or of 0 ... 1 where no number of the file is larger, to linear RGBA. White
-  /// for those that have none.
+  /// Turns sRGB into linear RGBA. The range is 0 ... 255, or 0 ... 1 if none of these numbers is
+  /// larger. Vertices or faces without a colour become white.
   static std::vector<std::array<float, 4>> linear(std::vector<std::array<float, 4>> colours) {
     float largest = 0;
     for (const auto& c : colours) largest = std::max(largest, *std::ranges::max_element(c));
@@ -165,7 +168,7 @@ class OffParser {
     return colours;
   }
 
-  std::string_view rest_, current_;  ///< lines to come, what is left of this one
+  std::string_view rest_, current_;  ///< lines that follow, rest of the current one
   const std::string& path_;
   int64_t line_ = 0;
   Asset asset_;

@@ -18,7 +18,7 @@ namespace elastogen {
 ///         beyond the bytes that follow, an index out of range, a line with too few numbers.
 Asset read_off(const std::string& path);
 
-/// The same from memory; `path` is for messages.
+/// Reads OFF from memory; `path` is for messages.
 Asset parse_off(std::string_view bytes, const std::string& path);
 
 }  // namespace elastogen

@@ -35,6 +35,7 @@ std::string own_columns_of(const Asset& asset, int64_t& count) {
 std::vector<Finding> output_findings(const Asset& asset, const Surface& surface,
                                      const std::vector<std::string>& paths) {
   std::vector<Finding> findings;
+  // columns that only PLY can hold
   const FileOrder order = file_order(asset, surface);
   const std::string plain = outputs_with(paths, {"glb", "pc2", "pvd"});
   int64_t columns = 0;
@@ -42,6 +43,7 @@ std::vector<Finding> output_findings(const Asset& asset, const Surface& surface,
   if (columns > 0 && !plain.empty())
     findings.push_back({"own-columns", columns,
                         concat("columns of the vertices have no place in ", plain, ": ", names)});
+  // corners that differ in their normal share a vertex in PLY
   const std::string ply = outputs_with(paths, {"ply"});
   if (!ply.empty() && !asset.points && !asset.splats) {
     const int64_t vertices = PlyMesh(ply, asset, surface, order).without_normal();
@@ -50,6 +52,7 @@ std::vector<Finding> output_findings(const Asset& asset, const Surface& surface,
           {"corner-normals", vertices,
            concat("vertices have several normals or none, PLY one for each: ", ply)});
   }
+  // PC2 is float32, far from the origin too coarse
   const std::string rounded = outputs_with(paths, {"pc2"});
   if (!rounded.empty() && is_float32_coarse(order.rest))
     findings.push_back(

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What outputs cannot hold of an asset.
+// Parts of an asset that the formats of its outputs cannot hold.
 
 #pragma once
 

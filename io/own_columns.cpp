@@ -12,7 +12,7 @@
 namespace elastogen {
 namespace {
 
-constexpr size_t kMostNames = 12;  ///< in a sentence
+constexpr size_t kMostNames = 12;  ///< names in one sentence
 
 template <class T>
 void append_integer(std::string& bytes, double value) {

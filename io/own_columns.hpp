@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Columns of points and splats that mean nothing here, carried to outputs that can hold them.
+// Columns of points and splats without a meaning here, carried to outputs that can hold them.
 
 #pragma once
 
@@ -13,7 +13,7 @@ namespace elastogen {
 
 struct Asset;
 
-/// Numbers of points in the types of their file.
+/// Columns of numbers of points, in the types of their file.
 struct OwnColumns {
   struct Column {
     std::string name;  ///< one word
@@ -24,17 +24,17 @@ struct OwnColumns {
 
   size_t row_bytes() const;
 
-  /// Appends the value of a column of the next point.
+  /// Appends the value of a column for the next point.
   void add(size_t column, double value);
 };
 
-/// Bytes of a value; integers are rounded and held within their type, not-a-number is 0 there.
+/// Appends the bytes of a value; integers are rounded and clamped to their type, NaN becomes 0.
 void append_number(std::string& bytes, PlyType type, double value);
 
-/// Finding "carried-columns" that names those of a cloud, if there are any.
+/// Adds the finding "carried-columns", which names the columns of a cloud, if it has any.
 void note_own_columns(Asset& asset, const OwnColumns& own);
 
-/// Finding "lost-columns" that names what could not be carried, if there is anything.
+/// Adds the finding "lost-columns", which names the columns that could not be carried, if any.
 void note_lost_columns(Asset& asset, const std::vector<std::string>& names);
 
 }  // namespace elastogen

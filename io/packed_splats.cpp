@@ -58,7 +58,7 @@ bool is_packed(const PlyElement& vertex) {
 
 std::vector<SplatChunk> read_chunks(const PlyElement& element, PlyValues& values,
                                     const std::string& path) {
-  // older files have no ranges of colour: they are 0 to 1
+  // older files have no ranges of colour: the range is 0 to 1
   static constexpr const char* kNames[] = {"x",       "y", "z", "scale_x", "scale_y",
                                            "scale_z", "r", "g", "b"};
   const int ranges = element.find({"min_r"}) >= 0 ? 9 : 6;

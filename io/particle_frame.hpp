@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What outputs are told of particles beside where they are and how they move. All are views of
-// arrays that outlive the writers.
+// Data of particles for outputs, beside position and velocity. All are views of arrays that outlive
+// the writers.
 
 #pragma once
 
@@ -8,7 +8,7 @@
 
 namespace elastogen {
 
-/// What stays the same through a run.
+/// Data that do not change during a run.
 struct ParticleSet {
   Span<const double> mass;       ///< [kg], (particles, 1)
   Span<const double> volume;     ///< at rest [m^3], (particles, 1)
@@ -17,12 +17,12 @@ struct ParticleSet {
   int64_t count() const { return mass.rows; }
 };
 
-/// The strain of a frame.
+/// Strain and stress of one frame.
 struct ParticleStrain {
   Span<const double> F;       ///< elastic deformation gradient [-], row-major, (particles, 9)
   Span<const double> C;       ///< affine velocity [1/s], row-major, (particles, 9)
   Span<const double> stress;  ///< Kirchhoff's [Pa], xx yy zz xy yz zx, (particles, 6)
-  Span<const double> memory;  ///< the number that the law keeps [-], (particles, 1)
+  Span<const double> memory;  ///< the law's internal variable [-], (particles, 1)
 };
 
 }  // namespace elastogen

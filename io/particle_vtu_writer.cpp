@@ -63,7 +63,7 @@ class ParticleVtuWriter : public AnimationWriter {
     file.array("material", "Int32", std::vector<int32_t>(material, material + count));
   }
 
-  /// A cell for each particle, without which ParaView shows nothing.
+  /// One vertex cell for each particle; without cells ParaView shows nothing.
   void add_cells(VtuFile& file) const {
     std::vector<int32_t> point(size_t(particles_.count()));
     std::vector<int64_t> end(point.size());

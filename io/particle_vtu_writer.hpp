@@ -7,11 +7,11 @@
 
 namespace elastogen {
 
-/// A writer of NAME.pvd, written by finish(), and NAME_00000.vtu, ... beside it, each whole as soon
-/// as its frame has come. Each particle is a vertex [m]. Appended raw data of points, float32:
-/// `velocity` [m/s], `F` (9, row-major) and `J` of the elastic strain, `memory` (the number that
-/// the law keeps), `kirchhoff_stress` [Pa] (xx yy zz xy yz xz), `mass` [kg], `volume` at rest
-/// [m^3]; int32: `material`.
+/// A writer of NAME.pvd, written by finish(), and of NAME_00000.vtu, ... beside it, each complete
+/// as soon as its frame has come. Each particle is a vertex [m]. Appended raw data of points,
+/// float32: `velocity` [m/s], `F` (9, row-major) and `J` of the elastic strain, `memory` (the
+/// number that the law keeps), `kirchhoff_stress` [Pa] (xx yy zz xy yz xz), `mass` [kg], `volume`
+/// at rest [m^3]; int32: `material`.
 ///
 /// @throws Error (usage) without options.scene and options.particles, and from frame without state
 ///         and strain; others as AnimationWriter.

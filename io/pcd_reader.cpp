@@ -11,7 +11,7 @@ namespace elastogen {
 namespace {
 
 constexpr size_t kMaxFields = 256;
-constexpr int64_t kMostOwnValues = 16;  ///< of a field that is carried; more is a descriptor
+constexpr int64_t kMostOwnValues = 16;  ///< a field of more is a descriptor and not carried
 constexpr int64_t kMaxPoints = std::numeric_limits<int32_t>::max();
 
 struct Field {
@@ -20,8 +20,8 @@ struct Field {
   char type = 'F';     ///< I signed, U unsigned, F floating
   int64_t count = 1;   ///< values a point
   int64_t offset = 0;  ///< of the first value in a point [bytes]
-  int64_t word = 0;    ///< the same in values, for text
-  int64_t index = 0;   ///< of the value that is meant, where a field has several
+  int64_t word = 0;    ///< offset counted in values, for text
+  int64_t index = 0;   ///< of the value that is read, where a field has several
 };
 
 class PcdParser {
@@ -55,6 +55,7 @@ class PcdParser {
     ++line_;
     std::string_view line = next_line(rest_);
     const std::string_view keyword = next_word(line);
+    // what a value of each field is
     if (keyword == "FIELDS" || keyword == "COLUMNS") {
       for (std::string_view name; !(name = next_word(line)).empty();)
         fields_.emplace_back().name = name;
@@ -71,12 +72,14 @@ class PcdParser {
     } else if (keyword == "COUNT") {
       for (Field& field : fields_) field.count = integer(line, 0, 1 << 16);
     } else if (keyword == "WIDTH") {
+      // how many points there are
       width_ = integer(line, 0, kMaxPoints);
     } else if (keyword == "HEIGHT") {
       height_ = integer(line, 0, kMaxPoints);
     } else if (keyword == "POINTS") {
       points_ = integer(line, 0, kMaxPoints);
     } else if (keyword == "DATA") {
+      // DATA is the last line of the header
       data_ = next_word(line);
       check(data_ == "ascii" || data_ == "binary" || data_ == "binary_compressed",
             "DATA must be ascii, binary or binary_compressed");
@@ -117,7 +120,7 @@ class PcdParser {
     if (colour_ && colour_->size != 4) colour_ = nullptr;
   }
 
-  /// Fields that nothing else takes, one column a value; padding ("_") is none of them.
+  /// Fields that nothing else uses, one column a value; padding ("_") is left out.
   void begin_own_columns() {
     for (const Field& field : fields_) {
       const bool is_normal =
@@ -155,7 +158,7 @@ class PcdParser {
     return found == fields_.end() || found->count == 0 ? nullptr : &*found;
   }
 
-  /// Lines of numbers, as many as the fields have values.
+  /// Reads lines of numbers, as many in a line as the fields have values.
   void read_text() {
     check(points_ <= int64_t(rest_.size() + 1) / 2, points_, " points are claimed but only ",
           rest_.size(), " bytes are left");
@@ -184,7 +187,7 @@ class PcdParser {
     return uint32_t(int64_t(std::clamp(value, -0x1p31, 0x1p32 - 1)));
   }
 
-  /// Points one after the other or, compressed, each field of all points after the other.
+  /// Reads points one after the other or, if compressed, field after field for all points.
   void read_binary() {
     std::string unpacked;
     std::string_view values = rest_;

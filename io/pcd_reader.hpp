@@ -16,7 +16,7 @@ namespace elastogen {
 ///         no x y z, counts that contradict each other or are beyond the bytes that follow.
 Asset read_pcd(const std::string& path);
 
-/// The same from memory; `path` is for messages.
+/// Reads PCD from memory; `path` is for messages.
 Asset parse_pcd(std::string_view bytes, const std::string& path);
 
 }  // namespace elastogen

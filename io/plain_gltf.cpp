@@ -19,7 +19,7 @@ namespace elastogen {
 
 namespace {
 
-/// Takes the extensions that are resolved off the lists of the document.
+/// Removes the resolved extensions from the lists of the document.
 void drop_extensions(GltfEdit::Json& document) {
   for (const char* list : {"extensionsUsed", "extensionsRequired"}) {
     GltfEdit::Json left = GltfEdit::Json::array();
@@ -43,14 +43,15 @@ std::vector<size_t> parents(const GltfEdit::Json& nodes) {
   return parent;
 }
 
-/// A scene names roots. Where it names a node below another of them, that is enough; where it names
-/// a node of a tree that it does not show, the node is cut from its parent and stands alone.
+/// The nodes that a scene names must be roots. One that lies below another named node is dropped
+/// from the list; one that lies in a tree that the scene does not show is cut from its parent.
 void free_roots(GltfEdit::Json& document, std::vector<Finding>& findings) {
   using Json = GltfEdit::Json;
   const size_t scene = document.value("scene", size_t{0});
   if (!document.contains("nodes") || !document.contains("scenes") ||
       scene >= document["scenes"].size() || !document["scenes"][scene].contains("nodes"))
     return;
+  // sort the named nodes: roots stay
   Json& nodes = document["nodes"];
   const std::vector<size_t> parent = parents(nodes);
   const Json named = document["scenes"][scene]["nodes"];
@@ -62,12 +63,14 @@ void free_roots(GltfEdit::Json& document, std::vector<Finding>& findings) {
       roots.push_back(root);
       continue;
     }
+    // climb; the number of steps is bounded, as parents may form a cycle
     bool below = false;
     size_t above = parent[n];
     for (size_t steps = 0; steps < nodes.size() && above < nodes.size() && !below; ++steps) {
       below = std::find(named.begin(), named.end(), Json(above)) != named.end();
       above = parent[above];
     }
+    // below a named node it is shown anyway, else it becomes a root
     ++freed;
     if (below) continue;
     Json& children = nodes[parent[n]]["children"];

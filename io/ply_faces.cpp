@@ -27,7 +27,7 @@ class PlyFaceReader {
 
   FaceList read() {
     for (int64_t f = 0; f < face_.count; ++f) read_face(f);
-    // lists without coordinates are as good as none
+    // drop uv if no face has coordinates
     if (std::ranges::find(faces_.has_uv, 1) == faces_.has_uv.end()) {
       faces_.uv.clear();
       faces_.has_uv.clear();

@@ -8,7 +8,7 @@
 
 namespace elastogen {
 
-/// Where an element has red, green, blue and perhaps alpha.
+/// Finds the columns red, green, blue and perhaps alpha of an element.
 class PlyColour {
  public:
   explicit PlyColour(const PlyElement& element);
@@ -21,13 +21,13 @@ class PlyColour {
 
  private:
   std::array<int, 4> column_;    ///< -1 for none
-  std::array<double, 4> range_;  ///< of their type, 0 for floats
+  std::array<double, 4> range_;  ///< range of each column's type, 0 for floats
 };
 
 /// Reads the element `face`: vertex_indices, texcoord (u v of each corner), texnumber (the
-/// material) and colours; names of further properties are added to `left_out`. Without texnumber
+/// material) and colours. Names of further properties are added to `left_out`. Without texnumber
 /// all faces have the first material.
-/// @param textures  how many the file names.
+/// @param textures  number of textures that the file names.
 /// @throws Error (asset) naming the face: no list of indices, another number of coordinates than
 ///         two a corner, too many corners.
 FaceList read_ply_faces(const PlyElement& face, size_t textures, PlyValues& values,

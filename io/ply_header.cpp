@@ -46,7 +46,7 @@ class HeaderParser {
     ELASTOGEN_CHECK_ASSET(condition, path_, ':', header_.lines, ": ", parts...);
   }
 
-  /// Only whole lines count: the end of a header must be beyond doubt.
+  /// Only whole lines count, as the values follow the last line of the header directly.
   std::string_view line_of_header() {
     check(rest_.find('\n') != rest_.npos, "the header has no end");
     ++header_.lines;
@@ -103,8 +103,8 @@ class HeaderParser {
     return found->type;
   }
 
-  /// A count is believed only if its items can be there, each of the least size: in text a digit
-  /// and a blank a value.
+  /// Accepts a count only if the file can hold as many items of the least size. In text the least
+  /// size is a digit and a blank for each value.
   void check_count(const PlyElement& element) const {
     int64_t least = 0;
     for (const PlyProperty& p : element.properties) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Header of a PLY file: what its elements are and how their values are stored.
+// The header of a PLY file: its elements, and how their values are stored.
 
 #pragma once
 
@@ -30,7 +30,7 @@ struct PlyElement {
   /// Index of the first property with one of the names, -1 if there is none.
   int find(std::initializer_list<std::string_view> names) const;
 
-  /// Index of a property that is no list. @throws Error (asset) if there is none of that name.
+  /// Index of a property that is not a list. @throws Error (asset) if there is none of that name.
   size_t number(const std::string& property, const std::string& path) const;
 };
 
@@ -38,13 +38,13 @@ struct PlyHeader {
   enum Encoding { kText, kLittleEndian, kBigEndian } encoding = kText;
   std::vector<PlyElement> elements;
   std::vector<std::string> textures;  ///< named by "comment TextureFile" lines
-  std::vector<std::string> skipped;   ///< beginnings of lines that are none of a header
+  std::vector<std::string> skipped;   ///< beginnings of lines that belong to no header
   size_t bytes = 0;                   ///< of the header; the values follow
   int64_t lines = 0;
 };
 
 /// @throws Error (asset) with the line: no magic, no end_header in the first 64 KiB, an unknown
-///         type, a count that is no count or beyond the bytes that follow.
+///         type, an invalid count or one beyond the bytes that follow.
 PlyHeader read_ply_header(std::string_view bytes, const std::string& path);
 
 }  // namespace elastogen

@@ -18,7 +18,7 @@ namespace {
 constexpr const char* kTypes[] = {"char", "uchar", "short", "ushort",
                                   "int",  "uint",  "float", "double"};
 
-/// Text may hold more than its type: the nearest number of the type then.
+/// Text may hold numbers beyond the range of their type: they become the nearest of the type.
 void append_colour(std::string& bytes, const std::array<float, 4>& linear) {
   for (size_t c = 0; c < 4; ++c) {
     const float share = std::clamp(linear[c], 0.0f, 1.0f);
@@ -26,7 +26,7 @@ void append_colour(std::string& bytes, const std::array<float, 4>& linear) {
   }
 }
 
-/// Normal of a mesh in the axes of the root.
+/// The normal of a mesh in the axes of the root.
 std::array<float, 3> at_root(const Matrix4& world, const std::array<float, 3>& normal) {
   const double A[9] = {world[0], world[4], world[8], world[1], world[5],
                        world[9], world[2], world[6], world[10]};
@@ -61,7 +61,7 @@ void PlyMesh::add_instance(const SurfaceInstance& instance) {
   for (size_t v = 0; v < mesh.position_of.size(); ++v) {
     const auto point = size_t(instance.first_vertex + mesh.position_of[v]);
     flat_.position_of.push_back(order_.vertex[point]);
-    const std::array<float, 3> none = {};  // of primitives of a glTF mesh that lack normals
+    const std::array<float, 3> none = {};  // for primitives of a glTF mesh without normals
     has_normal_.push_back(!mesh.normal.empty() && mesh.normal[v] != none);
     has_uv_.push_back(!mesh.uv.empty());
     flat_.normal.push_back(mesh.normal.empty() ? std::array<float, 3>{0, 0, 1}
@@ -73,7 +73,7 @@ void PlyMesh::add_instance(const SurfaceInstance& instance) {
   for (const TriangleGroup& group : mesh.groups)
     for (size_t k = 0; k + 2 < group.corner.size(); k += 3, ++t) {
       std::array<int32_t, 3> drawn = {group.corner[k], group.corner[k + 1], group.corner[k + 2]};
-      // the surface turns those of mirrored instances
+      // the surface reverses the triangles of mirrored instances
       if (surface_.triangles(t, 1) != instance.first_vertex + mesh.position_of[size_t(drawn[1])])
         std::swap(drawn[1], drawn[2]);
       for (const int32_t d : drawn) flat_.groups[0].corner.push_back(first + d);
@@ -81,7 +81,7 @@ void PlyMesh::add_instance(const SurfaceInstance& instance) {
     }
 }
 
-/// The first drawn vertex of each vertex that a triangle has, else any.
+/// The drawn vertex that stands for each vertex of the file: the first in a triangle, else any.
 void PlyMesh::find_vertices() {
   vertex_.assign(order_.rest.size(), -1);
   const auto take = [&](int32_t drawn) {
@@ -92,8 +92,9 @@ void PlyMesh::find_vertices() {
   for (size_t drawn = 0; drawn < flat_.position_of.size(); ++drawn) take(int32_t(drawn));
 }
 
-/// What is written, and of vertices or of corners.
+/// Decides which attributes are written, and whether vertices, corners or faces have them.
 void PlyMesh::choose() {
+  // compare each corner with the first drawn vertex at its position
   std::vector<uint8_t> several(order_.rest.size(), 0);
   bool uv = false, several_uv = false, several_colour = false;
   const auto of = [&](int32_t drawn) {
@@ -109,10 +110,13 @@ void PlyMesh::choose() {
     several_uv |= textured_[k / 3] != has_uv_[one] || flat_.uv[d] != flat_.uv[one];
     several_colour |= flat_.colour[d] != flat_.colour[one];
   }
+  // normals: for vertices, or not at all
   if (normals_) without_normal_ = std::ranges::count(several, 1);
   normals_ = normals_ && without_normal_ == 0;
+  // uv: for vertices if corners agree, else for corners
   vertex_uv_ = uv && !several_uv;
   corner_uv_ = uv && several_uv;
+  // colours: for vertices if corners agree, else for faces
   const bool coloured =
       std::ranges::any_of(asset_.meshes, [](const Mesh& mesh) { return !mesh.colour.empty(); });
   vertex_colour_ = coloured && !several_colour;

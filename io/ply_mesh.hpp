@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// All shown meshes as one PLY mesh, in the order of the file, and the frames of it.
+// All shown meshes as one PLY mesh in the order of the file, and its frames.
 
 #pragma once
 
@@ -7,11 +7,11 @@
 
 namespace elastogen {
 
-/// What PLY can say of the attributes of meshes whose positions it keeps as they are: one normal,
-/// uv and colour a vertex; else uv a corner and a colour a face.
+/// The attributes that PLY can hold for meshes whose positions it keeps: one normal, uv and colour
+/// for each vertex, or uv for each corner and a colour for each face.
 class PlyMesh {
  public:
-  /// @param path  of the output: textures are named from its folder.
+  /// @param path  path of the output; textures are named relative to its folder.
   PlyMesh(const std::string& path, const Asset& asset, const Surface& surface,
           const FileOrder& order);
 
@@ -21,8 +21,8 @@ class PlyMesh {
   /// Vertices and faces of a frame.
   std::string body(const Span<const double>& displacement);
 
-  /// Vertices whose corners have several normals, or that have none while others do: no normals are
-  /// written then.
+  /// Number of vertices whose corners have several normals, or that have none while others have
+  /// one. If there are any, no normals are written.
   int64_t without_normal() const { return without_normal_; }
 
  private:
@@ -40,7 +40,7 @@ class PlyMesh {
   bool is_double_;
   Mesh flat_;                                 ///< drawn vertices and triangles of all instances
   std::vector<uint8_t> has_normal_, has_uv_;  ///< of each drawn vertex
-  std::vector<uint8_t> textured_;             ///< of each triangle: its uv means something
+  std::vector<uint8_t> textured_;             ///< of each triangle: 1 if its uv is valid
   std::vector<int32_t> vertex_;  ///< the drawn vertex of each vertex of the file, -1 for none
   bool normals_ = false, vertex_uv_ = false, corner_uv_ = false;
   bool vertex_colour_ = false, face_colour_ = false, numbers_ = false;

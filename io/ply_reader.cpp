@@ -26,15 +26,18 @@ class PlyParser {
   }
 
   Asset parse() {
+    // what the header says
     const bool has_faces = check_faces();
     if (!header_.skipped.empty())
       add_finding(asset_, "header-lines", int64_t(header_.skipped.size()),
                   "lines of the header begin with no word of a header, the first with " +
                       shown_line(header_.skipped[0]));
+    // splats are told by their columns
     if (!has_faces && is_splats(header_)) {
       asset_.splats = read_splats(header_, values_, options_.splat_scales, asset_);
       return std::move(asset_);
     }
+    // the first elements vertex and face count, others are passed over
     Mesh& mesh = asset_.meshes.emplace_back();
     FaceList faces;
     for (const PlyElement& element : header_.elements) {
@@ -47,6 +50,7 @@ class PlyParser {
         if (element.count > 0) left_out_.push_back(element.name);
       }
     }
+    // vertices without faces are a point cloud
     if (has_faces) return as_mesh(mesh, faces);
     return as_points(mesh);
   }
@@ -130,7 +134,7 @@ class PlyParser {
     }
   }
 
-  /// Numbers that mean nothing here; lists are left out.
+  /// Columns of numbers that mean nothing here and are carried; lists are left out.
   std::vector<int> own_columns(const PlyElement& vertex, const Columns& c, bool is_mesh,
                                Mesh& mesh) {
     std::vector<int> own;

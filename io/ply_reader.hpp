@@ -19,7 +19,7 @@ namespace elastogen {
 Asset read_ply(const std::string& path, const ReadOptions& options);
 Asset read_ply(const std::string& path);
 
-/// The same from memory; `path` is for messages and for the files that it names.
+/// Reads PLY from memory; `path` is for messages and for the files that it names.
 Asset parse_ply(std::string_view bytes, const std::string& path, const ReadOptions& options);
 Asset parse_ply(std::string_view bytes, const std::string& path);
 

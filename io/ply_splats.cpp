@@ -11,7 +11,7 @@
 namespace elastogen {
 namespace {
 
-constexpr double kSplatTail = 0.02;  // of the splats may lie far away on each side
+constexpr double kSplatTail = 0.02;  // share of the splats that may lie far away on each side
 
 const PlyElement* element_of(const PlyHeader& header, std::string_view name) {
   const auto found = std::ranges::find(header.elements, name, &PlyElement::name);
@@ -44,7 +44,7 @@ std::vector<size_t> numbers(const PlyElement& vertex, std::initializer_list<cons
   return columns;
 }
 
-/// Numbers that no splat has; lists are named in `lists`.
+/// Columns that mean nothing for a splat and are carried; lists are named in `lists`.
 std::vector<size_t> own_columns(const PlyElement& vertex, const SplatColumns& c,
                                 std::vector<std::string>& lists) {
   std::vector<bool> known(vertex.properties.size());
@@ -160,10 +160,12 @@ float first_harmonic(const PlyProperty& property, bool is_rgb, double value) {
 SplatCloud read_plain(const PlyElement& vertex, PlyValues& values, SplatScales scales,
                       Asset& asset) {
   SplatCloud splats;
+  // which columns hold what
   splats.degree = degree_of(vertex, asset.path);
   const SplatColumns c = columns_of(vertex, splats.degree, asset);
   for (const size_t k : c.own)
     splats.own.columns.push_back({vertex.properties[k].name, vertex.properties[k].type});
+  // rows as they are in the file
   std::vector<double> row;
   for (int64_t i = 0; i < vertex.count; ++i) {
     values.next_row(vertex, row);
@@ -178,6 +180,7 @@ SplatCloud read_plain(const PlyElement& vertex, PlyValues& values, SplatScales s
     for (const size_t k : c.rest) splats.harmonics.push_back(at(k));
     for (size_t k = 0; k < c.own.size(); ++k) splats.own.add(k, row[c.own[k]]);
   }
+  // scales and opacities in the numbers of SplatCloud
   convert(splats, c, scales, asset);
   note_own_columns(asset, splats.own);
   return splats;

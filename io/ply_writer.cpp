@@ -45,7 +45,7 @@ class PlyWriter : public AnimationWriter {
         particles_(particles) {
     if (asset.splats) motion_.emplace(*asset.splats);
     if (!asset.splats && !asset.points) mesh_.emplace(path, asset, surface, order_);
-    SafeFile probe(frame_path(path, 0, ".ply"));  // refuses a folder at once
+    SafeFile probe(frame_path(path, 0, ".ply"));  // throws here if the folder cannot be written
   }
 
   bool needs_gradient() const override {
@@ -99,7 +99,7 @@ class PlyWriter : public AnimationWriter {
     return asset_.splats ? &asset_.splats->own : asset_.points ? &asset_.points->own : nullptr;
   }
 
-  /// Own columns whose names a property before them has get "own_" in front.
+  /// Properties for own columns; "own_" is put before names that another property has already.
   std::string own_properties(const std::string& before) const {
     std::string text;
     if (!own()) return text;

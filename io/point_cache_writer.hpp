@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Point cache (PC2): positions of every frame, as Blender's Mesh Cache modifier and others read.
+// Point cache (PC2): positions of every frame, for Blender's Mesh Cache modifier and others.
 
 #pragma once
 

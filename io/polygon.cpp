@@ -38,14 +38,14 @@ std::vector<Vec2> flattened(const std::vector<Vec3>& corners) {
   return flat;
 }
 
-/// No triangle of the fan from the first corner is turned over.
+/// Whether no triangle of the fan from the first corner is turned over.
 bool fan_is_right(const std::vector<Vec2>& p) {
   for (size_t k = 2; k < p.size(); ++k)
     if (cross(p[0], p[k - 1], p[k]) < 0) return false;
   return true;
 }
 
-/// Corner k of the ring can be cut off: it is convex and no other corner lies in its triangle.
+/// Whether corner k of the ring can be cut off: it is convex and its triangle has no other corner.
 bool is_ear(const std::vector<Vec2>& p, const std::vector<int>& ring, size_t k) {
   const size_t n = ring.size();
   const Vec2 &a = p[ring[(k + n - 1) % n]], &b = p[ring[k]], &c = p[ring[(k + 1) % n]];
@@ -88,7 +88,7 @@ std::vector<int> triangulate(const std::vector<Vec3>& corners) {
     misses = 0;
   }
 
-  // what has no ear crosses itself or has no area
+  // a ring without an ear crosses itself or has no area
   const std::vector<int> rest = fan(ring);
   triangles.insert(triangles.end(), rest.begin(), rest.end());
   return triangles;

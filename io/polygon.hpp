@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Polygons of a file to triangles.
+// Triangulation of the polygons of a file.
 
 #pragma once
 
@@ -9,9 +9,9 @@
 
 namespace elastogen {
 
-/// Largest polygon that is searched for ears; larger ones become fans.
+/// Largest polygon that is triangulated by ears; larger ones become fans.
 inline constexpr int kMaxEarCorners = 256;
-/// Largest polygon that readers take.
+/// Largest polygon that readers accept.
 inline constexpr int kMaxPolygonCorners = 1 << 16;
 
 /// Triangles of a simple polygon in space, as triples of its corners, wound as the polygon: a fan

@@ -41,7 +41,7 @@ std::string head_of(const std::string& path) {
   return head;
 }
 
-/// Name of the format that the first bytes prove, "" if they prove none.
+/// Name of the format that the first bytes prove, "" if they prove no format.
 std::string format_of(std::string_view head) {
   struct Signature {
     std::string_view bytes, format;
@@ -73,7 +73,7 @@ constexpr Reader kReaders[] = {
     {"spz", read_spz},   {"gzip", read_spz},
 };
 
-/// What to do with formats that are not read, by their ending.
+/// Advice on formats that are not read, by their ending.
 struct Advice {
   std::string_view format, text;
 };
@@ -121,7 +121,7 @@ Asset read_asset(const std::string& path, const ReadOptions& options) {
   const std::string proven = format_of(head), ending = ending_of(path);
   const std::string format = proven.empty() ? ending : proven;
 
-  // the formats that are text, or may be
+  // formats that are always text, or may be
   static constexpr std::string_view kTexts[] = {"obj", "ply", "stl", "off",
                                                 "xyz", "asc", "pts", "pcd"};
   ELASTOGEN_CHECK_ASSET(!is_utf16(head) || std::ranges::find(kTexts, format) == std::end(kTexts),

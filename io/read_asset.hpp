@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The reader of each format, chosen by content, then by the name's ending.
+// Reads an asset with the reader of its format, which content decides, then the name's ending.
 
 #pragma once
 
@@ -14,8 +14,8 @@ inline constexpr const char* kReadFormats =
     ".spz";
 
 /// Reads an asset, some formats through io/child_reader.hpp, and checks it (io/asset_check.hpp).
-/// @throws Error (asset) for a missing or empty file, a format that is not read (saying what to do
-///         where there is a way), and all that the readers and the check refuse.
+/// @throws Error (asset) for a missing or empty file, a format that is not read (with advice if
+///         there is any), and everything that the readers and the check refuse.
 Asset read_asset(const std::string& path, const ReadOptions& options = {});
 
 }  // namespace elastogen

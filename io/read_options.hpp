@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a user says of a file where it does not say it itself.
+// Facts about a file that the user states if the file does not.
 
 #pragma once
 
@@ -8,8 +8,8 @@
 
 namespace elastogen {
 
-/// How a PLY file of splats has its scales and opacities: as logarithms and logits (the reference
-/// code of 3-D Gaussian splatting), as they are, or to be found out (io/ply_splats.hpp).
+/// Scales and opacities of splats in a PLY file: logarithms and logits (the reference code of 3-D
+/// Gaussian splatting), plain numbers, or decided from the numbers (io/ply_splats.hpp).
 enum class SplatScales { kAuto, kLog, kLinear };
 
 /// "auto", "log" or "linear". @throws Error naming them.
@@ -18,7 +18,7 @@ std::string splat_scales_name(SplatScales scales);
 
 struct ReadOptions {
   SplatScales splat_scales = SplatScales::kAuto;
-  std::string grid;  ///< of an OpenVDB file by its name, "": the first that has something
+  std::string grid;  ///< name of a grid of an OpenVDB file, "": the first that is not empty
 };
 
 }  // namespace elastogen

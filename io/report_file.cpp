@@ -101,7 +101,7 @@ void write_report(const std::string& path, const RunReport& report) {
       {"command", report.command},
       {"commit", report.commit},
   };
-  // file names need not be UTF-8: what is not is replaced
+  // file names need not be UTF-8: invalid bytes are replaced
   write_file(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
 }
 

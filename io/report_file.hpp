@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `--report`: what a run was given, what it did and how well, as one JSON file (docs/formats.md,
-// report).
+// `--report`: input, results and quality of a run as one JSON file (docs/formats.md, report).
 
 #pragma once
 
@@ -34,26 +33,26 @@ struct RunReport {
   int64_t nodes = 0;
   double h = 0;  ///< voxel edge [m]
   std::vector<Material> materials;
-  std::vector<std::string> nets;    ///< SHA-256 of the weights of each, "" for its law; empty: laws
-  std::string device = "cpu";       ///< what iterations ran on: "cpu", or the name of a card
-  int64_t steps = 0;                ///< taken
-  int64_t frames = 0;               ///< written, the rest frame not counted
-  double converged_share = 0;       ///< of the steps, 0 ... 1
-  double worst_residual = 0;        ///< largest of all steps
-  double min_j = 1;                 ///< smallest det F of all steps
-  int64_t outside_fit = 0;          ///< voxels outside the box of their nets, summed over the steps
-  std::vector<int64_t> long_steps;  ///< from 1, those of far more iterations than the median one
+  std::vector<std::string> nets;  ///< SHA-256 of each material's weights, "": its law; empty: laws
+  std::string device = "cpu";     ///< device of the iterations: "cpu", or the name of a card
+  int64_t steps = 0;              ///< number of time steps
+  int64_t frames = 0;             ///< frames written, without the rest frame
+  double converged_share = 0;     ///< share of the steps, 0 ... 1
+  double worst_residual = 0;      ///< largest of all steps
+  double min_j = 1;               ///< smallest det F of all steps
+  int64_t outside_fit = 0;        ///< voxels outside the box of their nets, summed over the steps
+  std::vector<int64_t> long_steps;  ///< steps (from 1) of far more iterations than the median
   StageSeconds stage_seconds;
   std::vector<double> step_ms;  ///< wall time of each step; the file has median and p95
   int64_t peak_memory_bytes = 0;
-  std::vector<std::string> notes;  ///< what is as it should be but worth knowing
+  std::vector<std::string> notes;  ///< facts worth knowing that are no warnings
   std::vector<std::string> warnings;
   std::string command;  ///< as it was typed
   std::string commit;   ///< of the build
 };
 
-/// Value below which the share q of the values lies, by linear interpolation between neighbours;
-/// 0 for no values. @param q  0 ... 1.
+/// The value below which the share q of the values lies, with linear interpolation between
+/// neighbours; 0 for no values. @param q  0 ... 1.
 double quantile(std::vector<double> values, double q);
 
 /// Largest resident memory of this process so far [bytes].

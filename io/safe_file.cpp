@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Closes a descriptor that is only read.
+/// Closes a file descriptor that was opened for reading.
 struct Descriptor {
   int value;
   ~Descriptor() {
@@ -32,7 +32,7 @@ std::string folder_of(const std::string& path) {
   return folder.empty() ? "." : folder;
 }
 
-/// Calls action(name) with one temporary name after the other until it is no longer taken.
+/// Calls action(name) with temporary names until one is free.
 /// @return the name, or "" with errno set.
 template <class Action>
 std::string first_free_name(const std::string& path, const Action& action) {
@@ -46,13 +46,13 @@ std::string first_free_name(const std::string& path, const Action& action) {
 }  // namespace
 
 SafeFile::SafeFile(const std::string& path) : path_(path) {
-  // the last step puts a file in the place of whatever has the name
+  // commit() would replace a device or pipe that has the name
   std::error_code error;
   const fs::file_status there = fs::status(path, error);
   if (fs::exists(there) && !fs::is_regular_file(there) && !fs::is_directory(there))
     throw Error(concat("cannot write ", path, ": it is a device or pipe, no file"),
                 ErrorKind::kResources);
-  // without a name the file goes with the process, however that ends
+  // the system frees a file without a name when the process ends, however it ends
   file_ = ::open(folder_of(path).c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
   if (file_ >= 0) {
     temporary_ = "/proc/self/fd/" + std::to_string(file_);
@@ -103,7 +103,7 @@ void SafeFile::commit() {
   const int file = std::exchange(file_, -1);
   if (::close(file) != 0) fail("write");
 
-  // the new name is safe once the folder is; some file systems cannot sync folders
+  // sync the folder to make the new name durable; some file systems cannot sync folders
   const Descriptor d{::open(folder_of(path_).c_str(), O_RDONLY | O_DIRECTORY)};
   if (d.value >= 0 && ::fsync(d.value) != 0 && errno != EINVAL && errno != EROFS) fail("write");
 }
@@ -130,7 +130,7 @@ std::string read_file(const std::string& path, int64_t max_bytes) {
     const ssize_t n = ::read(file.value, content.data() + done, content.size() - done);
     if (n < 0 && errno == EINTR) continue;
     ELASTOGEN_CHECK_ASSET(n >= 0, path, ": ", std::strerror(errno));
-    if (n == 0) break;  // it became shorter meanwhile
+    if (n == 0) break;  // it became shorter since it was opened
     done += size_t(n);
   }
   content.resize(done);

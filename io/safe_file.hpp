@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files that are whole or absent, bounded reading, and paths that stay beneath their folder.
+// Files that are complete or absent, bounded reading, and paths that stay within their folder.
 
 #pragma once
 
@@ -12,10 +12,10 @@ namespace elastogen {
 /// Largest asset file that is read [bytes].
 inline constexpr int64_t kMaxFileBytes = int64_t{1} << 32;
 
-/// A file without a name in the folder of its target, which commit() gives it; without commit()
-/// nothing remains, also where the process is killed. (On file systems that have no files without
-/// a name: a temporary name, which destruction removes.) Whoever reads the target sees the old
-/// file or the whole new one.
+/// A file without a name in the folder of its target. commit() gives it the target's name; without
+/// commit() nothing remains, even if the process is killed. (On file systems without nameless files
+/// it has a temporary name, which the destructor removes.) A reader of the target sees the old file
+/// or the complete new one.
 /// @throws Error (resources) with path and reason, from every member.
 class SafeFile {
  public:
@@ -24,7 +24,7 @@ class SafeFile {
   SafeFile(const SafeFile&) = delete;
   SafeFile& operator=(const SafeFile&) = delete;
 
-  /// A path to the file for libraries that open files themselves; they must have closed it before
+  /// A path to the file for libraries that open files themselves. They must close it before
   /// commit().
   const std::string& temporary() const { return temporary_; }
   /// The open file, for reading and writing.
@@ -53,8 +53,8 @@ std::string read_file(const std::string& path, int64_t max_bytes = kMaxFileBytes
 /// Lower-case ending of a file's name without its dot, "" where it has none.
 std::string ending_of(const std::string& path);
 
-/// Path of a file that another file names, "tex/skin.png" beside it (backslashes are turned), or
-/// "" unless it is a regular file that, links resolved, lies in that file's folder or below.
+/// Path of a file that another file names, "tex/skin.png" beside it (backslashes are accepted). ""
+/// unless it is a regular file that, after links are resolved, lies within that file's folder.
 /// Absolute names and URLs give "".
 std::string resolve_beside(const std::string& path, const std::string& name);
 

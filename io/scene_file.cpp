@@ -54,7 +54,7 @@ class Check {
     throw Error(concat(name_, line > 0 ? concat(':', line) : "", ": ", text));
   }
 
-  /// Runs a parser of io/units.hpp, whose message then says where.
+  /// Runs a parser of io/units.hpp and adds the place to its message.
   template <class Call>
   auto located(int line, const std::string& path, const Call& call) const {
     try {
@@ -97,7 +97,7 @@ class Check {
     if (given != 1) fail(line, "'region': needs one of select, node and gltf_material");
   }
 
-  /// A move has a path, or all that a turn needs.
+  /// A move must have a path, or all keys of a turn.
   void check_move(const SceneValue& move, int line) const {
     int turn = 0;
     for (const char* key : {"turn", "turn_centre", "turn_axis"}) turn += move.find(key) != nullptr;
@@ -109,8 +109,8 @@ class Check {
   static constexpr TwoKeys kBoxKeys = {"lower", "upper"}, kBallKeys = {"centre", "radius"},
                            kPlaneKeys = {"centre", "normal"};
 
-  /// A table has the two keys of its form and no others.
-  /// @param own  keys of each word of the key that names the form.
+  /// A table must have the keys of its form and no others.
+  /// @param own  keys of each form, by the word that names the form.
   void check_form(std::string_view name, std::string_view kind, const SceneValue& table, int line,
                   const std::vector<TwoKeys>& own) const {
     const SceneValue* form = table.find(kind);
@@ -136,12 +136,14 @@ class Check {
   }
 
   void value(SceneMember& member, const std::string& table) {
+    // an unknown key names its nearest neighbour
     const SceneKey* key = find_scene_key(table, member.key);
     if (!key) {
       const std::string path = (table.empty() ? "" : table + '.') + member.key;
       fail(member.value.line, concat("unknown key '", path.substr(0, 100), "'; the nearest is '",
                                      nearest_scene_key(table, member.key), '\''));
     }
+    // each type has its check, which also turns numbers into SI
     SceneValue& v = member.value;
     switch (key->type) {
       case SceneType::kFlag:
@@ -152,6 +154,7 @@ class Check {
         expect(member, v, Kind::kList, key->path());
         for (const SceneValue& item : v.items) check_text(member, item, *key);
         return;
+      // some keys take a word in place of numbers, like auto
       case SceneType::kWhole:
       case SceneType::kNumber:
         if (!is_word(v, *key)) number(member, v, *key, key->quantity);
@@ -223,7 +226,7 @@ class Check {
     for (SceneValue& item : v.items) number(member, item, key, key.quantity);
   }
 
-  /// A list of lists of a time and what there is at that time.
+  /// Checks a list of entries of a time and values at that time.
   void path(SceneMember& member, const SceneKey& key, const char* names, Quantity quantity) {
     expect(member, member.value, Kind::kList, key.path());
     const size_t count = key.type == SceneType::kTurn ? 2 : 4;
@@ -265,7 +268,7 @@ Json to_json(const SceneValue& value) {
   return table;
 }
 
-/// asset.file from the folder of the scene file.
+/// Makes asset.file relative to the folder of the scene file.
 void resolve_asset(SceneValue& scene, const std::string& name) {
   for (SceneMember& table : scene.members)
     for (SceneMember& member : table.value.members)
@@ -274,7 +277,7 @@ void resolve_asset(SceneValue& scene, const std::string& name) {
             (std::filesystem::path(name).parent_path() / member.value.text).string();
 }
 
-/// A message that quotes a file: at most 1000 bytes, control characters as '?'.
+/// A message that quotes the file, cut to 1000 bytes, with control characters as '?'.
 std::string printable(std::string text) {
   if (text.size() > 1000) text = text.substr(0, 1000) + "...";
   std::replace_if(text.begin(), text.end(), is_control, '?');

@@ -9,17 +9,17 @@ namespace elastogen {
 
 /// Reads a scene from a .toml or .json file. Every number comes back in SI, asset.file from the
 /// scene file's folder.
-/// @throws Error (usage) with file, line and key: what parse_scene refuses; a key that is not known
-///         (naming the nearest); another type, word, unit or range than the key has; a collider
+/// @throws Error (usage) with file, line and key: everything that parse_scene refuses; an unknown
+///         key (naming the nearest); another type, word, unit or range than the key has; a collider
 ///         that lacks a key of its shape or has one of another; a region without exactly one of
-///         select, node and gltf_material; a hold, traction or move that lacks a key; a file
-///         that cannot be read.
+///         select, node and gltf_material; a hold, traction or move that lacks a key; a file that
+///         cannot be read.
 SceneValue read_scene(const std::string& path);
 
-/// The same of a text. @param name  of the file, for messages and relative paths.
+/// Checks a scene in a text. @param name  of the file, for messages and relative paths.
 SceneValue check_scene(std::string_view text, const std::string& name);
 
-/// A scene as JSON text, indented, keys in their order.
+/// A scene as indented JSON text, with its keys in order.
 std::string scene_json(const SceneValue& scene);
 
 }  // namespace elastogen

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is said of keys: ranges, units, the nearest of them.
+// Texts about keys of scene files: ranges, units, the nearest key.
 
 #include "core/error.hpp"
 #include "io/scene_keys.hpp"

@@ -14,7 +14,7 @@ using T = SceneType;
 using Q = Quantity;
 using Keys = std::vector<SceneKey>;
 
-constexpr double kMost = 9007199254740992;  // 2^53: beyond, float64 skips whole numbers
+constexpr double kMost = 9007199254740992;  // 2^53: float64 skips whole numbers above it
 const SceneRange kPositive = {.least = 0, .above = true};
 const SceneRange kNotNegative = {.least = 0};
 const SceneRange kCount = {.least = 1, .most = kMost};
@@ -82,6 +82,7 @@ Keys asset_keys() {
 
 Keys floor_keys() {
   return {
+      // where its plane lies
       {"floor", "on", T::kFlag, "true", "", "false: no floor, as without the table"},
       {"floor",
        "axis",
@@ -101,6 +102,7 @@ Keys floor_keys() {
        Q::kLength,
        {},
        {"auto"}},
+      // how it holds what slides on it
       {"floor",
        "friction",
        T::kNumber,
@@ -115,6 +117,7 @@ Keys floor_keys() {
 
 Keys collider_keys() {
   return {
+      // one text for each, or tables whose shape tells the other keys
       {"", "colliders", T::kTexts, "[]", "--collider", "colliders as the option writes them"},
       {"collider",
        "shape",
@@ -126,6 +129,7 @@ Keys collider_keys() {
        {},
        {"plane", "sphere", "box"}},
       {"collider", "name", T::kText, "", "", "for messages: letters, digits, - and _"},
+      // keys of the three shapes
       {"collider", "centre", T::kVector, "", "", "plane: a point of it; sphere: its centre",
        Q::kLength},
       {"collider", "normal", T::kVector, "", "", "plane: the direction of its free side",
@@ -133,6 +137,7 @@ Keys collider_keys() {
       {"collider", "radius", T::kNumber, "", "", "sphere", Q::kLength, kPositive},
       {"collider", "lower", T::kVector, "", "", "box: its lower corner", Q::kLength},
       {"collider", "upper", T::kVector, "", "", "box: its upper corner", Q::kLength},
+      // keys of every shape
       {"collider",
        "friction",
        T::kNumber,
@@ -149,9 +154,11 @@ Keys collider_keys() {
 
 Keys time_keys() {
   return {
+      // length and rate of the clip
       {"time", "frames", T::kWhole, "120", "--frames", "frames after the rest frame", Q::kNumber,
        whole(0, 1e6)},
       {"time", "fps", T::kNumber, "30", "--fps", "frames a second", Q::kNumber, kPositive},
+      // steps between its frames
       {"time",
        "substeps",
        T::kWhole,
@@ -216,6 +223,7 @@ Keys solver_keys() {
 
 Keys effort_keys() {
   return {
+      // bodies that yield
       {"solver",
        "method",
        T::kText,
@@ -226,6 +234,7 @@ Keys effort_keys() {
        Q::kNumber,
        {},
        {"auto", "mpm", "fem"}},
+      // speed and hardware
       {"solver", "skip", T::kFlag, "true", "--no-skip", "false: take no shortcut"},
       {"solver", "threads", T::kWhole, "0", "--threads", "0: all cores", Q::kNumber,
        whole(0, 1 << 20)},
@@ -254,6 +263,7 @@ Keys paper_keys() {
 
 Keys limit_keys() {
   return {
+      // size and cost of a run
       {"limits", "max_voxels", T::kWhole, "64000000", "--max-voxels", "refused above", Q::kNumber,
        kCount},
       {"limits",
@@ -274,12 +284,14 @@ Keys limit_keys() {
        Q::kTime,
        kPositive,
        {"none"}},
+      // what a warning is
       {"limits", "strict", T::kFlag, "false", "--strict", "true: warnings are errors"},
   };
 }
 
 Keys output_keys() {
   return {
+      // animations
       {"output", "files", T::kTexts, "[]", "-o", "animations, each by its ending"},
       {"output",
        "glb_profile",
@@ -295,6 +307,7 @@ Keys output_keys() {
        whole(4, 65536)},
       {"output", "glb_colliders", T::kFlag, "false", "--glb-colliders",
        "true: floor and colliders in the GLB too"},
+      // pictures
       {"output",
        "camera",
        T::kText,
@@ -306,6 +319,7 @@ Keys output_keys() {
        {"three-quarter", "front", "back", "left", "right", "top", "turntable"}},
       {"output", "image_size", T::kText, "auto", "--image-size",
        "WIDTHxHEIGHT of a picture [pixels]; auto: 320x320 on a sheet, else 960x540"},
+      // files about the run
       {"output", "state", T::kText, "", "--state", "state file (HDF5)"},
       {"output", "log", T::kText, "", "--log-json", "one JSON object a time step"},
       {"output", "report", T::kText, "", "--report", "summary of the run (JSON)"},

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every key of a scene file, in one table: the check, the published schema, the page docs/scene.md
-// and the options that the values become follow from it.
+// Every key of a scene file in one table. The check, the published schema, the page docs/scene.md
+// and the options that the values become are all made from it.
 
 #pragma once
 
@@ -17,8 +17,8 @@ enum class SceneType {
   kFlag,    ///< true or false
   kWhole,   ///< a whole number, or one of the words
   kNumber,  ///< a number in SI, a text with a unit, or one of the words
-  kVector,  ///< three of them
-  kText,    ///< one of the words; any text where there are none; "a=NUMBER" stands for any number
+  kVector,  ///< three numbers
+  kText,    ///< one of the words, any text if there are none; in "a=NUMBER" any number
   kTexts,   ///< a list of texts
   kPath,    ///< a list of [t, x, y, z]: time, place
   kTurn,    ///< a list of [t, angle]
@@ -28,8 +28,8 @@ enum class SceneType {
 struct SceneRange {
   double least = -std::numeric_limits<double>::infinity();
   double most = std::numeric_limits<double>::infinity();
-  bool above = false;  ///< least itself is out
-  bool below = false;  ///< most itself is out
+  bool above = false;  ///< least itself is not allowed
+  bool below = false;  ///< most itself is not allowed
 
   bool has(double value) const;
   std::string text() const;  ///< "at least 1", "above 0, below 0.5", "" for any
@@ -39,8 +39,8 @@ struct SceneKey {
   std::string table;  ///< "" for the root
   std::string name;
   SceneType type = SceneType::kText;
-  std::string fallback;     ///< what holds without the key, as it is shown; "" for nothing
-  const char* option = "";  ///< of elastogen animate that it is the default of; "" for none
+  std::string fallback;     ///< default in the words of the page; "" for none
+  const char* option = "";  ///< option of animate that replaces the key; "" for none
   std::string text;         ///< a sentence
   Quantity quantity = {};   ///< of the numbers
   SceneRange range = {};    ///< of the numbers in SI
@@ -62,11 +62,11 @@ std::span<const SceneKey> scene_keys();  ///< the keys of one table stand togeth
 const SceneKey* find_scene_key(std::string_view table, std::string_view name);
 const SceneTable* find_scene_table(std::string_view name);
 
-/// The path of the key or table that is nearest to an unknown one: smallest edit distance of the
-/// names, 2 more where it stands in another table; the first of equals.
+/// The path of the key or table nearest to an unknown one: smallest edit distance of the names,
+/// plus 2 if it belongs to another table; the first of equals.
 std::string nearest_scene_key(std::string_view table, std::string_view name);
 
-/// Least number of letters to add, drop or exchange (Levenshtein).
+/// Least number of letters to add, remove or exchange (Levenshtein).
 int edit_distance(std::string_view a, std::string_view b);
 
 /// SI unit of a quantity, "" for a plain number.

@@ -8,9 +8,10 @@ using T = SceneType;
 using Q = Quantity;
 using Keys = std::vector<SceneKey>;
 
-/// What simulate alone knows.
+/// Boundary conditions, which only simulate has.
 Keys boundary_keys() {
   return {
+      // nodes that do not move
       {"", "holds", T::kTexts, "[]", "--hold", "simulate: holds as the option writes them"},
       {"hold", "select", T::kText, "", "", "a selection, as in a pin"},
       {"hold",
@@ -22,6 +23,7 @@ Keys boundary_keys() {
        Q::kNumber,
        {},
        {"x", "y", "z", "xy", "xz", "yz", "xyz"}},
+      // forces and pressures on the surface
       {"", "tractions", T::kTexts, "[]", "--traction",
        "simulate: tractions as the option writes them"},
       {"traction", "select", T::kText, "", "", "a selection, as in a pin"},
@@ -29,6 +31,7 @@ Keys boundary_keys() {
        Q::kForce},
       {"traction", "pressure", T::kNumber, "", "",
        "in place of force: on every face in it, against its outward normal at rest", Q::kPressure},
+      // nodes whose motion is given
       {"", "moves", T::kTexts, "[]", "--move", "simulate: moves as the option writes them"},
       {"move", "select", T::kText, "", "", "a selection, as in a pin"},
       {"move", "path", T::kPath, "", "",

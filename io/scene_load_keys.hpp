@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The keys of io/scene_keys.hpp that hold, load and move a body.
+// Keys of scene files that hold, load and move a body; part of io/scene_keys.hpp.
 
 #pragma once
 

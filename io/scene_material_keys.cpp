@@ -50,9 +50,11 @@ Keys yield_keys(const std::string& table) {
 
 /// The keys that choose and change a material.
 Keys material_keys(const std::string& table) {
+  // [material] has options of the command, a region has none
   const bool main = table == "material";
   const std::string same = "that of the preset";
   return {
+      // what the material is
       {table,
        "preset",
        T::kText,
@@ -71,6 +73,7 @@ Keys material_keys(const std::string& table) {
        Q::kNumber,
        {},
        law_names()},
+      // its numbers in place of the preset's
       {table, "young", T::kNumber, same, main ? "--young" : "", "Young's modulus", Q::kPressure,
        kAboveZero},
       {table,

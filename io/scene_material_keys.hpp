@@ -7,7 +7,7 @@
 
 namespace elastogen {
 
-/// Those of [material] and of [[region]], in the order of the page.
+/// Keys of [material] and of [[region]], in the order of the page.
 std::vector<SceneKey> main_material_keys();
 std::vector<SceneKey> region_keys();
 

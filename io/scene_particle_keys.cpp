@@ -15,7 +15,7 @@ SceneRange count_to(double most) {
   return {.least = 1, .most = most};
 }
 
-/// How motion gets from the grid to particles.
+/// Keys of the transfer between grid and particles.
 Keys transfer_keys() {
   return {
       {"particles",
@@ -58,6 +58,7 @@ Keys shape_keys() {
 
 Keys particle_keys() {
   Keys keys = {
+      // time steps
       {"particles",
        "integrator",
        T::kText,
@@ -84,6 +85,7 @@ Keys particle_keys() {
       {"particles", "passes", T::kWhole, "3", "--passes",
        "pn-fixed-point: minima of a step, the plastic part frozen anew before each", Q::kNumber,
        count_to(1000)},
+      // where particles stand at the start
       {"particles", "per_edge", T::kWhole, "2", "--per-edge",
        "particles of a full voxel along an axis", Q::kNumber, count_to(8)},
       {"particles", "jitter", T::kNumber, "1", "--jitter",

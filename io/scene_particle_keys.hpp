@@ -7,9 +7,9 @@
 
 namespace elastogen {
 
-/// Of the table shape.
+/// Keys of the table shape.
 std::vector<SceneKey> shape_keys();
-/// Of the table particles.
+/// Keys of the table particles.
 std::vector<SceneKey> particle_keys();
 
 }  // namespace elastogen

@@ -33,7 +33,7 @@ Json list_schema(Json items, int count) {
   return {{"type", "array"}, {"items", std::move(items)}, {"minItems", count}, {"maxItems", count}};
 }
 
-/// Words of which one that ends in =NUMBER stands for a pattern.
+/// One of the words; a word that ends in =NUMBER becomes a pattern.
 Json text_schema(const SceneKey& key) {
   if (key.words.empty()) return {{"type", "string"}};
   constexpr std::string_view kNumber = "=NUMBER";
@@ -50,6 +50,7 @@ Json text_schema(const SceneKey& key) {
 }
 
 Json value_schema(const SceneKey& key) {
+  // plain values
   switch (key.type) {
     case SceneType::kFlag:
       return {{"type", "boolean"}};
@@ -57,16 +58,19 @@ Json value_schema(const SceneKey& key) {
       return text_schema(key);
     case SceneType::kTexts:
       return {{"type", "array"}, {"items", {{"type", "string"}}}};
+    // lists of points in time, numbers with or without a unit
     case SceneType::kPath:
       return {{"type", "array"},
               {"items", list_schema({{"type", Json::array({"number", "string"})}}, 4)}};
     case SceneType::kTurn:
       return {{"type", "array"},
               {"items", list_schema({{"type", Json::array({"number", "string"})}}, 2)}};
+    // three numbers, or a word
     case SceneType::kVector: {
       Json any = Json::array({list_schema(number_schema(key, false), 3), {{"type", "string"}}});
       return {{"anyOf", std::move(any)}};
     }
+    // a number of the key's range, or one of its words
     case SceneType::kWhole:
     case SceneType::kNumber: {
       if (key.words.empty()) return number_schema(key, true);

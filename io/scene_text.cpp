@@ -17,7 +17,7 @@ namespace {
 using SceneJson = nlohmann::json;
 using Kind = SceneValue::Kind;
 
-/// The bytes of a text; counts the lines that it passes.
+/// Iterates over the bytes of a text and counts lines.
 class LineIterator {
  public:
   using iterator_category = std::input_iterator_tag;
@@ -46,7 +46,7 @@ class LineIterator {
   int* line_;
 };
 
-/// Builds the tree as the parser goes along.
+/// Builds the tree from the events of the parser.
 class JsonTree final : public nlohmann::json_sax<SceneJson> {
  public:
   JsonTree(const std::string& name, const int& line) : name_(name), line_(line) {}
@@ -93,7 +93,7 @@ class JsonTree final : public nlohmann::json_sax<SceneJson> {
     throw Error(concat(name_, ":", line_, ": ", text));
   }
 
-  /// Puts a value into the open table or list; it stays in place until that gets another one.
+  /// Adds a value to the open table or list. Its address is valid until the next one is added.
   bool add(SceneValue value) {
     value.line = key_line_ > 0 ? key_line_ : line_;
     key_line_ = 0;
@@ -137,7 +137,7 @@ class JsonTree final : public nlohmann::json_sax<SceneJson> {
 };
 
 SceneValue parse_scene_json(std::string_view text, const std::string& name) {
-  // the parser takes it for the end
+  // the parser treats a zero byte as the end
   ELASTOGEN_CHECK(text.find('\0') == text.npos, name, ": is no JSON: it holds a byte 0");
   int line = 1, end_line = 1;
   JsonTree tree(name, line);

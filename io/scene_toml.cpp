@@ -18,8 +18,8 @@ namespace {
 using Toml = toml::basic_value<toml::discard_comments, std::map, std::vector>;
 using Kind = SceneValue::Kind;
 
-/// Refuses what is nested too deeply before the recursive parser sees it: brackets that are open at
-/// once, and parts of a dotted key. Texts and comments are passed over.
+/// Refuses text that is nested too deeply before the recursive parser reads it: it counts open
+/// brackets and the parts of dotted keys. Texts and comments are skipped.
 class DepthScan {
  public:
   DepthScan(std::string_view text, const std::string& name) : text_(text), name_(name) {}
@@ -47,7 +47,7 @@ class DepthScan {
                     ": is nested more than ", kMaxSceneDepth, " levels deep");
   }
 
-  /// Moves behind a text in one or three quotes; one that does not end is the parser's to refuse.
+  /// Goes behind a text in one or three quotes; the parser refuses one without an end.
   void pass_text(char quote) {
     const std::string three(3, quote);
     const bool is_long = text_.substr(at_, 3) == three;
@@ -61,7 +61,7 @@ class DepthScan {
         ++at_;
       } else if (is_long ? text_.substr(at_, 3) == three : text_[at_] == quote) {
         at_ += is_long ? 3 : 1;
-        // a long text may end in one or two quotes of its own
+        // the content of a long text may end in one or two quotes
         for (int k = 0; is_long && k < 2 && at_ < text_.size() && text_[at_] == quote; ++k) ++at_;
         return;
       }
@@ -101,7 +101,7 @@ class Tree {
     } else if (toml.is_string()) {
       result = scene_text(toml.as_string().str);
     } else if (toml.is_integer()) {
-      // the parser makes the largest integer of a number beyond it
+      // the parser turns larger integers into the largest one
       constexpr int64_t kLargest = std::numeric_limits<int64_t>::max();
       const int64_t number = toml.as_integer();
       ELASTOGEN_CHECK(-kLargest < number && number < kLargest, name_, ":", toml.location().line(),
@@ -110,7 +110,7 @@ class Tree {
     } else {
       ELASTOGEN_CHECK(toml.is_floating(), name_, ":", toml.location().line(), ": '", key,
                       "': dates and times have no meaning in a scene");
-      // the parser makes the largest float of a number beyond it
+      // the parser turns larger floats into the largest one
       const bool finite = std::abs(toml.as_floating()) < std::numeric_limits<double>::max();
       ELASTOGEN_CHECK(finite, name_, ":", toml.location().line(), ": '", key,
                       "': the number is not finite");
@@ -120,14 +120,15 @@ class Tree {
   }
 
  private:
-  /// The parser counts lines from the file's start for each answer: asked for the first ones only.
+  /// The parser counts lines from the start for each answer, so only the first values ask for
+  /// theirs.
   int line_of(const Toml& toml) { return ++asked_ <= 1000 ? int(toml.location().line()) : 0; }
 
   const std::string& name_;
   int asked_ = 0;
 };
 
-/// @throws Error where the parser would take long.
+/// @throws Error if the parser would need long.
 void check_size(std::string_view text, const std::string& name) {
   ELASTOGEN_CHECK(int64_t(text.size()) <= kMaxTomlBytes, name, ": has ", text.size(),
                   " bytes; a scene in TOML may have ", kMaxTomlBytes, ": write it as JSON");
@@ -140,7 +141,7 @@ void check_size(std::string_view text, const std::string& name) {
   }
 }
 
-/// Length of the character of UTF-8 that a text begins with, 0 if it is none (RFC 3629).
+/// Length of the UTF-8 character at the begin of a text, 0 if it is invalid (RFC 3629).
 size_t utf8_length(std::string_view text) {
   const auto byte = [&](size_t k) { return k < text.size() ? uint8_t(text[k]) : uint8_t(0); };
   const uint8_t lead = byte(0);
@@ -156,8 +157,8 @@ size_t utf8_length(std::string_view text) {
   return length;
 }
 
-/// @throws Error naming the line of the first byte that is not UTF-8: toml11 3.7 reads beyond its
-///         buffer where such a byte stands in a text of three quotes.
+/// @throws Error naming the line of the first byte that is not UTF-8. toml11 3.7 reads beyond its
+///         buffer if a text in three quotes has such a byte.
 void check_utf8(std::string_view text, const std::string& name) {
   for (int line = 1; !text.empty();) {
     const size_t length = utf8_length(text);
@@ -167,7 +168,7 @@ void check_utf8(std::string_view text, const std::string& name) {
   }
 }
 
-/// The first sentence of the parser's message, which goes on with a drawing of the place.
+/// The first sentence of the parser's message, which continues with a drawing of the place.
 std::string sentence(const std::string& what) {
   std::string text = what.substr(0, what.find('\n'));
   for (const std::string_view head : {"[error] ", "toml::"})

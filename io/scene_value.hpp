@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A scene file as a tree, whether it was written in TOML or in JSON.
+// A scene file as a tree, from TOML or JSON.
 
 #pragma once
 
@@ -11,7 +11,7 @@ namespace elastogen {
 
 struct SceneMember;
 
-/// A value of a scene file; the member that its kind names holds it.
+/// A value of a scene file. Its kind tells which member holds it.
 struct SceneValue {
   enum class Kind { kFlag, kNumber, kText, kList, kTable };
   Kind kind = Kind::kTable;

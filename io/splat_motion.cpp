@@ -18,7 +18,7 @@ namespace elastogen {
 namespace {
 
 constexpr int kMaxHarmonics = 16;  // harmonics of degrees 0 ... 3
-constexpr int kDirections = 32;    // in which colours are compared; twice the unknowns
+constexpr int kDirections = 32;    // directions in which colours are compared; twice the unknowns
 constexpr double kMaxStretch = 3;
 
 /// Directions spread evenly over the sphere (Fibonacci lattice).
@@ -28,7 +28,7 @@ Vec3 fixed_direction(int k) {
   return {r * std::cos(angle), r * std::sin(angle), z};
 }
 
-/// The matrix that gives coefficients from values in the fixed directions, row-major.
+/// The row-major matrix that maps values in the fixed directions to coefficients.
 std::vector<double> fit_matrix(int degree) {
   const int count = harmonic_count(degree);
   Eigen::MatrixXd values(kDirections, count);
@@ -45,7 +45,7 @@ std::vector<double> fit_matrix(int degree) {
   return result;
 }
 
-/// Quaternion of a rotation with the sign that is nearer to another one.
+/// The quaternion of a rotation, with the sign nearer to another quaternion.
 std::array<float, 4> quaternion(const Mat3<double>& R, const std::array<float, 4>& before) {
   const Quaternion<double> found = quaternion_of(R);
   const double q[4] = {found.w, found.x, found.y, found.z};
@@ -55,7 +55,7 @@ std::array<float, 4> quaternion(const Mat3<double>& R, const std::array<float, 4
   return {float(sign * q[0]), float(sign * q[1]), float(sign * q[2]), float(sign * q[3])};
 }
 
-/// Couplings below rounding would turn equal axes by any angle.
+/// Removes couplings below rounding, which would turn equal axes by an arbitrary angle.
 Eigen3<double> principal_axes(Symmetric3<double> S) {
   for (int p = 0; p < 3; ++p) {
     const double larger = std::max(S.m[p], S.m[(p + 1) % 3]);
@@ -126,7 +126,7 @@ void SplatMotion::turn(In<double> gradient) {
   clamped = std::count(is_clamped.begin(), is_clamped.end(), 1);
 }
 
-/// Says whether stretches were clamped.
+/// Moves one splat; returns whether stretches were clamped.
 bool SplatMotion::turn_splat(size_t i, const Mat3<double>& F) {
   const Mat3<double> I = identity<double>();
   const size_t floats = 3 * size_t(harmonic_count(rest_.degree));
@@ -148,7 +148,7 @@ bool SplatMotion::turn_splat(size_t i, const Mat3<double>& F) {
     for (int d = 0; d < 3; ++d) stretched(d, k) *= s;
   }
 
-  // S' = A A^T, seen from the axes of the frame before, turned on by R
+  // S' = A A^T, in the axes of the frame before, rotated by R
   Mat3<double> A = times_transposed(stretched, svd.V) * rotation_matrix(rest_.rotation[i]);
   for (int d = 0; d < 3; ++d)
     for (int k = 0; k < 3; ++k) A(d, k) *= rest_.scale[i][size_t(k)];
@@ -167,8 +167,7 @@ bool SplatMotion::turn_splat(size_t i, const Mat3<double>& F) {
   return is_clamped;
 }
 
-/// Coefficients of colour(R^T v), fitted to its values in the fixed directions, which it passes
-/// through exactly.
+/// Coefficients of colour(R^T v), fitted to its values in the fixed directions, exactly.
 void SplatMotion::turn_colour(size_t i, const Mat3<double>& R) {
   const auto count = size_t(harmonic_count(rest_.degree));
   const float* before = rest_.harmonics.data() + i * count * 3;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the PLY files of 3-D Gaussian splats (Kerbl et al. 2023) hold in place of the numbers of a
-// SplatCloud: logit opacity, log scale, harmonics channel by channel.
+// Numbers in the PLY files of 3-D Gaussian splats (Kerbl et al. 2023) for those of a SplatCloud:
+// logit of the opacity, log of the scale, harmonics channel by channel.
 
 #pragma once
 
@@ -12,12 +12,12 @@ namespace elastogen {
 /// Y_00 = 1 / (2 sqrt(pi)): a splat's colour is 1/2 + Y_00 times its first coefficient.
 inline constexpr double kHarmonic0 = 0.28209479177387814;
 
-/// 1 / (1 + exp(-logit)), 0 ... 1; infinite logits are the ends.
+/// 1 / (1 + exp(-logit)), 0 ... 1; infinite logits give 0 and 1.
 inline float opacity_of_logit(float logit) {
   return float(1 / (1 + std::exp(-double(logit))));
 }
 
-/// log(a / (1 - a)) of an opacity a, kept 2^-24 away from 0 and 1 so that it is finite.
+/// log(a / (1 - a)) of an opacity a, clamped to 2^-24 from 0 and 1 so that it is finite.
 inline float logit_opacity(float opacity) {
   const double a = std::clamp(double(opacity), 0x1p-24, 1 - 0x1p-24);
   return float(std::log(a / (1 - a)));
@@ -32,12 +32,12 @@ inline float log_scale(float scale) {
   return float(std::log(double(scale)));
 }
 
-/// First coefficient of a colour channel 0 ... 1 that does not depend on the view.
+/// First coefficient of a colour channel 0 ... 1 that is independent of the view.
 inline float harmonic_of_colour(double colour) {
   return float((colour - 0.5) / kHarmonic0);
 }
 
-/// Coefficients a channel of harmonics up to a degree.
+/// Coefficients of one channel for harmonics up to a degree.
 inline constexpr int harmonic_count(int degree) {
   return (degree + 1) * (degree + 1);
 }

@@ -9,12 +9,12 @@
 
 namespace elastogen {
 
-/// 32 bytes a splat: three floats of position, three of scale, red green blue opacity and the
-/// quaternion w x y z as bytes, of which 128 is 0.
+/// 32 bytes a splat: three floats of position, three of scale; then bytes: red, green, blue,
+/// opacity and the quaternion w x y z, where the byte 128 is 0.
 /// @throws Error (asset) if the size is no multiple of 32 bytes or the file is empty.
 Asset read_splat(const std::string& path);
 
-/// The same from memory; `path` is for messages.
+/// Reads splats from memory; `path` is for messages.
 Asset parse_splat(std::string_view bytes, const std::string& path);
 
 }  // namespace elastogen

@@ -13,9 +13,9 @@
 namespace elastogen {
 namespace {
 
-constexpr uint32_t kMagic = 0x5053474e;  ///< "NGSP"
+constexpr uint32_t kMagic = 0x5053474e;  ///< the letters "NGSP"
 constexpr int64_t kSpzHeaderBytes = 16;
-constexpr size_t kHeader4Bytes = 32;  ///< of version 4, which begins as the others
+constexpr size_t kHeader4Bytes = 32;  ///< header of version 4, which begins as that of the others
 constexpr int64_t kMaxRatio = 100;    ///< of unpacked to packed bytes; splats reach 10
 
 /// 24-bit integer with a sign.
@@ -95,12 +95,14 @@ SplatCloud read_body(const std::string& bytes, const SpzHeader& header, const st
   const size_t n = size_t(header.splats);
   const size_t width = 3 * size_t(harmonic_count(header.degree));
   SplatCloud splats;
+  // all sizes follow from the count of splats
   splats.degree = header.degree;
   splats.position.resize(n);
   splats.opacity.resize(n);
   splats.scale.resize(n);
   splats.rotation.resize(n);
   splats.harmonics.resize(n * width);
+  // the streams come one after the other: positions, opacities, first harmonics
   const double unit = std::ldexp(1., -header.fraction_bits);
   for (Vec3& p : splats.position)
     for (double& x : p) x = unit * read_int24(reader);
@@ -108,6 +110,7 @@ SplatCloud read_body(const std::string& bytes, const SpzHeader& header, const st
   for (size_t i = 0; i < n; ++i)
     for (size_t k = 0; k < 3; ++k)
       splats.harmonics[i * width + k] = (float(reader.read<uint8_t>()) / 255 - 0.5f) / 0.15f;
+  // then scales, rotations, further harmonics
   for (auto& scale : splats.scale)
     for (float& s : scale) s = scale_of_log(float(reader.read<uint8_t>()) / 16 - 10);
   for (auto& q : splats.rotation)
@@ -136,10 +139,12 @@ std::string unpacked(std::string_view packed, int64_t size, const std::string& p
   return out;
 }
 
-/// Version 4: a header of 32 bytes, extensions, a table of the packed and unpacked sizes of the
-/// streams, the streams; one after the other they are what version 3 packs as one.
+/// The attributes of version 4. The file has a header of 32 bytes, extensions, a table with packed
+/// and unpacked size of each stream, and the streams. Unpacked and joined they are the bytes that
+/// version 3 packs as one.
 std::string version4_values(std::string_view bytes, const SpzHeader& header,
                             const std::string& path) {
+  // the table, as long as the splats need
   ByteReader reader(bytes.substr(15), path);
   const std::vector<int64_t> sizes = stream_sizes(header);
   const size_t streams = reader.read<uint8_t>();
@@ -152,6 +157,7 @@ std::string version4_values(std::string_view bytes, const SpzHeader& header,
   entries.claim(int64_t(streams), 16, "streams");
   std::string_view rest = bytes.substr(table + 16 * streams);
   std::string values;
+  // unpack stream after stream, no more than the table and the splats allow
   for (const int64_t size : sizes) {
     const uint64_t from = entries.read<uint64_t>(), to = entries.read<uint64_t>();
     ELASTOGEN_CHECK_ASSET(from <= rest.size() && to == uint64_t(size), path, ": a stream of ", from,
@@ -178,7 +184,7 @@ std::string gzip_values(GzipReader& unpacker, const SpzHeader& header, const std
   ELASTOGEN_CHECK_ASSET(int64_t(values.size()) == body, path, ": its ", header.splats,
                         " splats need ", body, " bytes, it unpacks to ", values.size());
 
-  // the end of the stream proves its sum; extensions are not asked for theirs
+  // reaching the end of the stream checks its sum; files with extensions are not read so far
   ELASTOGEN_CHECK_ASSET(header.has_extensions || unpacker.next(1).empty(), path,
                         ": unpacks to more bytes than its ", header.splats, " splats");
   return values;

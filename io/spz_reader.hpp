@@ -18,7 +18,7 @@ namespace elastogen {
 ///         unpack to.
 Asset read_spz(const std::string& path);
 
-/// The same from memory; `path` is for messages.
+/// Reads SPZ from memory; `path` is for messages.
 Asset parse_spz(std::string_view bytes, const std::string& path);
 
 }  // namespace elastogen

@@ -81,7 +81,7 @@ void write_grid(hid_t file, const Scene& scene) {
   hdf5::write_dataset<int32_t>(group, "material", scene.material);
 }
 
-/// What entries have of particles beside x and v.
+/// A field of entries of particles beside x and v.
 struct EntryField {
   const char* name;
   int cols;
@@ -101,7 +101,7 @@ void write_particles(hid_t group, const ParticleSet& particles) {
   hdf5::write_dataset<int32_t>(group, "material", particles.material);
 }
 
-/// /grid, behind it what finite elements alone have.
+/// Writes /grid, and after it the fields that only finite elements have.
 void write_body(hid_t file, const Scene& scene, const StateHeader& header) {
   if (header.mesh) {
     write_mesh(file, *header.mesh);
@@ -113,7 +113,7 @@ void write_body(hid_t file, const Scene& scene, const StateHeader& header) {
   if (!header.traction.empty()) hdf5::write_dataset<double>(group, "traction", header.traction);
 }
 
-/// /nets: a group for each material that has one, by its number.
+/// Writes /nets: a group for each material with a net, named by the material's number.
 void write_nets(hid_t file, const StateHeader& header) {
   if (header.nets.empty()) return;
   const hdf5::Handle group = hdf5::create_group(file, "nets");
@@ -131,7 +131,7 @@ void write_nets(hid_t file, const StateHeader& header) {
   }
 }
 
-/// Fixed-length text that holds the longest of some names.
+/// A text type of fixed length that holds the longest name.
 hdf5::Handle text_type(size_t longest) {
   hdf5::Handle type(H5Tcopy(H5T_C_S1), H5Tclose, "text type");
   hdf5::check(H5Tset_size(type, longest + 1), "text type");
@@ -139,7 +139,7 @@ hdf5::Handle text_type(size_t longest) {
   return type;
 }
 
-/// A row of /materials in memory: name and law of `text` bytes each, then three numbers.
+/// Rows of /materials in memory: name and law of `text` bytes each, then three numbers.
 std::vector<char> material_rows(const std::vector<Material>& materials, size_t text) {
   const size_t row = 2 * text + 3 * sizeof(double);
   std::vector<char> rows(row * materials.size());
@@ -174,7 +174,7 @@ void write_materials(hid_t file, const std::vector<Material>& materials) {
   hdf5::check(H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, rows.data()), "materials");
 }
 
-/// Dataset (colliders) of text.
+/// Writes the names of the colliders, dataset (colliders) of text.
 void write_names(hid_t group, const std::vector<Collider>& colliders) {
   size_t longest = 0;
   for (const Collider& c : colliders) longest = std::max(longest, c.name.size());
@@ -186,7 +186,7 @@ void write_names(hid_t group, const std::vector<Collider>& colliders) {
   hdf5::check(H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, rows.data()), "name");
 }
 
-/// What does not change of the colliders.
+/// Writes what does not change of the colliders.
 void write_colliders(hid_t group, const std::vector<Collider>& colliders) {
   const auto count = int64_t(colliders.size());
   Array<uint8_t> shape(count);
@@ -209,7 +209,7 @@ void write_colliders(hid_t group, const std::vector<Collider>& colliders) {
   write_names(group, colliders);
 }
 
-/// Offsets of the colliders at every entry, (entries, colliders, 3).
+/// Writes offsets of the colliders at every entry, (entries, colliders, 3).
 void write_offsets(hid_t group, const std::vector<Collider>& colliders,
                    const std::vector<double>& times) {
   const hdf5::Handle dataset =
@@ -224,7 +224,7 @@ void write_offsets(hid_t group, const std::vector<Collider>& colliders,
   }
 }
 
-/// The points that feel colliders.
+/// Writes the points that touch colliders.
 void write_surface(hid_t group, const Scene& scene, const StateHeader& header) {
   if (header.mesh) {
     hdf5::write_dataset<int32_t>(group, "nodes", header.mesh->contact_nodes);
@@ -247,7 +247,7 @@ void write_contact(hid_t file, const Scene& scene, const StateHeader& header,
   write_offsets(group, scene.colliders, times);
 }
 
-/// Dataset (steps) of one value of each report.
+/// Writes one value of each report, dataset (steps).
 template <class T, class Value>
 void write_column(hid_t group, const char* name, const std::vector<StepReport>& reports,
                   const Value& value) {
@@ -272,7 +272,7 @@ void write_reports(hid_t group, const std::vector<StepReport>& all) {
   write_column<double>(group, "min_j", all, [](R r) { return r.min_j; });
 }
 
-/// What steps of bodies that yield say besides.
+/// Writes the further values of steps of bodies that yield.
 void write_yields(hid_t group, const std::vector<StepReport>& all) {
   using R = const StepReport&;
   write_column<double>(group, "energy_plastic", all, [](R r) { return r.energy.plastic; });
@@ -287,7 +287,7 @@ void write_plastic(hid_t file, const StatePlastic& plastic) {
   hdf5::write_dataset<double>(group, "memory", plastic.memory);
 }
 
-/// What entries have, entry by entry from the raw file.
+/// Copies the fields of each entry from the raw file.
 void write_entries(hid_t group, const std::vector<EntryField>& fields, std::FILE* spill,
                    const std::string& path, int64_t entries, int64_t nodes) {
   std::vector<hdf5::Handle> datasets;
@@ -348,7 +348,7 @@ void StateWriter::step(const State& state, const StepReport& report, const Parti
 }
 
 void StateWriter::finish() {
-  // HDF5 need not be built for threads, and scenes of a batch may end at the same time
+  // HDF5 may be built without threads, and scenes of a batch may end at one time
   static std::mutex one_at_a_time;
   const std::lock_guard lock(one_at_a_time);
   const auto entries = int64_t(time_.size());

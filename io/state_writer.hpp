@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `--state`: an HDF5 file that lets an outsider recompute every step of a run (docs/formats.md,
+// `--state`: an HDF5 file from which others can recompute every step of a run (docs/formats.md,
 // state file).
 
 #pragma once
@@ -18,7 +18,7 @@
 
 namespace elastogen {
 
-/// Nodes and elements of a run that does not step on the voxels themselves.
+/// Nodes and elements of a run that does not compute on the voxels themselves.
 struct StateMesh {
   Array<double> rest;             ///< [m], (nodes, 3)
   Array<int32_t> corners;         ///< nodes of each element, (elements, 4 or 10)
@@ -26,33 +26,33 @@ struct StateMesh {
   Array<uint8_t> pinned;          ///< (nodes, 1)
   Array<int32_t> material;        ///< (elements, 1)
   Array<int32_t> contact_nodes;   ///< nodes that carry each surface point, (points, 4 or 10)
-  Array<double> contact_weights;  ///< of each, (points, 4 or 10)
+  Array<double> contact_weights;  ///< weights of these nodes, (points, 4 or 10)
 };
 
-/// The net of a material: what gives its energy in place of the law.
+/// The net of a material, which gives its energy in place of the law.
 struct StateNet {
   std::string hash;            ///< SHA-256 of its file
   std::vector<float> weights;  ///< 17153
-  int cells = 0;               ///< of its table in a unit of log stretch; 0: by the net itself
-  std::vector<float> table;    ///< coefficients, a cube
+  int cells = 0;               ///< table cells in a unit of log stretch; 0: no table
+  std::vector<float> table;    ///< coefficients of the table, a cube
 };
 
-/// What a body that yields remembers at the end of a run; of particles, whose steps say it, the
-/// yields alone.
+/// State of a body that yields at the end of a run. For particles only the yields: their steps have
+/// the rest.
 struct StatePlastic {
   Array<double> yields;      ///< of each material: kind 0 ... 3 and four numbers, (materials, 5)
-  Array<double> Fp_inverse;  ///< of each point of the elements that yield, in order, (points, 9)
-  Array<double> memory;      ///< of each point, the number that its law keeps, (points, 1)
+  Array<double> Fp_inverse;  ///< of the points of elements that yield, in order, (points, 9)
+  Array<double> memory;      ///< the law's internal variable at each point, (points, 1)
 };
 
-/// What the file says of the run besides its scene.
+/// Facts of the run beside its scene.
 struct StateHeader {
   double fps = 60;
   std::string solver;               ///< "quasi", "newton", "paper", "fem" or "mpm"
-  std::string element = "voxel";    ///< of finite elements; "particle"
-  std::string scheme = {};          ///< "newmark", "static"; empty: that of the scene
+  std::string element = "voxel";    ///< "voxel", a finite element, or "particle"
+  std::string scheme = {};          ///< "newmark", "static"; empty: the scene's scheme
   double tolerance = 1e-3;          ///< of the residual [-]
-  std::string energy = "analytic";  ///< what gives the stress
+  std::string energy = "analytic";  ///< source of the stress
   std::vector<StateNet> nets =
       {};              ///< of each material, without weights where its law holds; empty: analytic
   std::string commit;  ///< of the build
@@ -64,25 +64,25 @@ struct StateHeader {
   Array<double> traction = {};  ///< dead load on each node [N], (nodes, 3); both empty: none
 };
 
-/// Keeps every step in a raw file in the target's folder (without a name, so that the system frees
-/// it however the process ends) and packs all of them into the target at the end.
+/// Keeps every step in a raw file in the target's folder and packs all of them into the target at
+/// the end. The raw file has no name, so the system frees it however the process ends.
 class StateWriter {
  public:
   /// @param scene    finished; must outlive the writer.
   /// @param initial  the start, entry 0 of /steps/x, v and time.
-  /// @param strain   of particles, then.
+  /// @param strain   strain at the start, for particles.
   /// @throws Error (resources) if the raw file cannot be written; (usage) on wrong shapes.
   StateWriter(const std::string& path, const Scene& scene, const StateHeader& header,
               const State& initial, const ParticleStrain* strain = nullptr);
 
-  /// Adds the state after a time step and what the step said. Once a step, substeps included.
+  /// Adds the state after a time step and its report. Call once a step, substeps included.
   /// @throws Error (resources) if the disk is full.
   void step(const State& state, const StepReport& report, const ParticleStrain* strain = nullptr);
 
-  /// Takes what the body remembers after the last step.
+  /// Sets the plastic state of the body after the last step.
   void set_plastic(StatePlastic plastic) { plastic_ = std::move(plastic); }
 
-  /// Writes the file under a temporary name and renames it. Also for a run that ended early.
+  /// Writes the file under a temporary name and renames it. Also valid for a run that ended early.
   /// @throws Error (resources)
   void finish();
 
@@ -97,7 +97,7 @@ class StateWriter {
   SafeFile spill_file_;                                    ///< never committed
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> spill_;  ///< numbers of each entry, raw float64
   std::vector<double> time_;                               ///< of each entry [s]
-  std::vector<StepReport> reports_;                        ///< one less than entries
+  std::vector<StepReport> reports_;                        ///< one fewer than entries
 };
 
 }  // namespace elastogen

@@ -10,6 +10,7 @@ namespace elastogen {
 std::string step_log_line(int64_t frame, const StepReport& report,
                           const std::optional<CloudReport>& cloud) {
   const EnergyParts& energy = report.energy;
+  // what every step has
   nlohmann::ordered_json line = {
       {"frame", frame},
       {"step", report.step},
@@ -34,12 +35,13 @@ std::string step_log_line(int64_t frame, const StepReport& report,
       {"deepest_overlap", report.deepest_overlap},
       {"ms", report.ms},
   };
+  // what only bodies that yield and particles have
   if (report.yields) line["energies"]["plastic"] = energy.plastic;
   if (report.yields || cloud) line["fallbacks"] = report.fallbacks;
   if (cloud)
     line["particles"] = {
         {"lower", cloud->lower}, {"upper", cloud->upper}, {"volume", cloud->volume}};
-  return line.dump();  // writes null for what is not finite
+  return line.dump();  // numbers that are not finite become null
 }
 
 StepLog::StepLog(const std::string& path) : path_(path), file_(path, std::ios::trunc) {

@@ -44,7 +44,7 @@ std::string lower(std::string_view word) {
   return out;
 }
 
-/// Solids of a text, by name in the order in which they come.
+/// Solids of a text by name, in the order in which they come.
 class StlText {
  public:
   StlText(std::string_view text, Asset& asset) : text_(text), asset_(asset) {}
@@ -58,7 +58,7 @@ class StlText {
     ELASTOGEN_CHECK_ASSET(in_facet_ == 0, asset_.path, ": the file ends within a facet");
     ELASTOGEN_CHECK_ASSET(positions_ <= 3 * kMaxFacets, asset_.path, ": too many facets");
     if (asset_.meshes.empty()) mesh();
-    // one solid has the order of the file already
+    // a single solid has the order of the file already
     if (asset_.meshes.size() == 1) asset_.meshes[0].file_position.clear();
   }
 
@@ -68,7 +68,7 @@ class StlText {
     ELASTOGEN_CHECK_ASSET(condition, asset_.path, ':', line_, ": ", parts...);
   }
 
-  /// Names of solids may hold anything, normals are not used.
+  /// Names of solids may have any characters; normals are not used.
   void read_line(std::string_view line) {
     const std::string keyword = lower(next_word(line).substr(0, 10));
     if (keyword == "vertex") {
@@ -105,7 +105,8 @@ class StlText {
     in_facet_ = 0;
   }
 
-  /// That of the solid; solids of one name share it, those without have the name of the file.
+  /// The mesh of the current solid. Solids with one name share it; the file's name replaces a
+  /// missing one.
   Mesh& mesh() {
     if (mesh_ >= 0) return asset_.meshes[size_t(mesh_)];
     const std::string name =

@@ -9,14 +9,14 @@
 
 namespace elastogen {
 
-/// Text and binary; a mesh for each name of a solid in a text, three positions a facet in the
-/// file's order, nothing welded. A file whose size is what its facet count says is binary, whatever
-/// its header.
+/// Text and binary. A text gives a mesh for each name of a solid. Each facet has three positions of
+/// its own in the file's order. A file whose size fits its facet count is binary, whatever its
+/// header says.
 /// @throws Error (asset) with the file and the place: fewer bytes than the facet count says, a
 /// facet without three vertices.
 Asset read_stl(const std::string& path);
 
-/// The same from memory; `path` is for messages.
+/// Reads STL from memory; `path` is for messages.
 Asset parse_stl(std::string_view bytes, const std::string& path);
 
 }  // namespace elastogen

@@ -11,7 +11,7 @@
 namespace elastogen {
 namespace {
 
-/// The entry of the reference and solver in the list, appended where there is none.
+/// The entry of a reference and solver in the list; appended if there is none.
 TimeToError& entry_of(std::vector<TimeToError>& list, const TimeToError& wanted) {
   const auto same = [&](const TimeToError& t) {
     return t.family == wanted.family && t.measure == wanted.measure &&

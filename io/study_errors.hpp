@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What follows from the runs of a study: its order of convergence, what an error costs.
+// Results derived from the runs of a study: order of convergence, and the time that an error needs.
 
 #pragma once
 
@@ -26,22 +26,22 @@ inline constexpr ErrorColumn kErrorColumns[] = {
 
 /// The errors of a family, if the run has them.
 const std::optional<StudyErrors>& errors_of(const StudyRun& run, ErrorFamily family);
-/// One of their series. @return nullptr where the run has no errors of the family.
+/// The error series of a column. @return nullptr if the run has no errors of the family.
 const ErrorSeries* error_series(const StudyRun& run, ErrorColumn column);
 
-/// For each family, measure, reference and solver, in the order in which the runs have them, the
-/// run of smallest median step time whose largest error is at most 1e-1, 1e-2, 1e-3, 1e-4. A run
-/// whose error or time is no finite number is not counted; of equal times the first run wins.
+/// For each family, measure, reference and solver, in the order of the runs: the run of smallest
+/// median step time whose largest error is at most 1e-1, 1e-2, 1e-3, 1e-4. Runs whose error or time
+/// is not finite do not count; of equal times the first run wins.
 std::vector<TimeToError> times_to_error(const std::vector<StudyRun>& runs);
 
-/// Slope of the straight line of least squares through (log x, log error). Points of which one
-/// number is not positive and finite are left out.
+/// Slope of the least-squares line through (log x, log error). Points with a number that is not
+/// positive and finite are left out.
 /// @return NaN unless two points differ in x.
 /// @throws Error if x and error have different lengths.
 double observed_order(const std::vector<double>& x, const std::vector<double>& error);
 
-/// What contradicts itself: two runs of one name, energies or a sweep of different lengths.
-/// @return "" where nothing does.
+/// Contradictions within a result: two runs of one name, energies or a sweep of different lengths.
+/// @return "" if there is none.
 std::string contradiction_in(const StudyResult& result);
 
 }  // namespace elastogen

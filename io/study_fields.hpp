@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The members of a study's structs by their names in study.json, in one place for writer and
-// reader: each_field(s, field) calls field(name, member) for each.
+// The members of a study's structs by their names in study.json, shared by writer and reader:
+// each_field(s, field) calls field(name, member) for each.
 
 #pragma once
 
@@ -10,7 +10,7 @@
 
 namespace elastogen {
 
-/// S is the struct, const or not.
+/// Struct is the type, S the type with or without const.
 template <class S, class Struct>
 concept SameStruct = std::is_same_v<std::remove_const_t<S>, Struct>;
 

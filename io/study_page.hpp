@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The result of a study as a page: one HTML file with its style and plots in it, no scripts and
-// nothing from elsewhere, for light and dark screens and for paper.
+// The result of a study as a page: one HTML file with its style and plots in it. It has no scripts
+// and loads nothing, and suits light and dark screens and paper.
 
 #pragma once
 
@@ -8,7 +8,7 @@
 
 namespace elastogen {
 
-/// Tables and plots of the result. Well-formed as XML too; every text of the result is escaped.
+/// Tables and plots of the result, well-formed as XML; every text of the result is escaped.
 /// Sections without content are left out.
 /// @throws Error (usage) if the result contradicts itself (contradiction_in).
 std::string study_page(const StudyResult& result);

@@ -13,7 +13,7 @@
 namespace elastogen {
 namespace {
 
-/// "Solver error, free run"; in the middle of a sentence without the capital.
+/// "Solver error, free run"; without the capital in the middle of a sentence.
 std::string column_title(ErrorColumn column) {
   return family_title(column.family) + ", " + measure_title(column.measure);
 }
@@ -43,7 +43,7 @@ std::vector<ErrorTimeLine> error_time_lines(const std::vector<StudyRun>& runs, E
       line = lines.insert(line, {run.solver, run.element, errors->reference, {}});
     line->runs.push_back(&run);
   }
-  // a time that is no number comes last
+  // times that are not finite come last
   const auto faster = [](const StudyRun* a, const StudyRun* b) {
     return a->step_ms.median < b->step_ms.median ||
            (std::isnan(b->step_ms.median) && !std::isnan(a->step_ms.median));
@@ -88,7 +88,7 @@ bool same_plot(const StudySweep& a, const StudySweep& b) {
          a.measure == b.measure;
 }
 
-/// The points of the sweeps, each with the order that it shows together with the one above it.
+/// The points of the sweeps; each but the first with the order from the point above it.
 std::string sweep_table(const std::vector<StudySweep>& sweeps) {
   HtmlTable table;
   table.heads = {"line", concat(sweeps[0].variable, " [", sweeps[0].unit, ']'),
@@ -105,7 +105,7 @@ std::string sweep_table(const std::vector<StudySweep>& sweeps) {
   return table.rows.empty() ? "" : html_table(table);
 }
 
-/// @param sweeps  of one plot, at least one.
+/// @param sweeps  sweeps of one plot, at least one.
 std::string sweep_figure(const std::vector<StudySweep>& sweeps) {
   const std::string title = column_title({sweeps[0].family, sweeps[0].measure});
   LinePlot plot{concat(sentence(title), ", against ", sweeps[0].variable),
@@ -130,7 +130,7 @@ std::vector<double> step_ends(const StudyRun& run, size_t steps) {
   return times;
 }
 
-/// A line for each run that has such a series; "" if none has.
+/// A line for each run that has the series; "" if none has it.
 std::string time_figure(const std::vector<StudyRun>& runs, const std::string& title,
                         const PlotAxis& axis, const SeriesOf& series_of) {
   LinePlot plot{title, {"time at the end of the step [s]", false}, axis, {}};

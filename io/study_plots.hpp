@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The plots of study.html as HTML figures. Each function gives "" where there is nothing to draw.
+// The plots of study.html as HTML figures. Each function returns "" if there is nothing to draw.
 
 #pragma once
 
@@ -11,14 +11,14 @@ namespace elastogen {
 /// measure, a line for each solver, element and reference.
 std::string error_time_figures(const std::vector<StudyRun>& runs);
 
-/// Error over what is varied, both logarithmic: a plot for each variable, family and measure, with
-/// a table of the points and the orders between neighbours.
+/// Error over the varied quantity, both logarithmic: a plot for each variable, family and measure,
+/// with a table of the points and the orders between neighbours.
 std::string sweep_figures(const std::vector<StudySweep>& sweeps);
 
 /// Residual of each step over its time, a line a run.
 std::string residual_figure(const std::vector<StudyRun>& runs);
 
-/// Total energy over time, a line a run; folded up below it the parts, a plot a run.
+/// Total energy over time, a line a run; below it, folded, the parts of the energy, a plot a run.
 std::string energy_figures(const std::vector<StudyRun>& runs);
 
 /// Error of each step over its time: a plot for each family and measure, a line a run.

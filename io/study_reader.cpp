@@ -18,7 +18,7 @@ using StudyJson = nlohmann::json;
 
 constexpr int64_t kMaxStudyBytes = int64_t{256} << 20;
 
-/// Fills the members of a result from JSON; place is where in the file.
+/// Fills the members of a result from JSON; `place` names the place in the file.
 class Decoder {
  public:
   explicit Decoder(std::string file) : file_(std::move(file)) {}

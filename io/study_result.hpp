@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// What `elastogen study` finds: one scene run by several solvers on several elements, what each run
-// cost and how far it is from its reference. Two families of errors stand beside each other and are
-// never mixed: that of the solver, against its own grid solved to the end, and that of the grid,
-// against a converged mesh of another element. docs/study.md has the definitions.
+// The result of `elastogen study`: one scene run by several solvers on several elements, with the
+// cost of each run and its error against its reference. There are two families of errors, which are
+// never mixed: the error of the solver, against a tight solution on its own grid, and the error of
+// the grid, against a converged mesh of another element. docs/study.md has the definitions.
 
 #pragma once
 
@@ -25,12 +25,12 @@ struct StudyMachine {
 
 struct StudyHeader {
   std::string scene;       ///< name
-  std::string scene_text;  ///< all keys, resolved
+  std::string scene_text;  ///< all keys with their values
   std::string command;     ///< as it was typed
   std::string commit;      ///< of the build
   std::string date;        ///< ISO 8601
   int64_t threads = 0;
-  int64_t repeats = 0;  ///< of each run, for its time
+  int64_t repeats = 0;  ///< runs for each time
   StudyMachine machine;
 };
 
@@ -39,7 +39,7 @@ struct StepTime {
   double lower_quartile = 0, median = 0, upper_quartile = 0;
 };
 
-/// Fixed loops of a run that does not stop at a tolerance.
+/// Fixed numbers of iterations, for a run that does not stop at a tolerance.
 struct LoopBudget {
   int64_t outer = 0, inner = 0;
   int64_t modes = 0;  ///< latent size of the encoder
@@ -62,8 +62,8 @@ struct StudyErrors {
   ErrorSeries free_run;     ///< the run on its own
   double iou = 0;           ///< volume of the common part over that of the union, last frame [-]
   double energy_drift = 0;  ///< of total energies, over the reference's largest kinetic one [-]
-  /// free_run of the reference's own element on the grid before its refinement: no error below this
-  /// is known to be one of the run. Of discretisation errors only [-].
+  /// free_run of the reference's own element on the grid before its last refinement [-]. An error
+  /// below it cannot be ascribed to the run. Only for discretisation errors.
   std::optional<double> reference_change = {};
 };
 
@@ -75,34 +75,34 @@ struct StudyRun {
   double dt = 0;                    ///< time step [s]
   std::optional<double> tolerance;  ///< of the residual [-]
   std::optional<LoopBudget> loops;
-  int64_t steps = 0;     ///< taken
-  int64_t voxels = 0;    ///< of the grid, 0 without one
+  int64_t steps = 0;     ///< number of time steps
+  int64_t voxels = 0;    ///< voxels of the grid, 0 without one
   int64_t elements = 0;  ///< of the mesh
   int64_t dofs = 0;      ///< free displacement components
   StepTime step_ms;
   int64_t state_bytes = 0;             ///< of positions and velocities
-  double state_copies_per_second = 0;  ///< copies of so many bytes, measured beside the run [1/s]
+  double state_copies_per_second = 0;  ///< copies of state_bytes, measured beside the run [1/s]
   int64_t outer = 0, inner = 0;        ///< iterations of the whole run
   double converged_share = 0;          ///< of the steps, 0 ... 1
   double worst_residual = 0;           ///< largest of all steps [-]
   double min_j = 1;                    ///< smallest det F of all steps
   std::vector<double> residual;        ///< of each step [-]
   EnergySeries energy;
-  std::optional<StudyErrors> solver_error;  ///< the same grid by newton at a tight tolerance
-  std::optional<StudyErrors> discretisation_error;  ///< a converged mesh of another element
+  std::optional<StudyErrors> solver_error;  ///< against this grid, solved to a tight tolerance
+  std::optional<StudyErrors> discretisation_error;  ///< against a converged mesh of another element
 };
 
 enum class ErrorFamily { kSolver, kDiscretisation };
 enum class ErrorMeasure { kStep, kFreeRun };
 
-/// The cheapest run below an error; no name and no time where none came so far.
+/// The fastest run below an error; no name and no time if no run reached it.
 struct ReachedError {
   double error = 0;               ///< [-]
   std::string run = {};           ///< name
   std::optional<double> ms = {};  ///< median time of a step [ms]
 };
 
-/// What a solver pays for an error. Only runs against one reference are compared.
+/// Time that a solver needs for an error. Only runs against one reference are compared.
 struct TimeToError {
   ErrorFamily family = ErrorFamily::kSolver;
   ErrorMeasure measure = ErrorMeasure::kStep;
@@ -111,19 +111,19 @@ struct TimeToError {
   std::vector<ReachedError> levels;  ///< 1e-1, 1e-2, 1e-3, 1e-4
 };
 
-/// Largest error against something that is varied.
+/// Largest error over a varied quantity.
 struct StudySweep {
   std::string name;      ///< of the line in the plot
   std::string variable;  ///< "h", "dt", "tolerance", ...
   std::string unit;      ///< of the variable: "m", "s", "-"
   ErrorFamily family = ErrorFamily::kSolver;
   ErrorMeasure measure = ErrorMeasure::kFreeRun;
-  std::vector<double> x;      ///< of the variable
-  std::vector<double> error;  ///< as many [-]
-  double order = 0;           ///< by observed_order, NaN where there is none
+  std::vector<double> x;      ///< values of the variable
+  std::vector<double> error;  ///< error at each [-]
+  double order = 0;           ///< by observed_order, NaN if there is none
 };
 
-/// Outlines of some runs at one time, in a plane.
+/// Outlines of several runs at one time, in a plane.
 struct ShapeOverlay {
   std::string title;
   double time = 0;                   ///< [s]
@@ -131,11 +131,11 @@ struct ShapeOverlay {
   std::vector<Outline> outlines;
 };
 
-/// A number that is known from elsewhere.
+/// A number with a known value.
 struct StudyFigure {
   std::string name;
   double value = 0, reference = 0;
-  double tolerance = 0;  ///< of the difference, in the same unit
+  double tolerance = 0;  ///< largest difference allowed, in that unit
   std::string unit;      ///< of all three
   bool pass = false;
 };

@@ -13,7 +13,7 @@ namespace {
 
 using Runs = std::vector<const StudyRun*>;
 
-/// The runs of each pair of solver and element, in the order of their first.
+/// The runs of each pair of solver and element, in the order of their first run.
 std::vector<Runs> by_solver(const std::vector<StudyRun>& runs) {
   std::vector<Runs> groups;
   for (const StudyRun& run : runs) {
@@ -53,7 +53,7 @@ std::string fastest(const Runs& runs) {
 std::vector<std::string> summary_row(const Runs& runs) {
   double worst_residual = 0, least_converged = 1;
   for (const StudyRun* run : runs) {
-    // a residual that is no number is the worst
+    // a residual that is not a number is the worst
     if (!(run->worst_residual <= worst_residual)) worst_residual = run->worst_residual;
     if (!(run->converged_share >= least_converged)) least_converged = run->converged_share;
   }
@@ -71,7 +71,7 @@ std::string budget_of(const StudyRun& run) {
   return concat(run.loops->outer, " x ", run.loops->inner, " loops, ", run.loops->modes, " modes");
 }
 
-/// A count of the whole run for each of its steps.
+/// A count of the whole run, divided by its steps.
 std::string a_step(int64_t count, const StudyRun& run) {
   return run.steps > 0 ? number_cell(double(count) / double(run.steps)) : kNoCell;
 }
@@ -96,6 +96,7 @@ std::vector<std::string> run_row(const StudyRun& run) {
 
 std::vector<std::string> error_row(const StudyRun& run) {
   const StepTime& t = run.step_ms;
+  // time and memory of the run
   std::vector<std::string> row = {
       run.name,
       number_cell(t.median),
@@ -103,6 +104,7 @@ std::vector<std::string> error_row(const StudyRun& run) {
       number_cell(double(run.state_bytes) / 1e6),
       number_cell(run.state_copies_per_second),
       number_cell(t.median / 1000 * run.state_copies_per_second)};
+  // both families of errors; a dash for each number that the run does not have
   for (const ErrorFamily family : {ErrorFamily::kSolver, ErrorFamily::kDiscretisation}) {
     const std::optional<StudyErrors>& errors = errors_of(run, family);
     const bool grid = family == ErrorFamily::kDiscretisation;
@@ -131,7 +133,7 @@ std::string time_table(const std::vector<TimeToError>& times, ErrorFamily family
     for (const ReachedError& level : time.levels)
       row.push_back(level.ms ? concat(number_cell(*level.ms), " (", level.run, ')')
                              : "not reached");
-    // the heads are the levels of the first row; all have the same
+    // heads are the levels of the first row; all rows have the same levels
     if (table.rows.empty())
       for (const ReachedError& level : time.levels)
         table.heads.push_back("to " + number_cell(level.error) + " [ms a step]");

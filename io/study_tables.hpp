@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The tables of study.html. Every head has its unit; the two families of errors have columns of
-// their own. Each is "" where it would have no rows.
+// The tables of study.html. Every head has its unit; each family of errors has its own columns. A
+// table without rows is "".
 
 #pragma once
 
@@ -11,16 +11,16 @@ namespace elastogen {
 /// A row for each solver and element: its fastest run and its smallest errors.
 std::string summary_table(const std::vector<StudyRun>& runs);
 
-/// A table for each family.
+/// One table for each family of errors.
 std::string time_to_error_tables(const std::vector<TimeToError>& times);
 
-/// A row a run: what was solved, how, and how well.
+/// A row for each run: problem, method, quality of the solution.
 std::string run_table(const std::vector<StudyRun>& runs);
 
-/// A row a run: its time beside its errors.
+/// A row for each run: its time and its errors.
 std::string error_table(const std::vector<StudyRun>& runs);
 
-/// A row for each number that is known from elsewhere.
+/// A row for each number with a known value.
 std::string figure_table(const std::vector<StudyFigure>& figures);
 
 /// "solver error", "discretisation error".

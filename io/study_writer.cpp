@@ -17,7 +17,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// A member of a result as JSON.
+/// Encodes a member of a result as JSON.
 struct Encoder {
   static Json encode(double value) {
     if (std::isfinite(value)) return value;
@@ -103,6 +103,7 @@ void add_error_columns(std::vector<Column>& columns, ErrorFamily family) {
 }
 
 std::vector<Column> csv_columns() {
+  // what was solved, and how finely
   std::vector<Column> columns = {
       text_column("name", &StudyRun::name),
       text_column("solver", &StudyRun::solver),
@@ -118,17 +119,20 @@ std::vector<Column> csv_columns() {
       count_column("voxels [1]", &StudyRun::voxels),
       count_column("elements [1]", &StudyRun::elements),
       count_column("dofs [1]", &StudyRun::dofs),
+      // cost
       time_column("step_ms.lower_quartile [ms]", &StepTime::lower_quartile),
       time_column("step_ms.median [ms]", &StepTime::median),
       time_column("step_ms.upper_quartile [ms]", &StepTime::upper_quartile),
       count_column("state_bytes [B]", &StudyRun::state_bytes),
       number_column("state_copies_per_second [1/s]", &StudyRun::state_copies_per_second),
+      // how well it was solved
       count_column("outer [1]", &StudyRun::outer),
       count_column("inner [1]", &StudyRun::inner),
       number_column("converged_share [-]", &StudyRun::converged_share),
       number_column("worst_residual [-]", &StudyRun::worst_residual),
       number_column("min_j [-]", &StudyRun::min_j),
   };
+  // errors
   add_error_columns(columns, ErrorFamily::kSolver);
   add_error_columns(columns, ErrorFamily::kDiscretisation);
   return columns;

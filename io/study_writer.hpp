@@ -7,16 +7,16 @@
 
 namespace elastogen {
 
-/// `version` of study.json; any other is refused.
+/// `version` of study.json; readers refuse any other.
 inline constexpr int64_t kStudyVersion = 1;
 
-/// The result as JSON. Numbers read back as the same bits, those that are not finite as "nan",
-/// "inf" and "-inf"; bytes that are not UTF-8 become U+FFFD.
-/// @throws Error (usage) if it contradicts itself (contradiction_in).
+/// The result as JSON. Numbers read back as the same bits; "nan", "inf" and "-inf" stand for those
+/// that are not finite. Bytes that are not UTF-8 become U+FFFD.
+/// @throws Error (usage) if the result contradicts itself (contradiction_in).
 std::string study_json(const StudyResult& result);
 
-/// The runs as CSV (RFC 4180 with line feeds): a line of heads with units, a line a run. Numbers
-/// as in exact_number; what a run does not have is empty.
+/// The runs as CSV (RFC 4180 with line feeds): a line of heads with units, then a line for each
+/// run. Numbers as in exact_number; values that a run does not have are empty.
 std::string study_csv(const std::vector<StudyRun>& runs);
 
 /// Writes study_json and study_csv, each under a temporary name first.
@@ -30,7 +30,7 @@ void write_study_csv(const std::string& path, const StudyResult& result);
 ///         another type, a contradiction (contradiction_in).
 StudyResult read_study(const std::string& path);
 
-/// The same of a text. @param name  of the file, for messages.
+/// Reads a study from text. @param name  of the file, for messages.
 StudyResult study_from_json(std::string_view text, const std::string& name);
 
 }  // namespace elastogen

@@ -64,7 +64,7 @@ AxisRange range_around(const std::vector<double>& values, bool log) {
   if (log) return decades_around(*least, *most);
   const double largest = std::max(std::abs(*least), std::abs(*most));
   double low = *least, high = *most;
-  // what differs by rounding only is equal
+  // values that differ by rounding only are equal
   if (high - low <= std::max(1e-12 * largest, 1e-290)) {
     const double margin = largest > 1e-290 ? largest / 10 : 1;
     low -= margin;

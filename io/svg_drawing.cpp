@@ -33,7 +33,7 @@ std::string pair(double x, double y) {
   return concat(fixed_number(x, 2), ' ', fixed_number(y, 2));
 }
 
-/// The first letters of a name that has more.
+/// The first letters of a name that is too long.
 std::string shortened(const std::string& name) {
   size_t letters = 0;
   for (size_t k = 0; k < name.size(); ++k) {

@@ -11,16 +11,15 @@
 
 namespace elastogen {
 
-/// Where the axes stand in a plot [px]: shares (s, t) lie at
-/// (left + s width, top + (1 - t) height).
+/// Place of the axes in a plot [px]: shares (s, t) lie at (left + s width, top + (1 - t) height).
 struct PlotFrame {
   double left = 84, top = 30, width = 460, height = 300;
 };
 
-/// Series that share a dash before the next one comes.
+/// How many series have one dash before the next dash is used.
 enum class DashEvery { kColours, kSeries };
 
-/// A plot on its way. Series are counted from 0; each has its colour, marker and dash.
+/// A plot while it is drawn. Series are counted from 0; each has its colour, marker and dash.
 class SvgDrawing {
  public:
   /// Begins with the axes, their ticks and labels.
@@ -30,12 +29,12 @@ class SvgDrawing {
   bool has_place(double x, double y) const {
     return can_be_drawn(x, x_.log) && can_be_drawn(y, y_.log);
   }
-  /// "12.34 56.78", the place of a point that has one [px].
+  /// "12.34 56.78", the place of a point that can be drawn [px].
   std::string place(double x, double y) const;
 
   /// The marker of a series; the label is shown under the mouse.
   std::string marker(const std::string& place, size_t series, const std::string& label = "") const;
-  /// A line along the data of an SVG path; "" for none.
+  /// A line along the data of an SVG path; "" if there are none.
   std::string line(const std::string& path, size_t series, DashEvery dash) const;
 
   /// Adds elements in the colour of a series.
@@ -43,7 +42,7 @@ class SvgDrawing {
   /// Adds the names of the series in order, to the right of the axes; long ones are cut.
   void add_legend(const std::vector<std::string>& names, bool markers, DashEvery dash);
 
-  /// The whole as one <svg> element.
+  /// The plot as one <svg> element.
   std::string finished(const std::string& title) const;
 
  private:

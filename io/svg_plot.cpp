@@ -19,7 +19,7 @@ void check_lengths(const LinePlot& plot) {
                     s.y.size(), " y and ", s.labels.size(), " labels");
 }
 
-/// Axes around the points that have a place on both.
+/// Axes around the points that can be drawn on both.
 SvgDrawing axes_around(const LinePlot& plot) {
   std::vector<double> x, y;
   for (const PlotSeries& series : plot.series)
@@ -38,7 +38,7 @@ struct Path {
   bool joined = false;
   int64_t left_out = 0;
 
-  /// @return the place of the point, "" if it has none.
+  /// @return the place of the point, "" if it cannot be drawn.
   std::string add(const SvgDrawing& drawing, double x, double y) {
     const std::string place = drawing.has_place(x, y) ? drawing.place(x, y) : "";
     if (!place.empty()) data += (joined ? 'L' : 'M') + place;
@@ -48,7 +48,7 @@ struct Path {
   }
 };
 
-/// @return the points without a place.
+/// @return the number of points that cannot be drawn.
 int64_t draw(SvgDrawing& drawing, const PlotSeries& series, size_t index) {
   const size_t points = series.x.size(), every = points > 40 ? points / 20 : 1;
   Path path;
@@ -62,7 +62,7 @@ int64_t draw(SvgDrawing& drawing, const PlotSeries& series, size_t index) {
   return path.left_out;
 }
 
-/// @return the points without a place.
+/// @return the number of points that cannot be drawn.
 int64_t draw(SvgDrawing& drawing, const Outline& outline, size_t index) {
   Path path;
   std::string markers;
@@ -77,7 +77,7 @@ int64_t draw(SvgDrawing& drawing, const Outline& outline, size_t index) {
   return path.left_out;
 }
 
-/// What the outlines span in one direction [m].
+/// The extent of the outlines in one direction [m].
 struct Extent {
   double low = INFINITY, high = -INFINITY;
 
@@ -99,11 +99,11 @@ std::array<Extent, 2> extents_of(const std::vector<Outline>& outlines) {
   return extents;
 }
 
-/// Axes of one scale around the outlines.
+/// Axes around the outlines, both with one scale.
 SvgDrawing axes_around(const OutlinePlot& plot) {
   const auto [x, y] = extents_of(plot.outlines);
   double width = 1.1 * (x.high - x.low), height = 1.1 * (y.high - y.low);
-  // points at one place: a fifth of their distance from the origin
+  // all points at one place: the axes span a fifth of their distance from the origin
   const double away = std::max(std::abs(x.middle()), std::abs(y.middle()));
   if (std::max(width, height) <= 1e-12 * away) width = height = away / 5;
   if (std::max(width, height) <= 1e-290) width = height = 1;

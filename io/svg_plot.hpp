@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Plots as SVG elements that stand in a page: lines with markers over linear or logarithmic axes,
-// and outlines of bodies in a plane. Colours follow Okabe and Ito (distinct to the colour-blind)
-// in shades for light and dark pages; with the colour change the marker and, every seven series,
-// the dash.
+// Plots as SVG elements of a page: lines with markers over linear or logarithmic axes, and outlines
+// of bodies in a plane. Colours follow Okabe and Ito (distinct to the colour-blind), with shades
+// for light and dark pages. The marker changes with the colour, the dash changes every seven
+// series.
 
 #pragma once
 
@@ -17,7 +17,7 @@ struct PlotAxis {
   bool log = false;
 };
 
-/// A line and markers at its points; of more than forty only about twenty have one.
+/// A line with markers at its points; of more than forty points only about twenty have one.
 struct PlotSeries {
   std::string name;
   std::vector<double> x, y;         ///< as many
@@ -38,19 +38,19 @@ struct OutlinePlot {
 
 struct SvgPlot {
   std::string svg;       ///< one element, well-formed as XML
-  int64_t left_out = 0;  ///< points without a place on the axes: not finite, on log axes <= 0
+  int64_t left_out = 0;  ///< points that cannot be drawn: not finite, or <= 0 on log axes
 };
 
-/// The axes end at ticks (range_around) and stand as PlotFrame says. A line breaks where a point
+/// The axes end at ticks (range_around) and lie as PlotFrame says. A line has a gap where a point
 /// is left out.
 /// @throws Error naming the series whose x, y and labels have different lengths.
 SvgPlot line_plot(const LinePlot& plot);
 
-/// Outlines with one scale for both axes; a line of one point is drawn as a marker.
+/// Outlines with one scale for both axes; a line with one point is drawn as a marker.
 SvgPlot outline_plot(const OutlinePlot& plot);
 
-/// What a page's <style> needs for plots: their shades on a dark screen, their width on a narrow
-/// one. Without it they are as on paper.
+/// Styles of plots for a page's <style>: shades for dark screens, width for narrow screens. Without
+/// it plots look as on paper.
 std::string plot_style();
 
 }  // namespace elastogen

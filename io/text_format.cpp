@@ -13,7 +13,7 @@ namespace {
 
 constexpr const char* kReplacement = "\xef\xbf\xbd";  // U+FFFD
 
-/// The text with U+FFFD for what is not UTF-8.
+/// The text with U+FFFD in place of bytes that are not UTF-8.
 std::string valid_utf8(std::string_view text) {
   using Json = nlohmann::json;
   return parsed_sorted_json(Json(text).dump(-1, ' ', false, Json::error_handler_t::replace));

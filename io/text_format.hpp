@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Numbers and foreign text on pages and in tables, the same in every locale.
+// Numbers and foreign text for pages and tables, independent of the locale.
 
 #pragma once
 
@@ -8,9 +8,9 @@
 
 namespace elastogen {
 
-/// The text with references in place of & < > " and ', so that it is content or a quoted
-/// attribute of HTML and SVG whatever it holds. Bytes that are not UTF-8 and control characters
-/// other than tab and line feed become U+FFFD.
+/// The text with references in place of & < > " and ', which makes it safe as content or quoted
+/// attribute of HTML and SVG. Bytes that are not UTF-8 and control characters other than tab and
+/// line feed become U+FFFD.
 std::string markup_text(std::string_view text);
 
 /// The number to some significant digits, as "%.*g"; "nan", "inf", "-inf".

@@ -10,7 +10,7 @@
 namespace elastogen {
 namespace {
 
-/// Shares of light of the 256 bytes of sRGB.
+/// Linear light of the 256 bytes of sRGB.
 const std::array<float, 256>& light_table() {
   static const std::array<float, 256> table = [] {
     std::array<float, 256> light;
@@ -30,7 +30,7 @@ Texel texel(const Image& image, int x, int y) {
   return {light[p[0]], light[p[1]], light[p[2]], float(p[3]) / 255};
 }
 
-/// The mean of each 2 x 2 texels; colours count as far as they are seen.
+/// The mean of each 2 x 2 texels; colours are weighted by alpha.
 Image halved(const Image& from) {
   Image half{std::max(1, from.width / 2), std::max(1, from.height / 2), {}};
   half.rgba.resize(4 * size_t(half.width) * size_t(half.height));
@@ -73,7 +73,7 @@ int Texture::level(double covered) const {
 
 Texel Texture::at(int level, float u, float v, const std::array<Wrap, 2>& wrap) const {
   const Image& image = levels_[size_t(level)];
-  // far outside, single precision has no place between texels left
+  // far outside, single precision cannot resolve texels any more
   const double x = std::clamp(double(u), -1e6, 1e6) * image.width - 0.5;
   const double y = std::clamp(double(v), -1e6, 1e6) * image.height - 0.5;
   const auto left = int64_t(std::floor(x)), top = int64_t(std::floor(y));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Images on surfaces, in several sizes so that a sample sees the mean of what it covers.
+// Images on surfaces, in several sizes so that a sample has the mean of the area that it covers.
 
 #pragma once
 
@@ -18,14 +18,14 @@ class Texture {
  public:
   explicit Texture(Image image);
 
-  /// Texels of the whole image.
+  /// Number of texels of the whole image.
   double texels() const { return double(levels_[0].width) * levels_[0].height; }
 
-  /// The size of which a sample covers about one texel.
+  /// The level at which a sample covers about one texel.
   /// @param covered  texels of the whole image in a sample.
   int level(double covered) const;
 
-  /// Bilinear between the middles of texels; v goes down.
+  /// Bilinear interpolation between the centres of texels; v runs down.
   Texel at(int level, float u, float v, const std::array<Wrap, 2>& wrap) const;
 
  private:

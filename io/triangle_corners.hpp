@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the triangles of a surface have their attributes.
+// The corners of the triangles of a surface in their meshes, for attributes.
 
 #pragma once
 
@@ -13,8 +13,8 @@ struct TriangleCorners {
   std::array<int32_t, 3> drawn = {};  ///< vertices of the mesh, in the order of the surface
 };
 
-/// Of all triangles of a posed surface, which turns those of mirrored instances. The asset must
-/// outlive them.
+/// Corners of all triangles of a posed surface, which reverses triangles of mirrored instances. The
+/// asset must outlive them.
 std::vector<TriangleCorners> triangle_corners(const Asset& asset, const Surface& surface);
 
 }  // namespace elastogen

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How the normals of points turn with the body.
+// Normals of points that turn with the body.
 
 #pragma once
 
@@ -7,8 +7,8 @@
 
 namespace elastogen {
 
-/// F^-T n as a unit vector, by the cofactors of F, which exist for every F; n itself where F does
-/// not turn it.
+/// F^-T n as a unit vector, computed from the cofactors of F, which exist for every F; n itself if
+/// that vector has no length.
 /// @param F  row-major, 9 numbers.
 std::array<float, 3> turned_normal(const double* F, const std::array<float, 3>& n);
 

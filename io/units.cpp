@@ -11,13 +11,13 @@ namespace {
 
 struct Unit {
   std::string_view name;
-  double factor;  ///< SI units a unit
+  double factor;  ///< SI units in one unit
 };
 
 constexpr double kPound = 0.45359237, kInch = 0.0254, kStandardGravity = 9.80665;
 constexpr double kDegree = std::numbers::pi / 180;
 
-/// Known units of a quantity; the first is the SI unit.
+/// Known units of a quantity, the SI unit first.
 const std::vector<Unit>& units_of(Quantity quantity) {
   static const std::vector<Unit> units[] = {
       {},
@@ -72,7 +72,7 @@ double factor_of(std::string_view name, std::string_view text, Quantity quantity
   throw Error(concat('"', text, "\": \"", name, "\" is not a unit known here; known are ", known));
 }
 
-/// Takes a finite number off the front; `text` is the whole, for the message.
+/// Cuts a finite number off the front; `text` is the whole text, for the message.
 double take_number(std::string_view& rest, std::string_view text) {
   rest = trimmed(rest);
   if (rest.starts_with('+')) rest.remove_prefix(1);

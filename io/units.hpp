@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Numbers with units, "3 GPa" or "30cm", to SI. A bare number is SI already.
+// Numbers with units, "3 GPa" or "30cm", converted to SI. A bare number is in SI units.
 
 #pragma once
 
@@ -28,7 +28,7 @@ enum class Quantity {
 /// @throws Error (usage) naming the text; for an unknown unit also the units that are known.
 double parse_quantity(std::string_view text, Quantity quantity);
 
-/// The same by name. [m], [Pa], [kg/m^3], [s], [m/s], [rad], [rad/s]
+/// parse_quantity for one quantity each. [m], [Pa], [kg/m^3], [s], [m/s], [rad], [rad/s]
 double parse_length(std::string_view text);
 double parse_pressure(std::string_view text);
 double parse_density(std::string_view text);

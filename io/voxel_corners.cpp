@@ -36,10 +36,12 @@ VoxelCorners::VoxelCorners(const VoxelGrid& grid)
 Array<double> VoxelCorners::drawn(const Array<double>& u) const {
   ELASTOGEN_CHECK(Span<const double>(u).is(grid_.node_count(), 3), "u must be (",
                   grid_.node_count(), ", 3), got (", u.rows(), ", ", u.cols(), ')');
+  // each voxel gives its light corners the linear field of its filled part
   Array<double> sum(grid_.node_count(), 3), weight(grid_.node_count(), 1);
   for (const int64_t v : voxels_) {
     const Mat3<double> slope = mean_slope(grid_, v, u);
-    Vec3 X = {}, mean = {};  // over the filled part
+    // means of position and field over the filled part
+    Vec3 X = {}, mean = {};  // sums over the eight shape functions
     for (int c = 0; c < 8; ++c)
       for (int d = 0; d < 3; ++d) {
         const int32_t n = grid_.corners(v, c);
@@ -47,6 +49,7 @@ Array<double> VoxelCorners::drawn(const Array<double>& u) const {
         mean[size_t(d)] += grid_.shape_mean(v, c) * u(n, d);
       }
     const double fill = grid_.fill.data()[v];
+    // that field at its light corners, weighted by the fill
     for (int c = 0; c < 8; ++c) {
       const int32_t n = grid_.corners(v, c);
       if (support_[size_t(n)] >= kSupport) continue;
@@ -58,6 +61,7 @@ Array<double> VoxelCorners::drawn(const Array<double>& u) const {
       }
     }
   }
+  // a node keeps as much of its own value as its support says
   Array<double> result = u;
   for (int64_t n = 0; n < u.rows(); ++n) {
     const double share = support_[size_t(n)] / kSupport;

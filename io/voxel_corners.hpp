@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where corners of voxels are drawn of which the body has hardly anything.
+// Where corners of voxels are drawn whose voxels the body hardly fills.
 
 #pragma once
 

@@ -48,7 +48,7 @@ void VtuFile::write(const std::string& path) const {
 }
 
 PvdFrames::PvdFrames(const std::string& path) : path_(path) {
-  SafeFile probe(path);  // refuses a folder at once
+  SafeFile probe(path);  // throws here if the folder cannot be written
 }
 
 void PvdFrames::add(const VtuFile& frame, double time) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What files for ParaView are made of: unstructured grids (VTU) with appended raw arrays, and the
+// Parts of files for ParaView: unstructured grids (VTU) with appended raw arrays, and the
 // collection (PVD) that gives each of them a time.
 
 #pragma once
@@ -18,7 +18,7 @@ class VtuFile {
  public:
   void section(const std::string& text) { xml_ += text; }
 
-  /// @param type  as VTK names that of T, e.g. "Float32".
+  /// @param type  VTK's name of T, e.g. "Float32".
   template <class T>
   void array(const std::string& name, const char* type, const std::vector<T>& values,
              int components = 1) {
@@ -32,9 +32,9 @@ class VtuFile {
     array(name, "Float32", std::vector<float>(values, values + count), components);
   }
 
-  /// Places of points: in double precision where `place`, that of their zero, is not 0, because
-  /// floats are coarse there.
-  /// @param x  [m], (points, 3), less place.
+  /// Positions of points. They are in double precision if `place`, the position of their origin, is
+  /// not 0, because floats are coarse there.
+  /// @param x  relative to place [m], (points, 3).
   void points(const double* x, int64_t points, const Vec3& place);
 
   void write(const std::string& path) const;
@@ -46,7 +46,7 @@ class VtuFile {
   std::string data_;
 };
 
-/// NAME.pvd over NAME_00000.vtu, ...
+/// Writes NAME.pvd over NAME_00000.vtu, ...
 class PvdFrames {
  public:
   explicit PvdFrames(const std::string& path);

@@ -16,9 +16,9 @@
 namespace elastogen {
 namespace {
 
-/// Deformation gradient at the centroid of a tetrahedron. The shape function 4 l_i l_j of the
-/// middle of an edge has the slope of l_i + l_j there, those of the corners of quadratic tetrahedra
-/// none: the sum of the three middles beside a corner stands in for it.
+/// Deformation gradient at the centroid of a tetrahedron. There the shape function 4 l_i l_j of an
+/// edge's middle has the slope of l_i + l_j, and the corners of quadratic tetrahedra have the slope
+/// zero. So the sum of the three middles beside a corner stands for that corner.
 Mat3<double> centroid_gradient(const int32_t* node, int64_t nodes, const Array<double>& rest,
                                const Array<double>& x) {
   constexpr int kMiddles[4][3] = {{4, 6, 7}, {4, 5, 8}, {5, 6, 9}, {7, 8, 9}};
@@ -100,7 +100,7 @@ class VtuWriter : public AnimationWriter {
     return u;
   }
 
-  /// A nodal field as it is drawn: corners that the body hardly has are carried by their voxels.
+  /// A nodal field as it is drawn: voxels carry the corners that the body hardly fills.
   Array<double> drawn(const Array<double>& field) const {
     return corners_ ? corners_->drawn(field) : field;
   }
@@ -120,7 +120,7 @@ class VtuWriter : public AnimationWriter {
   }
 
   void add_cells(VtuFile& file) const {
-    constexpr int kOrder[8] = {0, 1, 3, 2, 4, 5, 7, 6};  // VTK goes around the faces below, above
+    constexpr int kOrder[8] = {0, 1, 3, 2, 4, 5, 7, 6};  // VTK: around the lower face, the upper
     constexpr uint8_t kHexahedron = 12, kTetrahedron = 10, kQuadraticTetrahedron = 24;
     const Array<int32_t>& cells = tets_ ? *tets_ : scene_->grid.corners;
     const uint8_t type = !tets_              ? kHexahedron
@@ -163,7 +163,7 @@ class VtuWriter : public AnimationWriter {
   PvdFrames frames_;
   const Scene* scene_;
   const Array<int32_t>* tets_;
-  std::optional<VoxelCorners> corners_;  ///< of voxels
+  std::optional<VoxelCorners> corners_;  ///< for voxels
 };
 
 }  // namespace

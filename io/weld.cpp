@@ -12,8 +12,8 @@
 namespace elastogen {
 namespace {
 
-/// Finds the nearest earlier vertex within a distance: vertices hang in cubic cells, wide enough
-/// that most balls lie in one cell.
+/// Finds the nearest earlier vertex within a distance. Vertices are sorted into cubic cells, wide
+/// enough that most balls of that radius lie in one cell.
 class NearVertices {
  public:
   NearVertices(const Vec3& origin, double tolerance, const WeldedMesh& mesh)
@@ -85,6 +85,7 @@ double absolute_tolerance(const PlacedBox& box, double share) {
 
 void weld_vertices(const Surface& surface, WeldedMesh& mesh) {
   const int64_t count = surface.vertices.rows();
+  // vertices that a triangle uses
   std::vector<uint8_t> used(size_t(count), 0);
   for (int64_t k = 0; k < surface.triangles.size(); ++k)
     used[size_t(surface.triangles.data()[k])] = 1;
@@ -93,6 +94,7 @@ void weld_vertices(const Surface& surface, WeldedMesh& mesh) {
   mesh.welded_of.assign(size_t(count), -1);
   mesh.vertices = Array<double>(used_count, 3);
 
+  // each joins the nearest earlier one within the tolerance, or starts a new one
   NearVertices near(surface.box.lower, mesh.tolerance, mesh);
   int32_t welded = 0;
   for (int64_t i = 0; i < count; ++i) {
@@ -106,13 +108,14 @@ void weld_vertices(const Surface& surface, WeldedMesh& mesh) {
     std::copy(p.begin(), p.end(), mesh.vertices.row(w));
     near.add(p);
   }
+  // cut the array to the welded vertices
   mesh.merged = used_count - welded;
   Array<double> vertices(welded, 3);
   std::copy(mesh.vertices.data(), mesh.vertices.data() + 3 * int64_t(welded), vertices.data());
   mesh.vertices = std::move(vertices);
 }
 
-/// Height of a triangle over its longest edge is at most the tolerance.
+/// Whether the height of a triangle over its longest edge is at most the tolerance.
 bool is_flat(const WeldedMesh& mesh, const std::array<int32_t, 3>& t) {
   Vec3 edge[3];
   double longest = 0;
@@ -144,7 +147,7 @@ std::array<int32_t, 3> welded_corners(const Surface& surface, const WeldedMesh& 
   return welded;
 }
 
-/// All candidates, those of one set of vertices together; counts the triangles without area.
+/// All candidates, sorted so that those of equal vertices are together; counts those without area.
 std::vector<Candidate> candidates_of(const Surface& surface, WeldedMesh& mesh) {
   std::vector<Candidate> candidates;
   for (int64_t t = 0; t < surface.triangles.rows(); ++t) {
@@ -160,8 +163,8 @@ std::vector<Candidate> candidates_of(const Surface& surface, WeldedMesh& mesh) {
   return candidates;
 }
 
-/// Of the triangles on one set of vertices, keeps the first of the winding that prevails; where
-/// neither does, the first, and with `keep_pairs` the first of the other winding too.
+/// Keeps one triangle for each set of vertices, the first with the winding that prevails. If none
+/// does it keeps the first, with `keep_pairs` also the first of the other winding.
 void keep_triangles(const Surface& surface, const std::vector<Candidate>& candidates,
                     bool keep_pairs, WeldedMesh& mesh) {
   for (auto begin = candidates.begin(), end = begin; begin != candidates.end(); begin = end) {
@@ -184,13 +187,14 @@ void keep_triangles(const Surface& surface, const std::vector<Candidate>& candid
   }
 }
 
-/// Root of a triangle's piece; halves the path on the way.
+/// Root of a triangle's piece; shortens the path to it.
 int32_t root_of(std::vector<int32_t>& parent, int32_t t) {
   while (parent[size_t(t)] != t) t = parent[size_t(t)] = parent[size_t(parent[size_t(t)])];
   return t;
 }
 
 void count_edges(WeldedMesh& mesh) {
+  // edges of all triangles, those between the same vertices next to each other
   struct Edge {
     int32_t a, b, triangle;
     bool forward;  ///< the triangle runs from a to b, a < b
@@ -206,6 +210,7 @@ void count_edges(WeldedMesh& mesh) {
     return std::tie(p.a, p.b, p.triangle) < std::tie(q.a, q.b, q.triangle);
   });
 
+  // triangles that share an edge are one piece (union-find)
   std::vector<int32_t> parent(size_t(mesh.triangles.rows()));
   std::iota(parent.begin(), parent.end(), 0);
   mesh.pieces = mesh.triangles.rows();
@@ -219,6 +224,7 @@ void count_edges(WeldedMesh& mesh) {
       mesh.pieces -= p != q;
       parent[size_t(std::max(p, q))] = std::min(p, q);
     }
+    // what the number and directions of its triangles say of an edge
     mesh.border_edges += end - begin == 1;
     mesh.nonmanifold_edges += end - begin > 2;
     mesh.turned_edges += end - begin == 2 && balance != 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Surfaces with every vertex and every triangle once, and what their edges say: closed or open,
-// wound well or badly. The asset check and the voxeliser decide on it.
+// Surfaces with every vertex and every triangle once, and what their edges tell: closed or open,
+// wound well or badly. The asset check and the voxeliser use it for their decisions.
 
 #pragma once
 
@@ -13,11 +13,11 @@ namespace elastogen {
 /// the origin that its own numbers are coarser.
 inline constexpr double kWeldTolerance = 1e-6;
 
-/// A surface whose vertices closer than the tolerance are one. Left out are triangles with fewer
-/// than three different welded vertices and, of several on the same three, all but the first of
-/// the winding that prevails. Where as many run one way as the other (a leaf drawn from both
-/// sides, two walls that touch, a face and its turned copy) one stays or a pair does, whichever
-/// leaves fewer unbalanced edges in the whole.
+/// A surface in which vertices closer than the tolerance are one. Triangles with fewer than three
+/// different welded vertices are left out. Of several triangles on the same three vertices the
+/// first one of the winding that prevails stays. If as many run one way as the other (a leaf drawn
+/// from both sides, two solids that touch, a face and its turned copy), one stays or a pair stays,
+/// whichever leaves fewer unbalanced edges in the whole surface.
 struct WeldedMesh {
   // filled by weld: vertices and triangles
   std::vector<int32_t> welded_of;  ///< welded vertex of each surface vertex, -1 where none uses it
@@ -34,14 +34,14 @@ struct WeldedMesh {
   int64_t opposite_pairs = 0;     ///< sets of three vertices with as many faces each way
   int64_t border_edges = 0;       ///< with one face
   int64_t nonmanifold_edges = 0;  ///< with three faces or more
-  int64_t turned_edges = 0;       ///< whose two faces run the same way along them
-  int64_t unbalanced_edges = 0;   ///< run more often one way than the other
+  int64_t turned_edges = 0;       ///< whose two faces run along them in one direction
+  int64_t unbalanced_edges = 0;   ///< whose faces run more often in one direction than in the other
   int64_t pieces = 0;             ///< of triangles joined by edges
   double volume = 0;              ///< signed, about the box's centre [m^3]
 
   /// Every edge has two faces.
   bool closed() const { return triangles.rows() > 0 && border_edges + nonmanifold_edges == 0; }
-  /// Every edge is run as often one way as the other: the winding number is an integer.
+  /// Faces run along every edge equally often in both directions: the winding number is an integer.
   bool balanced() const { return triangles.rows() > 0 && unbalanced_edges == 0; }
 };
 

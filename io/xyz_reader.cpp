@@ -12,17 +12,17 @@ namespace {
 using Row = std::array<float, 3>;
 
 constexpr size_t kMaxColumns = 64;
-constexpr float kUnitTolerance = 0.02f;  ///< of a normal's length: three decimals suffice
+constexpr float kUnitTolerance = 0.02f;  ///< of a normal's length; three decimals suffice
 
 /// A column behind the position.
 struct Further {
   size_t column = 0;
   std::vector<double> value;
-  bool is_number = true;  ///< every word of it
-  bool is_known = false;  ///< part of a colour or normal
+  bool is_number = true;  ///< every word of the column is a number
+  bool is_known = false;  ///< is part of a colour or normal
 };
 
-/// Three columns behind the position that may be one attribute.
+/// Three neighbouring columns behind the position that may be one attribute.
 struct Triple {
   enum Meaning { kUnknown, kColour, kNormal } meaning = kUnknown;
   std::array<size_t, 3> column;
@@ -85,7 +85,7 @@ class XyzParser {
     read_point(line);
   }
 
-  /// The words of a line, at most kMaxColumns and one.
+  /// Splits a line into words, at most kMaxColumns + 1 of them.
   void split(std::string_view line) {
     words_.clear();
     constexpr std::string_view kSeparators = " \t,;\r\v\f";
@@ -97,7 +97,7 @@ class XyzParser {
     }
   }
 
-  /// Takes a line that names x, y and z as the names of the columns.
+  /// Reads the names of the columns from a line that names x, y and z.
   bool read_names() {
     std::vector<std::string> names(words_.begin(), words_.end());
     for (std::string& name : names)
@@ -140,7 +140,7 @@ class XyzParser {
     }
   }
 
-  /// What the first point tells of the columns.
+  /// Learns the columns from the first point.
   void begin_columns() {
     columns_ = words_.size();
     for (size_t k = 0; k < columns_; ++k)

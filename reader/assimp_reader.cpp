@@ -24,7 +24,7 @@
 namespace elastogen {
 namespace {
 
-/// Opens nothing: no importer of ours needs a file beside the asset, which is read beforehand.
+/// Opens no files: our importers need none beside the asset, which is read beforehand.
 class ClosedSystem : public Assimp::IOSystem {
  public:
   bool Exists(const char*) const override { return false; }
@@ -37,7 +37,7 @@ std::string text_of(const aiString& s) {
   return std::string(s.data, std::min<size_t>(s.length, sizeof(s.data)));
 }
 
-/// All importers but that of the format are taken out.
+/// Removes all importers but the one of the format.
 void keep_importer(Assimp::Importer& importer, const std::string& format) {
   for (size_t k = importer.GetImporterCount(); k-- > 0;) {
     std::istringstream endings(importer.GetImporterInfo(k)->mFileExtensions);
@@ -47,16 +47,16 @@ void keep_importer(Assimp::Importer& importer, const std::string& format) {
   }
 }
 
-/// @throws std::bad_alloc if the importer ran out of memory, else Error (asset) with what it says.
+/// @throws std::bad_alloc if the importer ran out of memory, else Error (asset) with its message.
 [[noreturn]] void throw_reason(const Assimp::Importer& importer) {
   try {
     if (importer.GetException()) std::rethrow_exception(importer.GetException());
   } catch (const std::bad_alloc&) {
     throw;
-  } catch (const std::length_error&) {  // a container beyond all memory
+  } catch (const std::length_error&) {  // a container larger than any memory
     throw std::bad_alloc();
   } catch (const std::exception&) {
-    // its text is the importer's
+    // its message is that of the importer
   }
   const std::string text = importer.GetErrorString();
   if (text.find("unsupported, old format version") != text.npos)
@@ -64,7 +64,7 @@ void keep_importer(Assimp::Importer& importer, const std::string& format) {
   throw Error(text.empty() ? "the importer gives no reason" : text, ErrorKind::kAsset);
 }
 
-/// A number of the scene's metadata, whatever type it has.
+/// A number of the scene's metadata, of any type.
 double number(const aiScene& scene, const char* key, double otherwise) {
   if (!scene.mMetaData) return otherwise;
   double real = 0;
@@ -76,7 +76,7 @@ double number(const aiScene& scene, const char* key, double otherwise) {
   return otherwise;
 }
 
-/// A scene of assimp to an Asset.
+/// Converts a scene of assimp to an Asset.
 class Conversion {
  public:
   Conversion(const aiScene& scene, Asset& asset) : scene_(scene), asset_(asset) {}
@@ -99,7 +99,7 @@ class Conversion {
 
   const aiScene& scene_;
   Asset& asset_;
-  std::map<unsigned, int> mesh_of_;  ///< shown meshes of the scene
+  std::map<unsigned, int> mesh_of_;  ///< index in the asset of each shown mesh
 };
 
 void Conversion::add_axes() {
@@ -135,7 +135,7 @@ void Conversion::add_material(const aiMaterial& from) {
 }
 
 void Conversion::add_nodes() {
-  // depth first and without recursion: the depth is the file's
+  // depth first but not recursive, because the file decides the depth
   struct Visit {
     const aiNode* node;
     int parent;
@@ -151,7 +151,7 @@ void Conversion::add_nodes() {
   }
 }
 
-/// The node with its first mesh; further meshes hang below it.
+/// Adds a node with its first mesh; further meshes become children.
 void Conversion::add_node(const aiNode& from, int parent) {
   const aiMatrix4x4& m = from.mTransformation;
   const int index = int(asset_.nodes.size());
@@ -170,7 +170,7 @@ void Conversion::add_node(const aiNode& from, int parent) {
   }
 }
 
-/// Index of a mesh in the asset; it is converted where it is shown first.
+/// Index of a mesh in the asset; the mesh is converted when it is first shown.
 int Conversion::mesh(unsigned index) {
   const auto found = mesh_of_.find(index);
   if (found != mesh_of_.end()) return found->second;

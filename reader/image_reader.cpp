@@ -43,7 +43,7 @@ Image read_png(const std::string& bytes) {
   return image;
 }
 
-/// libjpeg with a way out of its errors.
+/// libjpeg, whose errors jump back here.
 struct Jpeg {
   Jpeg() {
     info.err = jpeg_std_error(&errors);
@@ -59,7 +59,8 @@ struct Jpeg {
   Jpeg(const Jpeg&) = delete;
   Jpeg& operator=(const Jpeg&) = delete;
 
-  /// False after an error; nothing that has a destructor lives where it jumps across.
+  /// @return false after an error. The jump skips destructors, so no object that has one may live
+  ///         here.
   bool begin(const std::string& bytes) {
     if (setjmp(out)) return false;
     jpeg_create_decompress(&info);
@@ -105,7 +106,7 @@ Image read_webp(const std::string& bytes) {
   return image;
 }
 
-/// The mean of each 2 x 2 pixels; colours count as far as they are seen.
+/// The mean of each 2 x 2 pixels; colours are weighted by alpha.
 Image halved(const Image& from) {
   Image half = sized(uint64_t(std::max(1, from.width / 2)), uint64_t(std::max(1, from.height / 2)));
   uint8_t* to = half.rgba.data();

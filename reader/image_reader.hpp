@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// PNG, JPEG and WebP through their libraries.
+// Reads PNG, JPEG and WebP through their libraries.
 
 #pragma once
 
@@ -7,8 +7,8 @@
 
 namespace elastogen {
 
-/// Decodes an image by what its first bytes say it is.
-/// @param max_edge  it is halved until no edge is longer.
+/// Decodes an image in the format that its first bytes tell.
+/// @param max_edge  the image is halved until no edge is longer.
 /// @throws Error (asset): another format, a damaged image, more than kMaxImageEdge or
 ///         kMaxImagePixels.
 Image read_image(const std::string& bytes, int max_edge);

@@ -36,7 +36,7 @@ constexpr uint32_t kForeignCalls = 0xffffffff;
 #error "reader/limits.cpp knows the system calls of x86-64 and AArch64"
 #endif
 
-/// System calls that fail.
+/// System calls that are denied.
 constexpr uint32_t kDenied[] = {
     // network
     SYS_socket,
@@ -74,7 +74,7 @@ constexpr uint32_t kDenied[] = {
     SYS_fchownat,
     SYS_mount,
     SYS_chroot,
-    // ways around a filter, and much of the kernel
+    // calls that circumvent a filter, and large parts of the kernel
     SYS_openat2,
     SYS_io_uring_setup,
     SYS_bpf,
@@ -116,9 +116,9 @@ sock_filter answer(uint32_t value) {
   return BPF_STMT(BPF_RET | BPF_K, value);
 }
 
-/// The filter as instructions of the classic packet filter: foreign architectures end the process,
-/// the denied calls, any opening for writing and any new process fail. Threads may start, by clone:
-/// the flags of clone3 are out of sight, so that it is said not to exist.
+/// The filter as instructions of the classic packet filter. Calls of foreign architectures end the
+/// process. Denied calls, opening for writing and new processes fail. Threads may start by clone;
+/// clone3 is reported as not existing, because a filter cannot see its flags.
 std::vector<sock_filter> filter() {
   constexpr uint32_t kFail = SECCOMP_RET_ERRNO | EPERM;
   constexpr uint32_t kWriting = O_WRONLY | O_RDWR | O_CREAT | O_TRUNC;
@@ -134,7 +134,7 @@ std::vector<sock_filter> filter() {
     f.push_back(jump(BPF_JEQ, call, 0, 1));
     f.push_back(answer(kFail));
   }
-  // a call fails if the low 32 bits of an argument have one of the bits, or if they have none
+  // a call fails if the low 32 bits of an argument have one of the bits, or else if they have none
   const auto deny_bits = [&](uint32_t call, int argument, uint32_t bits, bool if_set) {
     f.push_back(jump(BPF_JEQ, call, 0, 4));
     f.push_back(load(offsetof(seccomp_data, args) + 8 * size_t(argument)));
@@ -160,12 +160,12 @@ void limit_process() {
   limit(RLIMIT_FSIZE, 0, "the size of files");
   limit(RLIMIT_CORE, 0, "core dumps");
   limit(RLIMIT_NOFILE, kOpenFiles, "open files");
-#ifndef __SANITIZE_ADDRESS__  // which reserves terabytes of addresses
+#ifndef __SANITIZE_ADDRESS__  // whose runtime reserves terabytes of addresses
   limit(RLIMIT_AS, rlim_t(kReaderMemory), "the memory");
 #endif
-  ::mallopt(M_ARENA_MAX, 1);  // each further one reserves 64 MiB of addresses
+  ::mallopt(M_ARENA_MAX, 1);  // each further arena reserves 64 MiB of addresses
 
-  // the libraries have started threads already: the filter is for all of them
+  // libraries have started threads already, so the filter applies to all threads
   std::vector<sock_filter> instructions = filter();
   const sock_fprog program = {static_cast<unsigned short>(instructions.size()),
                               instructions.data()};

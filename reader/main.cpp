@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // elastogen-reader FORMAT PATH (vdb:GRID PATH for a grid by its name): reads one file in a limited
-// process and writes the asset, or why there is none, to standard output (io/asset_stream.hpp).
-// io/child_reader.hpp starts it. elastogen-reader image EDGE: decodes the image on its standard
-// input (io/decode_image.hpp).
+// process and writes the asset, or the reason why there is none, to standard output
+// (io/asset_stream.hpp). io/child_reader.hpp starts it.
+// elastogen-reader image EDGE: decodes the image on its standard input (io/decode_image.hpp).
 
 #include "core/error.hpp"
 #include "core/parallel.hpp"
@@ -34,7 +34,7 @@ std::string all_input() {
   }
 }
 
-/// A grid is named behind the format: "vdb:GRID".
+/// The format without the name of a grid: "vdb:GRID".
 std::string_view format_of(std::string_view word) {
   return word.substr(0, word.find(':'));
 }
@@ -48,7 +48,7 @@ Asset read_file_of(const std::string& word, const std::string& path) {
 std::string answer(const std::string& format, const std::string& path) {
   try {
     limit_process();
-    const ThreadLimit single(1);  // the CPU time is that of all threads
+    const ThreadLimit single(1);  // the limit of CPU time counts all threads
     if (format == kImageWord) return encode_image(read_image(all_input(), std::stoi(path)));
     return encode_asset(read_file_of(format, path));
   } catch (const std::bad_alloc&) {
@@ -81,6 +81,6 @@ int main(int argc, char** argv) {
                  "usage: elastogen-reader FORMAT PATH, or image EDGE with the image as input\n");
     return 2;
   }
-  // nothing is taken down: the libraries' clean-up would only be one more thing to go wrong
+  // skip the libraries' clean-up, which could only fail
   ::_exit(elastogen::write_all(elastogen::answer(argv[1], argv[2])) ? 0 : 1);
 }

@@ -10,7 +10,7 @@
 namespace elastogen {
 namespace {
 
-/// Memory that a voxel takes that is filled with eight particles [bytes]. Measured 16000 to 17000.
+/// Memory that a voxel filled with eight particles needs [bytes]. Measured 16000 to 17000.
 constexpr int64_t kBytesOfParticles = 20'000;
 
 int64_t bytes_of(const ParticleOptions& particles) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The stages before a scene, for the verbs that end there: read, pose, voxelise.
+// Stages that come before a scene: read, pose, voxelise. Some verbs need only these.
 
 #pragma once
 
@@ -16,16 +16,16 @@ struct VoxelizedAsset {
   Voxelized voxels;
 };
 
-/// The body of a run: its shape, or what its file holds. @throws Error as read_asset.
+/// The body of a run: its shape, or the content of its file. @throws Error as read_asset.
 Asset run_asset(const RunDescription& run);
 
 /// Resolution and limits of a run, without planes to align with.
 VoxelizeOptions resolution(const RunDescription& run);
 
-/// What a report says of an asset and its body: counts, findings, size, up.
+/// Summary of an asset and its body for a report: counts, findings, size, up.
 AssetSummary summary_of(const Asset& asset, const Body& body, const RunDescription& run);
 
-/// Adds what voxelising found to the summary, and marks the body's parts.
+/// Adds the findings of voxelisation to the summary, and stores the parts of the body's triangles.
 void take_findings(const Asset& asset, const Voxelized& voxels, Body& body, AssetSummary& summary);
 
 /// Reads and voxelises the input; fills asset, voxels, warnings and times of the report.

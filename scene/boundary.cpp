@@ -17,14 +17,14 @@ struct Parts {
   std::string_view rest;
 };
 
-/// What stands before and after the first colon: selections have none.
+/// The texts before and after the first colon; a selection has no colon.
 Parts parts_of(std::string_view text) {
   const size_t colon = text.find(':');
   ELASTOGEN_CHECK(colon != text.npos, "the colon behind the selection is missing");
   return {parse_selection(text.substr(0, colon)), trimmed(text.substr(colon + 1))};
 }
 
-/// Runs a parser; what it throws then quotes the option and says how it reads.
+/// Runs a parser; adds the text of the option and its grammar to errors.
 template <class Call>
 auto quoted(const char* option, std::string_view text, const char* grammar, const Call& call) {
   try {
@@ -47,7 +47,7 @@ std::vector<PathKey> parse_angles(std::string_view text, const Vec3& axis) {
   return path;
 }
 
-/// What follows the word turn.
+/// Reads the text after the word turn.
 void parse_turn(std::string_view text, Move& move) {
   const size_t open = text.find('('), close = text.find(')');
   ELASTOGEN_CHECK(open == 0 && close != text.npos, "a bracket of the turn is missing");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a part of the body is told: to stay, to bear a load, to move; as text and as values.
+// Boundary conditions of parts of a body (held, loaded, moved), as text and as values.
 
 #pragma once
 
@@ -14,33 +14,33 @@
 
 namespace elastogen {
 
-/// Nodes that stay.
+/// Nodes that do not move.
 struct Pin {
-  std::string text;  ///< as it was said, for messages; so in all of these
+  std::string text;  ///< as it was typed, for messages; so in all these structs
   Selection selection;
 };
 
-/// Displacements that stay 0.
+/// Displacement components that stay 0.
 struct Hold {
   std::string text;
-  Selection selection;            ///< of nodes
+  Selection selection;            ///< selects nodes
   std::array<bool, 3> axes = {};  ///< along which they are held
 };
 
 /// A dead load.
 struct Traction {
   std::string text;
-  Selection selection;                  ///< of nodes whose faces carry it
-  Vec3 force = {};                      ///< in all [N]
-  std::optional<double> pressure = {};  ///< on each face against its normal [Pa], in place of force
+  Selection selection;                  ///< selects the nodes whose faces carry it
+  Vec3 force = {};                      ///< total [N]
+  std::optional<double> pressure = {};  ///< against the normal of each face [Pa]; replaces force
 };
 
-/// A rigid motion, straight and uniform between keys, at rest before the first and after the last.
+/// A rigid motion, linear in time between keys, at rest before the first key and after the last.
 struct Move {
   std::string text;
-  Selection selection;  ///< of nodes
+  Selection selection;  ///< selects nodes
   bool turns = false;
-  std::vector<PathKey> path;              ///< offsets [m]; of a turn rotation vectors [rad]
+  std::vector<PathKey> path;              ///< offsets [m], or rotation vectors of a turn [rad]
   std::array<Place, 3> turn_centre = {};  ///< a point of the axis
 };
 
@@ -48,7 +48,7 @@ struct Move {
 Pin parse_pin(std::string_view text);
 
 /// Reads 'SELECTION: AXES', AXES being x, y, z or several of them: 'x<1%: x', 'all: yz'.
-/// @throws Error (usage) naming the text and what is wrong; so do the others.
+/// @throws Error (usage) naming the text and what is wrong; so for all parsers here.
 Hold parse_hold(std::string_view text);
 
 /// Reads 'SELECTION: x,y,z [UNIT]', a force, or 'SELECTION: p [UNIT]', a pressure.
@@ -59,8 +59,8 @@ Traction parse_traction(std::string_view text);
 ///     SELECTION: shift TIME:x,y,z; TIME:x,y,z ...
 ///     SELECTION: turn(PLACE x3, NUMBER x3) TIME:ANGLE; TIME:ANGLE ...
 ///
-/// a turn by the right hand about the axis through a point (three places) along a vector of any
-/// length; times ascend.
+/// where a turn is right-handed about the axis through a point (three places) along a vector of any
+/// length. Times ascend.
 Move parse_move(std::string_view text);
 
 /// Reads TIME:x,y,z; TIME:x,y,z ..., offsets [m]. @throws Error (usage) saying what is wrong.

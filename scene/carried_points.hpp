@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The points of an asset that a run carries along, and the frames made of them.
+// The points of an asset that a run moves, and the frames made of them.
 
 #pragma once
 
@@ -9,7 +9,7 @@
 
 namespace elastogen {
 
-/// Points that voxels carry, or that are nodes of tetrahedra.
+/// Points carried by voxels, or points that are nodes of tetrahedra.
 struct CarriedPoints {
   int64_t count = 0;
   Embedding embedding;                      ///< in the voxels of the scene's grid
@@ -19,7 +19,7 @@ struct CarriedPoints {
 /// The carried points of a setup, which must outlive them.
 CarriedPoints carried_points(const Setup& setup);
 
-/// Frames that are made of the positions of nodes. The last two stay: one may be written while the
+/// Frames made from positions of nodes. The last two remain valid, so one may be written while the
 /// next is made.
 class NodeFrames {
  public:
@@ -30,7 +30,7 @@ class NodeFrames {
   /// @return its number, from 0.
   int64_t make(In<double> x);
 
-  /// One of the last two.
+  /// One of the last two frames.
   CarriedFrame take(int64_t number) const;
 
  private:

@@ -16,7 +16,7 @@
 namespace elastogen {
 namespace {
 
-/// Steps the clip and collects what the report says of it.
+/// Steps the clip and collects results for the report.
 class Clip {
  public:
   Clip(const Asset& asset, const Setup& setup, const RunDescription& run, const ClipHooks& hooks,
@@ -36,7 +36,7 @@ class Clip {
     if (!run.state.empty()) open_state();
   }
 
-  /// Takes the steps.
+  /// Makes all steps of the clip.
   void play() {
     watch_ = Stopwatch();
     add_frame({.converged = true});
@@ -53,7 +53,7 @@ class Clip {
     report_.stage_seconds.steps = watch_.seconds() - report_.stage_seconds.write;
   }
 
-  /// Makes the files whole and judges the clip.
+  /// Completes the files and judges the clip.
   ClipEnd finish() {
     const Stopwatch watch;
     for (std::string& text : frames_.finish(note_)) report_.warnings.push_back(std::move(text));
@@ -110,7 +110,7 @@ class Clip {
     state_file_->finish();
   }
 
-  /// Asked to, or the time is over.
+  /// Whether a stop was requested or the time is up.
   bool stopped() const {
     return asked_to_stop() || (run_.max_time > 0 && watch_.seconds() > run_.max_time);
   }
@@ -127,7 +127,7 @@ class Clip {
         fmt::format("--max-time reached after {} of {} frames", report_.frames, run_.frames));
   }
 
-  /// False: the clip ends here, and the end says why.
+  /// @return false if the clip ends here; end_ and a warning then say why.
   bool step_frame(int64_t frame, FrameCertificate& certificate) {
     for (int k = 0; k < setup_.substeps; ++k) {
       StepReport r;
@@ -169,14 +169,14 @@ class Clip {
     if (hooks_.on_step) hooks_.on_step(r);
   }
 
-  /// The time that is lost to frames beside the steps.
+  /// Adds a frame, and its time that steps had to wait to the report.
   void add_frame(const FrameCertificate& certificate) {
     const Stopwatch watch;
     frames_.add(certificate);
     report_.stage_seconds.write += watch.seconds();
   }
 
-  /// Says where laws had to stand in for nets; a warning where nets were asked for.
+  /// Notes where laws replaced nets; a warning if nets were requested.
   void judge_fits() {
     if (report_.outside_fit == 0) return;
     const bool asked = run_.energy == EnergySource::kNeural;
@@ -188,7 +188,7 @@ class Clip {
                                (report_.outside_fit + steps_outside_ - 1) / steps_outside_));
   }
 
-  /// Steps of more than 20 times the iterations of the median one, which counts as 50 at least.
+  /// Finds steps with more than 20 times the iterations of the median step, counted as at least 50.
   void find_long_steps() {
     constexpr double kLong = 20, kUsual = 50;
     const double median = quantile(work_, 0.5), most = kLong * std::max(median, kUsual);
@@ -213,7 +213,7 @@ class Clip {
   std::unique_ptr<Stepper> stepper_;
   ClipFrames frames_;
   int64_t converged_ = 0;
-  int64_t steps_outside_ = 0;  ///< in which voxels lay outside the box of their nets
+  int64_t steps_outside_ = 0;  ///< steps in which voxels were outside the box of their nets
   std::vector<double> work_;   ///< inner iterations of the steps
   Stopwatch watch_;            ///< of the steps
 };

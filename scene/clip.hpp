@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A clip: the steps of a set-up run, its frames, log and state file, and what the report says of
-// them.
+// Plays a clip: makes the steps of a set-up run, writes frames, log and state, fills the report.
 
 #pragma once
 
@@ -15,36 +14,36 @@
 
 namespace elastogen {
 
-/// What a caller may add to a clip; each may be empty.
+/// Additions of a caller to a clip; each may be empty.
 struct ClipHooks {
-  std::function<bool()> stop;  ///< polled in steps and between them: true ends the clip
+  std::function<bool()> stop;  ///< polled during and between steps; true ends the clip
   NetMaker make_net;           ///< as StepperHooks
-  /// A writer of its own for an output; null: the library's.
-  /// @param note  takes what the writer leaves out.
+  /// A custom writer for an output; null: the library's writer.
+  /// @param note  receives what the writer leaves out.
   std::function<std::unique_ptr<AnimationWriter>(const std::string& path, const Asset& asset,
                                                  const Setup& setup,
                                                  const std::function<void(std::string)>& note)>
       open_writer;
-  /// Called with each frame in their order, the first included, maybe on another thread beside
-  /// the next step: positions of the carried points [m], (points, 3).
+  /// Called with each frame in order, the first included, possibly on another thread during the
+  /// next step: positions of the carried points [m], (points, 3).
   std::function<void(const Array<double>& positions)> on_frame;
   std::function<void(const StepReport&)> on_step;
-  /// Called when a frame has been handed to the writers; the first is not counted.
+  /// Called when a frame has been passed to the writers; not for the first frame.
   std::function<void(int64_t frame, const FrameCertificate&)> on_progress;
   std::function<void(const std::string& text)> on_note;  ///< a note, as soon as it is known
 };
 
-/// How a clip ended. Frames before its end are written whole in any case.
+/// How a clip ended. All frames before its end have been written.
 enum class ClipEnd {
-  kConverged,  ///< every step
+  kConverged,  ///< every step converged
   kDraft,      ///< a step missed the tolerance, a voxel is inverted, or max_time was over
   kDiverged,   ///< a step had to be refused
   kStopped     ///< on request
 };
 
-/// Steps a run to its last frame and makes its files whole.
-/// @param report  with what add_summary fills; gets the rest but for its file.
-/// @throws Error (usage, device) for what the run cannot do, before the first step; (resources) for
+/// Steps a run to its last frame and completes its files.
+/// @param report  filled by add_summary; gets everything else but its file.
+/// @throws Error (usage, device) before the first step for what the run cannot do; (resources) for
 ///         disks that fail.
 ClipEnd play_clip(const Asset& asset, const Setup& setup, const RunDescription& run,
                   const ClipHooks& hooks, RunReport& report);

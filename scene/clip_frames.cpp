@@ -67,7 +67,7 @@ void ClipFrames::add(const FrameCertificate& certificate) {
     if (!frame.particles) frame.residual = {stepper_->residual().data, frame.state->x.rows(), 3};
     return write(number, frame);
   }
-  // with one thread a frame is written there, when it is waited for
+  // with one thread the frame is written there, when it is waited for
   const auto policy = run_.threads == 1 ? std::launch::deferred : std::launch::async;
   writing_ = std::async(policy, [this, number, frame] { write(number, frame); });
 }
@@ -86,7 +86,7 @@ std::vector<std::string> ClipFrames::finish(const std::function<void(std::string
   return warnings;
 }
 
-/// The state of the grid's nodes alone: quadratic elements have more.
+/// The state of the grid's nodes alone; quadratic elements have more nodes.
 const State& ClipFrames::grid_state() {
   const State& state = stepper_->state();
   const int64_t nodes = setup_.scene.grid.node_count();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The frames of a clip, from the stepper to the files: a frame is written on another thread beside
-// the steps that lead to the next one.
+// The frames of a clip, from the stepper to the files. A frame is written on another thread while
+// the steps to the next one are made.
 
 #pragma once
 
@@ -15,26 +15,26 @@ namespace elastogen {
 class ClipFrames {
  public:
   /// Opens the animations. All arguments must outlive it.
-  /// @param note  takes what the animations leave out.
+  /// @param note  receives what the animations leave out.
   /// @throws Error as AnimationWriter::create and the caller's writers.
   ClipFrames(const Asset& asset, const Setup& setup, const RunDescription& run,
              const ClipHooks& hooks, const std::function<void(std::string)>& note);
 
-  /// Takes the stepper, which must outlive it and has begun.
+  /// Connects the stepper, which must have begun and must outlive this.
   void begin(Stepper& stepper);
 
-  /// Whether an animation takes velocities and residual: its frames are written at once.
+  /// Whether an animation needs velocities and residual. Its frames are then written at once.
   bool with_motion() const { return with_motion_; }
 
-  /// Adds the frame of the state that the stepper has reached and waits for the one before; writing
-  /// goes on beside what follows, where loops may have several threads.
+  /// Adds the frame of the stepper's state and waits for the frame before. With several threads,
+  /// writing continues after the return.
   /// @throws what writing the frame before has thrown.
   void add(const FrameCertificate& certificate);
 
   /// Waits for the last frame. @throws what writing it has thrown.
   void wait();
 
-  /// Makes the files whole, after wait(). @param note  takes what the writers have to say.
+  /// Completes the files; call after wait(). @param note  receives the notes of the writers.
   /// @return their warnings.
   std::vector<std::string> finish(const std::function<void(std::string)>& note);
 
@@ -52,9 +52,9 @@ class ClipFrames {
   bool with_motion_ = false, with_gradient_ = false;
   CarriedPoints points_;
   Stepper* stepper_ = nullptr;
-  State grid_state_;  ///< used where the state has more nodes than the grid
+  State grid_state_;  ///< used if the state has more nodes than the grid
   double largest_motion_ = 0;
-  std::future<void> writing_;  ///< last, so that it ends before what it works on
+  std::future<void> writing_;  ///< last member, so that it ends before the members that it uses
 };
 
 }  // namespace elastogen

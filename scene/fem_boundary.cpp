@@ -13,7 +13,7 @@
 namespace elastogen {
 namespace {
 
-/// Nodes of the grid, and middles of edges between two of them.
+/// The given nodes of the grid, and the middles of edges between two of them.
 Array<uint8_t> with_middles(const Array<uint8_t>& grid_nodes, const fem::ElementMesh& mesh) {
   constexpr int kEdges[6][2] = {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}};
   Array<uint8_t> nodes(mesh.rest.rows());
@@ -32,7 +32,7 @@ struct Claim {
   Array<uint8_t> nodes;
 };
 
-/// @throws Error (usage) naming both where they have a node in common.
+/// @throws Error (usage) naming both claims if they have a node in common.
 void check_apart(const Claim& a, const Claim& b, const VoxelGrid& grid) {
   for (int64_t n = 0; n < grid.node_count(); ++n)
     if (a.nodes(n) && b.nodes(n))
@@ -57,13 +57,13 @@ void check_contradictions(const Setup& setup, const RunDescription& run) {
   }
 }
 
-/// A prescribed motion of some nodes.
+/// A prescribed motion of nodes.
 struct Motion {
   std::vector<int32_t> nodes;
-  std::vector<Vec3> rest;  ///< of each [m]
+  std::vector<Vec3> rest;  ///< rest position of each [m]
   bool turns = false;
-  Vec3 centre = {};  ///< of a turn [m]
-  Collider frame;    ///< only its path counts: offsets [m] or rotation vectors [rad]
+  Vec3 centre = {};  ///< centre of a turn [m]
+  Collider frame;    ///< used for its path: offsets [m] or rotation vectors [rad]
 };
 
 /// r turned by a rotation vector (Rodrigues).
@@ -151,7 +151,7 @@ void add_tractions(const Setup& setup, const RunDescription& run, fem::FemScene&
 void add_moves(const Setup& setup, const RunDescription& run, fem::FemScene& scene) {
   if (run.moves.empty()) return;
   std::vector<Motion> motions;
-  double end = 0;  // of the last key
+  double end = 0;  // time of the last key
   for (const Move& move : run.moves) {
     end = std::max(end, move.path.back().time);
     motions.push_back(make_motion(move, setup, scene.mesh));
@@ -167,7 +167,7 @@ void add_moves(const Setup& setup, const RunDescription& run, fem::FemScene& sce
 struct Piece {
   int64_t nodes = 0;
   Box box;                        // at rest [m]
-  std::array<bool, 3> held = {};  // along x, y, z
+  std::array<bool, 3> held = {};  // whether a component is prescribed along x, y, z
 };
 
 std::vector<Piece> pieces_of(const fem::FemScene& scene) {

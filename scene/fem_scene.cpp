@@ -28,8 +28,8 @@ fem::ElementMesh mesh_of(const Scene& scene, fem::Element element) {
   return mesh;
 }
 
-/// The points of the voxels' surface, carried by the tetrahedra of their voxel, or the nodes of
-/// the surface of tetrahedra.
+/// Contact points: those of the voxels' surface, carried by the tetrahedra of their voxel, or the
+/// nodes on the surface of tetrahedra.
 fem::ContactPoints contact_of(const Setup& setup, const fem::ElementMesh& mesh) {
   const Scene& scene = setup.scene;
   if (setup.tets) return fem::node_contact(scene, mesh, setup.node_of);
@@ -48,8 +48,8 @@ fem::ContactPoints contact_of(const Setup& setup, const fem::ElementMesh& mesh) 
   return points;
 }
 
-/// Materials whose densities give the voxels' fills the mass of the scene, which is that of the
-/// asset's volume.
+/// Materials with densities scaled so that the fills of the voxels have the mass of the scene,
+/// which is the mass of the asset's volume.
 std::vector<Material> materials_of(const Scene& scene) {
   const double h3 = scene.grid.h * scene.grid.h * scene.grid.h;
   double mass = 0, filled = 0;
@@ -61,8 +61,8 @@ std::vector<Material> materials_of(const Scene& scene) {
   return materials;
 }
 
-/// Voxels whose material yields, which the voxel element cannot. Mean dilatation leaves nothing that
-/// keeps a point at a contact from being flattened, but for hardening.
+/// The element for voxels whose material yields, as the voxel element cannot yield. With mean
+/// dilatation only hardening resists the flattening of a point at a contact; without it: kHex.
 fem::Element yielding_element(const std::vector<Yield>& yields) {
   for (const Yield& yield : yields) {
     const auto* metal = std::get_if<MetalYield>(&yield);

@@ -11,7 +11,7 @@
 namespace elastogen {
 namespace {
 
-constexpr int kMostOfPart = 40;  // Newton steps of a part before it is halved
+constexpr int kMostOfPart = 40;  // Newton steps of a part of a step before it is halved
 
 /// a - b, entry by entry.
 Array<double> difference(const Array<double>& a, const Array<double>& b) {
@@ -50,11 +50,11 @@ class FemStepper : public HostStepper {
   std::function<bool()> stop_;
   fem::FemScene scene_;
   fem::ImplicitFem solver_;
-  fem::FemState fem_;  ///< what steps work on; state_ is the same as positions
+  fem::FemState fem_;  ///< state of the solver; state_ is the same as positions
 };
 
 void FemStepper::begin(const StartMotion& motion) {
-  Scene nodes;  // only what initial_state looks at
+  Scene nodes;  // only the members that initial_state reads
   nodes.grid.rest = scene_.mesh.rest;
   nodes.mass = solver_.potential().mass().nodal();
   nodes.pinned = pinned_nodes(setup_.scene, scene_.mesh);
@@ -90,7 +90,7 @@ StepReport FemStepper::advance() {
   return report;
 }
 
-/// Brings the positions up to date.
+/// Copies positions, velocities and time to state_.
 void FemStepper::show() {
   std::swap(state_.x_before, state_.x);
   std::swap(state_.v_before, state_.v);

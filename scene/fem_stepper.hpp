@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Steps of finite elements.
+// Steps by finite elements.
 
 #pragma once
 
@@ -7,8 +7,8 @@
 
 namespace elastogen {
 
-/// On what fem_scene makes of the run.
-/// @param stop  asked before each step.
+/// A stepper on the scene that fem_scene makes of the run.
+/// @param stop  polled before each step.
 /// @throws Error as fem_scene.
 std::unique_ptr<Stepper> make_fem_stepper(const Setup& setup, const RunDescription& run,
                                           std::function<bool()> stop);

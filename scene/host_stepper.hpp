@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A stepper whose state lies on the host, where frames are made of its positions.
+// A stepper whose state lies on the host, where frames are made from its positions.
 
 #pragma once
 
@@ -9,13 +9,13 @@
 
 namespace elastogen {
 
-/// What a state file says of yields: a kind each and the numbers of its parameters, in the order of
-/// their declaration, (materials, 5).
+/// Yields for a state file: the kind of each, and its parameters in the order of declaration,
+/// (materials, 5).
 Array<double> yield_rows(const std::vector<Yield>& yields);
 
 class HostStepper : public Stepper {
  public:
-  /// @param grid  of the scene; must outlive it.
+  /// @param grid  the grid of the scene; must outlive it.
   explicit HostStepper(const VoxelGrid& grid) : grid_(grid) {}
 
   void begin_at(const State& state) override { state_ = state; }

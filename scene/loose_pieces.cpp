@@ -16,7 +16,7 @@
 namespace elastogen {
 namespace {
 
-/// 1 for each piece of which a node is pinned, held or moved.
+/// 1 for each piece in which a node is pinned, held or moved.
 std::vector<uint8_t> held_pieces(const Setup& setup, const RunDescription& run) {
   const VoxelGrid& grid = setup.scene.grid;
   std::vector<uint8_t> held(size_t(grid.pieces), 0);
@@ -30,8 +30,8 @@ std::vector<uint8_t> held_pieces(const Setup& setup, const RunDescription& run) 
   return held;
 }
 
-/// Whether a point that falls meets a collider: spheres that touch the nearest one are followed
-/// along the pull. One that moves may come by.
+/// Whether a point that falls meets a collider. The point is moved along the pull by its distance
+/// to the nearest collider, repeatedly. A moving collider counts as met, as it may come by.
 bool is_above_something(const Scene& scene, Vec3 x, double reach) {
   const Vec3 down = scaled(scene.gravity, 1 / norm(scene.gravity));
   const Vec3 start = x;
@@ -45,7 +45,7 @@ bool is_above_something(const Scene& scene, Vec3 x, double reach) {
   return false;
 }
 
-/// Triangle of the surface that is nearest to a point.
+/// The triangle of the surface nearest to a point.
 int64_t nearest_triangle(const Surface& surface, const Vec3& x) {
   double least = 1e300;
   int64_t nearest = 0;
@@ -59,7 +59,7 @@ int64_t nearest_triangle(const Surface& surface, const Vec3& x) {
   return nearest;
 }
 
-/// The name that most of some points are nearest to.
+/// The name that is nearest to most of the points.
 std::string name_near(const Asset& asset, const Surface& surface, const std::vector<Vec3>& points) {
   std::map<std::string, int> votes;
   const size_t stride = points.size() / 16 + 1;
@@ -68,7 +68,7 @@ std::string name_near(const Asset& asset, const Surface& surface, const std::vec
   return std::ranges::max_element(votes, {}, [](const auto& v) { return v.second; })->first;
 }
 
-/// Some nodes of each piece, at most 64.
+/// At most 64 nodes of each piece.
 std::vector<std::vector<Vec3>> samples_of(const VoxelGrid& grid) {
   std::vector<int64_t> count(size_t(grid.pieces), 0), seen(size_t(grid.pieces), 0);
   for (int64_t n = 0; n < grid.node_count(); ++n) ++count[size_t(grid.piece(n))];
@@ -87,12 +87,15 @@ void judge_pieces(const Asset& asset, const RunDescription& run, Setup& setup) {
   constexpr size_t kShown = 3;
   const Scene& scene = setup.scene;
   if (scene.grid.pieces < 2) return;
+  // nothing is loose if every piece is held
   const std::vector<uint8_t> held = held_pieces(setup, run);
   if (std::ranges::all_of(held, [](uint8_t h) { return h != 0; }))
     std::erase_if(setup.asset.findings, [](const Finding& f) { return f.what == "loose-pieces"; });
+  // without gravity, or with nothing that holds or stops a piece, none falls away from others
   const bool any = std::ranges::any_of(held, [](uint8_t h) { return h != 0; });
   if (scene.gravity == Vec3{} || (!any && scene.colliders.empty())) return;
 
+  // pieces that fall past all colliders, and the names of some
   const std::vector<std::vector<Vec3>> samples = samples_of(scene.grid);
   const double reach = 1000 * setup.longest_edge;
   int64_t count = 0;
@@ -103,6 +106,7 @@ void judge_pieces(const Asset& asset, const RunDescription& run, Setup& setup) {
     ++count;
     if (names.size() <= kShown) names.insert(name_near(asset, setup.body.surface, samples[p]));
   }
+  // a warning that lists them
   if (count == 0) return;
   names.erase("");
   std::string list;

@@ -37,7 +37,7 @@ Solid parse_solid(std::string_view text) {
 }
 
 MaterialRegion parse(std::string_view text) {
-  // names may hold colons, materials do not
+  // split at the last colon, as names may have colons and materials have none
   const size_t colon = text.rfind(':');
   ELASTOGEN_CHECK(colon != text.npos, "the colon between selection and material is missing");
   MaterialRegion region;
@@ -56,7 +56,7 @@ MaterialRegion parse(std::string_view text) {
   return region;
 }
 
-/// Whether a name fits a pattern in which * stands for any letters, none included.
+/// Whether a name fits a pattern; * stands for any letters or none.
 bool fits(std::string_view pattern, std::string_view name) {
   size_t p = 0, n = 0, star = pattern.npos, tried = 0;
   while (n < name.size())
@@ -74,7 +74,7 @@ bool fits(std::string_view pattern, std::string_view name) {
   return pattern.find_first_not_of('*', p) == pattern.npos;
 }
 
-/// 1 for each row that a pattern fits by name. @throws Error if it fits none.
+/// 1 for each row whose name fits the pattern. @throws Error if none does.
 template <class Rows>
 std::vector<uint8_t> named(const Rows& rows, const MaterialRegion& region) {
   std::vector<uint8_t> result(rows.size());
@@ -94,7 +94,7 @@ std::vector<uint8_t> named(const Rows& rows, const MaterialRegion& region) {
   return result;
 }
 
-/// 1 for each triangle that belongs to a named region, (triangles).
+/// 1 for each triangle of a named region, (triangles).
 std::vector<uint8_t> named_triangles(const Asset& asset, const Surface& surface,
                                      const MaterialRegion& region) {
   std::vector<uint8_t> result(size_t(surface.triangles.rows()));
@@ -116,7 +116,7 @@ std::vector<uint8_t> named_triangles(const Asset& asset, const Surface& surface,
   return result;
 }
 
-/// Keeps the materials that voxels have, in their order.
+/// Drops materials that no voxel has; the others keep their order.
 void drop_unused(Scene& scene, std::vector<Yield>& yields) {
   std::vector<int32_t> place(scene.materials.size(), -1);
   for (int64_t v = 0; v < scene.material.rows(); ++v) place[size_t(scene.material(v))] = 0;
@@ -137,7 +137,7 @@ void drop_unused(Scene& scene, std::vector<Yield>& yields) {
 using Holds = std::function<bool(int64_t)>;  ///< whether a region holds an element
 
 /// Gives the elements of each region its material.
-/// @param holds_of  Holds of a region; what it looks at lasts until the next call.
+/// @param holds_of  returns Holds for a region; valid until the next call.
 template <class HoldsOf>
 void give(const std::vector<MaterialRegion>& regions, const char* element, Scene& scene,
           std::vector<Yield>& yields, std::vector<std::string>& warnings, const HoldsOf& holds_of) {

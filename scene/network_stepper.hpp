@@ -7,7 +7,7 @@
 
 namespace elastogen {
 
-/// On what the options ask for. The scene must be finished and outlive it.
+/// A stepper for the solver options of a run. The scene must be finished and outlive it.
 /// @throws Error as Solver.
 std::unique_ptr<Stepper> make_network_stepper(const Scene& scene, const SolverOptions& options);
 

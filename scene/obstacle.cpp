@@ -31,7 +31,7 @@ Vec3 parse_normal(const Texts& numbers) {
   return normal;
 }
 
-/// The shape, up to its closing bracket. @return what follows it.
+/// Reads the shape up to its closing bracket. @return the text after it.
 std::string_view parse_shape(std::string_view text, Obstacle& o) {
   const size_t open = text.find('('), close = text.find(')');
   ELASTOGEN_CHECK(open != text.npos && close != text.npos && open < close, "a bracket is missing");
@@ -51,7 +51,7 @@ std::string_view parse_shape(std::string_view text, Obstacle& o) {
   return text.substr(close + 1);
 }
 
-/// What follows the shape: words friction, name and path, each with what belongs to it.
+/// Reads the text after the shape: the words friction, name and path, each with its values.
 void parse_rest(std::string_view text, Obstacle& o) {
   std::istringstream words{std::string(text)};
   std::string word;
@@ -88,7 +88,7 @@ void place_box(const Obstacle& o, const PlacedBox& box, Collider& c) {
   }
 }
 
-/// Runs an action; what it throws then quotes the text and says how it reads.
+/// Runs an action; adds the text and the grammar to its errors.
 template <class Action>
 void quoted(std::string_view text, const Action& action) {
   try {

@@ -19,11 +19,11 @@ namespace {
 
 using Colours = std::vector<std::array<float, 4>>;
 
-constexpr int kLongestTexture = 2048;  // texels along an edge that are decoded
-constexpr float kSeen = 0.1f;          // opacity from which a splat has a colour to give
+constexpr int kLongestTexture = 2048;  // longest edge of a decoded texture [texels]
+constexpr float kSeen = 0.1f;          // least opacity of a splat whose colour is used
 
-/// Weights of the corners of a triangle at its place nearest to a point; of one without area the
-/// middle.
+/// Weights of the corners at the place of a triangle nearest to a point; equal weights if the
+/// triangle has no area.
 Vec3 nearest_weights(const std::array<Vec3, 3>& corner, const Vec3& point) {
   const Vec3 a = minus(corner[1], corner[0]), b = minus(corner[2], corner[0]);
   const Vec3 p = minus(point, corner[0]), normal = cross(a, b);
@@ -32,7 +32,7 @@ Vec3 nearest_weights(const std::array<Vec3, 3>& corner, const Vec3& point) {
   Vec3 w = {0, dot(cross(p, b), normal) / size, dot(cross(a, p), normal) / size};
   w[0] = 1 - w[1] - w[2];
   if (*std::ranges::min_element(w) >= 0) return w;
-  // outside: the nearest place of the edges
+  // outside: the nearest place is on an edge
   double nearest = 1e300;
   for (size_t k = 0; k < 3; ++k) {
     const Vec3 edge = minus(corner[(k + 1) % 3], corner[k]), from = minus(point, corner[k]);
@@ -48,7 +48,7 @@ Vec3 nearest_weights(const std::array<Vec3, 3>& corner, const Vec3& point) {
   return w;
 }
 
-/// Materials, textures and colours of the vertices of a mesh.
+/// Materials, textures and colours of vertices of a mesh.
 class Paints {
  public:
   Paints(const Asset& asset, const Surface& surface, std::vector<std::string>& notes)
@@ -72,7 +72,7 @@ class Paints {
            std::ranges::all_of(asset_.meshes, [](const Mesh& mesh) { return mesh.colour.empty(); });
   }
 
-  /// @param width  of what the colour is for [m].
+  /// @param width  size of the sample that gets the colour [m].
   Texel at(int64_t t, const Vec3& point, double width) const {
     const std::array<Vec3, 3> corner = {place(t, 0), place(t, 1), place(t, 2)};
     const Vec3 w = nearest_weights(corner, point);
@@ -102,7 +102,7 @@ class Paints {
     return {x[0], x[1], x[2]};
   }
 
-  /// @param share  of twice the triangle's area that the sample covers.
+  /// @param share  the area that the sample covers, over twice the triangle's area.
   static Texel sample(const Texture& texture, const BaseColour& paint, const TriangleCorners& of,
                       const Vec3& w, double share) {
     std::array<std::array<float, 2>, 3> uv;
@@ -123,7 +123,7 @@ class Paints {
   const Surface& surface_;
   std::vector<TriangleCorners> corners_;
   std::vector<BaseColour> materials_;
-  std::vector<std::optional<Texture>> textures_;  ///< none where its image cannot be decoded
+  std::vector<std::optional<Texture>> textures_;  ///< none if its image cannot be decoded
 };
 
 Colours colours_of_mesh(const Asset& asset, const Setup& setup, const ParticleSetup& particles,
@@ -141,7 +141,7 @@ Colours colours_of_mesh(const Asset& asset, const Setup& setup, const ParticleSe
   return colours;
 }
 
-/// What points and splats have to give: places and colours.
+/// Points or splats as sources of colour: places and colours.
 struct Dabs {
   std::vector<int32_t> point;
   Colours colour;

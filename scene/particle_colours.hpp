@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The colours that particles take from the asset.
+// The colours of particles, taken over from the asset.
 
 #pragma once
 
@@ -7,10 +7,10 @@
 
 namespace elastogen {
 
-/// Colour, linear, and alpha of each particle: of a mesh that of the nearest place on the triangle
-/// that is nearest to its voxel, texture times base colour times colours of vertices; of a cloud
-/// that of the nearest point; of splats the first harmonic of the nearest that is not transparent.
-/// Empty where the asset has no colours.
+/// Linear colour and alpha of each particle. For a mesh: the colour at the nearest place of the
+/// triangle that is nearest to the particle's voxel, texture times base colour times colours of
+/// vertices. For a cloud: the nearest point's colour. For splats: the first harmonic of the nearest
+/// one that is not transparent. Empty if the asset has no colours.
 /// @param carried  vertices, points or splats of the asset [m], (points, 3).
 /// @param notes    gets a sentence for each texture that cannot be shown.
 std::vector<std::array<float, 4>> particle_colours(const Asset& asset, const Setup& setup,

@@ -14,9 +14,9 @@
 namespace elastogen {
 namespace {
 
-constexpr double kStable = 0.3;  // of h/c: a step that is explicit
+constexpr double kStable = 0.3;  // default of an explicit substep [h/c]
 
-/// sum V psi over particles of these laws.
+/// sum V psi over the particles, each by the law of its solid.
 template <int d>
 double energy_of(const std::vector<PointLaw<d>>& laws, const mpm::Particles& p) {
   return ordered_sum(p.count(), [&](int64_t begin, int64_t end) {
@@ -74,7 +74,7 @@ class ExplicitParticles : public ParticleIntegrator {
   }
 
  private:
-  /// Whether particles are where a grid can hold them before and after.
+  /// Makes a step. @return whether a grid can hold the particles before and after.
   bool take_step(double time, mpm::Particles& particles) {
     try {
       solver_.step(time, particles);

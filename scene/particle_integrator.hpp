@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The integrators of particles behind one door, in space or in the plane.
+// One interface to the integrators of particles, in space and in the plane.
 
 #pragma once
 
@@ -15,29 +15,28 @@ class ParticleIntegrator {
  public:
   virtual ~ParticleIntegrator() = default;
 
-  /// Advances by the scene's dt from `time` [s]. Explicit steps have no residual, and are converged
-  /// where their result is finite. What a step that is not finite leaves is of no use.
+  /// Advances by the scene's dt from `time` [s]. Explicit steps have no residual and count as
+  /// converged if their result is finite. After one that is not finite particles are invalid.
   virtual mpm::MpmStepReport step(double time, mpm::Particles& particles) = 0;
 
-  /// sum V psi [J]
+  /// sum V psi of the elastic strain [J]
   virtual double elastic_energy(const mpm::Particles& particles) const = 0;
 };
 
-/// As it is chosen: "implicit", "explicit", ...
+/// The name by which it is chosen: "implicit", "explicit", ...
 std::string_view integrator_name(Integrator integrator);
 
-/// Solids, walls, gravity and transfers of a setup; dt is to be set.
+/// Solids, colliders, gravity and transfers of a setup; the caller sets dt.
 mpm::MpmScene mpm_scene(const Setup& setup, const ParticleOptions& options);
 
-/// h/c of the fastest solid [s]: explicit steps above it are never stable, below a half of it they
-/// mostly are.
+/// h/c of the fastest solid [s]. Explicit steps above it are never stable, below half of it mostly.
 double crossing_time(const mpm::MpmScene& scene);
 
-/// From one transfer to the next where the options do not say: explicit substeps of 0.3 h/c.
+/// Default time between two transfers: explicit substeps of 0.3 h/c.
 double explicit_dt(const mpm::MpmScene& scene, const ParticleOptions& options);
 
-/// @param scene  which must outlive it; its dt may change between steps.
-/// @throws Error (usage) where dt of explicit steps cannot be stable.
+/// @param scene  must outlive it; its dt may change between steps.
+/// @throws Error (usage) if dt of explicit steps cannot be stable.
 std::unique_ptr<ParticleIntegrator> make_particle_integrator(const mpm::MpmScene& scene,
                                                              const ParticleOptions& options,
                                                              double tolerance);

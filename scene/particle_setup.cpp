@@ -19,7 +19,7 @@ void refuse(bool asked, const char* option) {
                   ": not for particles yet; --method fem steps the body on voxel hexahedra");
 }
 
-/// The outputs that show particles, by their endings.
+/// Checks that every output can show particles, by its ending.
 void check_endings(const RunDescription& run) {
   for (const std::string& path : run.outputs) {
     const std::string name = std::filesystem::path(path).replace_extension().string();
@@ -30,14 +30,14 @@ void check_endings(const RunDescription& run) {
   }
 }
 
-/// Surfaces and volumes are those of bodies in space.
+/// Checks that no output is a surface or volume, which need a body in space.
 void check_surfaces(const RunDescription& run) {
   for (const std::string& path : run.outputs)
     ELASTOGEN_CHECK(!shows_surface(path), path,
                     ": particles in the plane have no surface; write .ply (points), .pvd or .pc2");
 }
 
-/// The particles as a cloud, in the numbers of the asset.
+/// The particles as a point cloud, in the numbers of the asset.
 Asset shown_cloud(const Asset& asset, const Setup& setup, const ParticleSetup& particles) {
   Asset cloud;
   cloud.path = asset.path;
@@ -79,12 +79,14 @@ ParticleSetup filled(const RunDescription& run, const Setup& setup) {
 }  // namespace
 
 void add_particles(const Asset& asset, const RunDescription& run, Setup& setup) {
+  // what particles cannot do
   refuse(!run.pins.empty(), "--pin");
   refuse(!run.holds.empty(), "--hold");
   refuse(!run.moves.empty(), "--move");
   refuse(!run.tractions.empty(), "--traction");
   refuse(run.fem && run.fem->statics, "statics");
   check_endings(run);
+  // fill the voxels; positions count from the grid's origin
   const VoxelGrid& grid = setup.scene.grid;
   ParticleSetup particles = filled(run, setup);
   if (particles.dimension == 2) check_surfaces(run);
@@ -92,11 +94,13 @@ void add_particles(const Asset& asset, const RunDescription& run, Setup& setup) 
   particles.nodes.h = grid.h;
   particles.nodes.origin = grid.origin;
   particles.nodes.rest = x;
+  // they replace the nodes that frames follow
   setup.node_of = Array<int32_t>(x.rows());
   for (int64_t k = 0; k < x.rows(); ++k) {
     setup.node_of(k) = int32_t(k);
     for (int a = 0; a < 3; ++a) particles.nodes.rest(k, a) += grid.origin[size_t(a)];
   }
+  // outputs show them as a cloud with the asset's colours
   particles.shown = shown_cloud(asset, setup, particles);
   if (!run.shape)
     particles.shown.points->colour =
@@ -115,7 +119,7 @@ ParticleSet particle_set(const ParticleSetup& of) {
 }
 
 State particle_start(const Setup& setup, const StartMotion& motion) {
-  Scene nodes;  // only what initial_state looks at
+  Scene nodes;  // only the members that initial_state reads
   nodes.grid = setup.particles->nodes;
   nodes.mass = setup.particles->particles.mass;
   nodes.pinned = Array<uint8_t>(nodes.grid.node_count());

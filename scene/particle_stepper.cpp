@@ -14,12 +14,12 @@
 namespace elastogen {
 namespace {
 
-constexpr double kCells = 0.6;          // cells that a particle crosses in a part of a step at most
-constexpr double kLongest = 2e-3;       // part of a step [s]
-constexpr double kShortest = 1.0 / 16;  // of the longest part, to which one is halved at most
-constexpr double kTolerance = 1e-3;     // where none is asked for
+constexpr double kCells = 0.6;          // most cells that a particle crosses in a part of a step
+constexpr double kLongest = 2e-3;       // longest part of a step [s]
+constexpr double kShortest = 1.0 / 16;  // shortest part that halving gives, over the longest
+constexpr double kTolerance = 1e-3;     // default tolerance
 
-/// The longest equal part of a time that is no longer than the limit.
+/// The length of equal parts of a time, as few as keep the limit.
 double part_of(double time, double limit) {
   return time / std::ceil(time / limit - 1e-9);
 }
@@ -56,7 +56,7 @@ class ParticleStepper : public HostStepper {
 
  private:
   bool is_explicit() const { return options_.integrator == Integrator::kExplicit; }
-  /// Whether a part that does not converge is halved; the published loop does not ask.
+  /// Whether a part that does not converge is halved; not in the published loop.
   bool halves() const { return !is_explicit() && options_.integrator != Integrator::kPnFixedPoint; }
   double longest_part() const;
   mpm::MpmStepReport take_part(double shortest, double& part);
@@ -98,7 +98,7 @@ void ParticleStepper::begin_at(const State& state) {
     particles_.x.data()[k] = state.x.data()[k] - origin[size_t(k % 3)];
 }
 
-/// What was asked for, or so long that no particle crosses more than kCells [s].
+/// The dt of the options, or a time in which no particle crosses more than kCells cells [s].
 double ParticleStepper::longest_part() const {
   if (options_.dt > 0) return options_.dt;
   const double h = scene_.h, g = norm(scene_.gravity);
@@ -113,9 +113,9 @@ double ParticleStepper::longest_part() const {
   return std::min(kLongest, 2 * kCells * h / (fastest + root));
 }
 
-/// One part, halved until it converges; what the last try leaves is kept.
+/// Makes one part, halved until it converges. The result of the last try is kept.
 mpm::MpmStepReport ParticleStepper::take_part(double shortest, double& part) {
-  int outer = 0, inner = 0;  // of what was taken back
+  int outer = 0, inner = 0;  // iterations of tries that were undone
   for (int k = 0;; ++k) {
     mpm::Particles tried = particles_;
     scene_.dt = part;
@@ -139,7 +139,7 @@ StepReport ParticleStepper::advance() {
   all.step = state_.steps + 1;
   all.converged = all.float64 = true;
   const double end = state_.time + setup_.scene.dt;
-  double left = setup_.scene.dt, before_it = left;  // the part before, which grows twofold at most
+  double left = setup_.scene.dt, before_it = left;  // a part is at most twice the part before it
   while (left > 1e-9 * setup_.scene.dt) {
     all.interrupted = stop_();
     if (all.interrupted) break;
@@ -171,7 +171,7 @@ StepReport ParticleStepper::advance() {
   return all;
 }
 
-/// Energies, the smallest volume ratio, and where the particles are.
+/// Adds energies, the smallest volume ratio and the extent of the particles to the report.
 void ParticleStepper::measure(StepReport& report) const {
   const mpm::Particles& p = particles_;
   report.energy.kinetic = mpm::kinetic_energy(p, scene_.h);
@@ -185,7 +185,7 @@ void ParticleStepper::measure(StepReport& report) const {
   measure_overlap(report);
 }
 
-/// How deep particles are inside of colliders.
+/// Adds how deep particles are inside colliders to the report.
 void ParticleStepper::measure_overlap(StepReport& report) const {
   double deepest = 0;
   for (const mpm::Wall& wall : scene_.walls) {
@@ -198,7 +198,7 @@ void ParticleStepper::measure_overlap(StepReport& report) const {
   report.deepest_overlap = deepest / scene_.h;
 }
 
-/// Brings the positions up to date.
+/// Updates the positions in state_.
 void ParticleStepper::show() {
   const Vec3& origin = setup_.scene.grid.origin;
   for (int64_t k = 0; k < state_.x.size(); ++k)

@@ -21,7 +21,7 @@ using Srgb = std::array<float, 3>;
 /// A surface in the asset's numbers.
 struct ColouredSurface {
   ParticleSurface surface;
-  std::vector<Srgb> colour;  ///< of each vertex, 0 ... 1; empty where there is none
+  std::vector<Srgb> colour;  ///< of each vertex, 0 ... 1; empty if there are none
 };
 
 std::string obj_text(const ColouredSurface& of) {
@@ -40,7 +40,7 @@ std::string obj_text(const ColouredSurface& of) {
   return text;
 }
 
-/// @param type  of positions, float or double.
+/// @param type  type of the positions, float or double.
 template <class T>
 std::string ply_bytes(const ColouredSurface& of, const char* type) {
   std::string bytes = concat(
@@ -72,7 +72,7 @@ class ParticleSurfaceWriter : public AnimationWriter {
         shown_(shown),
         setup_(setup),
         is_double_(is_float32_coarse(shown.points->position)) {
-    SafeFile probe(frame_file(path, 0));  // refuses a folder at once
+    SafeFile probe(frame_file(path, 0));  // throws now if it cannot be written
   }
 
   bool needs_motion() const override { return ending_ == "vdb"; }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Surfaces and volumes of particles: one file a frame.
+// Surfaces and volumes of particles, one file a frame.
 
 #pragma once
 
@@ -8,15 +8,15 @@
 
 namespace elastogen {
 
-/// Whether an output is one of these: .obj, .mesh.ply or .vdb.
+/// Whether an output is .obj, .mesh.ply or .vdb.
 bool shows_surface(const std::string& path);
 
-/// A writer of NAME_00000.obj, ... for a path NAME.obj, in the same way for NAME.mesh.ply and
-/// NAME.vdb; each file is whole as soon as its frame has come, also without finish(). Meshes
-/// (voxelize/particle_surface.hpp) are in the asset's own numbers and axes, their vertices have the
-/// colour of the nearest particle where the asset has colours: OBJ `v x y z r g b`, PLY binary,
-/// `red green blue`, both sRGB. Volumes are in metres (write_particle_vdb).
-/// @param shown  the particles as shown_asset gives them; it and the setup must outlive the writer.
+/// A writer of NAME_00000.obj, ... for a path NAME.obj; likewise for NAME.mesh.ply and NAME.vdb.
+/// Each file is complete as soon as its frame has come, also without finish(). Meshes
+/// (voxelize/particle_surface.hpp) are in the asset's own numbers and axes. If the asset has
+/// colours, vertices have that of the nearest particle, in sRGB: OBJ `v x y z r g b`, PLY binary,
+/// `red green blue`. Volumes are in metres (write_particle_vdb).
+/// @param shown  the particles from shown_asset; it and the setup must outlive the writer.
 /// @return null for another ending.
 /// @throws Error (usage) from frame without a state of the particles for a .vdb; others as
 ///         AnimationWriter.

@@ -12,7 +12,7 @@ namespace {
 
 constexpr size_t kShown = 3;  // pairs
 
-/// Two digits, not above the number.
+/// Rounds down to two digits.
 double rounded_down(double x) {
   const double step = std::pow(10, std::floor(std::log10(x)) - 1);
   return std::floor(x / step) * step;

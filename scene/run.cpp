@@ -29,7 +29,7 @@ RunResult run_scene(const RunDescription& run, const ClipHooks& hooks) {
   const Setup setup = tets ? set_up(of_tets, run) : set_up(asset, run);
   add_summary(setup, report);
 
-  if (!run.report.empty()) SafeFile probe(run.report);  // refuses a folder at once
+  if (!run.report.empty()) SafeFile probe(run.report);  // throws now if it cannot be written
   result.end = play_clip(shown_asset(asset, setup), setup, run, hooks, report);
   report.peak_memory_bytes = peak_memory_bytes();
   if (!run.report.empty()) write_report(run.report, report);

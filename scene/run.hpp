@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The main job as one call: an asset and a description in, animation, log, state and report out.
+// The main job in one call: from an asset and a description to animation, log, state and report.
 
 #pragma once
 

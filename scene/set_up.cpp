@@ -28,8 +28,8 @@ namespace {
 
 constexpr double kDeep = 1e3;  // half of the edge of boxes across the plane [m]
 
-/// The free side of a floor across the up axis is up, of another one the positive side; without a
-/// place it lies where the asset begins.
+/// The free side of a floor is up if the floor lies across the up axis, else the positive side.
+/// Without a place the floor lies where the asset begins.
 Collider make_floor(const FloorPlane& option, double friction, const UpAxis& up,
                     const PlacedBox& box) {
   const auto axis = size_t(option.axis < 0 ? up.axis : option.axis);
@@ -41,7 +41,7 @@ Collider make_floor(const FloorPlane& option, double friction, const UpAxis& up,
   return half_space(normal, sign * place, friction);
 }
 
-/// In the plane colliders are what the plane cuts of them: of boxes their faces across z do not count.
+/// Cuts a collider with the plane z = 0: the faces of boxes across z are moved far away.
 void flatten(Collider& c) {
   const bool box = c.shape == Collider::Shape::kBox;
   ELASTOGEN_CHECK(
@@ -52,7 +52,7 @@ void flatten(Collider& c) {
   for (PathKey& key : c.path) key.offset[2] = 0;
 }
 
-/// The floor, then the colliders as they were named.
+/// The floor, then the colliders in the order in which they were named.
 std::vector<Collider> make_colliders(const RunDescription& run, const UpAxis& up,
                                      const PlacedBox& box) {
   std::vector<Collider> colliders;
@@ -68,7 +68,7 @@ std::vector<Collider> make_colliders(const RunDescription& run, const UpAxis& up
   return colliders;
 }
 
-/// Planes of pins, holds, moves and colliders, so that a layer of nodes lies in them.
+/// Options whose grid has layers of nodes in the planes of pins, holds, moves and colliders.
 VoxelizeOptions voxelize_options(const RunDescription& run, const std::vector<Collider>& colliders,
                                  const PlacedBox& box) {
   VoxelizeOptions v = resolution(run);
@@ -87,7 +87,7 @@ VoxelizeOptions voxelize_options(const RunDescription& run, const std::vector<Co
   return v;
 }
 
-/// 1 for each node that an option selects, (nodes, 1); says so where there is none.
+/// 1 for each node that an option selects, (nodes, 1); warns if there is none.
 Array<uint8_t> held_nodes(const char* option, const std::string& text, const Selection& selection,
                           Setup& setup) {
   const PlacedBox& box = setup.body.surface.box;
@@ -103,7 +103,7 @@ Array<uint8_t> held_nodes(const char* option, const std::string& text, const Sel
   return selected;
 }
 
-/// Pins the scene; holds and moves are only looked at.
+/// Pins the scene. Holds and moves are only checked.
 void pin(const RunDescription& run, Setup& setup) {
   Scene& scene = setup.scene;
   scene.pinned = Array<uint8_t>(scene.grid.node_count());
@@ -115,7 +115,7 @@ void pin(const RunDescription& run, Setup& setup) {
   for (const Move& move : run.moves) held_nodes("--move", move.text, move.selection, setup);
 }
 
-/// A body that begins in a collider can never be stepped.
+/// Refuses a body that begins inside a collider, because it can never be stepped.
 void check_clear(const Scene& scene, const Collider& collider) {
   const double layer = contact_layer(scene), h = scene.grid.h;
   const Collider core = core_of(collider, layer);
@@ -136,9 +136,9 @@ void check_clear(const Scene& scene, const Collider& collider) {
       collider.name == "floor" ? " (--floor alone takes the lowest point)" : ""));
 }
 
-/// Steps a frame for which dt <= 1/60 s and the elastic Courant number stays at or below 50.
-/// Where a body yields, which the network does not step, dt <= 1/240 s alone; implicit particles with
-/// a dt of their own take it.
+/// Number of steps a frame with dt <= 1/60 s and an elastic Courant number of at most 50. Bodies
+/// that yield, which the network does not step, need dt <= 1/240 s only. Particles with a dt of
+/// their own use it, unless their steps are explicit.
 int automatic_substeps(const RunDescription& run, const Setup& setup) {
   const Scene& scene = setup.scene;
   const double frame_seconds = 1 / run.fps;
@@ -155,7 +155,7 @@ int automatic_substeps(const RunDescription& run, const Setup& setup) {
   return int(std::clamp(std::ceil(wanted - 1e-9), 1.0, 16.0));
 }
 
-/// Size, up and colliders of a setup that has its body.
+/// Adds size, up and colliders to a setup that has its body.
 void add_asset(const Asset& asset, const RunDescription& run, Setup& setup) {
   setup.asset = summary_of(asset, setup.body, run);
   if (!setup.asset.size.warning.empty()) setup.warnings.push_back(setup.asset.size.warning);
@@ -165,7 +165,7 @@ void add_asset(const Asset& asset, const RunDescription& run, Setup& setup) {
   setup.scene.colliders = make_colliders(run, setup.up, setup.body.surface.box);
 }
 
-/// Body, grid and colliders.
+/// Adds body, grid and colliders.
 void add_grid(const Asset& asset, const RunDescription& run, Setup& setup) {
   setup.body = make_body(asset, run.size, resolution(run));
   add_asset(asset, run, setup);
@@ -183,7 +183,7 @@ void add_grid(const Asset& asset, const RunDescription& run, Setup& setup) {
   setup.scene.grid = std::move(voxelized.grid);
 }
 
-/// The same of tetrahedra, which take the place of the grid.
+/// Adds body and colliders for tetrahedra, which replace the grid.
 void add_tets(const TetAsset& tets, const RunDescription& run, Setup& setup) {
   setup.body.surface = pose_surface(tets.asset, run.size);
   setup.body.carried = setup.body.surface.vertices;
@@ -204,7 +204,7 @@ void add_tets(const TetAsset& tets, const RunDescription& run, Setup& setup) {
   setup.scene.grid.h = fem::mean_edge(*setup.tets);
 }
 
-/// Gravity, time step and scheme.
+/// Sets gravity, time step and scheme.
 void add_time(const RunDescription& run, Setup& setup) {
   Scene& scene = setup.scene;
   Vec3 down = {};
@@ -216,7 +216,7 @@ void add_time(const RunDescription& run, Setup& setup) {
   scene.hourglass = run.hourglass;
 }
 
-/// Nothing against gravity.
+/// Whether nothing resists gravity.
 bool falls_freely(const RunDescription& run, const Scene& scene) {
   if (!run.holds.empty() || !run.moves.empty()) return false;
   const uint8_t* pinned = scene.pinned.data();
@@ -224,7 +224,7 @@ bool falls_freely(const RunDescription& run, const Scene& scene) {
   return !held && scene.colliders.empty() && scene.gravity != Vec3{};
 }
 
-/// The nodes of plane triangles, each for its share of their rim, of which those within have none.
+/// The nodes of plane triangles, each with its share of their rim; inner nodes have none.
 SurfacePoints rim_points(const fem::ElementMesh& mesh, const Array<int32_t>& node_of) {
   const Array<double> area = fem::rim_area(mesh);
   SurfacePoints points;
@@ -237,7 +237,7 @@ SurfacePoints rim_points(const fem::ElementMesh& mesh, const Array<int32_t>& nod
   return points;
 }
 
-/// The vertices of a surface, each for a third of its triangles; nothing carries them yet.
+/// The vertices of a surface, each with a third of the area of its triangles; not carried yet.
 SurfacePoints vertex_points(const Surface& surface) {
   SurfacePoints points;
   points.position = surface.vertices;
@@ -252,13 +252,13 @@ SurfacePoints vertex_points(const Surface& surface) {
   return points;
 }
 
-/// Yields of which none is one are left out.
+/// Empties the list of yields if no material yields.
 void drop_elastic(std::vector<Yield>& yields) {
   const auto is_elastic = [](const Yield& yield) { return yield.index() == 0; };
   if (std::all_of(yields.begin(), yields.end(), is_elastic)) yields.clear();
 }
 
-/// Says so where nothing holds the scene, and what its outputs cannot hold.
+/// Warns if nothing holds the scene; adds findings about what the outputs cannot hold.
 void judge(const Asset& asset, const RunDescription& run, Setup& setup) {
   if (falls_freely(run, setup.scene))
     setup.warnings.push_back(
@@ -271,13 +271,15 @@ void judge(const Asset& asset, const RunDescription& run, Setup& setup) {
     setup.asset.findings.push_back(std::move(finding));
 }
 
-/// A shape in the plane, which has particles and no voxels.
+/// A shape in the plane. It has particles and no voxels.
 Setup set_up_plane(const Asset& asset, const RunDescription& run) {
+  // only particles of one material
   ELASTOGEN_CHECK(
       method_of(run) == Method::kMpm, "--shape ", asset.path,
       ": in the plane only particles are stepped, of a material that yields: sand, snow, ",
       "or another one with --method mpm");
   ELASTOGEN_CHECK(run.regions.empty(), "--region: in the plane a shape is of one material");
+  // body, time step and loads, all in the plane
   Setup setup;
   Scene& scene = setup.scene;
   const Stopwatch watch;
@@ -290,6 +292,7 @@ Setup set_up_plane(const Asset& asset, const RunDescription& run) {
   ELASTOGEN_CHECK(scene.gravity[2] == 0 && run.motion.velocity[2] == 0 && run.motion.spin[0] == 0 &&
                       run.motion.spin[1] == 0,
                   "--gravity, --velocity, --spin: nothing moves across the plane z = 0");
+  // particles, which must not begin inside a collider
   judge(asset, run, setup);
   add_particles(asset, run, setup);
   scene.surface.position = setup.particles->particles.x;
@@ -302,24 +305,28 @@ Setup set_up_plane(const Asset& asset, const RunDescription& run) {
 
 Setup set_up(const Asset& asset, const RunDescription& run) {
   if (run.shape && run.shape->in_plane()) return set_up_plane(asset, run);
+  // body and voxels
   Setup setup;
   Scene& scene = setup.scene;
   const Stopwatch watch;
   add_grid(asset, run, setup);
   setup.voxelize_seconds = watch.seconds();
 
+  // materials
   scene.materials = run.materials.empty() ? std::vector<Material>{run.material} : run.materials;
   scene.material =
       run.material_of ? run.material_of(scene.grid) : Array<int32_t>(scene.grid.voxel_count());
   setup.yields.assign(scene.materials.size(), run.materials.empty() ? run.yield : Yield{});
   apply_regions(run.regions, asset, setup.body, scene, setup.yields, setup.warnings);
   drop_elastic(setup.yields);
+  // pins, contact and time step
   pin(run, setup);
   if (!scene.colliders.empty()) scene.surface = surface_points(scene.grid, setup.body.surface);
   for (const Collider& collider : scene.colliders) check_clear(scene, collider);
   add_time(run, setup);
   judge_pieces(asset, run, setup);
   finish_scene(scene);
+  // particles in place of voxels, if the body falls apart into grains
   if (method_of(run) == Method::kMpm) add_particles(asset, run, setup);
   judge(asset, run, setup);
   setup.other_seconds = watch.seconds() - setup.voxelize_seconds;

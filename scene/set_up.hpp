@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From an asset and the description of a run to a finished scene.
+// Turns an asset and the description of a run into a finished scene.
 
 #pragma once
 
@@ -14,46 +14,46 @@
 
 namespace elastogen {
 
-/// Particles that take the steps in place of the grid.
+/// Particles that replace the grid in the steps.
 struct ParticleSetup {
-  mpm::Particles particles;        ///< places in the grid's coordinates less its origin [m]
-  VoxelGrid nodes;                 ///< of h, origin and their places at rest [m] only
-  Array<int32_t> voxel;            ///< of the scene's grid that each fills, (particles, 1), or none
+  mpm::Particles particles;        ///< positions relative to the grid's origin [m]
+  VoxelGrid nodes;                 ///< only h, origin and rest positions of the particles [m]
+  Array<int32_t> voxel;            ///< voxel that each particle fills, (particles, 1), or empty
   int dimension = 3;               ///< 2: in the plane z = 0
-  double spacing = 0;              ///< of those that fill a voxel [m]
-  Asset shown;                     ///< a cloud of them, with the asset's colours
-  std::vector<std::string> notes;  ///< on these colours
+  double spacing = 0;              ///< of particles in a full voxel [m]
+  Asset shown;                     ///< the particles as a cloud with the asset's colours
+  std::vector<std::string> notes;  ///< notes on these colours
 };
 
 struct Setup {
   Body body;
   Scene scene;
-  std::vector<Yield> yields;  ///< of each of the scene's materials; empty: all are elastic
-  /// Tetrahedra that are stepped as the file has them [m]; the scene's grid then has only their
-  /// nodes as rest, and mean_edge as h.
+  std::vector<Yield> yields;  ///< yield of each material of the scene; empty: all are elastic
+  /// Tetrahedra that are stepped as in the file [m]. The scene's grid then only has their nodes as
+  /// rest and mean_edge as h.
   std::optional<fem::ElementMesh> tets;
-  std::optional<ParticleSetup> particles;  ///< of bodies that fall apart into grains
+  std::optional<ParticleSetup> particles;  ///< for bodies that fall apart into grains
   Array<int32_t> node_of;                  ///< with tets: node of each carried point, (points, 1)
   int substeps = 1;
   double longest_edge = 0;                       ///< of the asset [m]
   double sheet_volume = 0, sheet_thickness = 0;  ///< of sheets and shells [m^3], [m]
   UpAxis up;
 
-  // what a report says of it
+  // for the report
   AssetSummary asset;
   std::vector<std::string> warnings;
   double voxelize_seconds = 0, other_seconds = 0;
 };
 
 /// Poses, voxelises and pins the asset.
-/// @throws Error (usage) for what contradicts itself or begins inside a collider; as voxelize.
+/// @throws Error (usage) for contradictions and bodies that begin inside a collider; as voxelize.
 Setup set_up(const Asset& asset, const RunDescription& run);
 
-/// The same of a mesh of tetrahedra, which is neither voxelised nor cut.
-/// @throws Error (usage) where the element asked for is of another kind than the file's.
+/// Sets up a mesh of tetrahedra, which is neither voxelised nor cut.
+/// @throws Error (usage) if the element asked for does not fit the file's.
 Setup set_up(const TetAsset& tets, const RunDescription& run);
 
-/// What a report says of a setup: asset, voxels, materials, warnings and times.
+/// Fills a report from a setup: asset, voxels, materials, warnings and times.
 void add_summary(const Setup& setup, RunReport& report);
 
 }  // namespace elastogen

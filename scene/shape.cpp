@@ -16,8 +16,8 @@ namespace {
 using Kind = BodyShape::Kind;
 
 constexpr const char* kKinds[] = {"box", "sphere", "rectangle", "disk"};
-constexpr int kParts = 32;     // of an octahedron's edges
-constexpr int kCorners = 256;  // of a disk
+constexpr int kParts = 32;     // into which edges of the octahedron are divided
+constexpr int kCorners = 256;  // corners of a disk
 
 BodyShape parsed(std::string_view text) {
   const std::string bare = without_blanks(text);
@@ -72,8 +72,9 @@ void add_box(const BodyShape& s, Mesh& mesh) {
   }
 }
 
-/// The points i + j + k = kParts of each octant, drawn to the sphere.
+/// The points i + j + k = kParts of each octant, projected to the sphere.
 void add_sphere(const BodyShape& s, Mesh& mesh) {
+  // neighbouring octants share vertices
   std::map<std::array<int, 3>, int> number;
   const auto vertex = [&](const std::array<int, 3>& at) {
     const auto [entry, is_new] = number.try_emplace(at, int(mesh.position.size()));
@@ -83,6 +84,7 @@ void add_sphere(const BodyShape& s, Mesh& mesh) {
     }
     return entry->second;
   };
+  // each octant is a face of an octahedron; mirrored ones are wound the other way
   for (int octant = 0; octant < 8; ++octant) {
     const int x = octant & 1 ? -1 : 1, y = octant & 2 ? -1 : 1, z = octant & 4 ? -1 : 1;
     const auto at = [&](int i, int j) { return vertex({x * i, y * j, z * (kParts - i - j)}); };
@@ -92,6 +94,7 @@ void add_sphere(const BodyShape& s, Mesh& mesh) {
       else
         add(mesh, a, c, b);
     };
+    // two triangles for each pair (i, j), one at the rim
     for (int i = 0; i < kParts; ++i)
       for (int j = 0; i + j < kParts; ++j) {
         triangle(at(i, j), at(i + 1, j), at(i, j + 1));
@@ -141,6 +144,7 @@ BodyShape parse_shape(std::string_view text) {
 }
 
 Asset shape_asset(const BodyShape& shape) {
+  // an asset in metres with y up
   Asset asset;
   asset.path = kind_name(shape.kind);
   asset.format = "shape";
@@ -149,6 +153,7 @@ Asset shape_asset(const BodyShape& shape) {
   Mesh& mesh = asset.meshes.emplace_back();
   mesh.name = kind_name(shape.kind);
   mesh.groups.emplace_back().has_uv = false;
+  // the mesh of the shape
   switch (shape.kind) {
     case Kind::kBox:
       add_box(shape, mesh);
@@ -163,6 +168,7 @@ Asset shape_asset(const BodyShape& shape) {
       add_disk(shape, mesh);
       break;
   }
+  // one node shows it
   for (size_t k = 0; k < mesh.position.size(); ++k) mesh.position_of.push_back(int32_t(k));
   asset.nodes.push_back({mesh.name, -1, kIdentity4, 0});
   return asset;

@@ -14,11 +14,11 @@ namespace elastogen {
 struct BodyShape {
   enum class Kind { kBox, kSphere, kRectangle, kDisk };
   Kind kind = Kind::kBox;
-  Vec3 lower = {}, upper = {};  ///< corners of a box or rectangle [m]
+  Vec3 lower = {}, upper = {};  ///< corners of a box or a rectangle [m]
   Vec3 centre = {};             ///< of a sphere or disk [m]
   double radius = 0;            ///< [m]
 
-  /// A metre thick without motion across: strains and forces lie in the plane.
+  /// Whether it is a metre thick and does not move across: strains and forces lie in the plane.
   bool in_plane() const { return kind >= Kind::kRectangle; }
   bool is_round() const { return kind == Kind::kSphere || kind == Kind::kDisk; }
   bool contains(const Vec3& x) const;
@@ -31,7 +31,7 @@ const char* kind_name(BodyShape::Kind kind);
 /// @throws Error (usage) naming the text, what is wrong, and the grammar.
 BodyShape parse_shape(std::string_view text);
 
-/// A mesh of it: a sphere has the vertices of an octahedron whose faces are parted in 32 x 32.
+/// The mesh of a shape. A sphere has the vertices of an octahedron with faces divided into 32 x 32.
 Asset shape_asset(const BodyShape& shape);
 
 }  // namespace elastogen

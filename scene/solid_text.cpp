@@ -14,9 +14,11 @@ bool parse_flag(std::string_view text) {
 }
 
 bool change_yield(std::string_view key, std::string_view value, Yield& yield) {
+  // which kind yields decides which keys there are
   auto* metal = std::get_if<MetalYield>(&yield);
   auto* sand = std::get_if<SandYield>(&yield);
   auto* snow = std::get_if<SnowYield>(&yield);
+  // strength and hardening
   if (key == "yield" && metal)
     metal->stress = parse_pressure(value);
   else if (key == "yield" && snow)
@@ -25,6 +27,7 @@ bool change_yield(std::string_view key, std::string_view value, Yield& yield) {
     metal->hardening = parse_pressure(value);
   else if (key == "hardening" && snow)
     snow->hardening = parse_number(value);
+  // friction and cohesion of grains
   else if (key == "friction-angle" && sand)
     sand->friction = parse_angle(value);
   else if (key == "friction-angle" && snow)

@@ -43,6 +43,7 @@ class StaticStepper : public HostStepper {
 
 StepReport StaticStepper::advance() {
   const Stopwatch watch;
+  // the equilibrium, or the last one found on the way to the full load
   fem::StaticResult result = fem::solve_static(scene_, {.tolerance = fem_tolerance(setup_, run_)});
   for (int64_t k = 0; k < state_.x.size(); ++k)
     state_.x.data()[k] = scene_.mesh.rest.data()[k] + result.u.data()[k];
@@ -50,6 +51,7 @@ StepReport StaticStepper::advance() {
   ++state_.steps;
   residual_ = std::move(result.gradient);
   plastic_ = std::move(result.plastic);
+  // its report: outer counts Newton steps, inner load increments
   StepReport report;
   report.step = state_.steps;
   report.time = state_.time;
@@ -62,6 +64,7 @@ StepReport StaticStepper::advance() {
   report.min_j = result.min_j;
   report.energy = result.energy;
   report.ms = 1e3 * watch.seconds();
+  // a draft says how far it came
   if (!result.converged)
     report.refusal = fmt::format(
         "--static: the last equilibrium found is that under a load factor of {:.4g} of 1",

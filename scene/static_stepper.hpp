@@ -7,9 +7,9 @@
 
 namespace elastogen {
 
-/// A stepper whose one step solves the equilibrium; the time after it is the load factor that was
-/// reached. In its report outer counts Newton steps and inner load increments, and the residual is
-/// that of fem::StaticResult. Short of the full load the step is a draft that says how far it came.
+/// A stepper with a single step that solves the equilibrium. The time after it is the load factor
+/// that was reached. In its report outer counts Newton steps, inner load increments; the residual
+/// is that of fem::StaticResult. Short of the full load the step is a draft.
 /// @throws Error as fem_scene.
 std::unique_ptr<Stepper> make_static_stepper(const Setup& setup, const RunDescription& run);
 

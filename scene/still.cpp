@@ -13,9 +13,9 @@
 namespace elastogen {
 namespace {
 
-constexpr double kTrace = 1e-6;  // of the longest edge: less is no motion in any file
+constexpr double kTrace = 1e-6;  // share of the longest edge; no file shows less motion
 
-/// Nodes that cannot move along an axis: pinned, or held there.
+/// 1 for nodes that cannot move along an axis: pinned, or held along it.
 Array<uint8_t> held_along(const Setup& setup, const RunDescription& run, int axis) {
   const Scene& scene = setup.scene;
   Array<uint8_t> held = scene.pinned;
@@ -28,7 +28,7 @@ Array<uint8_t> held_along(const Setup& setup, const RunDescription& run, int axi
   return held;
 }
 
-/// Height of the body along the pull [m], and whether all of its lowest nodes are held.
+/// Height of the body along the pull [m], and whether all its lowest nodes are held.
 struct Underside {
   double height = 0;
   bool held = true;
@@ -49,12 +49,15 @@ Underside underside(const Setup& setup, const Array<uint8_t>& held, int axis, do
 
 std::string cause_of(const Setup& setup, const RunDescription& run) {
   const Scene& scene = setup.scene;
+  // nothing can move
   const auto all = [](const Array<uint8_t>& held) {
     return std::all_of(held.data(), held.data() + held.rows(), [](uint8_t h) { return h != 0; });
   };
   if (all(scene.pinned)) return "every node is pinned";
+  // loads of the user
   if (!run.tractions.empty() || !run.moves.empty())
     return "tractions and moves are too small to show";
+  // gravity: absent, or along an axis that is held
   const Vec3& pull = scene.gravity;
   if (pull == Vec3{}) return "there is no gravity and no start motion";
   const auto size = [](double a, double b) { return std::abs(a) < std::abs(b); };
@@ -62,6 +65,7 @@ std::string cause_of(const Setup& setup, const RunDescription& run) {
   const Array<uint8_t> held = held_along(setup, run, axis);
   if (all(held))
     return fmt::format("gravity pulls along {}, along which every node is held", "xyz"[axis]);
+  // the own weight, which shortens a column by rho g H^2 / (2 E)
   const double g = std::abs(pull[size_t(axis)]);
   const Underside below = underside(setup, held, axis, pull[size_t(axis)] > 0 ? 1 : -1);
   const Material& material = scene.materials[0];

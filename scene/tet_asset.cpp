@@ -13,7 +13,7 @@
 namespace elastogen {
 namespace {
 
-/// The surface as a mesh of its own, and the node of each of its positions.
+/// The surface as a mesh, and the node of each of its positions.
 Mesh surface_mesh(const fem::ElementMesh& tets, Array<int32_t>& node_of) {
   const Array<int32_t> triangles = fem::outer_triangles(tets);
   std::vector<int32_t> place(size_t(tets.rest.rows()), -1);
@@ -65,7 +65,7 @@ TetAsset read_tet_asset(const std::string& path) {
   TetAsset tets;
   tets.mesh = fem::take_mesh(file);
   try {
-    fem::check_mesh(tets.mesh);  // quadratic tetrahedra may turn over between their corners
+    fem::check_mesh(tets.mesh);  // quadratic tetrahedra may be inverted between their corners
   } catch (const Error& error) {
     throw Error(concat(path, ": ", error.what()), ErrorKind::kAsset);
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads a GLB by two libraries of others and compares what they say of it:
+// Reads a GLB by two foreign libraries and compares what they read:
 //
 //     round_trip FILE.glb...
 //
@@ -29,7 +29,7 @@ namespace {
 constexpr int kTriangles[] = {TINYGLTF_MODE_TRIANGLES, TINYGLTF_MODE_TRIANGLE_STRIP,
                               TINYGLTF_MODE_TRIANGLE_FAN};
 
-/// What a program sees of a file.
+/// Contents of a file as a program reads them.
 struct Seen {
   size_t primitives = 0, triangles = 0, targets = 0, moved = 0;
   std::array<double, 3> lower = {1e300, 1e300, 1e300}, upper = {-1e300, -1e300, -1e300};
@@ -44,7 +44,7 @@ bool is_triangles(const tinygltf::Primitive& primitive) {
   return std::ranges::find(kTriangles, primitive.mode) != std::end(kTriangles);
 }
 
-/// Pictures are not looked at.
+/// Leaves images undecoded.
 bool leave_image(tinygltf::Image*, int, std::string*, std::string*, int, int, const unsigned char*,
                  int, void*) {
   return true;
@@ -62,6 +62,7 @@ Seen by_tinygltf(const std::string& path) {
       !warning.empty())
     throw std::runtime_error("tinygltf: " + error + warning);
   Seen seen;
+  // triangles, targets and bounds of all meshes that a node shows
   std::set<int> shown;  // assimp leaves out what no node shows
   for (const tinygltf::Node& node : model.nodes)
     if (node.mesh >= 0) shown.insert(node.mesh);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cells of the text files that people write for fits: between separators, blanks around them off.
+// Cells of text files that people write for fits: between separators, without blanks around.
 
 #pragma once
 
@@ -25,7 +25,7 @@ inline std::vector<std::string> split(const std::string& text, char separator) {
   return parts;
 }
 
-/// A number that is all of the text; "nan" and "inf" are. @throws Error quoting what is none.
+/// The number that the whole text spells; "nan" and "inf" count. @throws Error quoting other texts.
 inline double number(const std::string& text) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);

@@ -10,7 +10,7 @@
 namespace elastogen {
 namespace {
 
-/// All that decides the numbers of a run.
+/// All settings that decide the numbers of a run.
 std::string identity(const std::vector<FitMaterial>& materials, const FitOptions& o) {
   std::ostringstream text;
   text.precision(17);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a fit stands, on disk, so that it can go on after an interruption with the same bits.
+// The state of a fit on disk. A fit that was interrupted continues from it with the same bits.
 
 #pragma once
 
@@ -14,12 +14,12 @@ struct FitCheckpoint {
   std::vector<std::vector<float>> numbers;  ///< weights, then the state of the optimiser
 };
 
-/// Replaces the file when the new one is whole. @throws Error (resources) if it cannot.
+/// Replaces the file once the new one is complete. @throws Error (resources) if that fails.
 void write_checkpoint(const std::string& path, const std::vector<FitMaterial>& materials,
                       const FitOptions& options, const FitCheckpoint& checkpoint);
 
-/// Nothing where there is no file. @throws Error (asset) if it is of other materials or options,
-/// broken, or not of as many parts.
+/// No value if there is no file. @throws Error (asset) if the file belongs to other materials or
+/// options, is damaged, or has another number of parts.
 std::optional<FitCheckpoint> read_checkpoint(const std::string& path,
                                              const std::vector<FitMaterial>& materials,
                                              const FitOptions& options, size_t parts);

@@ -14,7 +14,7 @@
 namespace elastogen {
 namespace {
 
-/// The shortest text that reads back as the same number.
+/// The shortest text that reads back as this number.
 std::string shortest(double value) {
   char text[32];
   return std::string(text, std::to_chars(text, text + sizeof text, value).ptr);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a NeuralMTL is fitted to: a weighted sum of laws at one Poisson ratio. Stiffness scales out,
-// so Young's modulus is 1; all terms share mu and lambda, and the weights sum to 1.
+// The target of a NeuralMTL: a weighted sum of laws at one Poisson ratio. Stiffness is only a
+// factor, so Young's modulus is 1. All terms share mu and lambda, and their weights sum to 1.
 
 #pragma once
 
@@ -12,7 +12,7 @@
 namespace elastogen {
 
 inline constexpr int kMtlParameters = 17153;  ///< 3 -> 128 -> 128 -> 1 with biases
-inline constexpr int kMtlLast = 129;          ///< those of the last layer, w3 and b3
+inline constexpr int kMtlLast = 129;          ///< weights of the last layer, w3 and b3
 inline constexpr int kMaxLawTerms = 5;
 
 struct LawTerm {
@@ -29,10 +29,10 @@ struct FitMaterial {
   double lambda() const { return poisson / ((1 + poisson) * (1 - 2 * poisson)); }  ///< [E]
 };
 
-/// The least limit of I1 - 3 that a term has, infinity where none is Gent's law.
+/// The least limit of I1 - 3 among the terms; infinity if none is Gent's law.
 double least_limit(const FitMaterial& material);
 
-/// The same, as the loops over strains take it.
+/// A FitMaterial in the form that loops over strains use.
 struct TargetLaw {
   LawParameters<double> law[kMaxLawTerms];
   double weight[kMaxLawTerms];
@@ -45,11 +45,11 @@ TargetLaw target_law(const FitMaterial& material);
 /// @throws Error on unknown laws, more than 5 terms, weights not above 0 or not of sum 1.
 std::vector<LawTerm> law_terms(const std::string& text);
 
-/// The text of which law_terms makes these terms.
+/// The text from which law_terms reads these terms.
 std::string law_text(const std::vector<LawTerm>& terms);
 
-/// Materials of a text of lines "name, law, nu"; # starts a comment.
-/// @param source  name for messages. @throws Error (asset) naming the line; names occur once.
+/// Reads materials from lines "name, law, nu"; # starts a comment.
+/// @param source  name for messages. @throws Error (asset) naming the line, also if a name repeats.
 std::vector<FitMaterial> read_fit_materials(const std::string& text, const std::string& source);
 
 /// One material, named after its law and Poisson ratio. @throws Error unless 0 <= nu <= 0.499.

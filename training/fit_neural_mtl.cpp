@@ -20,10 +20,10 @@ namespace elastogen {
 namespace {
 
 constexpr double kTangentWeight = 0.1, kEnergyWeight = 0.1, kEnergyClip = 3;
-constexpr double kLossFloor = 1e-8;            // of a loss whose logarithm is taken
+constexpr double kLossFloor = 1e-8;            // least loss in a logarithm
 constexpr int64_t kStepsBetweenReports = 200;  // between two lines of progress
 
-/// One start for all nets, or that of each.
+/// The weights at the start: one start for all nets, or one for each.
 at::Tensor initial_block(int64_t nets, const std::vector<float>& start, at::Device device) {
   Array<float> weights(nets, kMtlParameters);
   const bool one = int64_t(start.size()) == kMtlParameters;
@@ -32,8 +32,8 @@ at::Tensor initial_block(int64_t nets, const std::vector<float>& start, at::Devi
   return block_of_weights(weights, device);
 }
 
-/// Weights of all nets and SOAP on [W1 b1], [W2 b2], w3; of shared hidden layers each net has a
-/// copy.
+/// Weights of all nets, and SOAP on [W1 b1], [W2 b2], w3. If hidden layers are shared, each net has
+/// a copy of them.
 struct Optimiser {
   Optimiser(int64_t nets, bool shared_layers, const std::vector<float>& start, at::Device device)
       : shared(shared_layers),
@@ -42,7 +42,7 @@ struct Optimiser {
               Soap(shared ? 1 : nets, kMtlWidth, kMtlWidth + 1, device),
               Soap(nets, 1, kMtlWidth, device)} {}
 
-  /// @param gradient  with respect to the weights, of their shapes
+  /// @param gradient  with respect to the weights, in their shapes
   void descend(const MtlNets& gradient, double rate) {
     ++step;
     const MtlNets w = nets_of_block(block);
@@ -60,7 +60,7 @@ struct Optimiser {
     w.w3.sub_(parts[2].update(gradient.w3.unsqueeze(1), rate, step).squeeze(1));
   }
 
-  /// All numbers that decide the next steps, beside `step`.
+  /// All numbers that decide the next steps, except `step`.
   std::vector<at::Tensor*> state() {
     std::vector<at::Tensor*> all = {&block};
     for (Soap& part : parts)
@@ -69,7 +69,7 @@ struct Optimiser {
   }
 
   bool shared;
-  at::Tensor block;  ///< as nets_of_block takes it
+  at::Tensor block;  ///< in the form of nets_of_block
   std::array<Soap, 3> parts;
   int64_t step = 0;
 };
@@ -87,8 +87,8 @@ at::Tensor losses(const BatchErrors& errors) {
          kEnergyWeight * (energy * energy).mean(1);
 }
 
-/// Gradient of the summed losses, or of their logarithms, with respect to the weights; `loss` is
-/// that of each net.
+/// Gradient of the sum of losses, or of their logarithms, with respect to the weights; `loss` gets
+/// the loss of each net.
 MtlNets loss_gradient(const FitProblem& problem, const at::Tensor& block, const Array<double>& e,
                       int64_t second, bool logarithms, at::Tensor& loss) {
   MtlNets nets = nets_of_block(block);
@@ -197,7 +197,7 @@ std::string start_name(const FitOptions& options) {
 }
 
 std::vector<float> initial_weights(uint64_t seed) {
-  constexpr uint64_t kStream = 0x5eed;  // numbers that no strain of the seed uses
+  constexpr uint64_t kStream = 0x5eed;  // keeps these numbers apart from those of strains
   std::vector<float> weights;
   const auto add = [&](int count, int inputs) {
     const double bound = 1 / std::sqrt(double(inputs));
@@ -224,7 +224,7 @@ FitOutcome fit_neural_mtl(const std::vector<FitMaterial>& materials, const FitOp
   const bool of_each = !options.shared && weights == int64_t(materials.size()) * kMtlParameters;
   ELASTOGEN_CHECK(weights == 0 || weights == kMtlParameters || of_each, "a start has ",
                   kMtlParameters, " weights, or as many for each net, got ", weights);
-  at::globalContext().setFloat32MatmulPrecision("highest");  // no TF32: it has 11 bits
+  at::globalContext().setFloat32MatmulPrecision("highest");  // no TF32, which has 11 bits
   return Run(materials, options, hooks).run();
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far nets are from the laws they stand for, relative and without a scale: what fits make small
-// and what reports state.
+// Errors of nets against their laws, relative and independent of scale. Fits minimise them, reports
+// state them.
 
 #pragma once
 
@@ -15,12 +15,12 @@ struct BatchErrors {
   at::Tensor energy;   ///< (psi_theta - psi) / (psi + 1e-6 M), (nets, strains)
 };
 
-/// Materials on a device, one net each.
+/// Materials on a device, with one net each.
 class FitProblem {
  public:
   FitProblem(const std::vector<FitMaterial>& materials, at::Device device);
 
-  /// Errors at principal log stretches e, (strains, 3), of the first `second` also in the tangent.
+  /// Errors at principal log stretches e, (strains, 3); of the tangent only at the first `second`.
   BatchErrors errors(const MtlNets& nets, const Array<double>& e, int64_t second) const;
 
  private:
@@ -33,7 +33,7 @@ class FitProblem {
   at::Tensor modulus_;  // M, (nets, 1)
 };
 
-/// The device of that name, "cpu" or "cuda". @throws Error unless it is here.
+/// The device of that name, "cpu" or "cuda". @throws Error if it is not available.
 at::Device fit_device(const std::string& name);
 
 }  // namespace elastogen

@@ -14,7 +14,7 @@
 namespace elastogen {
 namespace {
 
-/// |H|_F of six entries.
+/// |H|_F from six entries.
 double matrix_norm(const double H[6]) {
   double sum = 0;
   for (int c = 0; c < 6; ++c) sum += (c < 3 ? 1 : 2) * H[c] * H[c];
@@ -25,7 +25,7 @@ double finite(double error) {
   return std::isfinite(error) ? error : std::numeric_limits<double>::infinity();
 }
 
-/// Errors of a net's jet at log stretches e, with M = 2 mu + lambda.
+/// Errors of a net, from its jet at log stretches e, with M = 2 mu + lambda.
 void write_errors(const LogJet& jet, const TargetLaw& law, const double* e, double modulus,
                   size_t s, StrainErrors& to) {
   constexpr int kFirst[6] = {0, 1, 2, 0, 1, 2}, kSecond[6] = {0, 1, 2, 1, 2, 0};
@@ -44,7 +44,7 @@ void write_errors(const LogJet& jet, const TargetLaw& law, const double* e, doub
   to.energy[s] = finite(std::abs(jet.psi - exact.psi) / (exact.psi + 1e-6 * modulus));
 }
 
-/// Smallest entry that a share of them does not exceed.
+/// The smallest entry that a share of all entries do not exceed.
 double at_share(std::vector<double>& values, double share) {
   const auto n = int64_t(values.size());
   const int64_t rank = std::clamp<int64_t>(int64_t(std::ceil(share * double(n))), 1, n);

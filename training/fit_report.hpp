@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Errors of fitted weights on strains that no fit has seen, in the declared box, in double.
+// Errors of fitted weights on strains that no fit has used, in the declared box, in double.
 
 #pragma once
 
@@ -19,7 +19,7 @@ struct FitReport {
   double energy_max = 0;   ///< |psi_theta - psi| / (psi + 1e-6 M)
   int64_t strains = 0;
 
-  /// Whether the fit may stand for the law: stress within 0.1 % (median), 0.5 % (99 of 100 strains)
+  /// Whether the net may replace the law: stress within 0.1 % (median), 0.5 % (99 of 100 strains)
   /// and 2 % (all), tangent within 2 % (99 of 100).
   bool passes() const {
     return stress_median <= 1e-3 && stress_p99 <= 5e-3 && stress_max <= 2e-2 && tangent_p99 <= 2e-2;
@@ -28,11 +28,11 @@ struct FitReport {
 
 struct ReportOptions {
   int64_t strains = 20000;
-  uint64_t seed = 0x6865'6c64'6f75'7421;  ///< of no fit
+  uint64_t seed = 0x6865'6c64'6f75'7421;  ///< a seed that no fit uses
 };
 
-/// The errors of FitReport at each of some strains, in the order of the strains; what is no number
-/// counts as infinite.
+/// The errors of FitReport at each strain, in the order of the strains. Not-a-number counts as
+/// infinite.
 struct StrainErrors {
   std::vector<double> stress, tangent, energy;
 };
@@ -42,10 +42,10 @@ struct StrainErrors {
 StrainErrors strain_errors(const FitMaterial& material, std::span<const float> weights,
                            const Array<double>& e);
 
-/// Medians, shares and largest of errors, at least one. @return their report.
+/// The report from errors at one strain or more: medians, percentiles and maxima.
 FitReport report_of(StrainErrors errors);
 
-/// Report of the weights of a material, (17153). Errors that are no numbers count as infinite.
+/// Report for the weights of a material, (17153). Not-a-number counts as infinite.
 /// @throws Error (asset) for another number of weights.
 FitReport fit_report(const FitMaterial& material, std::span<const float> weights,
                      const ReportOptions& options = {});

@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kWidth = 128, kJet = 30, kResiduals = 10;
 constexpr int kFirst[6] = {0, 1, 2, 0, 1, 2}, kSecond[6] = {0, 1, 2, 1, 2, 0};  // channels 4..9
-constexpr int64_t kStrainBlock = 64;                                            // strains a task
+constexpr int64_t kStrainBlock = 64;  // strains of one parallel task
 
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, kWidth, Eigen::RowMajor>;
 using Square = Eigen::Matrix<double, kWidth, kWidth>;
@@ -40,7 +40,7 @@ struct Hidden {
   Eigen::MatrixXd W1, b1, W2, b2;
 };
 
-/// Jets through SiLU. Channel c is the block of `count` rows from c * count; a = act(z),
+/// Passes jets through SiLU. Channel c is the block of `count` rows from c * count; a = act(z),
 /// a_m = act' z_m, a_mn = act'' z_m z_n + act' z_mn.
 void activate(Rows& z, int64_t count) {
   const auto channel = [&](int c) { return z.middleRows(c * count, count).array(); };
@@ -58,7 +58,7 @@ void activate(Rows& z, int64_t count) {
   channel(0) = value * s;
 }
 
-/// The outputs of the second hidden layer for inputs X, (10 count, 3), in the same order.
+/// The outputs of the second hidden layer for inputs X, (10 count, 3), in the order of the inputs.
 Rows hidden_jets(const Hidden& net, const Eigen::MatrixXd& X, int64_t count) {
   Rows z = X * net.W1.transpose();
   z.topRows(count).rowwise() += Eigen::RowVectorXd(net.b1);
@@ -69,7 +69,7 @@ Rows hidden_jets(const Hidden& net, const Eigen::MatrixXd& X, int64_t count) {
   return next;
 }
 
-/// x_i = (e_i, e_j + e_k, e_j e_k) and its derivatives in e, to rows first, first + stride, ...
+/// Writes x_i = (e_i, e_j + e_k, e_j e_k) and derivatives in e to rows first, first + stride, ...
 void write_input(const double e[3], int i, Eigen::MatrixXd& X, int64_t first, int64_t stride) {
   const int j = (i + 1) % 3, k = (i + 2) % 3;
   const auto at = [&](int channel, int input) -> double& {
@@ -81,14 +81,14 @@ void write_input(const double e[3], int i, Eigen::MatrixXd& X, int64_t first, in
   at(7 + j, 2) = 1;  // d2 x_2 / de_j de_k
 }
 
-/// Value at rest and slopes in the first two inputs there, what the anchor takes off.
+/// Value at rest and slopes in the first two inputs there, which the anchor subtracts.
 Eigen::Matrix<double, 3, kWidth> at_rest(const Hidden& net) {
   Eigen::MatrixXd X = Eigen::MatrixXd::Zero(10, 3);
   X(1, 0) = X(2, 1) = X(3, 2) = 1;
   return hidden_jets(net, X, 1).topRows(3);
 }
 
-/// What a material's net is held against at a strain, and the scales of the residuals.
+/// Response of a material at a strain, and the scales of the residuals.
 struct Target {
   double psi, t[3], H[6], inverse_stretch[3];
   double psi_scale, t_scale, H_scale;
@@ -113,7 +113,7 @@ Target target_at(const TargetLaw& law, const double e[3], double modulus) {
   return target;
 }
 
-/// Derivatives of psi in e of jets q, (30), as far as stress and tangent need them.
+/// psi of jets q, (30), and its derivatives in e that stress and tangent need.
 struct LogResponse {
   double psi = 0, w[3] = {}, ww[6] = {};
 };
@@ -149,7 +149,7 @@ Eigen::Matrix<double, kResiduals, 1> residual(const double* q, const Target& tar
   return result;
 }
 
-/// Derivatives of the residuals in the jets q.
+/// Derivatives of the residuals with respect to the jets q.
 Coefficients derivatives(const double* q, const Target& target, double omega) {
   Coefficients C = Coefficients::Zero();
   for (int i = 0; i < 3; ++i) {
@@ -210,8 +210,9 @@ class Problem {
            double(strains_);
   }
 
-  /// Sums over strains of J^T J and J^T r, J = dr/dw, of the first `used` residuals of a strain.
+  /// Sums over strains of J^T J and J^T r, J = dr/dw, for `used` residuals of each strain.
   void normal_equations(const Vector& w, Square& JtJ, Vector& Jtr, int used = kResiduals) const {
+    // blocks of strains side by side, each with sums of its own
     const int64_t blocks = (strains_ + kStrainBlock - 1) / kStrainBlock;
     std::vector<Square> matrices(static_cast<size_t>(blocks));
     std::vector<Vector> vectors(static_cast<size_t>(blocks));
@@ -219,6 +220,7 @@ class Problem {
       const int64_t begin = block * kStrainBlock, count = std::min(kStrainBlock, strains_ - begin);
       Rows J(kResiduals * count, kWidth);
       Eigen::VectorXd r(kResiduals * count);
+      // r, and J = dr/dq dq/dw
       for (int64_t s = 0; s < count; ++s) {
         double q[kJet];
         strain(begin + s, w, q);
@@ -228,11 +230,13 @@ class Problem {
         r.segment<kResiduals>(kResiduals * s) = residual(q, target, omega_);
         J.middleRows<kResiduals>(kResiduals * s).noalias() = C * features(begin + s);
       }
+      // only the lower triangle of J^T J
       Square& matrix = matrices[size_t(block)];
       matrix.setZero();
       matrix.selfadjointView<Eigen::Lower>().rankUpdate(J.transpose());
       vectors[size_t(block)].noalias() = J.transpose() * r;
     });
+    // add the blocks in their order
     JtJ.setZero(), Jtr.setZero();
     for (size_t block = 0; block < size_t(blocks); ++block)
       JtJ += matrices[block], Jtr += vectors[block];
@@ -264,9 +268,8 @@ class Problem {
   std::vector<Target> targets_;
 };
 
-/// Levenberg-Marquardt with Marquardt's scaling: (J^T J + damping diag) step = -J^T r; the damping
-/// falls to 0.3 of itself after a step that lowers the loss and rises eightfold after one that does
-/// not.
+/// Levenberg-Marquardt with Marquardt's scaling: (J^T J + damping diag) step = -J^T r. The damping
+/// is multiplied by 0.3 after a step that lowers the loss, and by 8 after one that does not.
 class Descent {
  public:
   Descent(const Problem& problem, const Vector& w)
@@ -294,7 +297,7 @@ class Descent {
   double loss_, damping_ = 1e-3;
   Square JtJ_;
   Vector Jtr_;
-  bool stale_ = true;  // whether w has moved since JtJ
+  bool stale_ = true;  // whether w has changed since JtJ was computed
 };
 
 }  // namespace
@@ -306,19 +309,23 @@ LastLayer::LastLayer(std::span<const float> weights, const LastLayerOptions& opt
   ELASTOGEN_CHECK(options.iterations > 0 && options.strains > 0,
                   "iterations and strains must be positive, got ", options.iterations, " and ",
                   options.strains);
+  // the strains, and inputs and features of the net there, for all materials
   e_ = sample_strains(options.box, options.seed, 0, options.strains);
   inputs_ = Array<double>(options.strains, 2 * kJet);
   features_ = Array<double>(options.strains * kJet, kWidth);
   const Hidden net(weights_);
+  // the anchor: value and slopes at rest
   const Eigen::Matrix<double, 3, kWidth> rest = at_rest(net);
   for_blocks(
       options.strains,
       [&](int64_t begin, int64_t end) {
+        // jets of the hidden layers at the points of some strains
         const int64_t count = 3 * (end - begin);
         Eigen::MatrixXd X = Eigen::MatrixXd::Zero(10 * count, 3);
         for (int64_t p = 0; p < count; ++p)
           write_input(e_.row(begin + p / 3), int(p % 3), X, p, count);
         const Rows jets = hidden_jets(net, X, count);
+        // subtract the anchor, sort by strain
         for (int64_t row = 0; row < 10 * count; ++row) {
           const int64_t channel = row / count, p = row % count, s = begin + p / 3,
                         k = 3 * channel + p % 3;
@@ -335,8 +342,10 @@ LastLayerFit LastLayer::fit(const FitMaterial& material, std::span<const float> 
                             const FitWatch& watch) const {
   ELASTOGEN_CHECK(start.empty() || int(start.size()) == kWidth, "a last layer has ", kWidth,
                   " weights, not ", start.size());
+  // start from the given layer, or from zeros
   Vector w = Vector::Zero();
   for (size_t k = 0; k < start.size(); ++k) w[Eigen::Index(k)] = double(start[k]);
+  // iterate until the error is small enough or ten iterations gain too little
   const Problem problem(material, e_, inputs_, features_);
   Descent descent(problem, w);
   LastLayerFit result;
@@ -346,9 +355,10 @@ LastLayerFit LastLayer::fit(const FitMaterial& material, std::span<const float> 
     if (watch) watch(result.iterations, {descent.weights().data(), kWidth});
     if (descent.loss() < options_.enough * options_.enough) break;
     if (result.iterations % 10) continue;
-    if (descent.loss() > 0.96 * before) break;  // 2 % of its root
+    if (descent.loss() > 0.96 * before) break;  // 2 % of the error, the root of the loss
     before = descent.loss();
   }
+  // the hidden layers stay; b3 cancels and is 0
   result.error = std::sqrt(descent.loss());
   result.weights = weights_;
   for (int k = 0; k < kWidth; ++k)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What many nets are fitted to at the same strains: energy, stress and tangent of each material by
-// core/elastic_law.hpp, computed in double, written in float; Young's modulus is 1.
+// Targets of the fits of many nets at common strains: energy, stress and tangent of each material
+// by core/elastic_law.hpp, computed in double, stored in float. Young's modulus is 1.
 
 #pragma once
 
@@ -13,7 +13,7 @@ struct LawTargets {
   float* psi;      ///< energy density [E], (materials, strains)
   float* t;        ///< dpsi/dsigma [E], (materials, 3, strains)
   float* H;        ///< d2psi/dsigma2 [E], 00 11 22 01 12 20, (materials, 6, second)
-  int64_t second;  ///< of how many strains, the first ones, H is written
+  int64_t second;  ///< H is written for this many strains, the first ones
 };
 
 /// Response of one material at principal log stretches e.
@@ -48,7 +48,7 @@ void law_targets(const TargetLaw* materials, int64_t count, const double* e, int
 }  // namespace cpu
 
 namespace cuda {
-/// The same with pointers of the current device, on its default stream.
+/// cpu::law_targets with pointers of the current device, on its default stream.
 void law_targets(const TargetLaw* materials, int64_t count, const double* e, int64_t strains,
                  const LawTargets& to);
 }  // namespace cuda

@@ -27,8 +27,8 @@ Vec3 log_stretches(LoadPath path, double e, double side) {
   return {e, e, e};
 }
 
-/// Kirchhoff stress b dpsi/db of the free side and its slope in ln b. It has the sign of the
-/// traction, and for laws in log stretches it is nearly linear.
+/// Kirchhoff stress b dpsi/db of the free side, and its slope in ln b. It has the sign of the
+/// traction and is nearly linear for laws in log stretches.
 struct SideStress {
   double value, slope;
 };
@@ -41,14 +41,14 @@ SideStress side_stress(const TargetLaw& law, LoadPath path, double e, double sid
   return {b * r.t[2], b * r.t[2] + b * b * H};
 }
 
-/// ln b of the linear theory.
+/// ln b by the linear theory.
 double linear_side(const TargetLaw& law, LoadPath path, double e) {
   const double mu = law.law[0].mu, lambda = law.law[0].lambda, nu = lambda / (2 * (lambda + mu));
   if (path == LoadPath::kUniaxial) return -nu * e;
   return -nu / (1 - nu) * e * (path == LoadPath::kBiaxial ? 2 : 1);
 }
 
-/// Two places between which the stress of the side changes its sign; the side yields to it.
+/// Two values of ln b between which the stress of the side changes its sign, found by following it.
 std::optional<std::array<double, 2>> bracket(const TargetLaw& law, LoadPath path, double e) {
   double from = std::clamp(linear_side(law, path, e), -kFurthest, kFurthest);
   const bool pulled = side_stress(law, path, e, from).value > 0;
@@ -61,7 +61,7 @@ std::optional<std::array<double, 2>> bracket(const TargetLaw& law, LoadPath path
   return std::nullopt;
 }
 
-/// Newton's method in a shrinking bracket, whose middle takes the place of a step out of it.
+/// Newton's method in a shrinking bracket; its middle replaces a step that leaves it.
 double root(const TargetLaw& law, LoadPath path, double e, std::array<double, 2> bounds) {
   double side = (bounds[0] + bounds[1]) / 2;
   for (int k = 0; k < 200; ++k) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The loads of material tests: a homogeneous body that is stretched along some axes and free of
-// traction along others (Treloar, The Physics of Rubber Elasticity, chapter 5). With E = 1.
+// The loads of material tests. A homogeneous body is stretched along some axes and free of traction
+// along the others (Treloar, The Physics of Rubber Elasticity, chapter 5). With E = 1.
 
 #pragma once
 
@@ -22,16 +22,16 @@ enum class LoadPath : uint8_t {
 /// "uniaxial", "biaxial", "shear" or "volume".
 std::string path_name(LoadPath path);
 
-/// The state of a body under a load.
+/// State of a body under a load.
 struct LoadState {
   Vec3 e;             ///< principal log stretches
   double stress = 0;  ///< nominal (first Piola-Kirchhoff) along the first axis [E]
-  double energy = 0;  ///< density at rest [E]
+  double energy = 0;  ///< per volume at rest [E]
 };
 
-/// The state at which the law leaves no traction on the free sides, dpsi/ds = 0 there, nearest to
-/// that of the linear theory. None where there is no such state with log stretches within 8: StVK
-/// has none where s^2 > 1 + 1/nu in uniaxial tension.
+/// The state in which the law has no traction on the free sides (dpsi/ds = 0), of several the one
+/// nearest to that of the linear theory. No value if there is none with log stretches within 8:
+/// StVK has none for s^2 > 1 + 1/nu in uniaxial tension.
 /// @param stretch  l, > 0.
 /// @throws Error for a stretch that is not positive and finite.
 std::optional<LoadState> balanced_state(const TargetLaw& law, LoadPath path, double stretch);

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Where the shape parameter of a family is looked for: the range of law_from_name.
+/// Range in which the shape parameter of a family is searched, that of law_from_name.
 struct ShapeRange {
   double least, most;
   int steps;  ///< of the grid
@@ -35,7 +35,7 @@ ShapeRange shape_range(Law::Kind kind) {
   return {0.1, 1e6, 84, true};
 }
 
-/// States of the points by a law with E = 1; without equilibrium, none.
+/// States of the points by a law with E = 1; no value without equilibrium.
 std::vector<std::optional<LoadState>> states(const Law& law, double poisson,
                                              std::span<const TestPoint> points) {
   const TargetLaw target = target_law({"", {{law, 1}}, poisson});
@@ -56,7 +56,7 @@ double rms(const std::vector<TestPoint>& points) {
   return std::sqrt(sum / double(points.size()));
 }
 
-/// The fit of a law without anything open but E.
+/// The fit of a law in which only E is open.
 TestFit fit_young(const Law& law, double poisson, const std::vector<TestPoint>& points) {
   TestFit fit{.law = law, .stress = {}, .impossible = {}};
   const auto unit = states(law, poisson, points);
@@ -82,7 +82,7 @@ TestFit fit_young(const Law& law, double poisson, const std::vector<TestPoint>& 
   return fit;
 }
 
-/// Minimum of f between low and high by golden section, to a width of 1e-10.
+/// Minimum of f between low and high by golden section, up to a width of 1e-10.
 double golden_section(double low, double high, const std::function<double(double)>& f) {
   const double golden = (std::sqrt(5.0) - 1) / 2;
   double a = high - golden * (high - low), b = low + golden * (high - low);
@@ -99,7 +99,7 @@ double golden_section(double low, double high, const std::function<double(double
   return (low + high) / 2;
 }
 
-/// The fit of a family: the best of a grid, then golden section between its neighbours.
+/// The fit of a family: the best point of a grid, then golden section between its neighbours.
 TestFit fit_family(Law law, double poisson, const std::vector<TestPoint>& points) {
   const ShapeRange range = shape_range(law.kind);
   const auto at = [&](double share) {
@@ -113,7 +113,7 @@ TestFit fit_family(Law law, double poisson, const std::vector<TestPoint>& points
   const double step = 1.0 / range.steps;
   const double share = golden_section(std::max(0.0, best - step), std::min(1.0, best + step),
                                       [&](double s) { return at(s).error; });
-  // at an end the section comes near but not there
+  // golden section approaches an end of the range but does not reach it
   TestFit fit = at(best), between = at(share);
   if (between.error < fit.error) fit = between;
   fit.at_end = fit.law.shape == range.least || fit.law.shape == range.most;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The file half of training/material_test.hpp.
+// Reads the files of training/material_test.hpp.
 
 #include "io/units.hpp"
 #include "training/cells.hpp"
@@ -11,16 +11,16 @@
 namespace elastogen {
 namespace {
 
-constexpr size_t kMostPoints = 20'000;  // twelve seconds
+constexpr size_t kMostPoints = 20'000;  // fits of this many need twelve seconds
 constexpr double kLeastStretch = 0.02, kMostStretch = 50;
 
-/// A column by its head.
+/// A column by its head line.
 struct Column {
   std::string name;   ///< mode, stretch, strain or stress
-  double factor = 1;  ///< Pa a unit, of stress
+  double factor = 1;  ///< Pa in one unit of stress
 };
 
-/// "stress [kPa]" to a column.
+/// Reads a column from "stress [kPa]".
 Column column_of(const std::string& head) {
   const size_t open = head.find('[');
   Column column{trimmed(head.substr(0, open))};
@@ -35,7 +35,7 @@ Column column_of(const std::string& head) {
   return column;
 }
 
-/// The columns of a head line, checked.
+/// Reads and checks the columns of a head line.
 std::vector<Column> columns_of(const std::string& line, const std::string& place) {
   std::vector<Column> columns;
   const std::vector<std::string> heads = split(line, ',');
@@ -100,6 +100,7 @@ std::vector<TestPoint> read_material_test(const std::string& text, const std::st
   std::vector<Column> columns;
   std::vector<TestPoint> points;
   int number = 0;
+  // the first line is the head, every further one a point; comments are cut off
   for (std::string line; std::getline(stream, line);) {
     const std::string place = concat(source, ", line ", ++number);
     line = trimmed(line.substr(0, line.find('#')));
@@ -113,6 +114,7 @@ std::vector<TestPoint> read_material_test(const std::string& text, const std::st
     points.push_back(point_of(columns, line, place));
     points.back().line = number;
   }
+  // enough points that say something about a law
   const auto strained = std::count_if(points.begin(), points.end(),
                                       [](const TestPoint& p) { return p.stretch != 1; });
   const bool loaded = std::any_of(points.begin(), points.end(), [](const TestPoint& p) {

@@ -14,21 +14,21 @@
 
 namespace elastogen {
 
-/// How weights came to be: texts "trainer.*" of a model card.
+/// Texts "trainer.*" of a model card, which tell how the weights were made.
 using TrainerCard = std::map<std::string, std::string>;
 
-/// Weights of a material with their card: form, law, poisson, error.*, trainer.*.
+/// Weights of a material with their model card: form, law, poisson, error.*, trainer.*.
 TensorFile mtl_file(const FitMaterial& material, std::span<const float> weights,
                     const FitReport& report, const TrainerCard& trainer);
 
-/// Hidden layers for many materials: weights whose last layer is 0, with form and trainer.*.
+/// Hidden layers for many materials: weights with last layer 0, with form and trainer.*.
 TensorFile hidden_file(std::span<const float> weights, const TrainerCard& trainer);
 
-/// Reports as CSV with a head line, one line a material.
+/// Reports as CSV: a head line, then one line for each material.
 std::string report_table(const std::vector<FitMaterial>& materials,
                          const std::vector<FitReport>& reports);
 
-/// The shortest text that reads back as the same number.
+/// The shortest text that reads back as this number.
 std::string shortest_text(double value);
 
 }  // namespace elastogen

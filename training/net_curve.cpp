@@ -12,7 +12,7 @@
 namespace elastogen {
 namespace {
 
-/// A material's loads in the box of its net.
+/// Loads of a material within the box of its net.
 struct Loads {
   TargetLaw law;
   StrainBox box;
@@ -21,13 +21,13 @@ struct Loads {
   /// The state at a log stretch, if it lies in the box.
   std::optional<LoadState> state(double e) const {
     const auto balanced = balanced_state(law, path, std::exp(e));
-    constexpr double kSlack = 1e-12;  // rounding at the ends belongs to the box
+    constexpr double kSlack = 1e-12;  // states at the ends belong to the box despite rounding
     if (!balanced || !box.contains(balanced->e.data(), kSlack)) return std::nullopt;
     return balanced;
   }
 };
 
-/// Furthest log stretch on a side of rest whose state lies in the box, by bisection.
+/// Farthest log stretch on one side of rest with a state in the box, by bisection.
 double end_of(const Loads& loads, double sign) {
   double inside = 0, outside = sign * loads.box.stretch;
   if (loads.state(outside)) return outside;
@@ -51,6 +51,7 @@ std::vector<LoadState> states_of(const Loads& loads, int steps) {
 NetCurve net_curve(const FitMaterial& material, std::span<const float> weights, LoadPath path,
                    int steps) {
   ELASTOGEN_CHECK(steps > 0, "steps must be positive, got ", steps);
+  // states of the law along the load
   const std::vector<LoadState> states =
       states_of({target_law(material), declared_box(material), path}, steps);
   Array<double> e(int64_t(states.size()), 3);
@@ -62,12 +63,14 @@ NetCurve net_curve(const FitMaterial& material, std::span<const float> weights, 
     curve.law_stress.push_back(states[k].stress);
     curve.law_energy.push_back(states[k].energy);
   }
+  // the net in these states
   std::vector<LogJet> jets(states.size());
   NeuralMtl(weights, material.poisson).evaluate<false>(e.data(), e.rows(), jets.data());
   for (size_t k = 0; k < states.size(); ++k) {
     curve.net_stress.push_back(jets[k].w[0] / curve.stretch[k]);
     curve.net_energy.push_back(jets[k].psi);
   }
+  // errors there
   StrainErrors errors = strain_errors(material, weights, e);
   curve.stress_error = std::move(errors.stress);
   curve.tangent_error = std::move(errors.tangent);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A net beside its law along the loads of material tests, inside the box that its errors are stated
-// in. The free sides are those of the law: both are looked at in the same states.
+// A net beside its law along the loads of material tests, within the box for which its errors are
+// stated. The law decides the free sides, so both are compared in the same states.
 
 #pragma once
 
@@ -17,11 +17,11 @@ struct NetCurve {
   std::vector<double> stretch;                                    ///< of the first axis
   std::vector<double> law_stress, net_stress;                     ///< nominal, along it [E]
   std::vector<double> law_energy, net_energy;                     ///< [E]
-  std::vector<double> stress_error, tangent_error, energy_error;  ///< as FitReport has them
+  std::vector<double> stress_error, tangent_error, energy_error;  ///< as in FitReport
 };
 
-/// A load to where the states leave declared_box or the law has none, with equal steps of the log
-/// stretch on both sides of rest, which is a state of it.
+/// Follows a load until the states leave declared_box or the law has none. Steps of the log stretch
+/// are equal on each side of rest, which is one of the states.
 /// @param weights  of the material's net, (17153). @param steps  on each side.
 /// @throws Error (asset) as NeuralMtl; (usage) unless steps is positive.
 NetCurve net_curve(const FitMaterial& material, std::span<const float> weights, LoadPath path,

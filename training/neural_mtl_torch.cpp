@@ -11,13 +11,13 @@
 namespace elastogen {
 namespace {
 
-/// Shapes of the five tensors of `nets` nets.
+/// Shapes of the five tensors for a number of nets.
 std::array<std::vector<int64_t>, 5> shapes(int64_t nets) {
   constexpr int64_t w = kMtlWidth;
   return {{{nets, w, 3}, {nets, w}, {nets, w, w}, {nets, w}, {nets, w}}};
 }
 
-/// Writes x_i and its derivatives in e to rows point, point + stride, ...: 4 channels or 10.
+/// Writes x_i and derivatives in e to rows point, point + stride, ...: 4 or 10 channels.
 void write_jet(const double* e, int axis, float* to, int64_t stride, bool second) {
   const int j = (axis + 1) % 3, k = (axis + 2) % 3;
   const auto row = [&](int channel) { return to + channel * stride * 3; };
@@ -25,11 +25,11 @@ void write_jet(const double* e, int axis, float* to, int64_t stride, bool second
   row(1 + axis)[0] = 1;
   row(1 + j)[1] = row(1 + k)[1] = 1;
   row(1 + j)[2] = float(e[k]), row(1 + k)[2] = float(e[j]);
-  // of the second derivatives that of e_j e_k is not zero; 01 12 20 are channels 7, 8, 9
+  // only the second derivative of e_j e_k is not zero; 01 12 20 are channels 7, 8, 9
   if (second) row(7 + j)[2] = 1;
 }
 
-/// The state at rest, with derivatives in x instead of e.
+/// Writes the state at rest, with derivatives in x in place of e.
 void write_rest(float* to, int64_t stride) {
   for (int m = 0; m < 3; ++m) to[(1 + m) * stride * 3 + m] = 1;
 }
@@ -45,7 +45,7 @@ at::Tensor net_jets(const MtlNets& nets, const MtlPoints& points) {
   return at::bmm(a2, nets.w3.unsqueeze(2)).squeeze(2);
 }
 
-/// Jets of q, in the two blocks of rows.
+/// Jets of q in the two blocks of rows.
 struct AnchoredJets {
   at::Tensor second;  ///< (nets, 10, 3 axes, second)
   at::Tensor all;     ///< (nets, 4, 3 axes, strains)
@@ -56,7 +56,7 @@ AnchoredJets anchored_jets(const MtlNets& nets, const MtlAnchors& anchors,
   const int64_t n = nets.count(), split = 30 * points.second, plain = 3 * points.first + 1;
   const at::Tensor f = net_jets(nets, points);
   const at::Tensor rest = f.narrow(1, split, 4 * plain).view({n, 4, plain}).select(2, plain - 1);
-  // the anchor is linear in x, and so are its jets in those of x
+  // the anchor is linear in x, so its jets are linear in those of x
   const at::Tensor slope = anchors.slope - rest.narrow(1, 1, 2);
   const at::Tensor value = rest.narrow(1, 0, 1).unsqueeze(2);
   const at::Tensor q = f + at::matmul(slope, points.jets.narrow(1, 0, 2).t());
@@ -71,7 +71,7 @@ AnchoredJets anchored_jets(const MtlNets& nets, const MtlAnchors& anchors,
   return {second, at::cat({shifted, all.narrow(1, 1, 3)}, 1)};
 }
 
-/// w_mn of the strains with second derivatives, (nets, 6, second).
+/// w_mn of the strains that have second derivatives, (nets, 6, second).
 at::Tensor log_hessian(const AnchoredJets& jets, const at::Tensor& omega) {
   const int64_t second = jets.second.size(3);
   const at::Tensor q = jets.all.narrow(1, 0, 1).narrow(3, 0, second);

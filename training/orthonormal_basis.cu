@@ -8,14 +8,14 @@ namespace {
 
 constexpr int kThreads = 160;
 
-/// The threads of a block.
+/// The threads of a block as a team.
 struct Block {
   int lane = int(threadIdx.x), lanes = int(blockDim.x);
   __device__ Block() {}
   __device__ void sync() const { __syncthreads(); }
 };
 
-/// A block a matrix, all of it in shared memory.
+/// One block for each matrix, which fits in shared memory.
 __global__ void bases_kernel(int n, const float* A, float* Q) {
   extern __shared__ float shared[];
   float *const work = shared, *const basis = shared + n * n, *const tau = basis + n * n;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Orthonormal bases of many small square matrices at once; the maths is in
+// Orthonormal bases of many small square matrices at once; the formulas are in
 // orthonormal_basis_impl.hpp. Libraries factor such matrices one after another on GPUs.
 
 #pragma once
@@ -14,7 +14,7 @@ void orthonormal_bases(int64_t count, int n, const float* A, float* Q);
 }  // namespace cpu
 
 namespace cuda {
-/// The same with pointers of the current device, on its default stream; n <= 160.
+/// cpu::orthonormal_bases with pointers of the current device, on its default stream; n <= 160.
 void orthonormal_bases(int64_t count, int n, const float* A, float* Q);
 }  // namespace cuda
 

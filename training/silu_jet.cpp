@@ -8,9 +8,9 @@
 namespace elastogen::cpu {
 namespace {
 
-constexpr int64_t kGrain = 64;  // points a task
+constexpr int64_t kGrain = 64;  // points of one parallel task
 
-/// Eight neurons of a point: load its channels, which lie `stride` apart.
+/// Eight neurons of a point: loads its channels, which are `stride` apart.
 template <int kChannels>
 void load_jet(const float* from, int64_t stride, const float* bias, Pack<float> z[kChannels]) {
   for (int c = 0; c < kChannels; ++c) z[c] = load(from + c * stride);
@@ -22,7 +22,7 @@ void store_jet(float* to, int64_t stride, const Pack<float> a[kChannels]) {
   for (int c = 0; c < kChannels; ++c) store(to + c * stride, a[c]);
 }
 
-/// body(offset of the point's value channel, stride between channels, net, channels) over all.
+/// Calls body(offset of a point's value channel, stride between channels, net, channels) for all.
 template <class Body>
 void for_points(const JetShape& shape, const Body& body) {
   const int64_t points = shape.second + shape.first;

@@ -6,13 +6,13 @@
 namespace elastogen::cuda {
 namespace {
 
-/// Where the jet of one neuron at one point lies.
+/// Place of the jet of one neuron at one point.
 struct Place {
   int64_t at, stride, bias;
   bool second;
 };
 
-/// A block a point of a net, a thread a neuron: neighbouring threads touch neighbouring words.
+/// One block for a point of a net, one thread for a neuron: neighbours access neighbouring words.
 __device__ Place place(const JetShape& shape) {
   const int64_t point = blockIdx.x, net = blockIdx.y, h = threadIdx.x;
   const bool second = point < shape.second;

@@ -16,7 +16,7 @@ namespace elastogen::silu {
 
 inline constexpr int kFirst = 4, kSecond = 10;  ///< channels without and with second derivatives
 
-/// Second derivative k is that with respect to inputs row_of(k) and column_of(k).
+/// Second derivative k is with respect to inputs row_of(k) and column_of(k).
 ELASTOGEN_HD constexpr int row_of(int k) {
   return k % 3;
 }
@@ -29,8 +29,8 @@ ELASTOGEN_HD inline float exponential(float x) {
 }
 
 #ifndef __CUDACC__
-/// exp(x) within 2 ulp in [-87, 88], at whose ends it stays: x = k ln 2 + r with |r| <= ln 2 / 2,
-/// and exp(r) by its series.
+/// exp(x) within 2 ulp for x in [-87, 88], and constant beyond: x = k ln 2 + r with |r| <= ln 2 /
+/// 2, and exp(r) by its series.
 inline Pack<float> exponential(const Pack<float>& x) {
   using T = Pack<float>;
   const T lower = constant<T>(-87), upper = constant<T>(88);
@@ -76,7 +76,7 @@ ELASTOGEN_HD inline void forward(const T z[kChannels], T a[kChannels]) {
   }
 }
 
-/// The gradient dz of a scalar with respect to z, from its gradient g with respect to a.
+/// Gradient dz of a scalar with respect to z, from its gradient g with respect to a.
 template <int kChannels, class T>
 ELASTOGEN_HD inline void backward(const T z[kChannels], const T g[kChannels], T dz[kChannels]) {
   const Activation<T> act = activation(z[0]);

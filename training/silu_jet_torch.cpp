@@ -57,7 +57,7 @@ struct SiluJet : torch::autograd::Function<SiluJet> {
     const JetShape shape = {z.size(0), context->saved_data["second"].toInt(),
                             context->saved_data["first"].toInt(), z.size(2)};
     const at::Tensor dz = gradient(shape, z, bias, g[0].contiguous());
-    // the bias moves the values only
+    // the bias acts on the values only
     const at::Tensor dbias =
         dz.narrow(1, 0, shape.second).sum(1) + dz.narrow(1, 10 * shape.second, shape.first).sum(1);
     return {dz, dbias, at::Tensor(), at::Tensor()};

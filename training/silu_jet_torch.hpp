@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// training/silu_jet.hpp as an operation that libtorch can differentiate once.
+// training/silu_jet.hpp as an operation of libtorch that can be differentiated once.
 
 #pragma once
 
@@ -10,7 +10,7 @@
 namespace elastogen {
 
 /// a = act(z + bias). @param z  (nets, rows, width) @param bias  (nets, width)
-/// @throws Error unless both are contiguous float32 of one device and of this shape.
+/// @throws Error unless both are contiguous float32 tensors on one device and of this shape.
 at::Tensor silu_jet(const JetShape& shape, const at::Tensor& z, const at::Tensor& bias);
 
 }  // namespace elastogen

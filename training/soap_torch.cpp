@@ -25,9 +25,9 @@ void add_mean(at::Tensor& mean, const at::Tensor& now) {
   mean.mul_(kDecay).add_(now, 1 - kDecay);
 }
 
-/// Bases closer to the eigenvectors of S, in the order of the old ones: Q of S Q_old.
+/// Bases closer to the eigenvectors of S, in the order of the old basis: Q of S Q_old.
 at::Tensor refreshed(const at::Tensor& S, const at::Tensor& old) {
-  // sizes near 1: squares of small gradients would leave the range of float
+  // scale S to about 1, as squares of small gradients would leave the range of float
   const at::Tensor trace = S.diagonal(0, 1, 2).sum(1).clamp_min(1e-30).view({-1, 1, 1});
   const at::Tensor A = at::bmm(S / trace, old).contiguous();
   at::Tensor Q = at::empty_like(A);

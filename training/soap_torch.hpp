@@ -6,8 +6,8 @@
 //   M <- s M + (1 - s) G,       V <- s V + (1 - s) (Q_L^T G Q_R)^2
 //   W <- W - rate Q_L [ (Q_L^T M Q_R) / sqrt V ] Q_R^T
 //
-// M and V are divided by 1 - s^step, the share of them that is known. The bases are refreshed every
-// ten steps by one power iteration.
+// M and V are divided by 1 - s^step, the sum of their weights so far. Every ten steps one power
+// iteration refreshes the bases.
 
 #pragma once
 
@@ -19,10 +19,10 @@ namespace elastogen {
 
 class Soap {
  public:
-  /// For matrices (batch, rows, columns).
+  /// For matrices of shape (batch, rows, columns).
   Soap(int64_t batch, int64_t rows, int64_t columns, at::Device device);
 
-  /// What to subtract from the matrices in a step, counted from 1.
+  /// The update to subtract from the matrices; steps are counted from 1.
   at::Tensor update(const at::Tensor& G, double rate, int64_t step);
 
   /// All numbers that decide the next updates.

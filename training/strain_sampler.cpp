@@ -9,7 +9,7 @@ namespace elastogen {
 namespace {
 
 constexpr double kSmallestRadius = 1e-4;
-constexpr double kGentShare = 0.9;  // of the limit: there core/elastic_law.hpp leaves the logarithm
+constexpr double kGentShare = 0.9;  // of the limit: core/elastic_law.hpp leaves the logarithm there
 
 /// The finaliser of splitmix64 (Steele, Lea, Flood 2014): a bijection that mixes all bits.
 uint64_t mix(uint64_t z) {
@@ -19,7 +19,7 @@ uint64_t mix(uint64_t z) {
   return z ^ (z >> 31);
 }
 
-/// On a sphere: a uniform height and angle give a uniform direction (Archimedes).
+/// A point on a sphere. Uniform height and angle give a uniform direction (Archimedes).
 Vec3 on_sphere(double radius, double height, double angle) {
   const double z = 2 * height - 1, ring = std::sqrt(1 - z * z);
   const double phi = 2 * std::numbers::pi * angle;
@@ -39,7 +39,7 @@ Vec3 strain(const StrainBox& box, uint64_t seed, uint64_t number) {
     const double trace = e[0] + e[1] + e[2];
     const double shift = (std::clamp(trace, -box.volume, box.volume) - trace) / 3;
     for (double& component : e) component += shift;
-    // the shift may leave the trace by its rounding
+    // the shift may leave a rounding error in the trace, which is not checked again
     if (StrainBox{box.stretch, 2 * box.volume, box.invariant}.contains(e.data())) return e;
   }
 }

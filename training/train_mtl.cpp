@@ -31,7 +31,7 @@ void make_folder(const std::string& path) {
                 ErrorKind::kResources);
 }
 
-/// @return how many pass.
+/// Reports the errors. @return how many nets pass.
 int64_t say_reports(const std::vector<FitMaterial>& materials,
                     const std::vector<FitReport>& reports, const FitHooks& hooks) {
   for (size_t n = 0; n < reports.size(); ++n) {
@@ -49,7 +49,7 @@ int64_t say_reports(const std::vector<FitMaterial>& materials,
   return passing;
 }
 
-/// How the weights of a task come to be.
+/// The model card's texts on how the weights of a task were made.
 TrainerCard trainer_card(const TrainMtl& task, const FitOptions& options) {
   return {{"trainer.steps", std::to_string(options.steps)},
           {"trainer.samples", std::to_string(options.samples)},
@@ -64,14 +64,14 @@ std::span<const float> row(const Array<float>& weights, size_t n) {
   return {weights.row(int64_t(n)), size_t(kMtlParameters)};
 }
 
-/// The start for each of some materials.
+/// A copy of the start for each material.
 Array<float> copies(const std::vector<float>& start, size_t count) {
   Array<float> weights(int64_t(count), kMtlParameters);
   for (size_t n = 0; n < count; ++n) std::copy(start.begin(), start.end(), weights.row(int64_t(n)));
   return weights;
 }
 
-/// Fits the last layers; features of like hidden layers and boxes are made once.
+/// Fits the last layers. Features are reused for equal hidden layers and boxes.
 void fit_last_layers(const std::vector<FitMaterial>& materials, int iterations,
                      Array<float>& weights) {
   LastLayerOptions options;
@@ -91,8 +91,7 @@ void fit_last_layers(const std::vector<FitMaterial>& materials, int iterations,
   }
 }
 
-/// Weights of all layers, those of the start where there are no steps; none when stopped before the
-/// last step.
+/// Weights of all layers; without steps those of the start; empty if stopped before the last step.
 Array<float> all_layers(const std::vector<FitMaterial>& materials, const FitOptions& options,
                         const FitHooks& hooks) {
   if (options.steps == 0) return copies(options.start, materials.size());
@@ -102,7 +101,7 @@ Array<float> all_layers(const std::vector<FitMaterial>& materials, const FitOpti
   return {};
 }
 
-/// Writes the weights of each material and what belongs to a list.
+/// Writes the weights of each material, and for a list its table and shared hidden layers.
 void write_all(const TrainMtl& task, const std::vector<FitMaterial>& materials,
                const Array<float>& weights, const std::vector<FitReport>& reports,
                const TrainerCard& trainer) {
@@ -121,6 +120,7 @@ void write_all(const TrainMtl& task, const std::vector<FitMaterial>& materials,
 }  // namespace
 
 TrainEnd train_mtl(const TrainMtl& task, const FitHooks& hooks) {
+  // check the task
   const std::vector<FitMaterial> materials = materials_of(task);
   ELASTOGEN_CHECK(!task.out.empty(), "name an output");
   ELASTOGEN_CHECK(task.fit.steps >= 0 && task.last_layer >= 0, "steps must not be negative, got ",
@@ -129,6 +129,7 @@ TrainEnd train_mtl(const TrainMtl& task, const FitHooks& hooks) {
                   "without steps the hidden layers need a start (--start)");
   const bool many = !task.list.empty();
   if (many) make_folder(task.out);
+  // the start, and a checkpoint for interruptions
   FitOptions options = task.fit;
   if (!task.start.empty()) {
     const TensorFile file = decode_tensors(read_file(task.start, 1 << 24), task.start);
@@ -136,14 +137,17 @@ TrainEnd train_mtl(const TrainMtl& task, const FitHooks& hooks) {
   }
   options.checkpoint = many ? task.out + "/checkpoint.part" : task.out + ".part";
 
+  // all layers by gradient steps, then the last layers by least squares
   Array<float> weights = all_layers(materials, options, hooks);
   if (weights.empty()) return TrainEnd::kStopped;
   if (task.last_layer > 0) fit_last_layers(materials, task.last_layer, weights);
+  // judge the nets
   std::vector<FitReport> reports;
   for (size_t n = 0; n < materials.size(); ++n)
     reports.push_back(fit_report(materials[n], row(weights, n)));
   const int64_t passing = say_reports(materials, reports, hooks);
 
+  // write, even if some nets miss their limits
   write_all(task, materials, weights, reports, trainer_card(task, options));
   std::error_code ignored;
   fs::remove(options.checkpoint, ignored);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The task `elastogen train mtl`: reads the materials, fits all layers by SOAP, then the last by
-// Levenberg-Marquardt, reports, writes.
+// The task `elastogen train mtl`: reads the materials, fits all layers by SOAP, then the last layer
+// by Levenberg-Marquardt, reports and writes.
 
 #pragma once
 
@@ -10,20 +10,20 @@
 namespace elastogen {
 
 struct TrainMtl {
-  std::string law = "neo-hookean";  ///< of a single material, with `poisson`
+  std::string law = "neo-hookean";  ///< law of a single material, with `poisson`
   double poisson = 0.45;
-  std::string list;     ///< file of materials instead (read_fit_materials)
-  std::string start;    ///< weight file that all nets begin from; empty: random
-  std::string out;      ///< file of a single material, folder of a list
-  FitOptions fit;       ///< no steps: hidden layers of the start as they are
+  std::string list;     ///< file of materials in place of one law (read_fit_materials)
+  std::string start;    ///< weight file from which all nets start; empty: random
+  std::string out;      ///< file for a single material, folder for a list
+  FitOptions fit;       ///< without steps the hidden layers of the start are kept
   int last_layer = 80;  ///< iterations on the last layer; 0: none
 };
 
-/// Writes the weights of each material and, for a list, the table report.csv beside them, with
-/// shared hidden layers also these, hidden.tensors, whose last layer is 0; also those that fail
-/// their report. The checkpoint is OUT.part, removed at the end. When stopped only the checkpoint
-/// is written.
-/// @throws Error as its parts do.
+/// Writes the weights of each material, also of those that miss their limits. For a list it adds
+/// the table report.csv and, with shared hidden layers, the file hidden.tensors of these with last
+/// layer 0. The checkpoint is OUT.part, which is removed at the end. If stopped, only the
+/// checkpoint is written.
+/// @throws Error as its parts.
 TrainEnd train_mtl(const TrainMtl& task, const FitHooks& hooks);
 
 }  // namespace elastogen

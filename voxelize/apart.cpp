@@ -11,7 +11,7 @@ namespace {
 
 constexpr int32_t kStep = 64, kGap = 32;  // [voxels]
 
-/// The triangles of one part, with the vertices that they use.
+/// The triangles of one part, and the vertices that they use.
 Surface surface_of(const WeldedMesh& welded, const std::vector<int32_t>& triangles) {
   Surface surface;
   std::vector<int32_t> used;
@@ -76,7 +76,7 @@ std::vector<int32_t> shifts_apart(const std::vector<CutBody>& bodies) {
 }
 
 void set_parts(const std::vector<CutBody>& bodies, std::vector<int32_t> shift, VoxelGrid& grid) {
-  std::vector<int32_t> first;  // voxel of each part along x
+  std::vector<int32_t> first;  // first voxel of each part along x
   for (size_t k = 0; k < bodies.size(); ++k)
     first.push_back(range_along_x(bodies[k]).first + shift[k]);
   grid.part = Array<int32_t>(grid.voxel_count());

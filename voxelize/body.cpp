@@ -12,9 +12,9 @@
 namespace elastogen {
 namespace {
 
-constexpr double kTail = 0.02;  // of the points may be floaters on each side
+constexpr double kTail = 0.02;  // share of the points that may be floaters on each side
 
-/// Longest edge of the box of all points but the outermost of each axis.
+/// Longest edge of the box of all points except the outermost along each axis.
 double bulk_edge(const std::vector<Vec3>& points) {
   double longest = 0;
   std::vector<double> x;
@@ -32,7 +32,7 @@ double bulk_edge(const std::vector<Vec3>& points) {
   return longest;
 }
 
-/// A quarter of a voxel in the numbers of the points.
+/// A quarter of a voxel, in the numbers of the points.
 double grain_of(const Asset& asset, const std::vector<Vec3>& points, double size,
                 const VoxelizeOptions& resolution) {
   const double longest = bulk_edge(points);
@@ -41,7 +41,7 @@ double grain_of(const Asset& asset, const std::vector<Vec3>& points, double size
   return std::isfinite(h) ? h / 4 : 0;
 }
 
-/// Of a shell: twice its volume over its area.
+/// Mean thickness of a shell: twice its volume over its area.
 double mean_thickness(const Surface& surface) {
   double volume = 0, area = 0;
   for (int64_t t = 0; t < surface.triangles.rows(); ++t) {
@@ -55,14 +55,16 @@ double mean_thickness(const Surface& surface) {
 }
 
 /// A body with the surface of a solid, scaled to metres.
-/// @param box  whose longest edge is to be `size`.
+/// @param box  its longest edge becomes `size`.
 Body scaled_body(const Asset& asset, const PointSolid& solid, const Box& box,
                  const std::vector<Vec3>& carried, double size) {
+  // scale: --size, else the unit of the file
   Body body;
   body.is_asset = false;
   Surface& surface = body.surface;
   const double longest = std::max({box.extent(0), box.extent(1), box.extent(2)});
   surface.scale = size > 0 ? size / longest : asset.unit > 0 ? asset.unit : 1;
+  // the surface, its numbers from its own middle
   surface.vertices = solid.vertices;
   surface.triangles = solid.triangles;
   surface.material = Array<int32_t>(solid.triangles.rows());
@@ -73,6 +75,7 @@ Body scaled_body(const Asset& asset, const PointSolid& solid, const Box& box,
     surface.box.add({x[0], x[1], x[2]});
   }
   settle(surface);
+  // the points that it carries
   body.carried = Array<double>(int64_t(carried.size()), 3);
   for (int64_t p = 0; p < body.carried.rows(); ++p)
     for (int d = 0; d < 3; ++d) {
@@ -81,6 +84,7 @@ Body scaled_body(const Asset& asset, const PointSolid& solid, const Box& box,
       ELASTOGEN_CHECK_ASSET(std::isfinite(body.carried(p, d)), asset.path, ": point ", p,
                             " is not finite once it is scaled");
     }
+  // findings and thickness
   body.findings = solid.findings;
   if (solid.is_shell) body.shell = mean_thickness(surface);
   return body;

@@ -32,8 +32,9 @@ Coord corner_of(const Coord& voxel, int c) {
   return {voxel[0] + (c & 1), voxel[1] + (c >> 1 & 1), voxel[2] + (c >> 2)};
 }
 
-/// Nodes of the corners of the voxels [first, last).
+/// Writes the corner nodes of the voxels [first, last).
 void fill_corners(const BrickIndex& nodes, int64_t first, int64_t last, VoxelGrid& grid) {
+  // bricks of nodes around the voxel's brick are looked up once
   uint64_t brick = ~uint64_t{0};
   int64_t around[8] = {};
   for (int64_t v = first; v < last; ++v) {
@@ -44,10 +45,11 @@ void fill_corners(const BrickIndex& nodes, int64_t first, int64_t last, VoxelGri
     }
     int32_t* corner = grid.corners.row(v);
     for (int c = 0; c < 8; ++c) {
-      if (c % 2 == 1 && (voxel[0] & 7) < 7) {  // the next along x in the brick
+      if (c % 2 == 1 && (voxel[0] & 7) < 7) {  // the neighbour along x in this brick
         corner[c] = corner[c - 1] + 1;
         continue;
       }
+      // brick and place of the node
       const Coord node = corner_of(voxel, c);
       int side = 0, place = 0;
       for (int d = 0; d < 3; ++d) {
@@ -60,7 +62,7 @@ void fill_corners(const BrickIndex& nodes, int64_t first, int64_t last, VoxelGri
   }
 }
 
-/// Numbers connected pieces in the order of their first node.
+/// Numbers the connected pieces in the order of their first nodes.
 void fill_pieces(VoxelGrid& grid) {
   std::vector<int32_t> parent(grid.node_count());
   std::iota(parent.begin(), parent.end(), 0);
@@ -76,7 +78,7 @@ void fill_pieces(VoxelGrid& grid) {
       first = std::min(first, other);
     }
   }
-  // a root is the smallest node of its piece
+  // the root of a piece is its smallest node
   for (int32_t n = 0; n < grid.node_count(); ++n) {
     const int32_t r = root(n);
     grid.piece(n) = r == n ? grid.pieces++ : grid.piece(r);
@@ -119,7 +121,7 @@ VoxelGrid make_grid(In<int32_t> coords, double h, const Vec3& origin) {
   grid.piece = Array<int32_t>(nodes, 1);
   fill_pieces(grid);
 
-  // full
+  // all voxels are full
   grid.fill = Array<double>(voxels, 1);
   grid.shape_mean = Array<double>(voxels, 8);
   for_each(voxels, [&](int64_t v) {

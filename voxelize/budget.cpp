@@ -10,7 +10,7 @@
 namespace elastogen {
 namespace {
 
-/// Cells of edge h that a box can meet.
+/// Number of cells of edge h that a box can meet.
 double cells(const Box& box, double h) {
   double product = 1;
   for (int d = 0; d < 3; ++d) product *= std::floor(box.extent(d) / h) + 2;
@@ -60,7 +60,7 @@ void check_budget(const WeldedMesh& mesh, double h, const VoxelizeOptions& optio
   double fitting = h;
   for (double count = needed; count > limit; count = estimate_voxels(mesh, fitting)) {
     fitting *= std::max(1.01, std::cbrt(count / std::max(limit, 1.0)));
-    if (count <= 8) break;  // no edge fits a budget of nearly nothing
+    if (count <= 8) break;  // no edge fits so small a budget
   }
   refuse(needed, h, options, 1.001 * fitting);
 }

@@ -13,10 +13,10 @@
 namespace elastogen {
 namespace {
 
-/// Of a layer [voxel edges]: a tilted sheet has an area of up to sqrt(3) in a voxel, which must
+/// Thickest layer [voxel edges]. A tilted sheet has an area of up to sqrt(3) in a voxel, which must
 /// hold its volume.
 constexpr double kThickestLayer = 0.5;
-constexpr double kNoVolume[2] = {1e-6, 0.1};  // mean fill of a surface around nothing: closed, open
+constexpr double kNoVolume[2] = {1e-6, 0.1};  // mean fill of surfaces around no solid: closed, open
 
 void check(const Surface& surface) {
   ELASTOGEN_CHECK(surface.vertices.cols() == 3, "vertices must be (vertices, 3)");
@@ -36,8 +36,8 @@ double sum8(const double* row) {
   return sum;
 }
 
-/// Cells that the surface only grazes belong to the voxel on the other side of the face in which
-/// it lies; where there is none either, they are kept.
+/// A cell that the surface only grazes is left to the voxel beyond the face in which the surface
+/// lies. If that voxel is not kept either, the cell is kept.
 void keep_grazed(CutBody& body) {
   const SurfaceCells& cells = body.cells;
   std::vector<int64_t> grazed;
@@ -69,7 +69,7 @@ void choose_voxels(CutBody& body) {
   keep_grazed(body);
 }
 
-/// Fills the inside; says how it was found, and whether the surface bounds nothing.
+/// Fills the inside; records how it was found, and whether the surface bounds nothing.
 void find_fill(CutBody& body, int64_t max_voxels) {
   const SurfaceCells& cells = body.cells;
   const auto is_empty = [&](const Fill& fill) {
@@ -78,20 +78,20 @@ void find_fill(CutBody& body, int64_t max_voxels) {
   };
   std::optional<Fill> fill = exact_fill(cells, 1);
   if (!fill) fill = exact_fill(cells, -1);
-  // rows along x see nothing of an open surface that lies along them
+  // rows along x do not see an open surface that lies along them
   const bool exact = fill && (body.closed || !is_empty(*fill));
   body.fill = exact ? std::move(*fill) : winding_fill(body.mesh, cells, max_voxels);
   body.all_sheets = is_empty(body.fill);
   body.winding_number = !exact && !body.all_sheets;
 }
 
-/// Makes a prism of the triangle of a sheet, its upper face in the triangle's place.
+/// Makes a prism of a triangle of a sheet. Its upper face replaces the triangle.
 void make_prism(CutBody& body, size_t t) {
   LatticeMesh& mesh = body.mesh;
   const Coord corner = mesh.triangles[t];
   const Vec3 area = area_vector(mesh, t);
   const Vec3 half = scaled(area, body.thickness / (2 * norm(area)));
-  const auto first = int32_t(mesh.vertices.size());  // three above, three below
+  const auto first = int32_t(mesh.vertices.size());  // three vertices above, three below
   for (const double side : {1.0, -1.0})
     for (const int32_t v : corner)
       mesh.vertices.push_back(plus(mesh.vertices[size_t(v)], scaled(half, side)));
@@ -108,8 +108,8 @@ void make_prism(CutBody& body, size_t t) {
   }
 }
 
-/// Makes prisms of sheets that are thicker than a layer. Those of a flat sheet share their walls,
-/// and all together have the volume area times thickness.
+/// Makes prisms of sheets that are thicker than a layer. In a flat sheet neighbouring prisms share
+/// their sides, so that the total volume is area times thickness.
 void thicken(CutBody& body) {
   std::vector<Role>& role = body.mesh.role;
   for (size_t t = 0; t < role.size(); ++t) {
@@ -143,7 +143,7 @@ double CutBody::share(int64_t cell) const {
 }
 
 void CutBody::moments(int64_t cell, double* result) const {
-  constexpr double kSomeFill = 1e-6;  // fill from which its own moments are taken
+  constexpr double kSomeFill = 1e-6;  // fill from which on the moments of the fill are used
   const double sheet = layer_volume(cell), area = sum8(cells.area.row(cell));
   const bool some = share(cell) > kSomeFill;
   for (int k = 0; k < 8; ++k) {
@@ -170,6 +170,7 @@ Array<int32_t> CutBody::voxels() const {
 
 CutBody cut_body(const Surface& surface, const VoxelizeOptions& options,
                  const std::optional<Lattice>& lattice) {
+  // weld, choose the lattice, and stop before too many voxels
   check(surface);
   CutBody body;
   body.welded = weld(surface);
@@ -181,15 +182,18 @@ CutBody cut_body(const Surface& surface, const VoxelizeOptions& options,
     box.add({welded.vertices(v, 0), welded.vertices(v, 1), welded.vertices(v, 2)});
   body.lattice = lattice ? *lattice : choose_lattice(box, options);
   check_budget(welded, body.lattice.h, options);
+  // triangles on the lattice, solids wound one way, sheets found
   body.closed = welded.closed();
   body.balanced = welded.balanced();
   body.mesh = make_lattice_mesh(welded, body.lattice);
   body.thickness = options.thickness / body.lattice.h;
   body.sheet_area = area_of_sheets(body.mesh);
+  // sheets thicker than a layer become prisms before the surface is cut
   const bool thick = body.thickness > kThickestLayer;
   if (thick && body.mesh.sheets > 0) thicken(body);
   body.cells = cut_surface(body.mesh);
   find_fill(body, options.max_voxels);
+  // a surface that bounds nothing is a sheet as a whole
   if (body.all_sheets) {
     std::ranges::fill(body.mesh.role, Role::kSheet);
     body.mesh.sheets = int64_t(body.mesh.triangles.size());
@@ -208,10 +212,10 @@ int64_t drop_slivers(CutBody& body) {
   const Array<int32_t> coords = body.voxels();
   Array<double> fill(coords.rows());
   fill.fill(1);
-  std::vector<int64_t> cell;  // of each border voxel
+  std::vector<int64_t> cell;  // cell of each border voxel
   for (int64_t c = 0; c < body.cells.count(); ++c) {
     if (!body.kept[c]) continue;
-    // layers hold together what they are: they are no slivers, however thin
+    // layers hold together by their sheet, so they are never slivers, however thin
     fill(static_cast<int64_t>(cell.size())) = body.layer[c] ? 1 : body.share(c);
     cell.push_back(c);
   }

@@ -17,11 +17,11 @@
 namespace elastogen {
 namespace {
 
-constexpr double kVoxel = 0.02;  // of the level sets [m]
+constexpr double kVoxel = 0.02;  // voxel edge of the level sets [m]
 constexpr double kNeck = 0.5;    // height where the head begins [m]
 constexpr double kHeight = 1;    // [m]
 
-/// A limb: balls whose middle and radius go linearly from one end to the other. [m]
+/// A limb: balls with centre and radius interpolated linearly between its ends. [m]
 struct Limb {
   Vec3 from;
   double from_radius;
@@ -29,7 +29,7 @@ struct Limb {
   double to_radius;
 };
 
-/// The half of the figure with x >= 0; the other one mirrors it.
+/// The half of the figure with x >= 0; the other half is its mirror image.
 constexpr Limb kLimbs[] = {
     {{0.00, 0.26, 0.00}, 0.195, {0.00, 0.39, 0.00}, 0.150},    // belly to chest
     {{0.00, 0.39, 0.00}, 0.120, {0.00, 0.56, 0.00}, 0.110},    // neck
@@ -45,7 +45,7 @@ constexpr Limb kLimbs[] = {
     {{0.00, 0.22, -0.17}, 0.05, {0.00, 0.25, -0.24}, 0.06},    // tail
 };
 
-/// Places that are painted: everything within the radius. [m]
+/// Painted places: everything within the radius. [m]
 struct Paint {
   Vec3 centre;
   double radius;
@@ -64,10 +64,11 @@ constexpr Paint kPaints[] = {
     {{0.12, 0.05, 0.08}, 0.095, {0.35f, 0.12f, 0.30f, 1}},  // feet
 };
 
-/// The blended body as a level set.
+/// The limbs, blended into one level set.
 openvdb::FloatGrid::Ptr make_level_set() {
   openvdb::initialize();
   openvdb::FloatGrid::Ptr body;
+  // the union of balls along each limb and its mirror image
   const auto add = [&](const Vec3& centre, double radius) {
     const auto ball = openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(
         static_cast<float>(radius), openvdb::Vec3f(centre[0], centre[1], centre[2]),
@@ -88,6 +89,7 @@ openvdb::FloatGrid::Ptr make_level_set() {
         add(centre, (1 - s) * limb.from_radius + s * limb.to_radius);
       }
   }
+  // smoothing blends them
   openvdb::tools::LevelSetFilter<openvdb::FloatGrid> filter(*body);
   for (int i = 0; i < 4; ++i) filter.meanCurvature();
   return body;
@@ -101,7 +103,7 @@ void stand(std::vector<Vec3>& points) {
   for (Vec3& p : points) p = scaled({p[0], p[1] - box.lower[1], p[2]}, scale);
 }
 
-/// The zero set of a level set as triangles with outward normals.
+/// The zero set of a level set as triangles that face outwards.
 std::vector<std::array<int32_t, 3>> to_triangles(const openvdb::FloatGrid& grid,
                                                  std::vector<Vec3>& points) {
   std::vector<openvdb::Vec3s> vertices;
@@ -111,7 +113,7 @@ std::vector<std::array<int32_t, 3>> to_triangles(const openvdb::FloatGrid& grid,
   for (const openvdb::Vec3s& p : vertices) points.push_back({p[0], p[1], p[2]});
   std::vector<std::array<int32_t, 3>> result;
   const auto add = [&](uint32_t a, uint32_t b, uint32_t c) {
-    // OpenVDB winds its faces clockwise seen from outside
+    // OpenVDB winds faces clockwise as seen from outside
     result.push_back({static_cast<int32_t>(a), static_cast<int32_t>(c), static_cast<int32_t>(b)});
   };
   for (const openvdb::Vec3I& t : triangles) add(t[0], t[1], t[2]);
@@ -146,7 +148,7 @@ void set_attributes(Mesh& mesh, std::span<const std::array<int32_t, 3>> triangle
   }
 }
 
-/// A drawn vertex at the same place with u + 1, for triangles across the seam.
+/// A drawn vertex at the same place with u + 1, for triangles across the seam of uv.
 int32_t beyond_seam(Mesh& mesh, std::vector<int32_t>& twin, int32_t v) {
   if (twin[v] >= 0) return twin[v];
   mesh.position_of.push_back(v);
@@ -177,6 +179,7 @@ void set_groups(Mesh& mesh, std::span<const std::array<int32_t, 3>> triangles) {
 
 Asset demo_character() {
   Asset asset;
+  // materials of body and head
   asset.path = "demo";
   asset.format = "demo";
   asset.up = 2;
@@ -186,9 +189,10 @@ Asset demo_character() {
   AssetMaterial body, head;
   body.name = "body";
   head.name = "head";
-  body.base_colour = head.base_colour = {1, 1, 1, 1};  // the vertices carry the colours
+  body.base_colour = head.base_colour = {1, 1, 1, 1};  // the vertices have the colours
   asset.materials = {body, head};
 
+  // the mesh, and one node that shows it
   Mesh mesh;
   mesh.name = "character";
   const auto triangles = to_triangles(*make_level_set(), mesh.position);

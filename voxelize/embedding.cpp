@@ -13,9 +13,9 @@
 namespace elastogen {
 namespace {
 
-constexpr double kCarried = 1;  ///< voxels along an axis that an affine motion goes on for
+constexpr double kCarried = 1;  ///< voxels along an axis over which an affine motion continues
 
-/// Trilinear weights at t in units of the voxel; outside of 0..1 they go on linearly from the
+/// Trilinear weights at t, in units of the voxel. Outside 0..1 they continue linearly from the
 /// nearest point of the voxel, so that they still carry affine fields exactly.
 void trilinear(const Vec3& t, double* weights) {
   Vec3 near;
@@ -31,8 +31,9 @@ void trilinear(const Vec3& t, double* weights) {
   }
 }
 
-/// The point that stands for one at t, in units of the voxel: itself up to kCarried voxels from the
-/// voxel, nearer and nearer to the voxel beyond, and its nearest point from 2 kCarried on.
+/// The point whose weights a point at t gets, in units of the voxel: t itself up to kCarried voxels
+/// from the voxel, then closer and closer to the voxel, and the nearest point of the voxel from 2
+/// kCarried.
 Vec3 standing_for(const Vec3& t) {
   Vec3 near;
   double reach = 0;
@@ -46,7 +47,7 @@ Vec3 standing_for(const Vec3& t) {
   return near;
 }
 
-/// A tree for each part, or one of all voxels.
+/// One tree for each part, or one for all voxels.
 std::vector<NearestVoxel> trees_of(const VoxelGrid& grid) {
   std::vector<NearestVoxel> trees;
   for (size_t k = 0; k < std::max<size_t>(1, grid.part_shift.size()); ++k)
@@ -57,18 +58,21 @@ std::vector<NearestVoxel> trees_of(const VoxelGrid& grid) {
 }  // namespace
 
 Embedding embed(const VoxelGrid& grid, In<double> points, In<int32_t> part) {
+  // points, grid and parts must fit together
   ELASTOGEN_CHECK(points.cols == 3, "points must be (points, 3), got ", points);
   ELASTOGEN_CHECK(grid.voxel_count() > 0, "the grid has no voxels");
   ELASTOGEN_CHECK(grid.part.empty() || part.rows == points.rows, "each of ", points.rows,
                   " points must have a part, got ", part);
   for (int64_t i = 0; i < points.size(); ++i)
     ELASTOGEN_CHECK(std::isfinite(points.data[i]), "point ", i / 3, " is not finite");
+  // voxels by coordinates, and trees for points that lie in none
   const BrickIndex index(grid.voxel_coord);
   const std::vector<NearestVoxel> nearest = trees_of(grid);
   Embedding embedding = {Array<int32_t>(points.rows), Array<double>(points.rows, 8)};
   for_each(points.rows, [&](int64_t p) {
     const auto k = size_t(grid.part.empty() ? 0 : part(p));
     const double shift = grid.part.empty() ? 0 : grid.part_shift[k];
+    // lattice coordinates, moved to where the part's voxels are
     Vec3 t;
     Coord cell;
     bool on_lattice = true;
@@ -79,8 +83,10 @@ Embedding embed(const VoxelGrid& grid, In<double> points, In<int32_t> part) {
     }
     t[0] += shift;
     cell[0] += int32_t(shift);
+    // the voxel that holds the point, else the nearest one of its part
     int64_t v = on_lattice ? index.find(cell) : -1;
     if (v < 0 || (!grid.part.empty() && grid.part(v) != part(p))) v = nearest[k].find(t);
+    // weights in that voxel
     for (int d = 0; d < 3; ++d) t[d] -= grid.voxel_coord(v, d);
     embedding.voxel(p) = static_cast<int32_t>(v);
     trilinear(standing_for(t), embedding.weights.row(p));

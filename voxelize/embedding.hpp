@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The place of the asset's vertices in the voxel grid, and how the grid moves them.
+// Places of points in the voxel grid, and their motion with the grid.
 
 #pragma once
 
@@ -8,22 +8,22 @@
 
 namespace elastogen {
 
-/// A voxel and trilinear weights for each vertex of a surface.
+/// A voxel and trilinear weights for each point.
 struct Embedding {
-  Array<int32_t> voxel;   ///< (vertices, 1)
-  Array<double> weights;  ///< of the voxel's corners, (vertices, 8), rows sum to 1
+  Array<int32_t> voxel;   ///< voxel of each point, (points, 1)
+  Array<double> weights;  ///< of the voxel's corners, (points, 8), rows sum to 1
 };
 
-/// Finds for each point the voxel that holds it; a point outside all voxels (in a dropped sliver,
-/// or an unreferenced vertex) takes the nearest voxel. Up to one voxel away along each axis its
-/// weights continue those at the nearest point of that voxel linearly, so that affine motions are
-/// carried exactly. From one to two voxels they fade to those at the nearest point, which they are
-/// beyond: a stray moves as what is nearest to it, hence no farther than the farthest node.
+/// Finds the voxel that holds each point. A point outside all voxels (in a dropped sliver, or an
+/// unreferenced vertex) gets the nearest voxel. Up to one voxel away along each axis, its weights
+/// continue those at the nearest point of that voxel linearly, so that affine motions are carried
+/// exactly. From one to two voxels they fade to the weights at that nearest point, and stay there
+/// beyond. A stray point thus moves as its nearest voxel, never farther than the farthest node.
 /// @param points  [m], (points, 3), finite.
-/// @param part    of each, (points), where pieces are kept apart: it takes a voxel of that part.
-/// @throws Error  where the grid has parts and the points have none.
+/// @param part    of each point, (points), if pieces are kept apart: its voxel is of that part.
+/// @throws Error  if the grid has parts and the points have none.
 Embedding embed(const VoxelGrid& grid, In<double> points, In<int32_t> part);
-/// The same of a grid without parts.
+/// embed for a grid without parts.
 Embedding embed(const VoxelGrid& grid, In<double> points);
 
 /// Displacement of embedded points,
@@ -36,12 +36,12 @@ Embedding embed(const VoxelGrid& grid, In<double> points);
 void deform_asset(const VoxelGrid& grid, const Embedding& embedding, In<double> x,
                   Out<double> displacement);
 
-/// Deformation gradient at embedded points, of the same interpolant as deform_asset,
+/// Deformation gradient at embedded points, of the same interpolation as in deform_asset,
 ///
 ///     F_p = I + sum_c (x_c - X_c) (x) grad w_pc,
 ///
-/// exactly I where the nodes are exactly at rest. Of a stray it is that of the place which stands
-/// for it: it turns as what is nearest.
+/// exactly I where the nodes are exactly at rest. A stray point has the gradient of the place whose
+/// weights it has, so it turns as its nearest voxel.
 /// @param x         nodal positions [m], (nodes, 3).
 /// @param gradient  result [-], row-major, (points, 9).
 void deformation_gradient(const VoxelGrid& grid, const Embedding& embedding, In<double> x,

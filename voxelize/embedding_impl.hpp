@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How the grid moves one embedded point (voxelize/embedding.hpp): maths for host and device, with
-// the same bits on both where neither contracts.
+// Motion of one embedded point (voxelize/embedding.hpp): formulas for host and device, with equal
+// bits on both if neither contracts.
 
 #pragma once
 
@@ -9,7 +9,7 @@
 namespace elastogen {
 
 /// Gradient of the weight of corner c with respect to t. A coordinate within 0..1 also moves the
-/// nearest point, and with it the slopes by which the other coordinates go on.
+/// nearest point, and with it the slopes with which the other coordinates continue.
 /// @param t     place in units of the voxel.
 /// @param near  nearest point of the voxel.
 ELASTOGEN_HD inline void trilinear_gradient(int c, const double* t, const double* near,
@@ -44,7 +44,7 @@ ELASTOGEN_HD inline void embedded_displacement(const int32_t* nodes, const doubl
 ELASTOGEN_HD inline void embedded_gradient(const int32_t* nodes, const double* weights,
                                            const double* x, const double* rest, double h,
                                            double* gradient) {
-  // the weights carry linear functions exactly, hence the point's own place
+  // the weights carry linear functions exactly, so they reproduce the point's own place
   double t[3] = {}, near[3];
   for (int c = 0; c < 8; ++c)
     for (int d = 0; d < 3; ++d) t[d] += (c >> d & 1) * weights[c];

@@ -6,17 +6,17 @@
 namespace elastogen {
 namespace {
 
-constexpr double kClosed = 1e-3;  // largest error of a winding number, and of a moment's sum
+constexpr double kClosed = 1e-3;  // largest error of a winding number and of the sum of moments
 
-/// The fluxes behind a place in a row.
+/// Sums of the fluxes of the cells before a place in a row.
 struct Carry {
   double flux[4] = {};
 
-  /// Takes the voxel's flux.
+  /// Adds the flux of a voxel.
   void add(const double* more) {
     for (int k = 0; k < 4; ++k) flux[k] += more[k];
   }
-  /// Winding number of the empty or full voxels that follow, made exact; nothing if it is neither.
+  /// Winding number of the voxels that follow, rounded to empty or full; no value if it is neither.
   std::optional<int> settle(int sign) {
     const double w = std::round(flux[0] + flux[1] + flux[2] + flux[3]);
     if (w != 0 && w != sign) return std::nullopt;
@@ -43,7 +43,7 @@ std::optional<Fill> exact_fill(const SurfaceCells& cells, int sign) {
   for (int64_t c = 0; c < cells.count(); ++c) {
     const Coord& cell = cells.coord[c];
 
-    // the voxel itself
+    // the voxel of the cell
     double sum = 0;
     for (int k = 0; k < 8; ++k)
       sum += fill.moment(c, k) = sign * (cells.ahead(c, k) + carry.flux[k >> 1] / 2);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How much of each voxel is inside the surface, and where.
+// The filled share of each voxel, and where in the voxel it lies.
 
 #pragma once
 
@@ -12,7 +12,7 @@ namespace elastogen {
 /// Smallest fill fraction of a voxel that the surface touches.
 inline constexpr double kMinFill = 0.02;
 
-/// Full voxels (x, y, z), (x + 1, y, z) ... of one row.
+/// Full voxels (x, y, z), (x + 1, y, z), ... of one row.
 struct Run {
   Coord first;
   int32_t length;
@@ -29,22 +29,22 @@ struct Fill {
 
 /// Exact fill of a surface that bounds a solid, by the divergence theorem along the rows of x:
 ///
-///     int_cell w N_c dV = ahead_c + F_jk / 2,    F_jk = sum of the fluxes of the cells at smaller
-///     x,
+///     int_cell w N_c dV = ahead_c + F_jk / 2,    F_jk = sum of the fluxes of cells at smaller x,
 ///
-/// where w, the winding number, is 1 inside. Between cells with surface, F = w/4 must be that of an
-/// empty or a full voxel.
 ///
-/// @param sign  -1 where the surface is inside out.
-/// @return nothing if that fails: the surface has holes, overlaps or is badly wound.
+/// where the winding number w is 1 inside. Between cells with surface F must be w/4 of an empty or
+/// a full voxel.
+///
+/// @param sign  -1 if the surface is inside out.
+/// @return no value if that fails: the surface has holes, overlaps or is badly wound.
 std::optional<Fill> exact_fill(const SurfaceCells& cells, int sign);
 
-/// Fill by the generalised winding number w of the surface without its sheets: inside is
-/// |w| > 1/2. In each surface cell 8x8 lines run along the axis that its surface faces most; on a
-/// line the inside is found exactly, from its crossings and one evaluation of w a cell. Voxels
+/// Fill by the generalised winding number w of the surface without its sheets; inside is |w| > 1/2.
+/// In each surface cell 8x8 lines run along the axis that its surface faces most. On a line the
+/// inside is found exactly, from its crossings and one evaluation of w for each cell. Voxels
 /// without surface are inside if their centre is.
 ///
-/// @param max_voxels  @throws Error (resources) if more were needed.
+/// @param max_voxels  @throws Error (resources) if more voxels are needed.
 Fill winding_fill(const LatticeMesh& mesh, const SurfaceCells& cells, int64_t max_voxels);
 
 }  // namespace elastogen

@@ -24,16 +24,16 @@ namespace {
 using openvdb::FloatGrid;
 
 // lengths of the level sets are in voxels
-constexpr float kRadius = 3;       // of the balls
-constexpr float kCore = 1.2f;      // depth below the eroded surface that makes an inside
+constexpr float kRadius = 3;       // radius of the balls
+constexpr float kCore = 1.2f;      // least depth of an inside below the eroded surface
 constexpr float kInnerBand = 6;    // more than the deepest erosion and the core
 constexpr double kSpacings = 1.5;  // ball radius / spacing
 constexpr double kFloaterShare = 0.005, kMostFloaters = 0.2, kMostLost = 0.1;
-constexpr double kMaxPoints = 1.2e6;  // 40 million voxels at 31 a point
+constexpr double kMaxPoints = 1.2e6;  // 40 million voxels at 31 for each point
 constexpr double kMaxExtent = 1e6;
 constexpr double kCrumb = 0.5 * kRadius * kRadius * kRadius;
 
-/// The points in voxels, as OpenVDB takes particles.
+/// The points in voxels, in the form in which OpenVDB accepts particles.
 struct Balls {
   using PosType = openvdb::Vec3R;
   std::vector<openvdb::Vec3R> centre;
@@ -44,13 +44,13 @@ struct Balls {
 FloatGrid::Ptr union_of(const Balls& balls) {
   FloatGrid::Ptr grid = openvdb::createLevelSet<FloatGrid>(1);
   openvdb::tools::ParticlesToLevelSet<FloatGrid> raster(*grid);
-  // OpenVDB binds a reference to the first of no points
+  // OpenVDB binds a reference to the first point, which must exist
   if (balls.size() > 0) raster.rasterizeSpheres(balls, kRadius);
   raster.finalize(true);
   return grid;
 }
 
-/// What the balls enclose, as a distance that is exact inside too.
+/// The balls with their inside filled, as a distance that is exact inside too.
 FloatGrid::Ptr filled(FloatGrid::Ptr balls) {
   const auto cavities = openvdb::tools::extractEnclosedRegion(*balls);
   const auto inside = openvdb::tools::sdfInteriorMask(*balls);
@@ -63,7 +63,7 @@ FloatGrid::Ptr filled(FloatGrid::Ptr balls) {
   return openvdb::tools::levelSetRebuild(*balls, 0, 3, kInnerBand);
 }
 
-/// A closing of the points: the body is where distance < -erosion.
+/// A morphological closing of the points. The body is where distance < -erosion.
 struct Closing {
   FloatGrid::Ptr distance;  ///< to the surface of the filled balls
   float erosion = 0;
@@ -76,7 +76,7 @@ float median_depth(const FloatGrid& distance, const Balls& balls) {
   std::vector<float> depth;
   for (const openvdb::Vec3R& p : balls.centre) {
     const float d = -sampler.isSample(p);
-    if (d < 1.5f * kRadius) depth.push_back(d);  // others lie inside the body
+    if (d < 1.5f * kRadius) depth.push_back(d);  // deeper points lie inside the body
   }
   if (depth.empty()) return kRadius;
   const auto middle = depth.begin() + int64_t(depth.size() / 2);
@@ -97,7 +97,7 @@ Closing closing_of(const Balls& balls) {
   return result;
 }
 
-/// Turns the distance into one of the body: eroded, with shells around lost points.
+/// Turns the distance into that of the body: eroded, with shells around lost points.
 void erode(Closing& closing) {
   const FloatGrid::Ptr lost = union_of(closing.lost);
   const float erosion = closing.erosion;
@@ -125,12 +125,12 @@ Mesh3 mesh_of(const FloatGrid& grid) {
     mesh.triangles.emplace_back(q[0], q[1], q[2]);
     mesh.triangles.emplace_back(q[0], q[2], q[3]);
   }
-  // OpenVDB's faces are seen clockwise from outside
+  // OpenVDB winds faces clockwise as seen from outside
   for (openvdb::Vec3I& t : mesh.triangles) std::swap(t[1], t[2]);
   return mesh;
 }
 
-/// Drops the parts of less than a crumb of volume; the largest part always stays.
+/// Drops parts smaller than a crumb; the largest part always stays.
 void drop_crumbs(Mesh3& mesh) {
   std::vector<uint32_t> parent(mesh.vertices.size());
   std::iota(parent.begin(), parent.end(), 0u);
@@ -156,7 +156,7 @@ void drop_crumbs(Mesh3& mesh) {
                 [&](const openvdb::Vec3I& t) { return std::abs(volume[root(t[0])]) < least; });
 }
 
-/// Vertices that triangles use, from voxels to the numbers of the points.
+/// Copies used vertices, scaled from voxels to the numbers of the points, and triangles.
 void take(const Mesh3& mesh, const Vec3& origin, double voxel, PointSolid& solid) {
   std::vector<int32_t> place(mesh.vertices.size(), -1);
   std::vector<uint32_t> used;
@@ -176,20 +176,22 @@ void take(const Mesh3& mesh, const Vec3& origin, double voxel, PointSolid& solid
       solid.vertices(int64_t(i), d) = origin[size_t(d)] + voxel * double(mesh.vertices[used[i]][d]);
 }
 
-/// The points that belong to the body, and the ball radius in their numbers.
+/// The points that belong to the body, and the radius of their balls in their numbers.
 struct Sampling {
   std::vector<Vec3> points;
   double radius = 0;
 };
 
 Sampling without_floaters(const std::vector<Vec3>& points, double radius, PointSolid& solid) {
+  // drop small clusters; balls grow until they are few
   std::vector<uint8_t> kept;
   int64_t floaters = 0;
-  for (;; radius *= 1.5) {  // until the sparse parts hold together
+  for (;; radius *= 1.5) {  // until sparse regions are connected
     kept = large_clusters(points, 2 * radius, kFloaterShare);
     floaters = std::count(kept.begin(), kept.end(), 0);
     if (double(floaters) <= kMostFloaters * double(points.size())) break;
   }
+  // the points that stay, and their box
   Sampling result;
   for (size_t i = 0; i < points.size(); ++i)
     if (kept[i]) result.points.push_back(points[i]);
@@ -198,6 +200,7 @@ Sampling without_floaters(const std::vector<Vec3>& points, double radius, PointS
     solid.findings.push_back(
         {"floaters", floaters, "points lie apart from the body in small clusters"});
   result.radius = radius;
+  // larger balls for more points than memory allows
   const double excess = double(result.points.size()) / kMaxPoints;
   if (excess > 1) {
     result.radius *= std::sqrt(excess);
@@ -245,7 +248,7 @@ PointSolid solid_of_points(const std::vector<Vec3>& all, const std::string& plac
   const double spacing = checked_spacing(points, place);
   const Sampling cloud = without_floaters(points, kSpacings * spacing, solid);
 
-  // larger balls where the sampling has gaps; if nothing is gained, the gaps are real
+  // larger balls if the sampling has gaps; if they close nothing, the gaps are real
   Closing closing;
   double voxel = 0;
   for (const double factor : {1.0, 2.0}) {

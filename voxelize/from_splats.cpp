@@ -13,7 +13,7 @@ namespace elastogen {
 namespace {
 
 constexpr float kLeastOpacity = 0.1f, kLargest = 10;
-constexpr int kMostSteps = 8;  // from the centre along an axis
+constexpr int kMostSteps = 8;  // points from the centre along an axis
 
 bool is_finite(const SplatCloud& splats, size_t i) {
   bool finite = std::isfinite(splats.opacity[i]);
@@ -27,7 +27,7 @@ float longest_axis(const SplatCloud& splats, size_t i) {
   return *std::max_element(splats.scale[i].begin(), splats.scale[i].end());
 }
 
-/// Splats that show a surface.
+/// The splats that show a surface.
 std::vector<size_t> chosen(const SplatCloud& splats) {
   std::vector<size_t> shown;
   std::vector<float> size;

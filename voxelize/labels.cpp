@@ -13,7 +13,7 @@
 namespace elastogen {
 namespace {
 
-constexpr int64_t kLeaf = 8;  // triangles
+constexpr int64_t kLeaf = 8;  // triangles in a leaf
 
 double clamp01(double t) {
   return std::clamp(t, 0.0, 1.0);
@@ -35,14 +35,14 @@ double box_distance2(const Box& box, const Vec3& p) {
   return sum;
 }
 
-/// Squared distance, a millionth more in front of the triangle.
+/// Squared distance, increased by a millionth if the triangle faces the point.
 double cost(const std::array<Vec3, 3>& c, const Vec3& point) {
   const Vec3 normal = cross(minus(c[1], c[0]), minus(c[2], c[0]));
   const double d = triangle_distance2(c.data(), point);
   return dot(normal, minus(point, c[0])) > 0 ? d * (1 + 1e-6) : d;
 }
 
-/// Boxes over triangles that are sorted by halves along the longest edge.
+/// A tree of boxes over triangles, halved along the longest edge.
 class TriangleTree {
  public:
   TriangleTree(const Surface& surface, std::vector<int32_t> triangles)
@@ -109,7 +109,7 @@ class TriangleTree {
     const double to_lower = box_distance2(boxes_[lower], point);
     const double to_upper = box_distance2(boxes_[upper], point);
     const bool lower_first = to_lower <= to_upper;
-    // a little more than the best: rounding must not hide one that is as near
+    // a little more than the best, so that rounding does not hide a triangle that is equally near
     const auto worth = [&](double d) { return d <= best.distance2 * (1 + 1e-12); };
     if (lower_first && worth(to_lower)) search(lower, first, half, point, best);
     if (worth(to_upper)) search(upper, half, last, point, best);
@@ -121,7 +121,7 @@ class TriangleTree {
   std::vector<Box> boxes_;  // children of node n are 2 n + 1 and 2 n + 2
 };
 
-/// A tree for each part, or one of all triangles.
+/// One tree for each part, or one for all triangles.
 std::vector<TriangleTree> trees_of(const Surface& surface, size_t parts) {
   std::vector<std::vector<int32_t>> triangles(parts);
   for (int64_t t = 0; t < surface.triangles.rows(); ++t) {
@@ -139,7 +139,7 @@ double triangle_distance2(const Vec3 corner[3], const Vec3& point) {
   const Vec3 &a = corner[0], &b = corner[1], &c = corner[2];
   const Vec3 normal = cross(minus(b, a), minus(c, a));
   const double size = dot(normal, normal);
-  // above the inside of the triangle the plane is nearest, else an edge
+  // above the inside of the triangle its plane is nearest, else an edge is
   bool inside = size > 0;
   for (int k = 0; k < 3 && inside; ++k) {
     const Vec3 edge = minus(corner[(k + 1) % 3], corner[k]);

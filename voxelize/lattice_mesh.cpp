@@ -11,10 +11,10 @@
 namespace elastogen {
 namespace {
 
-constexpr double kSnap = 1e-9;  // of coordinates to lattice planes [voxel edges]
+constexpr double kSnap = 1e-9;  // coordinates as near to a lattice plane are on it [voxel edges]
 
-/// Turns triangles so that a piece is wound one way; where that cannot be, faces that the file
-/// winds alike stay so. @return triangles at edges where it cannot be.
+/// Turns triangles so that each piece is wound one way. Where that is impossible, faces that the
+/// file winds alike stay alike. @return triangles at edges where it is impossible.
 std::vector<int32_t> orient(LatticeMesh& mesh, const Edges& edges) {
   const size_t n = mesh.triangles.size();
   OrientedSets sets(n);
@@ -23,7 +23,7 @@ std::vector<int32_t> orient(LatticeMesh& mesh, const Edges& edges) {
     for (const Link& edge : edges.manifold)
       if (edge.turned == turned && !sets.join(edge.triangle[0], edge.triangle[1], turned))
         conflicts.push_back(edge.triangle[0]);
-  std::vector<double> balance(n, 0);  // area that agrees with the root, less the other
+  std::vector<double> balance(n, 0);  // area wound as the root, minus the other area
   for (size_t t = 0; t < n; ++t) {
     const auto i = static_cast<int32_t>(t);
     balance[sets.root(i)] += (sets.turned(i) ? -1 : 1) * norm(area_vector(mesh, t));
@@ -49,6 +49,7 @@ Vec3 Lattice::coordinates(const double* p) const {
 }
 
 Lattice choose_lattice(const Box& box, const VoxelizeOptions& options) {
+  // one of h and voxels, and no edge larger than the body
   double longest = 0;
   for (int d = 0; d < 3; ++d) longest = std::max(longest, box.extent(d));
   ELASTOGEN_CHECK(options.h > 0 || options.voxels > 0, "voxels must be positive, got ",
@@ -58,6 +59,7 @@ Lattice choose_lattice(const Box& box, const VoxelizeOptions& options) {
   ELASTOGEN_CHECK_ASSET(longest > 0 && std::isfinite(longest), "the surface has no extent");
   ELASTOGEN_CHECK(options.h <= longest * (1 + 1e-6), "h = ", options.h,
                   " m is more than the body's longest edge, ", longest, " m");
+  // as few voxels as hold the box, centred on it
   Lattice lattice;
   lattice.h = options.h > 0 ? options.h : longest / options.voxels;
   for (int d = 0; d < 3; ++d) {
@@ -67,6 +69,7 @@ Lattice choose_lattice(const Box& box, const VoxelizeOptions& options) {
                          "; the limit is 2^20, h >= ", box.extent(d) / (kLatticeLimit - 1), " m"),
                   ErrorKind::kResources);
     lattice.origin[d] = box.lower[d] + (box.extent(d) - count * lattice.h) / 2;
+    // move a layer of nodes into the plane, by half an edge at most
     if (!options.align[d]) continue;
     const double plane = *options.align[d];
     ELASTOGEN_CHECK(std::isfinite(plane), "a plane to align must be finite, got ", plane);
@@ -86,7 +89,7 @@ LatticeMesh make_lattice_mesh(const WeldedMesh& welded, const Lattice& lattice) 
     for (int k = 0; k < 3; ++k) mesh.triangles[t][k] = welded.triangles(t, k);
   mesh.role.assign(mesh.triangles.size(), Role::kSolid);
 
-  // nothing to repair in a closed mesh that is wound one way
+  // a closed mesh that is wound one way needs no repair
   if (welded.closed() && welded.turned_edges == 0) return mesh;
   const Edges edges = find_edges(mesh.triangles);
   const std::vector<int32_t> conflicts = orient(mesh, edges);

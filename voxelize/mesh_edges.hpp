@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Edges of welded triangles, and sets of triangles that know how their members are wound.
+// Edges of welded triangles, and sets of triangles that record how their members are wound.
 
 #pragma once
 
@@ -12,7 +12,7 @@
 
 namespace elastogen {
 
-/// Two triangles that share an edge; turned where both run the same way along it.
+/// Two triangles that share an edge; turned if both run along it in the same direction.
 struct Link {
   int32_t triangle[2];
   bool turned;
@@ -34,7 +34,7 @@ struct Edges {
 
 Edges find_edges(const std::vector<Coord>& triangles);
 
-/// Union-find whose sets also know whether each member is turned against the set's root.
+/// Union-find whose sets also record whether each member is turned relative to its root.
 class OrientedSets {
  public:
   explicit OrientedSets(size_t n) : parent_(n), turned_(n, 0) {
@@ -59,7 +59,7 @@ class OrientedSets {
     root(n);
     return turned_[n];
   }
-  /// @return false if the two are in one set already with another parity.
+  /// @return false if the two are already in one set with the other parity.
   bool join(int32_t a, int32_t b, bool turned) {
     const int32_t ra = root(a), rb = root(b);
     const uint8_t parity = turned_[a] ^ turned_[b] ^ static_cast<uint8_t>(turned);

@@ -11,11 +11,11 @@
 namespace elastogen {
 namespace {
 
-constexpr double kListCell = 1.7;  // [spacings]: a surface is nearer to its particles
+constexpr double kListCell = 1.7;  // [spacings]: surfaces are nearer than this to their particles
 
 using CellCoord = std::array<int32_t, 3>;
 
-/// Particles sorted by the cells that they lie in.
+/// Particles, sorted by their cells.
 class CellLists {
  public:
   CellLists(In<double> x, double spacing)
@@ -29,7 +29,7 @@ class CellLists {
     for (const int32_t k : order_) coord_.push_back(of[size_t(k)]);
   }
 
-  /// Looks in the cells around, of more and more rings.
+  /// Searches the cells around a point, ring by ring.
   int32_t nearest(const Vec3& point) const {
     const CellCoord centre = coord(point.data());
     for (int ring = 1;; ring *= 2) {
@@ -53,7 +53,7 @@ class CellLists {
     return c;
   }
 
-  /// In a row of cells.
+  /// Searches a row of cells.
   void look(const CellCoord& first, const CellCoord& last, const Vec3& point, Best& best) const {
     auto at = std::lower_bound(coord_.begin(), coord_.end(), first);
     for (; at != coord_.end() && *at <= last; ++at) {

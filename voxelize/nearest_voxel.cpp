@@ -82,7 +82,7 @@ void NearestVoxel::search(int64_t node, int64_t first, int64_t last, const Vec3&
 }
 
 int64_t NearestVoxel::find(const Vec3& point) const {
-  // beyond that, distances differ by less than their rounding
+  // farther out, distances differ by less than their rounding
   constexpr double kFar = 4 * kLatticeLimit;
   Vec3 near;
   for (int d = 0; d < 3; ++d) near[d] = std::clamp(point[d], -kFar, kFar);

@@ -11,11 +11,11 @@ namespace elastogen {
 class NearestVoxel {
  public:
   /// @param coords  voxels in the order of a VoxelGrid, (voxels, 3); must outlive this.
-  /// @param part    of each voxel; no two of a brick differ.
+  /// @param part    part of each voxel; all voxels of a brick have one part.
   /// @param wanted  only voxels of this part are found.
   explicit NearestVoxel(In<int32_t> coords, In<int32_t> part = {}, int32_t wanted = 0);
 
-  /// Voxel whose closed cube is nearest to a point in lattice coordinates; of several the first.
+  /// Voxel whose closed cube is nearest to a point in lattice coordinates, the first of several.
   int64_t find(const Vec3& point) const;
 
  private:

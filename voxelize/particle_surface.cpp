@@ -20,10 +20,10 @@ namespace elastogen {
 namespace {
 
 constexpr double kCell = 2.0 / 3;    // edge of a cell [spacings]
-constexpr double kGrowth = 1;        // of the spheres, and of the surface back [spacings]
-constexpr int kSmoothings = 2;       // by mean curvature
-constexpr double kMostShift = 0.5;   // for the volume [spacings]
-constexpr double kVelocityCell = 2;  // [spacings]
+constexpr double kGrowth = 1;        // growth of the spheres, undone on the surface [spacings]
+constexpr int kSmoothings = 2;       // smoothings by mean curvature
+constexpr double kMostShift = 0.5;   // largest offset to correct the volume [spacings]
+constexpr double kVelocityCell = 2;  // edge of a cell of velocities [spacings]
 constexpr double kSphere = 4.0 / 3 * std::numbers::pi;
 
 void check_cloud(const ParticleCloud& cloud) {
@@ -34,7 +34,7 @@ void check_cloud(const ParticleCloud& cloud) {
                   cloud.volume);
 }
 
-/// Grown spheres as ParticlesToLevelSet asks for them.
+/// Grown spheres, with the members that ParticlesToLevelSet requires.
 struct Spheres {
   using PosType = openvdb::Vec3R;
 
@@ -52,7 +52,7 @@ struct Spheres {
   double unit;
 };
 
-/// Triangles of a level set. @param unit  of its lengths [m].
+/// Triangles of a level set. @param unit  unit of its lengths [m].
 ParticleSurface triangles_of(const openvdb::FloatGrid& grid, double unit) {
   ParticleSurface surface;
   std::vector<openvdb::Vec3s> points;
@@ -61,7 +61,7 @@ ParticleSurface triangles_of(const openvdb::FloatGrid& grid, double unit) {
   openvdb::tools::volumeToMesh(grid, points, triangles, quads, 0);
   for (const openvdb::Vec3s& p : points)
     surface.position.push_back({unit * p[0], unit * p[1], unit * p[2]});
-  // OpenVDB's faces are clockwise from outside
+  // OpenVDB winds faces clockwise as seen from outside
   const auto add = [&](uint32_t a, uint32_t b, uint32_t c) {
     surface.triangle.push_back({int32_t(a), int32_t(c), int32_t(b)});
   };
@@ -76,7 +76,7 @@ ParticleSurface triangles_of(const openvdb::FloatGrid& grid, double unit) {
   return surface;
 }
 
-/// How far a surface lies outside of the one that encloses a volume, by its area [m].
+/// Mean distance by which a surface lies outside one that encloses the volume [m].
 double excess(const ParticleSurface& surface, double volume) {
   double enclosed = 0, area = 0;
   const Vec3 origin = surface.position.empty() ? Vec3{} : surface.position[0];
@@ -89,12 +89,12 @@ double excess(const ParticleSurface& surface, double volume) {
   return area > 0 ? (enclosed - volume) / area : 0;
 }
 
-/// The level set of a cloud. @param unit  of its lengths [m].
+/// The level set of a cloud. @param unit  unit of its lengths [m].
 openvdb::FloatGrid::Ptr level_set(const ParticleCloud& cloud, double unit) {
   const double cell = kCell * cloud.spacing / unit;
   const openvdb::FloatGrid::Ptr grid = openvdb::createLevelSet<openvdb::FloatGrid>(cell);
   openvdb::tools::ParticlesToLevelSet<openvdb::FloatGrid> spheres(*grid);
-  // on one thread: what is inside of several spheres depends on who comes first
+  // one thread: inside several spheres the result depends on their order
   spheres.setGrainSize(0);
   spheres.rasterizeSpheres(Spheres{cloud, unit});
   spheres.finalize(true);
@@ -102,7 +102,7 @@ openvdb::FloatGrid::Ptr level_set(const ParticleCloud& cloud, double unit) {
   openvdb::tools::LevelSetFilter<openvdb::FloatGrid> filter(*grid);
   for (int k = 0; k < kSmoothings; ++k) filter.meanCurvature();
   filter.offset(float(kGrowth * cloud.spacing / unit));
-  // what smoothing, cells and closed gaps have changed
+  // correct the volume, which smoothing, cells and closed gaps have changed
   double volume = 0;
   for (int64_t k = 0; k < cloud.x.rows; ++k) volume += cloud.volume(k);
   const double most = kMostShift * cloud.spacing;
@@ -111,7 +111,7 @@ openvdb::FloatGrid::Ptr level_set(const ParticleCloud& cloud, double unit) {
   return grid;
 }
 
-/// Mean velocities by volume.
+/// Mean velocities, weighted by volume.
 openvdb::Vec3SGrid::Ptr velocity_grid(const ParticleCloud& cloud, In<double> v) {
   const double cell = kVelocityCell * cloud.spacing;
   const auto transform = openvdb::math::Transform::createLinearTransform(cell);
@@ -140,7 +140,7 @@ ParticleSurface particle_surface(const ParticleCloud& cloud) {
   check_cloud(cloud);
   openvdb::initialize();
   if (cloud.x.rows == 0) return {};
-  // in cells: so the numbers are neither too small nor too large for OpenVDB
+  // lengths in cells, so that the numbers are neither too small nor too large for OpenVDB
   const double cell = kCell * cloud.spacing;
   return triangles_of(*level_set(cloud, cell), cell);
 }
@@ -152,15 +152,18 @@ void write_particle_vdb(const std::string& path, const ParticleCloud& cloud, In<
   openvdb::initialize();
   SafeFile safe(path);
   try {
+    // three grids: distance, fog, velocity
     const openvdb::FloatGrid::Ptr surface = level_set(cloud, 1), density = surface->deepCopy();
     surface->setName("surface");
     openvdb::tools::sdfToFogVolume(*density);
     density->setName("density");
     const openvdb::GridPtrVec grids = {density, surface, velocity_grid(cloud, v)};
+    // moved into the asset's coordinates, stored in 16 bits
     for (const openvdb::GridBase::Ptr& grid : grids) {
       grid->transform().postTranslate(openvdb::Vec3d(place[0], place[1], place[2]));
       grid->setSaveFloatAsHalf(true);
     }
+    // write; a library error becomes one about the size or the disk
     openvdb::io::File file(safe.temporary());
     file.write(grids);
     file.close();

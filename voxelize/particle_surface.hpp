@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Surfaces and volumes of particles, by OpenVDB: spheres of the particles' volumes, grown by a
+// Surfaces and volumes of particles by OpenVDB. Spheres of the particles' volumes are grown by a
 // spacing so that neighbours join, smoothed, and shrunk until they enclose the particles' volume.
 
 #pragma once
@@ -18,31 +18,31 @@ struct ParticleCloud {
   double spacing = 0;         ///< of the particles at rest [m]
 };
 
-/// Triangles that bound a solid: every edge is in two of them, once in each direction.
+/// Triangles that bound a solid: every edge belongs to two of them, once in each direction.
 struct ParticleSurface {
   std::vector<Vec3> position;                    ///< of vertices [m]
   std::vector<std::array<int32_t, 3>> triangle;  ///< vertices, counter-clockwise from outside
 };
 
-/// The surface of particles, by cells of two thirds of the spacing. A particle by itself is a ball
-/// of its volume; gaps narrower than about two spacings are closed. The same bits on any number of
-/// threads.
+/// The surface of particles, computed with cells of two thirds of the spacing. A single particle
+/// becomes a ball of its volume; gaps narrower than about two spacings are closed. Any number of
+/// threads gives the same bits.
 /// @throws Error (usage) on shapes that do not fit, or a spacing that is not positive.
 ParticleSurface particle_surface(const ParticleCloud& cloud);
 
-/// The particle nearest to each of some points, of several the first.
+/// The particle nearest to each point, the first of several.
 /// @param x        of the particles [m], (particles, 3)
-/// @param spacing  about that of the particles [m]: how far is looked first
+/// @param spacing  approximate spacing of the particles, the first radius of the search [m]
 /// @param points   [m]
 std::vector<int32_t> nearest_particles(In<double> x, double spacing,
                                        const std::vector<Vec3>& points);
 
 /// Writes a `.vdb` in metres with the float grids `density` (fog volume: 1 inside, a ramp to 0 at
-/// the surface), `surface` (level set) and the vector grid `velocity` [m/s]: the mean of the
-/// particles by volume, in cells of two spacings. Floats of 16 bits.
+/// the surface) and `surface` (level set), and the vector grid `velocity` [m/s]: the particles'
+/// mean, weighted by volume, in cells of two spacings. Floats have 16 bits.
 /// @param v      of the particles [m/s], (particles, 3)
-/// @param place  of the cloud's zero in the asset's coordinates [m]
-/// @throws Error (usage) also where OpenVDB holds no cells as small; (resources) if the file cannot
+/// @param place  place of the cloud's origin in the asset's coordinates [m]
+/// @throws Error (usage) also if OpenVDB cannot hold cells as small; (resources) if the file cannot
 ///         be written.
 void write_particle_vdb(const std::string& path, const ParticleCloud& cloud, In<double> v,
                         const Vec3& place);

@@ -21,11 +21,11 @@ bool holds(const Box& outer, const Box& inner) {
   return true;
 }
 
-/// Triangles that are known to be of one part, while parts are found.
+/// Triangles that are known to belong to one part, while parts are found.
 struct Member {
   std::vector<int32_t> triangles;
-  std::optional<TriangleBoxes> boxes;           ///< once they are asked
-  std::optional<WindingNumber> winding_number;  ///< of its solids, once it is asked
+  std::optional<TriangleBoxes> boxes;           ///< made when first needed
+  std::optional<WindingNumber> winding_number;  ///< of its solids, made when first needed
 };
 
 class PartFinder {
@@ -55,10 +55,10 @@ class PartFinder {
   }
 
  private:
-  using Pair = std::pair<int32_t, int32_t>;  // of members
+  using Pair = std::pair<int32_t, int32_t>;  // indices of members
 
   struct Near {
-    bool joined = false;         ///< voxels of theirs share a node
+    bool joined = false;         ///< some of their voxels share a node
     std::optional<PartGap> gap;  ///< unless they are one part
   };
 
@@ -75,7 +75,7 @@ class PartFinder {
             mesh_.vertices[size_t(c[2])]};
   }
 
-  /// Calls visit(a, b) for each cell with itself and with those behind it that share a node.
+  /// Calls visit(a, b) for each cell with itself and with later cells that share a node with it.
   template <class Visit>
   void visit_neighbours(const Visit& visit) {
     const auto key = [](const Coord& c) {
@@ -94,7 +94,7 @@ class PartFinder {
       }
   }
 
-  /// Triangles that bound a solid only together are of one part where they are near.
+  /// Joins triangles of neighbouring cells that bound a solid only together.
   void join_joint(int64_t a, int64_t b) {
     if (mesh_.joint.empty()) return;
     int32_t one = -1;
@@ -144,7 +144,7 @@ class PartFinder {
     return *member.boxes;
   }
 
-  /// Whether a part of the second one lies within the solids of the first.
+  /// Whether a part of `inner` lies within the solids of `outer`.
   bool is_within(Member& outer, Member& inner) {
     if (!holds(boxes(outer).whole(), boxes(inner).whole())) return false;
     if (!outer.winding_number) {
@@ -158,7 +158,7 @@ class PartFinder {
     return std::abs((*outer.winding_number)(corners(inner.triangles[0])[0])) > 0.5;
   }
 
-  /// Joins two members, or keeps their gap.
+  /// Joins two members, or records the gap between them.
   void judge(const Pair& pair, Near& near) {
     Member &a = members_[size_t(pair.first)], &b = members_[size_t(pair.second)];
     if (sets_.root(a.triangles[0]) == sets_.root(b.triangles[0])) return;
@@ -171,7 +171,7 @@ class PartFinder {
     if (one) sets_.join(a.triangles[0], b.triangles[0], false);
   }
 
-  /// Joins what lies within another member, however far from its surface.
+  /// Joins members that lie within another one, however far from its surface.
   void join_contained() {
     for (Member& outer : members_)
       for (Member& inner : members_)
@@ -206,13 +206,13 @@ class PartFinder {
   const LatticeMesh& mesh_;
   const SurfaceCells& cells_;
   const std::vector<uint8_t>& kept_;
-  double touch_ = 0;  // distance that counts as none
+  double touch_ = 0;  // distance at which parts count as touching
   OrientedSets sets_;
-  std::unordered_map<uint64_t, int64_t> place_;  // of the cells
+  std::unordered_map<uint64_t, int64_t> place_;  // index of each cell by its coordinates
   std::vector<Member> members_;
-  std::vector<int32_t> member_of_;                // of each triangle
-  std::vector<std::vector<int32_t>> members_in_;  // each cell
-  std::map<Pair, Near> near_;                     // members with cells that share a node
+  std::vector<int32_t> member_of_;                // member of each triangle
+  std::vector<std::vector<int32_t>> members_in_;  // members in each cell
+  std::map<Pair, Near> near_;                     // pairs of members with cells that share a node
 };
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The parts of a surface: pieces that neither touch nor lie within one another, and the gaps
-// between those whose voxels would be joined.
+// between parts whose voxels would be joined.
 
 #pragma once
 
@@ -8,7 +8,7 @@
 
 namespace elastogen {
 
-/// Two parts nearer than their voxels can tell.
+/// Two parts that are too close for their voxels to separate.
 struct PartGap {
   int32_t triangle[2];  ///< one of each part, where they are nearest
   double distance;      ///< [voxel edges]
@@ -17,12 +17,13 @@ struct PartGap {
 struct Parts {
   std::vector<int32_t> of;  ///< part of each triangle, numbered by their first triangles
   int32_t count = 0;
-  std::vector<PartGap> gaps;  ///< the smallest of each two parts with voxels that share a node
+  std::vector<PartGap> gaps;  ///< smallest gap of each two parts with voxels that share a node
 };
 
-/// Triangles that share a vertex are of one part; so are those that meet or come closer than the
-/// weld tolerance, those that bound a solid only together, and what lies within a solid (a cavity).
-/// @param all  also parts that share no node are asked whether one lies within the other.
+/// Triangles that share a vertex belong to one part. So do triangles that meet or come closer than
+/// the weld tolerance, triangles that bound a solid only together, and a solid and what lies within
+/// it (a cavity).
+/// @param all  also checks whether parts that share no node lie within each other.
 Parts find_parts(const CutBody& body, bool all);
 
 }  // namespace elastogen

@@ -13,9 +13,9 @@ namespace {
 
 constexpr int kNeighbours = 8;
 constexpr size_t kSample = 20'000;
-constexpr int64_t kTask = 64;  // points of one task
+constexpr int64_t kTask = 64;  // points of one parallel task
 
-/// A balanced tree of points: the middle of each range splits it along its longest axis.
+/// A balanced tree of points. The middle point of each range splits it along its longest axis.
 class PointTree {
  public:
   explicit PointTree(std::vector<Vec3> points) : points_(std::move(points)), axis_(points_.size()) {
@@ -24,10 +24,10 @@ class PointTree {
 
   size_t size() const { return points_.size(); }
 
-  /// Distance from point i to its n-th nearest other point.
+  /// Distance from point i to its n-th nearest neighbour.
   double distance(size_t i, int n) const {
     Nearest nearest;
-    nearest.wanted = n + 1;  // it finds itself too
+    nearest.wanted = n + 1;  // the search finds the point itself too
     search(0, points_.size(), points_[i], nearest);
     return std::sqrt(nearest.distance2[n]);
   }
@@ -83,13 +83,13 @@ class PointTree {
 
 using Cell = std::array<int64_t, 3>;
 
-/// Finds the sets of cells that touch.
+/// Finds sets of cells that touch.
 class CellClusters {
  public:
   explicit CellClusters(const std::vector<Cell>& cells) : cells_(cells), parent_(cells.size()) {
     std::iota(parent_.begin(), parent_.end(), size_t{0});
     for (size_t c = 0; c < cells_.size(); ++c)
-      for (int64_t k = 0; k < 13; ++k)  // the neighbours that come before it
+      for (int64_t k = 0; k < 13; ++k)  // the neighbours before it
         join(c, {cells_[c][0] + k / 9 - 1, cells_[c][1] + k / 3 % 3 - 1, cells_[c][2] + k % 3 - 1});
   }
 
@@ -144,7 +144,7 @@ std::vector<Vec3> thinned(const std::vector<Vec3>& points, double edge) {
   parallel_sort(placed.begin(), placed.end());
   std::vector<Vec3> result;
   for (size_t first = 0, last = 0; first < placed.size(); first = last) {
-    // about the cell's first point, so that no digits are lost far from the origin
+    // relative to the cell's first point, so that no digits are lost far from the origin
     const Vec3& base = points[placed[first].point];
     Vec3 sum = {};
     for (; last < placed.size() && placed[last].cell == placed[first].cell; ++last)
@@ -158,7 +158,7 @@ std::vector<Vec3> thinned(const std::vector<Vec3>& points, double edge) {
 std::vector<uint8_t> large_clusters(const std::vector<Vec3>& points, double reach, double share) {
   std::vector<Cell> cell_of(points.size());
   for (size_t i = 0; i < points.size(); ++i)
-    for (size_t d = 0; d < 3; ++d)  // what lies beyond a lattice of 2^61 lies apart anyway
+    for (size_t d = 0; d < 3; ++d)  // points outside a lattice of 2^61 cells lie apart anyway
       cell_of[i][d] = int64_t(std::clamp(std::floor(points[i][d] / reach), -0x1p61, 0x1p61));
   std::vector<Cell> cells = cell_of;
   parallel_sort(cells.begin(), cells.end());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How densely a cloud samples its surface, and which of its points lie apart from the others.
+// The density at which a cloud samples its surface, and points that lie apart from the others.
 
 #pragma once
 
@@ -10,19 +10,19 @@
 
 namespace elastogen {
 
-/// Median over the points of the distance to the eighth nearest other point (the farthest where
-/// there are fewer), in the unit of the points; of large clouds over 20,000 of them. Points at one
-/// place count once.
+/// Median distance from a point to its eighth nearest neighbour (or the farthest if there are
+/// fewer), in the unit of the points; for large clouds over 20,000 of them. Points at one place
+/// count once.
 /// @return 0 if all points lie in one place.
 double point_spacing(const std::vector<Vec3>& points);
 
-/// One point for each cell of a lattice of that edge: the mean of those in the cell. Ordered by
-/// cell, the same bits at any number of threads.
+/// One point for each cell of a lattice with this edge: the mean of the cell's points. Sorted by
+/// cell; any number of threads gives the same bits.
 std::vector<Vec3> thinned(const std::vector<Vec3>& points, double edge);
 
-/// Points of clusters that hold at least `share` of them all. Points whose cells of a lattice of
-/// edge `reach` touch are in one cluster, so that points closer than `reach` always are.
-/// @return 1 for each point that is kept; all are where no cluster is large enough.
+/// Marks points in clusters that have at least `share` of all points. Points whose cells of a
+/// lattice of edge `reach` touch belong to one cluster, so points closer than `reach` always do.
+/// @return 1 for each point that is kept; all are kept if no cluster is large enough.
 std::vector<uint8_t> large_clusters(const std::vector<Vec3>& points, double reach, double share);
 
 }  // namespace elastogen

@@ -13,7 +13,7 @@
 namespace elastogen {
 namespace {
 
-constexpr double kBorder = 1e-9;  // width of a border, of the box's longest edge
+constexpr double kBorder = 1e-9;  // width of a border over the box's longest edge
 
 [[noreturn]] void refuse(std::string_view text, const std::string& why) {
   throw Error(concat("selection '", text, "': ", why,
@@ -53,7 +53,7 @@ Selection parse_sphere(const std::vector<std::string_view>& numbers) {
   return selection;
 }
 
-/// @param bare  the text without blanks.
+/// @param bare  text without blanks.
 Selection parse(std::string_view bare) {
   if (bare == "all") return {};
   if (bare.size() > 2 && bare[0] >= 'x' && bare[0] <= 'z' && (bare[1] == '<' || bare[1] == '>'))

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Parts of an asset as the command names them: y<5%, z>0.2m, box(...), sphere(...), all.
+// Parts of an asset in the words of the command: y<5%, z>0.2m, box(...), sphere(...), all.
 
 #pragma once
 
@@ -14,14 +14,14 @@
 
 namespace elastogen {
 
-/// A length [m], or a share of the asset's box along an axis, counted from its lower face.
+/// A length [m], or a share of the asset's box along an axis, from its lower face.
 struct Place {
   double value = 0;
   bool percent = false;  ///< value is a share: 0.05 for 5%
 };
 
-/// A closed region. Points within 1e-9 of the box's longest edge of its border belong to it, and
-/// < means the same as <=, so that a layer of nodes in the border is always in.
+/// A closed region. Points within 1e-9 of the box's longest edge from its border belong to it, and
+/// < means the same as <=, so that it always contains a layer of nodes in its border.
 struct Selection {
   enum class Kind { kAll, kHalfSpace, kBox, kSphere };
   Kind kind = Kind::kAll;
@@ -37,19 +37,19 @@ struct Selection {
 ///         | sphere(PLACE x3, LENGTH),       AXIS = x | y | z,  PLACE = LENGTH | NUMBER%
 ///
 /// with blanks anywhere but between two numbers, and lengths as in io/units.hpp.
-/// @throws Error naming what is wrong, and the grammar.
+/// @throws Error naming the mistake and the grammar.
 Selection parse_selection(std::string_view text);
 
-/// A text without its blanks. @throws Error where a blank parts two numbers: "1 0" is not 10.
+/// A text without its blanks. @throws Error if a blank separates two numbers: "1 0" is not 10.
 std::string without_blanks(std::string_view text);
 
-/// The parts between separators, one more than there are separators.
+/// The texts between separators, one more than there are separators.
 std::vector<std::string_view> split(std::string_view text, char at);
 
 /// A length or a share, "3cm" or "50%". @throws Error naming the text.
 Place parse_place(std::string_view text);
 
-/// Where a place lies along an axis [m]. @param box  of the asset [m].
+/// Coordinate of a place along an axis [m]. @param box  of the asset [m].
 double coordinate(const Place& place, int axis, const PlacedBox& box);
 
 /// @param box  of the asset [m].
@@ -59,7 +59,7 @@ bool contains(const Selection& selection, const Vec3& point, const PlacedBox& bo
 Array<uint8_t> select_nodes(const VoxelGrid& grid, const Selection& selection,
                             const PlacedBox& box);
 
-/// Axis and position [m] of the plane that bounds a half space: a plane to align the grid with.
+/// Axis and position [m] of the plane that bounds a half space, with which a grid can be aligned.
 std::optional<std::pair<int, double>> plane(const Selection& selection, const PlacedBox& box);
 
 }  // namespace elastogen

@@ -11,43 +11,43 @@
 namespace elastogen {
 namespace {
 
-constexpr double kSheetLoop = 2;    // length of a border loop / sqrt(area) that makes a sheet
-constexpr double kSheetSize = 3;    // [voxel edges]
-constexpr double kBounding = 0.25;  // winding number from 1/2, 3/2, ... on what bounds a solid
-constexpr double kHelp = 0.05;      // of it from other pieces where a piece bounds one with them
-constexpr double kFree = 0.15;      // and from a whole number on what does not
+constexpr double kSheetLoop = 2;  // border loop / sqrt(area) above which a piece is a sheet
+constexpr double kSheetSize = 3;  // size of the largest piece that cannot be a sheet [voxel edges]
+constexpr double kBounding = 0.25;  // distance of w from 1/2, 3/2, ... on the border of a solid
+constexpr double kHelp = 0.05;  // least part of w from other pieces, if they bound the solid too
+constexpr double kFree = 0.15;  // largest distance of w from a whole number on other triangles
 constexpr double kFreeScrap = 0.05;
-constexpr int64_t kSamples = 256;  // triangles of a piece that are asked
-constexpr double kOff = 1e-4;      // sides of a triangle are asked this far from it [voxel edges]
+constexpr int64_t kSamples = 256;  // triangles of a piece that are sampled
+constexpr double kOff = 1e-4;      // distance of samples from their triangle [voxel edges]
 
-/// Triangles joined by edges of two faces.
+/// Triangles connected by edges that have two faces.
 struct Piece {
   Box box;
   double area = 0;
-  double longest_loop = 0;  ///< of its border
+  double longest_loop = 0;  ///< longest loop of its border
   bool unorientable = false;
   bool ends = false;  ///< it has an edge with one face, or with three or more
   std::vector<int32_t> triangles;
-  double sampled = 0, free = 0, scrap = 0;  ///< area of the samples of each kind
-  double bounding = 0;  ///< of those that bound a solid with other pieces, with the sign of w
-  bool outside = true;  ///< the free ones lie in no solid
+  double sampled = 0, free = 0, scrap = 0;  ///< area of all samples, and of two kinds of them
+  double bounding = 0;  ///< area that bounds a solid with other pieces, with the sign of w
+  bool outside = true;  ///< no free sample lies in a solid
 
   double size() const { return std::max({box.extent(0), box.extent(1), box.extent(2)}); }
   bool looks_like_sheet() const {
     return unorientable || longest_loop > kSheetLoop * std::sqrt(area);
   }
-  /// @param sign  of the winding number in solids, 0 where pieces do not agree on it.
+  /// @param sign  sign of the winding number in solids, 0 if pieces do not agree on it.
   Role role(double sign) const {
     if (size() <= kSheetSize) return scrap > 0.5 * sampled ? Role::kScrap : Role::kSolid;
     if (free > 0.5 * sampled) return outside ? Role::kSheet : Role::kScrap;
     return looks_like_sheet() && !bounds_jointly(sign) ? Role::kSheet : Role::kSolid;
   }
-  /// Most of it bounds a solid together with other pieces.
+  /// Whether most of its area bounds a solid together with other pieces.
   bool bounds_jointly(double sign) const { return sign * bounding > 0.5 * sampled; }
 };
 
-/// Calls visit(triangle, length of its border loop) for each border edge; edges that share a
-/// vertex are of one loop.
+/// Calls visit(triangle, length of its border loop) for each border edge. Edges that share a vertex
+/// belong to one loop.
 template <class Visit>
 void for_each_loop(const LatticeMesh& mesh, const Edges& edges, const Visit& visit) {
   OrientedSets loops(mesh.vertices.size());
@@ -60,14 +60,15 @@ void for_each_loop(const LatticeMesh& mesh, const Edges& edges, const Visit& vis
     visit(edge.triangle, length[size_t(loops.root(edge.lower))]);
 }
 
-/// Pieces in the order of their first triangles.
+/// The pieces in the order of their first triangles.
 std::vector<Piece> find_pieces(const LatticeMesh& mesh, const Edges& edges,
                                const std::vector<int32_t>& conflicts) {
   const size_t n = mesh.triangles.size();
   OrientedSets sets(n);
+  // triangles of each piece, joined over edges of two faces
   for (const Link& edge : edges.manifold) sets.join(edge.triangle[0], edge.triangle[1], false);
   std::vector<Piece> pieces;
-  std::vector<int32_t> number(n, -1);  // of the piece of each root
+  std::vector<int32_t> number(n, -1);  // piece of each root
   for (size_t t = 0; t < n; ++t) {
     int32_t& piece = number[size_t(sets.root(int32_t(t)))];
     if (piece < 0) {
@@ -79,6 +80,7 @@ std::vector<Piece> find_pieces(const LatticeMesh& mesh, const Edges& edges,
     p.area += norm(area_vector(mesh, t));
     for (const int32_t v : mesh.triangles[t]) p.box.add(mesh.vertices[size_t(v)]);
   }
+  // borders: the longest loop of each piece
   const auto piece_of = [&](int32_t t) -> Piece& {
     return pieces[size_t(number[size_t(sets.root(t))])];
   };
@@ -87,13 +89,14 @@ std::vector<Piece> find_pieces(const LatticeMesh& mesh, const Edges& edges,
     piece.longest_loop = std::max(piece.longest_loop, length);
     piece.ends = true;
   });
+  // edges of three faces, and edges where winding fails
   for (const Link& edge : edges.branching)
     for (const int32_t t : edge.triangle) piece_of(t).ends = true;
   for (const int32_t t : conflicts) piece_of(t).unorientable = true;
   return pieces;
 }
 
-/// Mean of the winding numbers on both sides of a triangle.
+/// Mean of the winding numbers on both sides of a point of a triangle.
 double winding_on(const WindingNumber& winding_number, const Vec3& middle, const Vec3& off) {
   return (winding_number(plus(middle, off)) + winding_number(minus(middle, off))) / 2;
 }
@@ -109,10 +112,12 @@ WindingNumber winding_number_of(const LatticeMesh& mesh, const std::vector<int32
   return WindingNumber(std::move(list));
 }
 
-/// Asks the winding number on both sides of some triangles of a piece.
+/// Samples the winding number on both sides of some triangles of a piece.
 void sample(const LatticeMesh& mesh, const WindingNumber& whole, Piece& piece) {
+  // the piece by itself, if it has an orientation
   const WindingNumber alone =
       winding_number_of(mesh, piece.unorientable ? std::vector<int32_t>() : piece.triangles);
+  // evenly spaced triangles
   const auto count = int64_t(piece.triangles.size());
   const int64_t stride = (count + kSamples - 1) / kSamples;
   for (int64_t i = 0; i < count; i += stride) {
@@ -123,10 +128,12 @@ void sample(const LatticeMesh& mesh, const WindingNumber& whole, Piece& piece) {
     Vec3 middle = {};
     for (const int32_t v : mesh.triangles[t])
       middle = plus(middle, scaled(mesh.vertices[size_t(v)], 1.0 / 3));
+    // w on the triangle, and the part of it that other pieces add
     const Vec3 off = scaled(normal, kOff / area);
     const double w = winding_on(whole, middle, off);
     const double help = std::abs(w - winding_on(alone, middle, off));
     const double from_whole = std::abs(w - std::round(w));
+    // near 1/2: it bounds a solid; near a whole number: it bounds nothing
     piece.sampled += area;
     if (0.5 - from_whole < kBounding && help > kHelp) piece.bounding += w > 0 ? area : -area;
     if (from_whole < kFree) {
@@ -137,7 +144,7 @@ void sample(const LatticeMesh& mesh, const WindingNumber& whole, Piece& piece) {
   }
 }
 
-/// +-1 where the pieces that bound solids together are wound one way, else 0.
+/// +-1 if the pieces that bound solids together are wound alike, else 0.
 double common_sign(const std::vector<Piece>& pieces) {
   double sum = 0, size = 0;
   for (const Piece& piece : pieces) {

@@ -14,7 +14,7 @@
 namespace elastogen {
 namespace {
 
-/// Sets of places in a 3x3x3 block as bits, x fastest; the voxel in question is its centre.
+/// Sets of places in a 3x3x3 block as bits, x fastest. The centre is the voxel that is examined.
 using Places = uint32_t;
 constexpr int kPlaces = 27;
 constexpr int kCentre = 13;
@@ -24,7 +24,7 @@ constexpr int offset(int place, int d) {
   return place / kStride[d] % 3 - 1;
 }
 
-/// Places other than this one that differ from it by one step along at most `axes` axes.
+/// Places that differ from this one by one step along at least one and at most `axes` axes.
 constexpr Places adjacent(int place, int axes) {
   Places result = 0;
   for (int other = 0; other < kPlaces; ++other) {
@@ -48,14 +48,14 @@ constexpr std::array<Places, kPlaces> adjacent_each(int axes) {
 constexpr std::array<Places, kPlaces> kShareFace = adjacent_each(1), kShareNode = adjacent_each(3);
 constexpr Places kFaces = adjacent(kCentre, 1), kFacesAndEdges = adjacent(kCentre, 2);
 
-/// The places next to those of a set.
+/// The places adjacent to those of a set.
 Places grown(Places set, const std::array<Places, kPlaces>& near) {
   Places result = 0;
   for (; set; set &= set - 1) result |= near[std::countr_zero(set)];
   return result;
 }
 
-/// True if all places of a part of `set` are connected within `set`.
+/// Whether all places of a part of `set` are connected within `set`.
 bool connected(Places part, Places set, const std::array<Places, kPlaces>& near) {
   Places reached = part & (~part + 1), front = reached;
   while (front) {
@@ -65,7 +65,7 @@ bool connected(Places part, Places set, const std::array<Places, kPlaces>& near)
   return !(part & ~reached);
 }
 
-/// Fill in steps of 1e-4, not above that of a thick voxel.
+/// Fill is counted in steps of 1e-4, up to the fill of a thick voxel.
 constexpr double kSteps = 1e4;
 constexpr auto kEmpty = static_cast<int16_t>(kMinFill * kSteps);
 constexpr auto kThick = static_cast<int16_t>(0.1 * kSteps);
@@ -74,7 +74,7 @@ int16_t level_of(double fill) {
   return static_cast<int16_t>(std::clamp(fill * kSteps, 0.0, double{kThick}));
 }
 
-/// Rules 2 and 3 for the voxels of one kind around the centre.
+/// Rules 2 and 3 of the header for one kind of voxels around the centre.
 bool holds_without_centre(Places set) {
   return connected(set, set, kShareNode) &&
          connected(set & kFaces, set & kFacesAndEdges, kShareFace);
@@ -94,20 +94,20 @@ class Filter {
     }
   }
 
-  /// Whether a voxel went.
+  /// Whether a voxel was removed.
   bool gone(In<int32_t> coords, int64_t row) const { return kind_[number(coords, row)] == kGone; }
 
  private:
   enum Kind : uint8_t {
     kBody,     // not a sliver
-    kSliver,   // one that stays
-    kQueued,   // one that may go as far as the body is concerned, to be looked at
-    kWaiting,  // one that other slivers keep
+    kSliver,   // a sliver that stays for now
+    kQueued,   // the body allows its removal; to be examined
+    kWaiting,  // kept because of other slivers
     kGone,
   };
-  using Block = std::array<int64_t, kPlaces>;  // voxels in the places, -1 where there is none
+  using Block = std::array<int64_t, kPlaces>;  // voxel in each place, -1 for none
 
-  /// Lets slivers go until none may. @return whether one went.
+  /// Removes slivers until none may be removed. @return whether one was.
   bool round() {
     for (int64_t v = 0; v < points_.rows(); ++v)
       if (level_[v] < kThick && kind_[v] != kGone) kind_[v] = is_sliver(v) ? kSliver : kBody;
@@ -122,7 +122,7 @@ class Filter {
       if (!holds_without_centre(places(block, is_left))) continue;
       kind_[v] = kGone;
       any = true;
-      // what kept its neighbours may no longer do so
+      // its neighbours may have lost the reason that kept them
       for (const int64_t n : block)
         if (n >= 0 && kind_[n] == kWaiting) push(n);
     }
@@ -167,7 +167,7 @@ class Filter {
     return result;
   }
 
-  /// Rule 1, and 2 and 3 for the body.
+  /// Rule 1, and rules 2 and 3 for the body.
   bool hangs_on_body_alone(const Block& block) const {
     const Places body = places(block, is_body), slivers = places(block, is_left) & ~body;
     return body && !(slivers & ~grown(body, kShareNode)) && holds_without_centre(body);
@@ -177,8 +177,8 @@ class Filter {
 
   BrickIndex index_;
   Array<int32_t> points_;       // voxels in the order of the index, (voxels, 3)
-  std::vector<Kind> kind_;      // of each
-  std::vector<int16_t> level_;  // fill of each in steps
+  std::vector<Kind> kind_;      // kind of each voxel
+  std::vector<int16_t> level_;  // fill of each voxel in steps
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue_;
 };
 

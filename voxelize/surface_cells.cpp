@@ -12,11 +12,11 @@
 namespace elastogen {
 namespace {
 
-constexpr double kDeep = 1e-5;     // what lies closer to a face of the voxel does not touch it
-constexpr double kMinArea = 1e-6;  // of a part in a lattice plane that counts
-constexpr int64_t kTriangles = 8;  // of one task
+constexpr double kDeep = 1e-5;     // parts closer to a face of the voxel do not touch the voxel
+constexpr double kMinArea = 1e-6;  // least area of a part in a lattice plane
+constexpr int64_t kTriangles = 8;  // triangles of one parallel task
 
-/// A convex part of a triangle: at most nine corners, with room for rounding.
+/// A convex part of a triangle: at most nine corners, and some more for rounding.
 struct Polygon {
   int corners = 0;
   std::array<Vec3, 24> corner;
@@ -25,9 +25,9 @@ struct Polygon {
   }
 };
 
-/// The part of one triangle in one voxel.
+/// The part of a triangle in one voxel.
 struct Part {
-  uint64_t key;  ///< z, y, x of the voxel
+  uint64_t key;  ///< z, y, x of the voxel in one number
   int32_t triangle;
   uint8_t touched, side;
   double ahead[8], flux[4], area[8];
@@ -45,7 +45,7 @@ Coord coord_of(uint64_t key) {
           static_cast<int32_t>(key >> 42) - kOffset};
 }
 
-/// Cuts at the plane where coordinate d is `plane`; both parts keep the corners on it.
+/// Cuts at the plane where coordinate d is `plane`; corners in the plane belong to both parts.
 void cut(const Polygon& whole, int d, double plane, Polygon& lower, Polygon& upper) {
   lower.corners = upper.corners = 0;
   for (int i = 0; i < whole.corners; ++i) {
@@ -61,9 +61,9 @@ void cut(const Polygon& whole, int d, double plane, Polygon& lower, Polygon& upp
   }
 }
 
-/// Adds what one triangle of a part, in coordinates of the voxel, gives to its integrals.
+/// Adds the integrals over one triangle of a part, in coordinates of the voxel.
 void integrate(const Vec3& a, const Vec3& b, const Vec3& c, Part& part) {
-  // six points, exact for polynomials of degree four
+  // six points of quadrature, exact for polynomials of degree four
   constexpr double kNear[2] = {0.445948490915964886, 0.0915762135097707435};
   constexpr double kWeight[2] = {0.223381589678011466, 0.109951743655321868};
   const Vec3 normal = scaled(cross(minus(b, a), minus(c, a)), 0.5);
@@ -76,7 +76,7 @@ void integrate(const Vec3& a, const Vec3& b, const Vec3& c, Part& part) {
     for (int d = 0; d < 3; ++d)
       p[d] = barycentric[0] * a[d] + barycentric[1] * b[d] + barycentric[2] * c[d];
     const double x[2] = {1 - p[0], p[0]};
-    const double ahead[2] = {x[0] * x[0] / 2, (1 - x[1] * x[1]) / 2};  // int_x^1 of both
+    const double ahead[2] = {x[0] * x[0] / 2, (1 - x[1] * x[1]) / 2};  // int_x^1 of both X_i
     for (int jk = 0; jk < 4; ++jk) {
       const double yz = (jk & 1 ? p[1] : 1 - p[1]) * (jk & 2 ? p[2] : 1 - p[2]);
       part.flux[jk] -= w * normal[0] * yz;
@@ -102,7 +102,7 @@ Part make_part(const Polygon& polygon, const Coord& cell, int32_t triangle, bool
     integrate(local.corner[0], local.corner[i - 1], local.corner[i], part);
   if (!bounds) std::fill(part.ahead, part.ahead + 8, 0), std::fill(part.flux, part.flux + 4, 0);
 
-  // what stays within a face does not touch
+  // parts that stay within a face do not touch the voxel
   double area = 0;
   for (const double a : part.area) area += a;
   for (int d = 0; d < 3; ++d)
@@ -114,7 +114,7 @@ Part make_part(const Polygon& polygon, const Coord& cell, int32_t triangle, bool
   return part;
 }
 
-/// Halves a polygon at lattice planes until each part lies in one voxel.
+/// Halves a polygon at lattice planes until each part lies within one voxel.
 template <class Emit>
 void split(const Polygon& polygon, const Emit& emit) {
   Coord lower, upper;
@@ -133,8 +133,9 @@ void split(const Polygon& polygon, const Emit& emit) {
     if (part.corners > 0) split(part, emit);
 }
 
-/// All parts, by voxel and triangle.
+/// All parts, sorted by voxel and triangle.
 std::vector<Part> find_parts(const LatticeMesh& mesh) {
+  // cut blocks of triangles side by side
   const auto triangles = int64_t(mesh.triangles.size());
   std::vector<std::vector<Part>> lists(size_t((triangles + kTriangles - 1) / kTriangles));
   const auto cut = [&](int64_t begin, int64_t end) {
@@ -149,6 +150,7 @@ std::vector<Part> find_parts(const LatticeMesh& mesh) {
     }
   };
   for_blocks(triangles, cut, kTriangles);
+  // sort references, then copy the parts once
   std::vector<const Part*> order;
   for (const std::vector<Part>& list : lists)
     for (const Part& part : list) order.push_back(&part);
@@ -163,6 +165,7 @@ std::vector<Part> find_parts(const LatticeMesh& mesh) {
 }  // namespace
 
 SurfaceCells cut_surface(const LatticeMesh& mesh) {
+  // one cell for each voxel with parts
   const std::vector<Part> parts = find_parts(mesh);
   SurfaceCells cells;
   for (size_t i = 0; i < parts.size(); ++i) {
@@ -174,6 +177,7 @@ SurfaceCells cut_surface(const LatticeMesh& mesh) {
   }
   cells.first.push_back(static_cast<int64_t>(parts.size()));
 
+  // sums over the parts of each cell, in their order
   const int64_t count = cells.count();
   cells.ahead = Array<double>(count, 8);
   cells.flux = Array<double>(count, 4);

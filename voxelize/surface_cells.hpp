@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The surface cut into the voxels that it passes, and the integrals over each part from which the
+// The surface cut into the voxels that it passes, and integrals over each part, from which the
 // fill follows exactly.
 
 #pragma once
@@ -8,8 +8,8 @@
 
 namespace elastogen {
 
-/// Voxels that hold a part of the surface, sorted by z, then y, then x. With N_c = X_i Y_j Z_k the
-/// trilinear shape functions in coordinates 0..1 of the voxel, S the surface in it and n its
+/// Voxels that contain a part of the surface, sorted by z, then y, then x. N_c = X_i Y_j Z_k are
+/// the trilinear shape functions in coordinates 0..1 of the voxel, S is the surface in it and n its
 /// normal:
 struct SurfaceCells {
   std::vector<Coord> coord;
@@ -17,7 +17,7 @@ struct SurfaceCells {
   Array<double> flux;              ///< -int_S n_x Y_j Z_k dA, (cells, 4), column j + 2 k
   Array<double> area;              ///< int_S N_c dA, (cells, 8); sheets included
   std::vector<double> sheet_area;  ///< of sheets alone
-  std::vector<uint8_t> touched;    ///< 1: part of the surface lies deeper inside than 1e-5
+  std::vector<uint8_t> touched;    ///< 1: part of the surface lies more than 1e-5 inside
   std::vector<uint8_t> side;       ///< bit 2 d (+1): part lies in the lower (upper) face of axis d
   std::vector<uint8_t> sheet;      ///< 1: touched by a sheet
   std::vector<int64_t> first;      ///< of the triangles of each cell, (cells + 1)
@@ -27,7 +27,8 @@ struct SurfaceCells {
 };
 
 /// Cuts every triangle at the lattice planes. The parts of a triangle are an exact partition of it
-/// (a part in a lattice plane goes to the upper voxel). Repeats to the bit on any threads.
+/// (a part in a lattice plane belongs to the upper voxel). Any number of threads gives the same
+/// bits.
 SurfaceCells cut_surface(const LatticeMesh& mesh);
 
 }  // namespace elastogen

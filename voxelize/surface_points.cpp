@@ -10,7 +10,7 @@
 namespace elastogen {
 namespace {
 
-/// Points with their share of the area; halves of an edge are found again by both its triangles.
+/// Points with their share of the area. Both triangles of an edge find the same halving point.
 class PointSet {
  public:
   explicit PointSet(In<double> vertices) : area(vertices.rows, 0), part(vertices.rows, 0) {
@@ -21,7 +21,7 @@ class PointSet {
 
   double length(int64_t a, int64_t b) const { return norm(minus(position[a], position[b])); }
 
-  /// Shares a triangle out to its corners, or halves it at its longest edge until that is shorter.
+  /// Gives a triangle's area to its corners, or halves it at its longest edge if that is too long.
   void add(std::array<int64_t, 3> corner, double longest, int32_t of_triangle) {
     int edge = 0;
     double size = 0;
@@ -80,7 +80,7 @@ SurfacePoints surface_points(const VoxelGrid& grid, const Surface& surface) {
     if (part >= 0) set.add(corner, longest > grid.h ? grid.h / 2 : grid.h, part);
   }
 
-  // those that stand for a part of the surface
+  // points that represent some area
   const auto count =
       std::count_if(set.area.begin(), set.area.end(), [](double a) { return a > 0; });
   SurfacePoints points;

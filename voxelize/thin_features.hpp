@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a grid cannot carry well: loose pieces and hinges.
+// Features that a grid cannot carry well: loose pieces and hinges.
 
 #pragma once
 
@@ -10,8 +10,8 @@
 
 namespace elastogen {
 
-/// Groups of voxels connected over faces, less the pieces connected over nodes: so many places are
-/// held by an edge or a corner alone and turn there without stiffness.
+/// Number of groups of voxels connected over faces, minus the number of pieces connected over
+/// nodes. So many places hold by an edge or a corner alone and turn there without stiffness.
 int64_t hinge_count(const VoxelGrid& grid);
 
 /// Findings "loose-pieces" and "hinges" of a grid.

@@ -25,7 +25,7 @@ double segment_gap2(const Vec3& a, const Vec3& b, const Vec3& p, const Vec3& q) 
   return dot(gap, gap);
 }
 
-/// Whether the segment p q passes through the inside of a triangle.
+/// Whether the segment p q passes through the interior of a triangle.
 bool pierces(const Vec3& p, const Vec3& q, const Vec3 c[3]) {
   const Vec3 normal = cross(minus(c[1], c[0]), minus(c[2], c[0]));
   const double above = dot(normal, minus(p, c[0])), below = dot(normal, minus(q, c[0]));
@@ -45,7 +45,7 @@ double box_gap2(const Box& a, const Box& b) {
   return sum;
 }
 
-/// Finds the nearest triangles of two trees, the nearer halves first.
+/// Finds the nearest triangles of two trees, nearer halves first.
 class Search {
  public:
   Search(const TriangleBoxes& a, const TriangleBoxes& b, double enough)
@@ -54,11 +54,11 @@ class Search {
   }
 
   double least2 = std::numeric_limits<double>::infinity();
-  int32_t first = 0, second = 0;  // places
+  int32_t first = 0, second = 0;  // places in the trees' order
 
  private:
   void visit(int32_t m, int32_t n) {
-    constexpr double kWorth = 0.98;  // of the squared distance: 1 % of the distance
+    constexpr double kWorth = 0.98;  // share of the squared distance: 1 % of the distance
     const TriangleBoxes::Node &a = a_.node(m), &b = b_.node(n);
     if (least2 <= enough2_ || box_gap2(a.box, b.box) > kWorth * least2) return;
     if (a.right < 0 && b.right < 0) return compare(a, b);
@@ -109,12 +109,14 @@ TriangleBoxes::TriangleBoxes(std::vector<std::array<Vec3, 3>> triangles)
 int32_t TriangleBoxes::build(int32_t first, int32_t last) {
   constexpr int32_t kLeaf = 4;
   const auto n = int32_t(nodes_.size());
+  // the box of all its triangles
   nodes_.push_back({{}, first, last, -1});
   Box box;
   for (int32_t i = first; i < last; ++i)
     for (const Vec3& p : triangles_[size_t(number_[size_t(i)])]) box.add(p);
   nodes_[size_t(n)].box = box;
   if (last - first <= kLeaf) return n;
+  // split at the median along the longest axis; of equal places the first triangles go left
   size_t axis = 0;
   for (size_t d = 1; d < 3; ++d)
     if (box.extent(int(d)) > box.extent(int(axis))) axis = d;
@@ -128,6 +130,7 @@ int32_t TriangleBoxes::build(int32_t first, int32_t last) {
                      const double at_a = middle(a), at_b = middle(b);
                      return at_a < at_b || (at_a == at_b && a < b);
                    });
+  // the first child follows its parent, the place of the second is stored
   build(first, half);
   const int32_t right = build(half, last);
   nodes_[size_t(n)].right = right;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Distance of two triangles, and of two sets of them.
+// Distance of two triangles, and of two sets of triangles.
 
 #pragma once
 
@@ -12,8 +12,8 @@
 
 namespace elastogen {
 
-/// Smallest distance of a point of one triangle from a point of the other, squared; 0 where they
-/// meet. Also for triangles without area.
+/// Smallest squared distance between points of two triangles; 0 if they meet. Also valid for
+/// triangles without area.
 double triangle_gap2(const Vec3 a[3], const Vec3 b[3]);
 
 /// A tree of boxes over triangles, halved along the longest edge.
@@ -32,7 +32,7 @@ class TriangleBoxes {
   const std::array<Vec3, 3>& triangle(int32_t place) const {
     return triangles_[std::size_t(place)];
   }
-  /// Its number in the list that the tree was made of.
+  /// Number of a triangle in the list from which the tree was made.
   int32_t number(int32_t place) const { return number_[std::size_t(place)]; }
 
  private:
@@ -43,13 +43,13 @@ class TriangleBoxes {
   std::vector<Node> nodes_;
 };
 
-/// The distance of two sets and a triangle of each at which it is taken.
+/// The distance of two sets, and a triangle of each that has it.
 struct TriangleGap {
   int32_t first = 0, second = 0;
   double distance = 0;
 };
 
-/// The smallest distance to 1 %, at most `enough` where it is no more than that.
+/// The smallest distance, to 1 %. The search stops at any distance of at most `enough`.
 TriangleGap nearest(const TriangleBoxes& a, const TriangleBoxes& b, double enough);
 
 }  // namespace elastogen

@@ -13,7 +13,7 @@
 namespace elastogen {
 namespace {
 
-constexpr uint32_t kFirstVersion = 222;  // of the layout below
+constexpr uint32_t kFirstVersion = 222;  // version from which on the layout below holds
 constexpr int kIdBytes = 36;
 
 template <class T>
@@ -28,11 +28,11 @@ T next(std::istream& file) {
 void check_vdb_is_whole(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   const auto bytes = int64_t(std::filesystem::file_size(path));
-  next<int64_t>(file);  // the mark of the format
+  next<int64_t>(file);  // magic number
   const auto version = next<uint32_t>(file);
   if (version < kFirstVersion) return;
   const auto major = next<uint32_t>(file), minor = next<uint32_t>(file);
-  if (next<char>(file) == 0) return;  // no grid says where it ends
+  if (next<char>(file) == 0) return;  // no grid states its end
   openvdb::io::setVersion(file, {major, minor}, version);
   file.seekg(kIdBytes, std::ios::cur);
   openvdb::MetaMap().readMeta(file);

@@ -20,7 +20,7 @@
 namespace elastogen {
 namespace {
 
-constexpr float kOutside = 1e-3f;     ///< least depth of a continued value, share of the largest
+constexpr float kOutside = 1e-3f;     ///< least depth of a continued value over the largest value
 constexpr double kSharpShare = 0.55;  ///< Border::second_share above which the border is sharp
 
 /// Largest and smallest value of the active voxels and tiles.
@@ -38,11 +38,11 @@ Range range_of(const openvdb::FloatGrid& grid) {
   return range;
 }
 
-/// Mean share of the largest value that the second voxel behind the border of a density has.
-/// Where it is low the density is a ramp that begins with 0 at the surface, as OpenVDB makes fog
-/// volumes of level sets; where it is high, the values are filled shares.
+/// Mean value of the second voxel behind the border of a density, over the largest value. If it is
+/// low, the density is a ramp that starts at 0 on the surface, as in fog volumes that OpenVDB makes
+/// from level sets. If it is high, the values are filled shares.
 struct Border {
-  openvdb::FloatGrid::Ptr outside;  ///< voxels next to the border: the values continued linearly
+  openvdb::FloatGrid::Ptr outside;  ///< voxels outside the border, with linearly continued values
   double second_share = 1;
 };
 
@@ -70,8 +70,8 @@ Border border_of(const openvdb::FloatGrid& grid, float high) {
   return border;
 }
 
-/// Where the surface of a density lies; a ramp gets values beyond its border, so that it is 0
-/// there.
+/// The value of a density on the surface. A ramp gets values beyond its border, so that its surface
+/// is at 0.
 double density_surface(openvdb::FloatGrid& grid, const std::string& place) {
   grid.setGridClass(openvdb::GRID_FOG_VOLUME);
   const float high = range_of(grid).high;
@@ -85,7 +85,8 @@ double density_surface(openvdb::FloatGrid& grid, const std::string& place) {
   return 0;
 }
 
-/// Where the surface of a grid lies; sets the class, which decides the side that is inside.
+/// The value of a grid on the surface. Sets the class of the grid, which decides which side is
+/// inside.
 double surface_value(openvdb::FloatGrid& grid, const std::string& place) {
   const bool signed_values = grid.getGridClass() == openvdb::GRID_UNKNOWN && range_of(grid).low < 0;
   if (grid.getGridClass() != openvdb::GRID_LEVEL_SET && !signed_values)
@@ -94,12 +95,14 @@ double surface_value(openvdb::FloatGrid& grid, const std::string& place) {
   return 0;
 }
 
-/// The mesh of a grid, every cell of the surface one quadrilateral.
+/// The mesh of a grid: one quadrilateral for each cell of the surface.
 Mesh mesh_of(openvdb::FloatGrid& grid, const std::string& place) {
+  // size and memory
   const auto active = int64_t(grid.activeVoxelCount());
   ELASTOGEN_CHECK_ASSET(active > 0, place, "it has no active voxel");
   ELASTOGEN_CHECK_ASSET(active <= kMaxVdbVoxels, place, "it has ", active,
                         " active voxels, at most ", kMaxVdbVoxels, " are read; resample it");
+  // extract the surface
   std::vector<openvdb::Vec3s> points;
   std::vector<openvdb::Vec3I> triangles;
   std::vector<openvdb::Vec4I> quads;
@@ -111,6 +114,7 @@ Mesh mesh_of(openvdb::FloatGrid& grid, const std::string& place) {
     mesh.position_of.push_back(int32_t(mesh.position.size()));
     mesh.position.push_back({p[0], p[1], p[2]});
   }
+  // faces are turned, as OpenVDB winds them clockwise as seen from outside
   std::vector<int32_t>& corner = mesh.groups.emplace_back().corner;
   const auto add = [&](uint32_t a, uint32_t b, uint32_t c) {
     corner.insert(corner.end(), {int32_t(a), int32_t(b), int32_t(c)});
@@ -126,7 +130,7 @@ Mesh mesh_of(openvdb::FloatGrid& grid, const std::string& place) {
 
 using PointGrid = openvdb::points::PointDataGrid;
 
-/// A vector attribute of the points of a leaf, empty where it has none of that type.
+/// A vector attribute of the points of a leaf; null if it has none of that type.
 using Vectors = openvdb::points::AttributeHandle<openvdb::Vec3f>;
 Vectors::Ptr vectors_of(const PointGrid::TreeType::LeafNodeType& leaf, const char* name) {
   const openvdb::points::AttributeArray* array =
@@ -135,7 +139,7 @@ Vectors::Ptr vectors_of(const PointGrid::TreeType::LeafNodeType& leaf, const cha
   return fits ? Vectors::create(*array) : nullptr;
 }
 
-/// Names of the attributes that a cloud has no place for.
+/// Names of the attributes that a cloud cannot hold.
 std::vector<std::string> lost_attributes(const PointGrid& grid) {
   std::vector<std::string> names;
   const auto leaf = grid.tree().cbeginLeaf();
@@ -153,6 +157,7 @@ PointCloud points_of(const PointGrid& grid, const std::string& place) {
   ELASTOGEN_CHECK_ASSET(count > 0, place, "it has no points");
   ELASTOGEN_CHECK_ASSET(count <= kMaxVdbVoxels, place, "it has ", count, " points, at most ",
                         kMaxVdbVoxels, " are read");
+  // attributes are kept only if every leaf has them
   PointCloud cloud;
   bool all_normal = true, all_coloured = true;
   for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) {
@@ -161,6 +166,7 @@ PointCloud points_of(const PointGrid& grid, const std::string& place) {
     ELASTOGEN_CHECK_ASSET(position, place, "its points have no positions P");
     all_normal = all_normal && normal;
     all_coloured = all_coloured && colour;
+    // positions in the world, normals and colours as they are
     for (auto at = leaf->beginIndexOn(); at; ++at) {
       const openvdb::Vec3d p =
           grid.indexToWorld(openvdb::Vec3d(position->get(*at)) + at.getCoord().asVec3d());
@@ -197,8 +203,8 @@ std::string list_of(openvdb::io::File& file, const std::string& but = "") {
   return text;
 }
 
-/// The grid of a name, else the first that can be read and has something, else the first that can
-/// be read. @throws Error (asset) naming the grids if there is none.
+/// The grid with that name; without a name the first that can be read and is not empty, else the
+/// first that can be read. @throws Error (asset) naming the grids if there is none.
 openvdb::GridBase::Ptr chosen_grid(openvdb::io::File& file, const std::string& wanted) {
   ELASTOGEN_CHECK_ASSET(wanted.empty() || file.hasGrid(wanted), "there is no grid \"", wanted,
                         "\" in it, only ", list_of(file));
@@ -219,6 +225,7 @@ openvdb::GridBase::Ptr chosen_grid(openvdb::io::File& file, const std::string& w
 }
 
 Asset read_grid(const std::string& path, const std::string& wanted) {
+  // open, and choose a grid
   openvdb::initialize();
   Asset asset;
   asset.path = path;
@@ -228,11 +235,13 @@ Asset read_grid(const std::string& path, const std::string& wanted) {
   check_vdb_is_whole(path);
   const openvdb::GridBase::Ptr grid = chosen_grid(file, wanted);
   const std::string name = grid->getName(), place = concat("grid \"", name, "\": ");
+  // the others are a finding
   int64_t grids = 0;
   for (auto at = file.beginName(); at != file.endName(); ++at) ++grids;
   if (wanted.empty())
     add_finding(asset, "vdb-grids", grids - 1,
                 concat("grids were left out: ", list_of(file, name), "; read was \"", name, '"'));
+  // a cloud, or a mesh
   if (grid->isType<PointGrid>()) {
     const auto points = openvdb::gridPtrCast<PointGrid>(grid);
     asset.points = points_of(*points, place);
@@ -244,7 +253,7 @@ Asset read_grid(const std::string& path, const std::string& wanted) {
   return asset;
 }
 
-/// A grid of the voxels' values, at their centres.
+/// A grid of the voxels' values at their centres.
 template <class Grid, class Value>
 typename Grid::Ptr make_grid(const VoxelGrid& voxels, const Vec3& place, const char* name,
                              const Value& value) {

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kFull = 1 - 1e-9;  // fill that counts as full
 
-/// Shape-function means of a voxel from the integrals over what fills it.
+/// Shape-function means of a voxel from integrals over its filled part.
 void set_means(const double* moment, double* means) {
   double sum = 0;
   for (int k = 0; k < 8; ++k) sum += means[k] = std::max(moment[k], 0.0);
@@ -23,7 +23,7 @@ void set_means(const double* moment, double* means) {
 }
 
 /// Sets fill and means of the border voxels; counts them.
-/// @param shift  of the body's voxels along x.
+/// @param shift  shift of the body's voxels along x.
 void fill_border(const CutBody& body, const BrickIndex& index, int32_t shift, Voxelized& result) {
   for (int64_t c = 0; c < body.cells.count(); ++c) {
     if (!body.kept[c]) continue;
@@ -34,7 +34,7 @@ void fill_border(const CutBody& body, const BrickIndex& index, int32_t shift, Vo
     const int64_t v = index.find(at);
     if (!result.grid.sheet.empty() && body.layer[c]) result.grid.sheet(v) = body.thickness;
     if (share > kFull) continue;
-    // a sheet's floor is that of a full layer of it
+    // the least fill of a sheet is that of a full layer of it
     const double least = kMinFill * (body.layer[c] && body.thickness > 0 ? body.thickness : 1);
     result.report.thin_voxels += share < least;
     result.grid.fill(v) = std::max(share, least);
@@ -44,7 +44,7 @@ void fill_border(const CutBody& body, const BrickIndex& index, int32_t shift, Vo
   }
 }
 
-/// Volume in voxels, of solids and layers.
+/// Volume of solids and layers [voxels].
 double total_volume(const CutBody& body) {
   double volume = body.fill.volume;
   for (int64_t c = 0; c < body.cells.count(); ++c)
@@ -61,7 +61,7 @@ double sheet_volume(const CutBody& body) {
   return volume;
 }
 
-/// What the findings say of the surface as a whole.
+/// Facts about the whole surface that findings need.
 struct Shape {
   int64_t turned, triangles;
   bool balanced;
@@ -85,7 +85,7 @@ void add_findings(const Shape& shape, const std::vector<CutBody>& bodies, Voxeli
     add("winding-number", report.winding_number, "the surface has holes or faces wound both ways");
 }
 
-/// The grid of bodies of which the k-th stands shift[k] voxels from its place along x.
+/// The grid of several bodies; the voxels of body k are shifted by shift[k] along x.
 void fill_grid(const std::vector<CutBody>& bodies, const std::vector<int32_t>& shift,
                const VoxelizeOptions& options, Voxelized& result) {
   const double h = bodies[0].lattice.h, cube = h * h * h;
@@ -111,7 +111,7 @@ void fill_grid(const std::vector<CutBody>& bodies, const std::vector<int32_t>& s
     result.report.volume += cube * result.grid.fill(v);
 }
 
-/// Gives a shell the thickness that is asked for, by its fill: no more than it has.
+/// Gives a shell the requested thickness by scaling its fill; it cannot become thicker.
 void thin_shell(const VoxelizeOptions& options, Voxelized& result) {
   VoxelizeReport& report = result.report;
   report.sheet_thickness = options.shell;
@@ -133,12 +133,14 @@ void thin_shell(const VoxelizeOptions& options, Voxelized& result) {
 Voxelized voxelize(const Surface& surface, const VoxelizeOptions& options) {
   Voxelized result;
   VoxelizeReport& report = result.report;
+  // cut the surface, drop slivers, find parts
   CutBody whole = cut_body(surface, options);
   report.dropped_slivers = drop_slivers(whole);
   report.closed = whole.closed;
   const Parts parts = find_parts(whole, options.part_pieces);
   const Shape shape = {whole.mesh.turned, whole.welded.triangles.rows(), whole.balanced};
 
+  // bodies: each part by itself, or the whole with the gaps that its voxels close
   std::vector<CutBody> bodies;
   std::vector<int32_t> shift = {0};
   if (options.part_pieces && parts.count > 1) {
@@ -157,6 +159,7 @@ Voxelized voxelize(const Surface& surface, const VoxelizeOptions& options) {
     whole.welded = {};
     bodies.push_back(std::move(whole));
   }
+  // one grid of all bodies
   fill_grid(bodies, shift, options, result);
   if (report.sheet_volume > 0)
     report.sheet_thickness = options.thickness > 0 ? options.thickness : result.grid.h;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Asset to sparse voxel grid: the one call that other modules use.
+// Voxelises assets: the one call that other modules use.
 
 #pragma once
 
@@ -12,16 +12,16 @@
 
 namespace elastogen {
 
-/// Memory that a simulation takes for each voxel of a solid: grid, state and both solvers, of which
-/// auto may need the two [bytes]. Measured 2150 to 2470 (stress size).
+/// Memory that a simulation needs for each voxel of a solid: grid, state and both solvers, as auto
+/// may need both [bytes]. Measured 2150 to 2470 (stress size).
 inline constexpr int64_t kBytesPerVoxel = 2560;
 
 struct VoxelizeOptions {
-  int voxels = 48;  ///< along the longest edge; ignored where h > 0
+  int voxels = 48;  ///< along the longest edge; ignored if h > 0
   double h = 0;     ///< voxel edge [m], 0: from voxels
   int64_t max_voxels = 64'000'000;
   int64_t max_memory = 0;                    ///< [bytes], 0: no limit
-  int64_t bytes_per_voxel = kBytesPerVoxel;  ///< that max_memory counts with
+  int64_t bytes_per_voxel = kBytesPerVoxel;  ///< memory of a voxel that max_memory assumes
   /// planes that a layer of nodes should lie in (pins, floor) [m]; the first of an axis wins
   std::optional<double> align[3] = {};
   double thickness = 0;      ///< of sheets and shells [m], 0: that of a voxel, and of the shell
@@ -29,9 +29,9 @@ struct VoxelizeOptions {
   bool part_pieces = false;  ///< pieces that do not touch share no node, however near they are
 };
 
-/// Two pieces of a surface nearer than their voxels can tell.
+/// Two pieces of a surface that are too close for their voxels to separate.
 struct PieceGap {
-  int64_t triangle[2];  ///< of the surface, one of each, where they are nearest
+  int64_t triangle[2];  ///< one triangle of each piece, where they are nearest
   double distance;      ///< [m]
 };
 
@@ -43,8 +43,8 @@ struct VoxelizeReport {
   int64_t dropped_slivers = 0;    ///< voxels of slivers.hpp, not in the grid
   double volume = 0;              ///< of the fill [m^3]
   double sheet_thickness = 0;     ///< of sheets, or of the shell [m]; 0: there is none
-  double sheet_volume = 0;        ///< of them [m^3]
-  std::vector<PieceGap> gaps;     ///< of pieces that the voxels join
+  double sheet_volume = 0;        ///< of sheets or the shell [m^3]
+  std::vector<PieceGap> gaps;     ///< gaps between pieces that the voxels join
   std::vector<Finding> findings;  ///< hinges, several pieces, ...
 };
 
@@ -54,21 +54,20 @@ struct Voxelized {
   Array<int32_t> part;  ///< of each triangle of the surface, -1 if unknown; empty: one part
 };
 
-/// Voxelises a surface: every voxel inside or touched by it is active, but for slivers that hold
-/// nothing together (slivers.hpp): what lies there goes with the nearest voxel. Fill fractions and
-/// shape-function means are exact integrals where the surface bounds a solid once, and follow from
-/// the winding number (inside: |w| > 1/2) where it is open, overlaps or is badly wound; sheets
-/// become layers, full voxels or as thick as options.thickness says. A shell that is to be thinner
-/// than it is has its fill scaled. Pieces nearer than about a voxel are joined by common nodes,
-/// unless options.part_pieces keeps them apart: then each part (parts.hpp) is cut and filled by
-/// itself. Repeats to the bit on any threads.
-/// @throws Error (resources) before any allocation if the voxel or memory budget would be
-///         exceeded, saying how much is needed and which h would fit; (asset) if nothing is left
-///         to simulate.
+/// Voxelises a surface. Every voxel inside it or touched by it is active, except slivers that hold
+/// nothing together (slivers.hpp); points in a sliver move with the nearest voxel. Fill and
+/// shape-function means are exact integrals if the surface bounds a solid once. If it is open,
+/// overlaps or is badly wound, they follow from the winding number (inside: |w| > 1/2). Sheets
+/// become layers: full voxels, or as thick as options.thickness. A shell that is to be thinner than
+/// it is has its fill scaled. Pieces nearer than about a voxel are joined by common nodes, unless
+/// options.part_pieces keeps them apart: then each part (parts.hpp) is cut and filled by itself.
+/// Any number of threads gives the same bits.
+/// @throws Error (resources) before any allocation if the voxel or memory budget would be exceeded,
+///         with the need and an h that fits; (asset) if nothing is left to simulate.
 Voxelized voxelize(const Surface& surface, const VoxelizeOptions& options = {});
 
-/// Points on the surface for contact: its vertices, and points on large triangles at most h/2
-/// apart, each with its share of the area and the trilinear weights of its voxel.
+/// Points on the surface for contact: its vertices, and points at most h/2 apart on large
+/// triangles, each with its share of the area and the trilinear weights of its voxel.
 SurfacePoints surface_points(const VoxelGrid& grid, const Surface& surface);
 
 }  // namespace elastogen

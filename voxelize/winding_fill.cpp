@@ -16,11 +16,11 @@ namespace elastogen {
 namespace {
 
 constexpr int kLines = 8;       // lines across a voxel
-constexpr int64_t kCells = 16;  // of one task
+constexpr int64_t kCells = 16;  // cells of one parallel task
 
 using Triangle = WindingNumber::Triangle;
 
-/// Place where a line crosses a triangle and the step of the winding number there.
+/// Place where a line crosses a triangle, and the step of the winding number there.
 struct Crossing {
   double place;
   int step;
@@ -31,8 +31,8 @@ double area2(const Vec3& a, const Vec3& b, const Vec3& p, int u, int v) {
   return (b[u] - a[u]) * (p[v] - a[v]) - (b[v] - a[v]) * (p[u] - a[u]);
 }
 
-/// On the left of a b in the plane of u and v; a point on the edge is so for one direction only,
-/// and both triangles of an edge compute the same number.
+/// Whether p is left of a b in the plane of u and v. A point on the edge is left of one direction
+/// only, and both triangles of an edge compute the same number.
 bool left_of(const Vec3& a, const Vec3& b, const Vec3& p, int u, int v) {
   if (std::tie(a[u], a[v]) < std::tie(b[u], b[v])) return area2(a, b, p, u, v) >= 0;
   return !(area2(b, a, p, u, v) >= 0);
@@ -73,12 +73,12 @@ bool is_inside(double w) {
   return std::abs(w) > 0.5;
 }
 
-/// Adds the inside of a line through p to the voxel's moments.
+/// Adds the inside part of a line through p to the voxel's moments.
 void integrate_line(const std::vector<Crossing>& crossings, double w, const Vec3& p, int axis,
                     double* moment) {
-  // w holds at p; from there to the lower face
+  // w is known at p; move it to the lower face
   w -= step_between(crossings, 0, p[axis]);
-  double from = 0, length = 0, middle = 0;  // int dt and int t dt
+  double from = 0, length = 0, middle = 0;  // int dt and int t dt over the inside
   const auto take = [&](double to) {
     if (is_inside(w)) {
       length += to - from;
@@ -113,7 +113,7 @@ void sample_cell(const std::vector<Triangle>& triangles, const Coord& cell,
       static_cast<int>(std::max_element(facing.begin(), facing.end()) - facing.begin());
   const int u = (axis + 1) % 3, v = (axis + 2) % 3;
 
-  // one evaluation, carried over the cell by crossings along v, then u, then the lines
+  // one evaluation of w, carried over the cell by crossings along v, along u, then along the lines
   constexpr double kFirst = 0.5 / kLines;
   const double w = winding_number({cell[0] + kFirst, cell[1] + kFirst, cell[2] + kFirst});
   std::vector<Crossing> along_v, along_u, along_line;
@@ -135,10 +135,12 @@ void sample_cell(const std::vector<Triangle>& triangles, const Coord& cell,
 /// Voxels without surface whose centre is inside, by a flood from the surface.
 std::vector<Run> flood(const SurfaceCells& cells, const WindingNumber& winding_number,
                        int64_t max_voxels) {
+  // cells with surface need no answer
   openvdb::MaskTree seen;
   openvdb::tree::ValueAccessor<openvdb::MaskTree> accessor(seen);
   for (const Coord& c : cells.coord) accessor.setValueOn({c[0], c[1], c[2]});
 
+  // neighbours of the front that nobody has seen
   std::vector<Run> inside;
   std::vector<Coord> front = cells.coord, next;
   while (!front.empty()) {
@@ -151,12 +153,14 @@ std::vector<Run> flood(const SurfaceCells& cells, const WindingNumber& winding_n
         accessor.setValueOn({n[0], n[1], n[2]});
         next.push_back(n);
       }
+    // ask the winding number at their centres
     std::vector<uint8_t> keep(next.size());
     const auto ask = [&](int64_t i) {
       const Coord& c = next[size_t(i)];
       keep[size_t(i)] = is_inside(winding_number({c[0] + 0.5, c[1] + 0.5, c[2] + 0.5}));
     };
     for_each(int64_t(next.size()), ask, kCells);
+    // those inside are the next front
     front.clear();
     for (size_t i = 0; i < next.size(); ++i)
       if (keep[i]) front.push_back(next[i]);

@@ -12,7 +12,7 @@ namespace elastogen {
 namespace {
 
 constexpr int32_t kLeaf = 8;
-constexpr double kFar = 3;  // distance from which a cluster is a dipole [radii]
+constexpr double kFar = 3;  // distance from which on a cluster is a dipole [radii]
 
 Vec3 area_vector(const WindingNumber::Triangle& t) {
   return scaled(cross(minus(t.corner[1], t.corner[0]), minus(t.corner[2], t.corner[0])), 0.5);
@@ -62,7 +62,7 @@ int32_t WindingNumber::build(int32_t first, int32_t last) {
   nodes_.push_back(summary(first, last));
   if (last - first <= kLeaf) return index;
 
-  // halves along the longest axis of the triangles' middles
+  // halves along the longest axis of the triangles' centres
   Box box;
   for (int32_t t = first; t < last; ++t)
     box.add({middle(triangles_[t], 0), middle(triangles_[t], 1), middle(triangles_[t], 2)});

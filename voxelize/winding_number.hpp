@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Generalised winding number of triangles (Jacobson et al. 2013) by a tree of dipoles (Barill et
-// al. 2018): 1 inside a closed surface, 0 outside, between for surfaces with holes.
+// al. 2018): 1 inside a closed surface, 0 outside, in between for surfaces with holes.
 
 #pragma once
 
@@ -18,7 +18,7 @@ class WindingNumber {
 
   explicit WindingNumber(std::vector<Triangle> triangles);
 
-  /// w(q) = 1/(4 pi) sum over the triangles of their signed solid angle; clusters farther away than
+  /// w(q) = 1/(4 pi) sum of the signed solid angles of the triangles. Clusters farther away than
   /// three times their radius count as dipoles (error about 1e-2 near a closed surface).
   double operator()(const Vec3& q) const;
 

@@ -7,13 +7,13 @@
 namespace elastogen {
 namespace {
 
-constexpr double kMargin = 1.15;  // picture over what it shows
-// towards the viewer: right, up and front of the asset; a little from above, so that the floor is
-// seen as a surface
+constexpr double kMargin = 1.15;  // size of the picture over that of what it shows
+// directions towards the viewer in the asset's right, up and front; slightly from above, so that
+// the floor is seen as a surface
 constexpr Vec3 kTowards[] = {{0.6, 0.45, 1}, {0, 0.18, 1}, {0, 0.18, -1}, {-1, 0.18, 0},
                              {1, 0.18, 0},   {0, 1, 0},    {0.6, 0.45, 1}};
 
-/// Right, up and front of an asset as the viewers of its GLB have them.
+/// Right, up and front of an asset, as viewers of its GLB see it.
 struct AssetAxes {
   explicit AssetAxes(const UpAxis& axis) {
     const Matrix4 root = root_matrix(1, axis);

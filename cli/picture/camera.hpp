@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a picture is seen from: an orthographic camera that keeps its distance over a clip.
+// The view of a picture: an orthographic camera with one scale for a whole clip.
 
 #pragma once
 
@@ -12,32 +12,32 @@ namespace elastogen {
 /// Orthographic view: right, up and back (towards the viewer) are unit vectors in the axes of the
 /// asset.
 struct Camera {
-  /// Right, up and back of a point that is seen from the pivot [m].
+  /// Components of a point relative to the pivot along right, up and back [m].
   Vec3 turn(const Vec3& p) const;
-  /// Place on the grid of samples, y down, and distance of the pivot's plane towards the viewer
-  /// [m].
+  /// Place on the grid of samples (y runs down), and distance towards the viewer from the plane
+  /// through the pivot [m].
   Vec3 project(const Vec3& p) const;
 
   Vec3 right = {1, 0, 0}, up = {0, 1, 0}, back = {0, 0, 1};
   Vec3 pivot = {};                    ///< [m]
   std::array<double, 2> centre = {};  ///< right and up of the picture's middle, from the pivot [m]
-  std::array<double, 2> middle = {};  ///< of the picture [samples]
+  std::array<double, 2> middle = {};  ///< middle of the picture [samples]
   double scale = 1;                   ///< samples per metre
 };
 
-/// A camera of a view; the scale is left open.
+/// A camera for a view, without its scale.
 /// @param turned  share of the way around, 0 ... 1, of the turntable.
 Camera camera_of(View view, const UpAxis& up, const Vec3& pivot, double turned = 0);
 
-/// A camera looking down along up, for what is lit from there.
+/// A camera that looks down along up, for shadows of a light from there.
 Camera camera_above(const UpAxis& up, const Vec3& pivot);
 
 /// Unit vector that points up.
 Vec3 up_vector(const UpAxis& up);
 
 /// Sets centre, middle and scale so that a picture of these samples shows a box with a margin.
-/// @param box     of right, up and back as turn gives them.
-/// @param about   keeps the pivot in the middle from left to right.
+/// @param box     box in right, up and back, as turn gives them.
+/// @param about   whether the pivot stays in the middle from left to right.
 void fit(Camera& camera, const Box& box, int width, int height, bool about);
 
 }  // namespace elastogen

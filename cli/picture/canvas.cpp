@@ -6,7 +6,7 @@
 namespace elastogen {
 namespace {
 
-/// The byte of each share of light in steps of 2^-14, below half a step of the darkest bytes.
+/// The byte of each share of light in steps of 2^-14, less than half a step of the darkest bytes.
 std::vector<uint8_t> byte_table() {
   std::vector<uint8_t> bytes((1 << 14) + 1);
   for (size_t k = 0; k < bytes.size(); ++k)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Strips of a picture: samples with a depth, filled triangle by triangle.
+// Strips of a picture: samples with depth, filled triangle by triangle.
 
 #pragma once
 
@@ -12,14 +12,14 @@
 
 namespace elastogen {
 
-/// Shares of light: linear red, green, blue.
+/// Linear red, green and blue light.
 using Light = std::array<float, 3>;
 
-inline constexpr int kSamples = 2;         ///< along each edge of a pixel, which is their mean
+inline constexpr int kSamples = 2;         ///< along each edge of a pixel; the pixel is their mean
 inline constexpr float kNothing = -1e30f;  ///< depth of a sample that shows nothing
 
-/// Some whole rows of samples: what light comes from there, and the depth of what is seen, which
-/// grows towards the viewer.
+/// Whole rows of samples: the light of each, and the depth of the surface seen there, which grows
+/// towards the viewer.
 struct Canvas {
   Canvas(int width, int first, int rows)
       : width(width),
@@ -35,7 +35,7 @@ struct Canvas {
   std::vector<float> depth;  ///< [m]
 };
 
-/// Whole samples whose middles may lie between two places.
+/// Indices of the samples whose middles may lie between two places.
 struct SampleRange {
   SampleRange(double low, double high, int least, int most)
       : begin(int(std::clamp(std::floor(low), double(least), double(most)))),
@@ -44,7 +44,7 @@ struct SampleRange {
 };
 
 /// Calls visit(sample, weights, depth) for the samples of a canvas whose middles lie in a triangle
-/// of projected corners; the weights are those of the corners.
+/// of projected corners; `weights` belong to the corners.
 template <class Visit>
 void fill_triangle(const Canvas& canvas, const Vec3& p, const Vec3& q, const Vec3& r,
                    const Visit& visit) {
@@ -75,10 +75,10 @@ struct Pixels {
   std::vector<uint8_t> rgb;
 };
 
-/// Rows of samples of a strip; a whole number of pixels.
+/// Rows of samples in a strip, a whole number of pixels.
 inline constexpr int kStripRows = 32 * kSamples;
 
-/// draw(canvas) for all strips of a picture of these samples, in any order.
+/// Calls draw(canvas) for all strips of a picture with this many samples, in any order.
 template <class Draw>
 void for_strips(int width, int height, const Draw& draw) {
   run_tasks((height + kStripRows - 1) / kStripRows, [&](int64_t strip) {
@@ -91,7 +91,7 @@ void for_strips(int width, int height, const Draw& draw) {
 /// Averages the samples of a canvas into its rows of a picture.
 void develop(const Canvas& canvas, Pixels& pixels);
 
-/// The light of an sRGB colour.
+/// The linear light of an sRGB colour.
 Light light_of_srgb(const Vec3& colour);
 
 }  // namespace elastogen

@@ -10,18 +10,18 @@
 namespace elastogen {
 namespace {
 
-constexpr float kSolid = 0.95f;  // alpha from which a blended surface hides what is behind it
-constexpr float kGrey = 0.6f;    // of triangles without material and colours
+constexpr float kSolid = 0.95f;  // alpha from which on a blended surface is opaque
+constexpr float kGrey = 0.6f;    // colour of triangles without material and colours
 
-/// What all triangles of a material share.
+/// Colour that all triangles of a material share.
 struct Paint {
   Texel factor = {kGrey, kGrey, kGrey, 1};
   BaseColour colour;
   const Texture* texture = nullptr;
 };
 
-/// Normals of the file. Those of OBJ that are one for a whole triangle say nothing: many programs
-/// write them for scans.
+/// Normals of the file. In OBJ a normal that all corners of a triangle share is ignored: many
+/// programs write such normals for scans.
 std::vector<std::array<float, 3>> corner_normals(const Asset& asset,
                                                  const std::vector<TriangleCorners>& sources) {
   std::vector<std::array<float, 3>> normals;
@@ -35,9 +35,9 @@ std::vector<std::array<float, 3>> corner_normals(const Asset& asset,
   return normals;
 }
 
-/// A triangle on the canvas: what its samples are mixed from.
+/// A triangle on the canvas, with the corner values that its samples mix.
 struct Patch {
-  /// Factor, colours of vertices and texture.
+  /// Product of factor, colours of vertices and texture.
   Texel colour(const std::array<float, 3>& w) const {
     Texel colour = paint.factor;
     const auto& of_vertex = source.mesh->colour;
@@ -90,7 +90,7 @@ class MeshSubject : public Subject {
     const double* x = projected_.row(surface_.triangles(t, c));
     return {x[0], x[1], x[2]};
   }
-  /// @param twice_area  on the canvas, signed [samples^2].
+  /// @param twice_area  signed area times two on the canvas [samples^2].
   Patch patch_of(int64_t t, double twice_area) const;
   template <bool solid>
   void draw_triangle(int64_t t, Canvas& canvas) const;
@@ -99,15 +99,16 @@ class MeshSubject : public Subject {
   std::vector<TriangleCorners> sources_;
   SmoothCorners corners_;
   std::vector<Texture> textures_;
-  std::vector<Paint> paints_;     ///< of no material, then of each
-  std::vector<int32_t> blended_;  ///< triangles, from back to front
+  std::vector<Paint> paints_;     ///< for no material, then for each
+  std::vector<int32_t> blended_;  ///< blended triangles, from back to front
   In<double> positions_ = {};
   Array<double> projected_;
-  std::vector<float> lit_[2];                 ///< of each normal, seen from outside and inside
-  std::vector<std::array<int32_t, 2>> rows_;  ///< of samples that each triangle may cover
+  std::vector<float> lit_[2];  ///< light of each normal, seen from outside and inside
+  std::vector<std::array<int32_t, 2>> rows_;  ///< rows of samples that each triangle may cover
 };
 
 void MeshSubject::add_paints(const Asset& asset, int max_edge, std::vector<std::string>& notes) {
+  // textures; one that cannot be decoded leaves the base colour
   BaseColours colours = base_colours(asset);
   notes.insert(notes.end(), colours.notes.begin(), colours.notes.end());
   std::vector<int> texture_of;
@@ -121,10 +122,12 @@ void MeshSubject::add_paints(const Asset& asset, int max_edge, std::vector<std::
           concat(asset.path, ": ", image.name, ": ", error.what(), "; its base colour is shown"));
     }
   }
+  // paint of triangles without material: white under colours of vertices
   const auto coloured = [](const Mesh& mesh) { return !mesh.colour.empty(); };
   paints_.emplace_back();
   if (std::any_of(asset.meshes.begin(), asset.meshes.end(), coloured))
     paints_[0].factor = {1, 1, 1, 1};
+  // paint of each material
   for (size_t m = 0; m < asset.materials.size(); ++m) {
     const BaseColour& colour = colours.materials[m];
     const int texture = colour.image >= 0 ? texture_of[size_t(colour.image)] : -1;
@@ -152,7 +155,7 @@ void MeshSubject::see(const Camera& camera) {
   });
 }
 
-/// Normals of the moved triangles and what light they get.
+/// Computes the normals of the moved triangles and their light.
 void MeshSubject::light(const Camera& camera) {
   std::vector<Vec3> normal(size_t(corners_.normals), Vec3{});
   for (int64_t t = 0; t < surface_.triangles.rows(); ++t) {
@@ -177,7 +180,7 @@ void MeshSubject::light(const Camera& camera) {
 Patch MeshSubject::patch_of(int64_t t, double twice_area) const {
   const Paint& paint = paint_of(t);
   Patch patch{paint, sources_[size_t(t)], {}, {}, paint.texture, 0};
-  // rows go down: seen from outside the corners run clockwise on the canvas
+  // rows run down, so seen from outside the corners run clockwise on the canvas
   const std::vector<float>& lit = lit_[twice_area < 0 ? 0 : 1];
   for (int c = 0; c < 3; ++c) patch.light[c] = lit[size_t(corners_.normal_of(t, c))];
   const Mesh& mesh = *patch.source.mesh;
@@ -195,7 +198,7 @@ Patch MeshSubject::patch_of(int64_t t, double twice_area) const {
   return patch;
 }
 
-/// @tparam solid  draws what hides what is behind it; else what is blended with that.
+/// @tparam solid  draws opaque samples; else those that are blended with what is behind them.
 template <bool solid>
 void MeshSubject::draw_triangle(int64_t t, Canvas& canvas) const {
   const Vec3 p = corner(t, 0), q = corner(t, 1), r = corner(t, 2);

@@ -13,12 +13,12 @@ namespace elastogen {
 namespace {
 
 constexpr int kTiles = 12, kColumns = 4;
-constexpr int64_t kBatch = 8, kBatchPixels = 1 << 23;  // that are packed at once
-constexpr double kNear = 0.1;  // of the solid's box, about which points are framed
+constexpr int64_t kBatch = 8, kBatchPixels = 1 << 23;  // that are encoded at once
+constexpr double kNear = 0.1;  // share of the solid's box, around it, in which points are framed
 constexpr int kLeastTexture = 1024;
 
-/// Points of the asset that pictures must show: vertices of triangles, points near the solid that
-/// was made of them, so that a few far away do not make everything small.
+/// Points of the asset that pictures must show: vertices of triangles, or points near the solid
+/// that was made from them, so that a few points far away do not make everything small.
 std::vector<int32_t> framed_points(const Setup& setup) {
   const Body& body = setup.body;
   const bool are_vertices = body.is_asset && !setup.particles;
@@ -43,7 +43,7 @@ std::unique_ptr<Subject> make_subject(const Asset& asset, const Body& body, int 
   return make_mesh_subject(asset, body.surface, max_edge, notes);
 }
 
-/// The size that was asked for, else one that suits a tile of a sheet or a picture by itself.
+/// The requested size, else one that suits a tile of a sheet or a single picture.
 PictureOptions sized(PictureOptions options, bool numbered) {
   if (options.width == 0) {
     options.width = numbered ? 960 : 320;
@@ -52,7 +52,7 @@ PictureOptions sized(PictureOptions options, bool numbered) {
   return options;
 }
 
-/// Copies a picture into a sheet, on which a white line parts the tiles.
+/// Copies a picture into a sheet; a white line separates the tiles.
 void place(const Pixels& picture, int left, int top, Pixels& sheet) {
   for (int y = 0; y < picture.height - 1; ++y)
     std::copy_n(picture.rgb.data() + 3 * size_t(y) * size_t(picture.width),
@@ -72,7 +72,7 @@ class PictureWriter : public AnimationWriter {
                               std::max({kLeastTexture, options_.width, options_.height}), notes)),
         displacements_(path, 3 * setup.body.carried.rows()),
         gradients_(path, 9 * setup.body.carried.rows()) {
-    SafeFile probe(numbered_ ? frame_file(path, 0) : path);  // refuses a folder at once
+    SafeFile probe(numbered_ ? frame_file(path, 0) : path);  // throws now if it cannot be written
   }
 
   bool needs_gradient() const override { return subject_->needs_gradient(); }

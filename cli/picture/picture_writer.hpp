@@ -9,11 +9,11 @@
 
 namespace elastogen {
 
-/// A writer of NAME.png, up to 12 frames evenly spaced from the first to the last on one sheet, or
-/// of one picture a frame where the name has a number (io/frame_files.hpp). Frames wait in unnamed
-/// files beside the output, in single precision.
+/// A writer of NAME.png: up to 12 frames evenly spaced from the first to the last on one sheet, or
+/// one picture a frame if the name has a number (io/frame_files.hpp). Frames wait in unnamed files
+/// beside the output, in single precision.
 /// @param notes  gets a sentence for each texture that cannot be shown.
-/// @param options  as check_pictures has checked them.
+/// @param options  must have passed check_pictures.
 /// @throws Error (usage) from finish without a frame; (resources) if the folder cannot be written.
 /// Asset and setup must outlive the writer.
 std::unique_ptr<AnimationWriter> make_picture_writer(const std::string& path, const Asset& asset,

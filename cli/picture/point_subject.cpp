@@ -6,8 +6,8 @@
 namespace elastogen {
 namespace {
 
-constexpr double kRadius = 0.8;  // of a disc over the distance to the eighth neighbour
-constexpr double kLeast = 0.9;   // radius of a disc [samples]
+constexpr double kRadius = 0.8;  // of a disc, over the distance to the eighth neighbour
+constexpr double kLeast = 0.9;   // least radius of a disc [samples]
 
 class PointSubject : public Subject {
  public:
@@ -77,7 +77,7 @@ class PointSubject : public Subject {
     return light_on(scaled(seen, (seen[2] < 0 ? -1 : 1) / length));
   }
 
-  /// A half ball, so that neighbours meet halfway.
+  /// Draws a half ball, so that neighbours meet halfway.
   void draw_disc(const Disc& disc, Canvas& canvas) const {
     const Vec3& at = disc.place;
     const SampleRange rows(at[1] - reach_, at[1] + reach_, canvas.first,
@@ -97,7 +97,7 @@ class PointSubject : public Subject {
   }
 
   const PointCloud& points_;
-  double radius_ = 0;             ///< of discs [m]
+  double radius_ = 0;             ///< radius of discs [m]
   double reach_ = 0, scale_ = 1;  ///< radius of discs [samples], samples per metre
   In<double> positions_ = {}, gradient_ = {};
   std::vector<Disc> discs_;

@@ -45,7 +45,7 @@ Box ScenePicture::all_places() {
   return box;
 }
 
-/// Directions of a frame's camera about the middle of all places.
+/// Directions of a frame's camera about the middle of all framed points.
 Camera ScenePicture::directions(int64_t frame) const {
   const Vec3 pivot = scaled(plus(places_.lower, places_.upper), 0.5);
   return camera_of(options_.view, scene_.up, pivot, double(frame) / double(source_.frames));
@@ -58,7 +58,7 @@ Box ScenePicture::all_seen() {
     source_.positions(f, positions_);
     stage_.move(double(f) / source_.fps);
     stage_.add_solids(camera, seen);
-    // a box of each block, joined in any order
+    // a box for each block; the order of joining them does not matter
     const auto count = int64_t(scene_.framed.size());
     std::vector<Box> boxes(size_t((count + kBlock - 1) / kBlock));
     for_blocks(count, [&](int64_t begin, int64_t end) {
@@ -81,7 +81,7 @@ Camera ScenePicture::camera(int64_t frame) const {
   return camera;
 }
 
-/// What stands between the light above and the stage, in the frame that was read.
+/// The shadow map of the frame that was read: heights of subject and solids seen from above.
 std::optional<Sun> ScenePicture::shine() {
   if (!stage_.has_anything()) return std::nullopt;
   Camera above = camera_above(scene_.up, scaled(plus(places_.lower, places_.upper), 0.5));

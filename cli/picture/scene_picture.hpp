@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The picture of one frame: subject, floor, colliders and shadows, seen by one camera all clip
-// long.
+// The picture of one frame: subject, floor, colliders and shadows, seen by one camera.
 
 #pragma once
 
@@ -12,17 +11,17 @@
 
 namespace elastogen {
 
-/// The frames of a clip, which are read again and in any order.
+/// The frames of a clip, which may be read repeatedly and in any order.
 struct FrameSource {
   int64_t frames = 0, points = 0;
   double fps = 30;
   /// Positions of the carried points [m], (points, 3).
   std::function<void(int64_t frame, Out<double> positions)> positions;
-  /// Deformation gradient there, (points, 9); asked only where the subject needs it.
+  /// Deformation gradient at the carried points, (points, 9); called only if the subject needs it.
   std::function<void(int64_t frame, Out<double> gradient)> gradient;
 };
 
-/// What is in the scene. All must outlive the picture.
+/// Contents of the scene. All of them must outlive the picture.
 struct PictureScene {
   Subject& subject;
   const std::vector<int32_t>& framed;  ///< points that pictures must show
@@ -32,11 +31,11 @@ struct PictureScene {
 
 class ScenePicture {
  public:
-  /// Looks at all frames, so that each is seen whole.
+  /// Reads all frames once, so that the view contains each of them.
   /// @throws Error (usage) without a frame or a point to show, or on a size that is not positive.
   ScenePicture(const PictureScene& scene, const FrameSource& source, const PictureOptions& options);
 
-  /// Draws a frame; the same bits on any number of threads.
+  /// Draws a frame; any number of threads gives the same bits.
   Pixels draw(int64_t frame);
 
   /// The camera of a frame, in samples.
@@ -52,10 +51,10 @@ class ScenePicture {
   PictureScene scene_;
   const FrameSource& source_;
   PictureOptions options_;
-  Array<double> positions_, gradient_;  ///< of the frame that was read last
-  Box places_;                          ///< of the framed points in all frames [m]
+  Array<double> positions_, gradient_;  ///< of the frame read last
+  Box places_;                          ///< box of the framed points in all frames [m]
   Stage stage_;
-  Box seen_;  ///< the same and what belongs to it, in the axes of the cameras [m]
+  Box seen_;  ///< box of points, feet and solids, in the axes of the cameras [m]
 };
 
 }  // namespace elastogen

@@ -15,18 +15,18 @@ double cosine(double degrees) {
   return std::cos(degrees * std::numbers::pi / 180);
 }
 
-const double kSmooth = cosine(40);     // between faces
-const double kRough = cosine(70);      // between faces of scans, where no edge goes on
-const double kAgreed = cosine(80);     // between faces where normals agree
-const double kAgreement = cosine(10);  // of normals
-const double kStraight = cosine(35);   // of edges that go on
-constexpr size_t kMostFaces = 8;       // of one edge that are compared
+const double kSmooth = cosine(40);     // largest angle between faces
+const double kRough = cosine(70);      // between faces of scans, where no sharp edge continues
+const double kAgreed = cosine(80);     // between faces if normals agree
+const double kAgreement = cosine(10);  // angle within which normals agree
+const double kStraight = cosine(35);   // angle within which an edge continues another
+constexpr size_t kMostFaces = 8;       // faces of one edge that are compared
 
-/// An edge as a triangle runs along it, from `corner` to the next one.
+/// An edge in the direction of a triangle, from `corner` to the next corner.
 struct Edge {
   std::array<int32_t, 2> vertices;  ///< welded, ascending
   int32_t corner;                   ///< 3 triangle + 0 ... 2
-  bool turned;                      ///< it runs from the second to the first
+  bool turned;                      ///< it runs from the second vertex to the first
 
   friend bool operator<(const Edge& a, const Edge& b) {
     return a.vertices != b.vertices ? a.vertices < b.vertices : a.corner < b.corner;
@@ -63,7 +63,7 @@ class Joining {
 
   void join(const Edge& a, const Edge& b) {
     if (a.turned == b.turned || !is_smooth(a, b)) return;
-    // where a begins b ends
+    // the triangles run opposite ways: where a begins, b ends
     unite(a.corner, next_corner(b.corner));
     unite(next_corner(a.corner), b.corner);
   }
@@ -95,7 +95,7 @@ class Joining {
     return cosine > kSmooth || (cosine > kRough && !(goes_on(a, 0) && goes_on(a, 1)));
   }
 
-  /// Whether another sharp edge continues this one beyond an end; noise of a scan does not.
+  /// Whether another sharp edge continues this one beyond an end; on noisy scans none does.
   bool goes_on(const Edge& edge, size_t end) const {
     const Vec3 direction = unit(scaled(along(edge.corner), edge.turned == (end == 1) ? 1 : -1));
     const auto& others = sharp_[size_t(edge.vertices[end])];
@@ -139,7 +139,7 @@ std::vector<Edge> sorted_edges(const Surface& surface, const std::vector<int32_t
   return edges;
 }
 
-/// visit(a, b) for runs along the same edge.
+/// Calls visit(a, b) for each pair of triangles at one edge.
 template <class Visit>
 void for_pairs(const std::vector<Edge>& edges, const Visit& visit) {
   for (size_t first = 0, end; first < edges.size(); first = end) {

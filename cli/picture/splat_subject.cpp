@@ -9,16 +9,16 @@ namespace elastogen {
 namespace {
 
 constexpr double kBlur = 0.3 * kSamples * kSamples;  // variance of a pixel [samples^2]
-constexpr float kFaint = 1.0f / 255;                 // alpha that is not seen
-constexpr float kHidden = 1.0f / 512;                // light from behind that is not seen
-constexpr float kOpaque = 0.3f;                      // alpha from which a splat throws a shadow
+constexpr float kFaint = 1.0f / 255;                 // alpha too small to be seen
+constexpr float kHidden = 1.0f / 512;                // light from behind too faint to be seen
+constexpr float kOpaque = 0.3f;                      // alpha from which on a splat casts a shadow
 
 /// A splat on the canvas: alpha exp(-(a dx^2 + 2 b dx dy + c dy^2) / 2).
 struct Spot {
   double x = 0, y = 0;
   float z = 0, a = 0, b = 0, c = 0, alpha = 0;
   int32_t index = 0;
-  Light colour = {};  ///< sRGB: splats are fitted so that these are blended
+  Light colour = {};  ///< sRGB, as splats are fitted with blended sRGB values
 };
 
 class SplatSubject : public Subject {
@@ -42,7 +42,7 @@ class SplatSubject : public Subject {
     });
   }
 
-  /// From front to back, so that what is hidden costs nothing.
+  /// Draws from front to back and stops at opaque samples, so that hidden splats cost nothing.
   void draw(Canvas& canvas) const override {
     std::vector<Light> sum(canvas.light.size(), Light{});
     std::vector<float> through(canvas.light.size(), 1);
@@ -64,7 +64,7 @@ class SplatSubject : public Subject {
   }
 
  private:
-  /// The projected splat (Zwicker et al. 2001, eq. 31, of an orthographic view).
+  /// The projected splat (Zwicker et al. 2001, eq. 31, for an orthographic view).
   Spot spot(int64_t i, const Camera& camera, const double* harmonics) const {
     const double* at = positions_.row(i);
     const Vec3 p = camera.project({at[0], at[1], at[2]});
@@ -90,7 +90,7 @@ class SplatSubject : public Subject {
     return spot;
   }
 
-  /// Calls visit(sample, a dx^2 + 2 b dx dy + c dy^2) where a splat has that much alpha.
+  /// Calls visit(sample, a dx^2 + 2 b dx dy + c dy^2) where a splat has at least the alpha `least`.
   template <class Visit>
   static void for_samples(const Spot& spot, float least, const Canvas& canvas, const Visit& visit) {
     if (!(spot.alpha > least)) return;
@@ -123,7 +123,7 @@ class SplatSubject : public Subject {
   SplatMotion motion_;
   double scale_;  ///< metres per file unit
   In<double> positions_ = {};
-  std::vector<Spot> spots_;  ///< from front to back
+  std::vector<Spot> spots_;  ///< sorted from front to back
 };
 
 }  // namespace

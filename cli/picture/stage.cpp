@@ -8,14 +8,14 @@ namespace {
 
 constexpr Vec3 kSky = {0.96, 0.97, 0.98}, kGround = {0.86, 0.87, 0.89}, kWall = {0.78, 0.80, 0.84},
                kObstacle = {0.66, 0.70, 0.76};  // sRGB
-constexpr float kShadow = 0.55f;                // of the light that falls on what faces up
-constexpr double kUpright = 0.5;                // cosine from which a plane is ground
+constexpr float kShadow = 0.55f;  // share of the light that falls on surfaces facing up
+constexpr double kUpright = 0.5;  // cosine from which on a plane is ground
 
 Vec3 row(const Array<double>& x, int64_t r) {
   return {x(r, 0), x(r, 1), x(r, 2)};
 }
 
-/// 0 below `low`, 1 above `high`, smooth between.
+/// 0 below `low`, 1 above `high`, smooth in between.
 float smooth_step(double low, double high, double x) {
   const double t = std::clamp((x - low) / (high - low), 0.0, 1.0);
   return float(t * t * (3 - 2 * t));
@@ -100,7 +100,7 @@ void Stage::draw_ground(const Ground& ground, Canvas& canvas, const Sun* sun) co
   };
   const auto across = [&](double x) { return c.centre[0] + (x - c.middle[0]) / c.scale; };
   const auto above = [&](double y) { return c.centre[1] - (y - c.middle[1]) / c.scale; };
-  // its light is soft: one value a pixel
+  // light on the ground varies slowly: one value for each pixel
   for (int y = canvas.first; y < canvas.first + canvas.rows; y += kSamples)
     for (int x = 0; x < canvas.width; x += kSamples) {
       const double half = kSamples / 2.0, right = across(x + half), up = above(y + half);
@@ -138,7 +138,7 @@ void Stage::draw_solid(const Solid& solid, Canvas& canvas, const Sun* sun) const
     const int32_t* v = solid.mesh.triangles.row(t);
     const Vec3 p = row(solid.projected, v[0]), q = row(solid.projected, v[1]),
                r = row(solid.projected, v[2]);
-    // from behind it is seen through
+    // faces seen from behind are not drawn
     if ((q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]) >= 0) continue;
     fill_triangle(canvas, p, q, r, [&](size_t sample, const Vec3& w, double z) {
       if (float(z) <= canvas.depth[sample]) return;

@@ -4,9 +4,9 @@
 namespace elastogen {
 namespace {
 
-constexpr int kTaps = 5;          // places that are looked at, along each axis
-constexpr double kSoft = 1.6;     // between them [samples of the map]
-constexpr double kClear = 0.004;  // a place is not below what is nearer than this share of the map
+constexpr int kTaps = 5;          // samples of the map for one shadow, along each axis
+constexpr double kSoft = 1.6;     // distance between these [samples of the map]
+constexpr double kClear = 0.004;  // least height that shades, as a share of the map
 
 }  // namespace
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What shadow a light straight above throws, with soft edges.
+// Shadows of a light straight above, with soft edges.
 
 #pragma once
 
@@ -8,18 +8,19 @@
 
 namespace elastogen {
 
-/// A map of the highest thing above each place.
+/// A map of the greatest height above each place.
 class Sun {
  public:
-  /// @param above  looks down on all that throws a shadow; fitted to a map of kEdge samples.
+  /// @param above  camera that looks down on everything that casts a shadow; fitted to kEdge
+  ///               samples.
   explicit Sun(const Camera& above);
 
   static constexpr int kEdge = 384;
 
-  /// Takes what a canvas of the map shows; several canvases may come at once.
+  /// Copies the depths of a canvas into the map; several canvases may come at once.
   void take(const Canvas& canvas);
 
-  /// Share of the light that something above takes from a place, 0 ... 1.
+  /// Share of the light that is blocked above a place, 0 ... 1.
   float shadow(const Vec3& place) const;
 
  private:

@@ -38,7 +38,7 @@ constexpr std::endian other_order() {
 
 class MeshSource {
  public:
-  /// Numbers are words, until begin_binary.
+  /// Numbers are words until begin_binary is called.
   /// @param name  of the file, for messages.
   MeshSource(std::string_view bytes, std::string name) : bytes_(bytes), name_(std::move(name)) {}
 
@@ -49,7 +49,7 @@ class MeshSource {
   /// Goes to an offset within the file.
   void go_to(size_t offset) { at_ = last_ = offset; }
 
-  /// Where the last thing that was asked for begins, as "file:line: " or "file: byte offset: ".
+  /// Where the last item that was read begins, as "file:line: " or "file: byte offset: ".
   std::string place() const;
   template <class... Parts>
   void check(bool condition, const Parts&... parts) const {
@@ -60,18 +60,18 @@ class MeshSource {
   std::string_view line();
   /// The next word of this or a later line; "" behind the last.
   std::string_view next_word();
-  /// The next word, which must be there.
+  /// The next word; throws if there is none.
   std::string_view word(const char* expected);
-  /// Goes behind the next place of a text.
+  /// Goes behind the next occurrence of a text.
   void skip_past(const std::string& text);
 
   int64_t integer(Number type, const char* what);
   /// An integer in [0, limit).
   int64_t integer_below(Number type, int64_t limit, const char* what);
   double finite(Number type, const char* what);
-  /// Refuses so many numbers unless they can follow.
+  /// Refuses a count of numbers unless as many can follow.
   void claim(int64_t count, Number type, const char* what) const;
-  /// Leaves out so many numbers.
+  /// Skips a count of numbers.
   void skip(int64_t count, Number type, const char* what);
 
  private:

@@ -11,14 +11,16 @@ namespace {
 
 constexpr Number kInt = Number::kInt32, kSize = Number::kUint64, kDouble = Number::kFloat64;
 
-/// Nodes of an element by Gmsh's number of its type, 0 where it is neither a tetrahedron nor
-/// something to be left out.
+/// Nodes of an element by Gmsh's number of its type; 0 for elements that are neither tetrahedra nor
+/// left out.
 int nodes_of_type(int64_t type) {
   switch (type) {
+    // tetrahedra, linear and quadratic
     case 4:
       return 4;
     case 11:
       return 10;
+    // elements that are left out
     case 15:  // point
       return 1;
     case 1:  // lines
@@ -72,7 +74,7 @@ template <class T>
 class Numbering {
  public:
   void add(int64_t number, T value) { entries_.push_back({number, value}); }
-  /// @return a number that is there twice.
+  /// Sorts. @return a number that is there twice, if there is one.
   std::optional<int64_t> finish() {
     std::sort(entries_.begin(), entries_.end());
     for (size_t k = 1; k < entries_.size(); ++k)
@@ -109,8 +111,9 @@ class MshParser {
   }
 
  private:
-  /// @return whether it is a section that is read.
+  /// @return false if sections of this name are not read.
   bool read_section(const std::string& name) {
+    // sections come in an order: version, then nodes, then elements
     if (name == "MeshFormat") {
       source_.check(version_ == 0, "a second $MeshFormat");
       read_format();
@@ -131,6 +134,7 @@ class MshParser {
     } else {
       return false;
     }
+    // every section ends with its name
     source_.begin_text();
     const std::string_view end = source_.word("the end of a section");
     source_.check(end == "$End" + name, "$End", name, " is expected, not \"", end.substr(0, 40),
@@ -154,7 +158,7 @@ class MshParser {
     order_ = other_order();
   }
 
-  /// What follows is binary, behind the end of this line, if the file is.
+  /// If the file is binary, what follows the end of this line is.
   void begin_data() {
     if (!is_binary_) return;
     source_.line();
@@ -225,7 +229,7 @@ class MshParser {
     begin_data();
     source_.claim(count, kInt, "elements");
     for (int64_t done = 0; done < count;) {
-      // of text each element is a block of its own, which begins with its number
+      // in text each element is a block of its own, which begins with its number
       if (!is_binary_) source_.integer(kInt, "the number of an element");
       const int64_t type = read_type();
       const int64_t block =
@@ -239,7 +243,7 @@ class MshParser {
     }
   }
 
-  /// The physical group where there is one, else the entity.
+  /// The physical group if there is one, else the entity.
   int64_t read_tags(int64_t tags) {
     source_.claim(tags, kInt, "tags");
     int64_t region = 0;
@@ -290,7 +294,7 @@ class MshParser {
                     n, ", which is not there");
       (is_tet ? soup_.corners : soup_.triangles).push_back(*point);
     }
-    // Gmsh has the middle of 23 before that of 13
+    // Gmsh puts the middle of 23 before that of 13
     if (nodes == 10) std::swap(soup_.corners.end()[-1], soup_.corners.end()[-2]);
   }
 

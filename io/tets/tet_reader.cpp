@@ -43,7 +43,7 @@ int64_t turn_tets(TetSoup& soup, const std::string& path) {
     if (volume > 0) continue;
     ++turned;
     std::swap(corner[2], corner[3]);
-    if (soup.nodes == 10) {  // and the middles of 01, 12, 02, 03, 13, 23 with them
+    if (soup.nodes == 10) {  // also the middles of 01, 12, 02, 03, 13, 23
       std::swap(corner[5], corner[8]);
       std::swap(corner[6], corner[7]);
     }
@@ -60,7 +60,7 @@ double plane_determinant(const std::vector<Vec3>& points, const int32_t* corner)
   return std::abs(determinant) > kRounding * norm(a) * norm(b) ? determinant : 0;
 }
 
-/// Makes the triangles of a file without tetrahedra its elements. @return how many were turned.
+/// Makes the triangles the elements where there are no tetrahedra. @return how many were turned.
 int64_t take_triangles(TetSoup& soup, const std::string& path) {
   ELASTOGEN_CHECK_ASSET(!soup.triangles.empty(), path,
                         ": it has no tetrahedra, nor linear triangles");
@@ -85,7 +85,7 @@ int64_t take_triangles(TetSoup& soup, const std::string& path) {
   return turned;
 }
 
-/// The used points as nodes, in their order. @return how many are unused.
+/// Makes the used points the nodes, in their order. @return how many are unused.
 int64_t take_nodes(const TetSoup& soup, TetFile& file) {
   std::vector<int32_t> node_of(soup.points.size(), -1);
   for (const int32_t point : soup.corners) node_of[size_t(point)] = 0;

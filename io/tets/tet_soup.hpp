@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the readers of the single formats hand to tet_reader: the tetrahedra as a file has them, and
-// its linear triangles, which count where it has no tetrahedra.
+// The tetrahedra as a file has them, which the readers of the formats hand to tet_reader. Its
+// linear triangles are used only if it has no tetrahedra.
 
 #pragma once
 
@@ -14,7 +14,7 @@
 
 namespace elastogen::tets {
 
-/// All positions are finite and all corners are points.
+/// All positions are finite and all corners are indices of points.
 struct TetSoup {
   std::vector<Vec3> points;      ///< [m]
   int nodes = 0;                 ///< of a tetrahedron, 4 or 10; 0 without any
@@ -25,7 +25,7 @@ struct TetSoup {
   std::vector<int32_t> triangles;        ///< points, three a linear triangle
   std::vector<int64_t> triangle_region;  ///< the file's number for the region of each
 
-  /// Begins a tetrahedron of so many nodes, whose corners follow.
+  /// Begins a tetrahedron of this many nodes, whose corners follow.
   void begin_tet(int node_count, int64_t region_id, const std::string& path) {
     ELASTOGEN_CHECK_ASSET(nodes == 0 || nodes == node_count, path,
                           ": it has both linear and quadratic tetrahedra");

@@ -63,11 +63,13 @@ void add_tets(const VtkCells& cells, const std::string& path, TetSoup& soup) {
   ELASTOGEN_CHECK_ASSET(int64_t(cells.ends.size()) == count, path, ": it has ", count,
                         " types of cells, but points of ", cells.ends.size());
   int64_t begin = 0;
+  // each cell must lie behind the one before it
   for (int64_t c = 0; c < count; ++c) {
     const int64_t end = cells.ends[size_t(c)], type = cells.types[size_t(c)];
     ELASTOGEN_CHECK_ASSET(end >= begin && end <= int64_t(cells.corners.size()), path, ": cell ", c,
                           " (counted from 0) ends at point ", end, " of ", cells.corners.size(),
                           " and begins at ", begin);
+    // tetrahedra
     if (type == kTet4 || type == kTet10) {
       const int nodes = type == kTet4 ? 4 : 10;
       ELASTOGEN_CHECK_ASSET(end - begin == nodes, path, ": cell ", c,
@@ -78,6 +80,7 @@ void add_tets(const VtkCells& cells, const std::string& path, TetSoup& soup) {
       soup.corners.insert(soup.corners.end(), cells.corners.begin() + begin,
                           cells.corners.begin() + end);
     } else {
+      // other cells are counted; triangles are kept for files without tetrahedra
       ELASTOGEN_CHECK_ASSET(is_skipped(type), path, ": cell ", c, " (counted from 0) is of type ",
                             type, " (", cell_name(type),
                             "), which is not read; only tetrahedra of 4 and 10 points are");

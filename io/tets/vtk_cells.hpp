@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cells as both VTK formats have them.
+// Cells in the form that both VTK formats share.
 
 #pragma once
 
@@ -18,7 +18,7 @@ struct VtkCells {
 /// @throws Error (asset) naming the first cell that is not what it should be.
 void add_tets(const VtkCells& cells, const std::string& path, TetSoup& soup);
 
-/// Whether an array of cells says to which region they belong.
+/// Whether an array of this name says to which region the cells belong.
 bool is_region_name(std::string_view name);
 
 }  // namespace elastogen::tets

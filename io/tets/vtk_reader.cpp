@@ -78,7 +78,7 @@ class VtkParser {
     expect("unstructured_grid");
   }
 
-  /// @return false behind what is needed.
+  /// @return false once all that is needed has been read.
   bool read_section(const std::string& word) {
     if (word == "field") {
       read_field(false);
@@ -103,7 +103,7 @@ class VtkParser {
     return true;
   }
 
-  /// What follows is binary, behind the end of this line, if the file is.
+  /// If the file is binary, what follows the end of this line is.
   void begin_data() {
     if (!is_binary_) return;
     source_.line();
@@ -240,7 +240,7 @@ class VtkParser {
     }
   }
 
-  /// Takes the array for the regions of the cells, or leaves it out.
+  /// Keeps an array that gives the regions of the cells, and leaves out any other.
   void read_array(const std::string& name, int64_t columns, int64_t rows, Number number,
                   bool of_cells) {
     begin_data();

@@ -21,8 +21,8 @@ int value_of(char c) {
   return c == '+' ? 62 : c == '/' ? 63 : -1;
 }
 
-/// Bytes that are there as they are or as base64, of which several pieces, each padded for itself,
-/// may follow one another.
+/// Bytes that are raw or base64. Several pieces of base64, each padded by itself, may follow one
+/// another.
 class Bytes {
  public:
   Bytes(std::string_view rest, bool is_base64, const std::string& place)
@@ -43,7 +43,7 @@ class Bytes {
     return bytes;
   }
 
-  /// Numbers of a header.
+  /// Reads numbers of a header.
   std::vector<int64_t> numbers(int64_t count, const VtuEncoding& encoding) {
     const int64_t size = size_of(encoding.header);
     check(count >= 0 && count <= int64_t(encoding.file.size()) / size,
@@ -83,8 +83,8 @@ class Bytes {
   const std::string& place_;
 };
 
-/// Blocks behind a header: their number, the size of all but the last, that of the last (0: as the
-/// others), the packed size of each.
+/// Unpacks blocks behind a header. The header has their number, the size of all but the last, the
+/// size of the last (0: as the others), and the packed size of each.
 std::string unpacked(Bytes& bytes, const VtuEncoding& encoding) {
   const std::vector<int64_t> head = bytes.numbers(3, encoding);
   const std::vector<int64_t> packed_size = bytes.numbers(head[0], encoding);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The arrays of a VTU file: as text, or as bytes behind a header that counts them, which are raw or
-// base64 and plain or in blocks packed by zlib.
+// The arrays of a VTU file: text, or bytes behind a header that counts them. Bytes are raw or
+// base64, and plain or in blocks packed by zlib.
 
 #pragma once
 
@@ -8,14 +8,14 @@
 
 namespace elastogen::tets {
 
-/// What a file says of all of its arrays.
+/// Encoding that all arrays of a file share.
 struct VtuEncoding {
-  std::string_view file;  ///< all of its bytes
+  std::string_view file;  ///< all bytes of the file
   std::endian order = std::endian::little;
-  Number header = Number::kUint32;  ///< of the numbers before the bytes of an array
+  Number header = Number::kUint32;  ///< type of the numbers before the bytes of an array
   bool is_packed = false;
-  std::string_view appended;  ///< what the arrays' offsets count in
-  bool is_base64 = false;     ///< whether that is text
+  std::string_view appended;  ///< the bytes that the arrays' offsets count
+  bool is_base64 = false;     ///< whether these are base64
 };
 
 /// One DataArray.
@@ -30,7 +30,7 @@ struct VtuArray {
   size_t offset = 0;      ///< appended: where it begins
 };
 
-/// The bytes of an array that is no text.
+/// The bytes of an array that is not text.
 /// @throws Error (asset) where they are damaged, are not there, or unpack to more than 100 times
 ///         the file.
 std::string decoded(const VtuArray& array, const VtuEncoding& encoding);

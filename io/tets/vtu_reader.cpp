@@ -145,12 +145,14 @@ class VtuParser {
   }
 
   void add_array(std::string_view element) {
+    // only arrays that are needed are kept
     std::optional<VtuArray>* place = slot(element);
     if (!place) return;
     const std::string name(attribute("Name", "Points"));
     xml_.check(!*place, "a second array ", name.substr(0, 40));
     VtuArray& array = place->emplace();
     array.place = concat(path_, ':', xml_.line(), ": the array ", name.substr(0, 40));
+    // type and number of components
     const auto* type =
         std::find_if(std::begin(kVtuTypes), std::end(kVtuTypes),
                      [&](const VtuType& t) { return attribute("type", "") == t.name; });
@@ -160,6 +162,7 @@ class VtuParser {
     array.columns = count("NumberOfComponents", "1");
     xml_.check(array.columns == (place == &points_ ? 3 : 1), "it has ", array.columns,
                " components");
+    // where its numbers are: as text, inline, or appended at an offset
     const std::string_view format = attribute("format", "ascii");
     xml_.check(format == "ascii" || format == "binary" || format == "appended",
                "format must be ascii, binary or appended");
@@ -187,7 +190,7 @@ class VtuParser {
     encoding_.appended = rest.substr(begin + 1);
   }
 
-  /// Calls take(source, type) for each of the numbers, of which there must be as many.
+  /// Calls take(source, type) for each number; there must be exactly as many as stated.
   template <class Take>
   void read(const std::optional<VtuArray>& array, const char* name, int64_t rows,
             const Take& take) {

@@ -53,8 +53,10 @@ std::optional<std::string_view> XmlScanner::attribute(std::string_view name) con
 }
 
 bool XmlScanner::next() {
+  // the element that began last may have ended in its own tag
   if (is_empty_) open_.pop_back();
   is_empty_ = false;
+  // pass over comments, declarations and ends of elements
   while (true) {
     if (!element_.empty() && open_.empty()) return false;
     at_ = std::min(bytes_.find('<', at_), bytes_.size());
@@ -71,6 +73,7 @@ bool XmlScanner::next() {
       break;
     }
   }
+  // a start: name, attributes, and the path of open elements
   ++at_;
   open_.push_back(name());
   check(open_.size() <= kMaxDepth, "elements are nested too deep");

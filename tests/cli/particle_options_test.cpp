@@ -111,7 +111,7 @@ TEST(ParticleOptions, WhatIsTypedWinsOverTheScene) {
             "");
 }
 
-/// What a scene says that lacks one thing or has one too many: file, line and key.
+/// Scenes with a key missing or one too many: the message has file, line and key.
 TEST(ParticleOptions, BadKeysOfScenesAreNamedWithTheirPlace) {
   const TempFolder folder;
   const auto says = [&](const std::string& text) {

@@ -64,7 +64,7 @@ TEST(SplatPicture, IsAGaussianOfItsWidth) {
     Canvas canvas = dark();
     draw(splats, canvas, identities(1, stretch));
     for (const int away : {0, 5, 10, 20}) {
-      // white splats on black: alpha is what is seen, of the variance s^2 and that of a pixel
+      // white splats on black show alpha; their variance is s^2 plus that of a pixel
       const auto expected = [&](double s) {
         return 0.8 * std::exp(-away * away / (2 * (s * s + 0.3 * kSamples * kSamples)));
       };
@@ -76,7 +76,7 @@ TEST(SplatPicture, IsAGaussianOfItsWidth) {
 }
 
 TEST(SplatPicture, BlendsFromBackToFront) {
-  // given from the front to the back and the other way around: red before green
+  // given from front to back and in reverse: red lies in front of green
   for (const bool turned : {false, true}) {
     SplatCloud splats = splat({{0, 0, turned ? -5. : 5.}, {0, 0, turned ? 5. : -5.}}, 20, 0.5f);
     for (int k = 0; k < 6; ++k)
@@ -147,7 +147,7 @@ TEST(PointPicture, IsLitByTurnedNormals) {
   PointCloud cloud = plate(rest);
   cloud.normal.assign(400, {0, 0, 1});
   cloud.colour.assign(400, {1, 1, 1, 1});
-  // a quarter turn about x takes z to -y: lit as what faces down
+  // a quarter turn about x maps z to -y: lit like a face that looks down
   Array<double> gradient(400, 9);
   for (int64_t p = 0; p < 400; ++p) gradient(p, 0) = gradient(p, 7) = 1, gradient(p, 5) = -1;
   const float facing = drawn(cloud, rest, identities(400)).light[100 * 200 + 100][0];

@@ -167,7 +167,7 @@ TEST(Picture, DrawsGroundAndShadowBelowTheBody) {
   scene.colliders = {half_space({0, 1, 0}, -0.5, 0.5)};
   const Rgb ground = at(scene.drawn(), 2, 40);
   EXPECT_LT(ground[0], sky[0]);
-  // a plate lying flat throws its own area
+  // a flat plate casts a shadow of its own area
   for (int n = 0; n < 8; ++n)
     scene.asset.meshes[0].position[size_t(n)] = {double(n & 1), 0, double(n >> 1 & 1)};
   scene.pose();
@@ -192,7 +192,7 @@ TEST(Picture, DrawsCollidersWhereTheyAreAtTheTime) {
   // it hides 9 pi / 100 of the red square, then nothing of it
   EXPECT_NEAR(double(count(before, is_red)) / count(after, is_red), 1 - 0.09 * std::acos(-1.),
               0.03);
-  // a wall is seen from its free side alone
+  // a plane is seen from its free side only
   for (const double facing : {1., -1.}) {
     Collider wall = half_space({0, 0, facing}, -facing * 2, 0.5);
     wall.centre = {0, 0, -2};

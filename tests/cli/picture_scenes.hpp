@@ -49,6 +49,7 @@ inline Pixels decoded(const std::string& png) {
     for (size_t k = 0; k < 4; ++k) value = value << 8 | uint8_t(png[at + k]);
     return value;
   };
+  // the signature, then chunks with their checksums
   EXPECT_EQ(png.substr(0, 8), "\x89PNG\r\n\x1a\n");
   Pixels picture(0, 0);
   for (size_t at = 8; at < png.size(); at += word(at) + 12) {
@@ -57,6 +58,7 @@ inline Pixels decoded(const std::string& png) {
     const auto* body = reinterpret_cast<const Bytef*>(png.data()) + at + 4;
     EXPECT_EQ(word(at + 8 + size), crc32(0, body, uInt(size + 4))) << type;
     if (type == "IHDR") picture = Pixels(int(word(at + 8)), int(word(at + 12)));
+    // rows of the only data chunk, without their filter bytes
     if (type != "IDAT") continue;
     const size_t row = 3 * size_t(picture.width);
     std::string rows(size_t(picture.height) * (row + 1), '\0');

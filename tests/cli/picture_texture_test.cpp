@@ -102,7 +102,7 @@ TEST(Texture, WithoutAlphaIsNotThereWhereItIsMasked) {
   EXPECT_FALSE(is_sky(at(picture, 32, 48)));
 }
 
-/// Normals that a strip of two squares has along the edge where they meet at an angle.
+/// Number of normals along the edge where two squares of a strip meet at an angle.
 int64_t normals_at(double degrees, bool split, const std::vector<std::array<float, 3>>& file = {}) {
   const double angle = degrees * std::acos(-1.) / 180;
   std::vector<Vec3> x = {{-1, 0, 0}, {-1, 0, 1}, {0, 0, 0}, {0, 0, 1}};

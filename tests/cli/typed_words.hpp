@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Command lines as one types them.
+// Command lines as a user types them.
 
 #pragma once
 

@@ -52,12 +52,12 @@ TEST(Collider, TheCoreLiesALayerBelowTheSurface) {
   const Vec3 outside = {0, 5, 0};
   for (const Collider& c : {half_space({0, 1, 0}, 1, 0), ball({0, 0, 0}, 1), block({}, {1, 1, 1})})
     EXPECT_NEAR(proximity(core_of(c, layer), {}, outside).distance, 4 + layer, 1e-15);
-  // what is thinner than two layers keeps its middle
+  // a collider thinner than two layers keeps its middle
   EXPECT_EQ(core_of(block({}, {1, 0.1, 1}), layer).half, (Vec3{0.75, 0, 0.75}));
   EXPECT_EQ(core_of(ball({}, 0.1), layer).radius, 0);
 }
 
-/// Smallest distance on the way from a to its share t towards b, by sampling.
+/// Smallest distance on the segment from a to its share t towards b, by sampling.
 double least_distance(const Collider& c, const Vec3& a, const Vec3& b, double t) {
   double least = 1e300;
   for (int k = 0; k <= 4000; ++k) {
@@ -85,7 +85,7 @@ TEST(Collider, AFreeShareKeepsATenthOfTheDistanceAllAlong) {
       cut += share < 1;
       const double least = least_distance(c, a, b, share);
       EXPECT_GT(least, 0.1 * distance - 1e-12);
-      // and no less is taken than must be: a cut ends near the tenth, by sqrt 3 at a box's corner
+      // a share is cut no more than needed: to the tenth, within sqrt 3 of it at a box's corner
       if (share < 1) {
         EXPECT_LT(least, 0.1 * distance * std::sqrt(3) + 1e-9);
       }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One voxel under dead loads on its faces: the state it comes to is the material's response.
+// One voxel under dead loads on its faces: its equilibrium is the material's response.
 
 #include "tests/support/element_assembly.hpp"
 #include "tests/support/laws.hpp"
@@ -38,10 +38,11 @@ double potential(const VoxelData<double>& v, const Eigen::VectorXd& load, const 
   return energy.elastic + energy.hourglass - load.dot(u);
 }
 
-/// Newton's method from F = `start` for the state that carries the nominal stress P as dead loads
-/// on its faces. Gives the F it ends in.
+/// Newton's method from F = `start` for the equilibrium with the nominal stress P as dead loads on
+/// the faces. Returns the F of that state.
 Mat3<double> loaded(const VoxelData<double>& v, const Mat3<double>& P, const Mat3<double>& start,
                     const std::map<int, double>& held) {
+  // the start, and the loads on the corners of each face
   Eigen::VectorXd u = Eigen::VectorXd::Zero(24), load = u, g, trial_g;
   for (int k = 0; k < 24; ++k)
     for (int i = k % 3, j = 0; j < 3; ++j) {
@@ -51,6 +52,7 @@ Mat3<double> loaded(const VoxelData<double>& v, const Mat3<double>& P, const Mat
     }
   double corner[3][8];
   double value = potential(v, load, u, corner, g);
+  // a step is halved until the potential falls
   for (int k = 0; k < 60; ++k) {
     const Tangent<double> tangent = voxel_tangent<true>(v, corner);
     const Eigen::MatrixXd K = test::corner_matrix(
@@ -64,6 +66,7 @@ Mat3<double> loaded(const VoxelData<double>& v, const Mat3<double>& P, const Mat
       break;
     }
   }
+  // F from the edges at corner 0
   Mat3<double> F;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) F(i, j) = (u(3 * (1 << j) + i) - u(i)) / kH + (i == j);

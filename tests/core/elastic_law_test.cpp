@@ -100,6 +100,7 @@ TEST(ElasticLaw, PsiIsTheTextbookEnergy) {
 }
 
 TEST(ElasticLaw, GradientAndHessianAreDerivativesAlsoWhereTheLawIsContinuedOrInverted) {
+  // apart, equal, flat, inverted and nearly collapsed
   const double samples[][3] = {{1.3, 0.9, 0.7},    {2, 1.1, 0.6},     {1, 1, 1},
                                {1.2, 1.2, 0.06},   {1.5, 0.3, 0.05},  {1.4, 0.8, -0.5},
                                {0.05, 0.04, 0.03}, {1.1, 0.9, -0.01}, {3, 2, 1.7}};
@@ -109,6 +110,7 @@ TEST(ElasticLaw, GradientAndHessianAreDerivativesAlsoWhereTheLawIsContinuedOrInv
     for (const auto& s : samples) {
       SCOPED_TRACE(concat(law_name(kind), " at ", s[0], ", ", s[1], ", ", s[2]));
       const Response<double> r = elastic_response<true>(law, s);
+      // central differences along each stretch
       for (int j = 0; j < 3; ++j) {
         double up[3] = {s[0], s[1], s[2]}, down[3] = {s[0], s[1], s[2]};
         up[j] += d, down[j] -= d;
@@ -255,7 +257,7 @@ TEST(ElasticLaw, OgdenWithoutExponentIsHencky) {
 }
 
 TEST(ElasticLaw, PackOfFloatKeepsItsDigitsNearRest) {
-  // the same stretches, given in float, in both formats: what is left is rounding in the law
+  // stretches given in float, evaluated in both formats: the difference is rounding in the law
   std::mt19937_64 random(2);
   std::uniform_real_distribution<float> unit(-1, 1);
   for (const Law kind : kLaws)

@@ -87,7 +87,7 @@ TEST(Gmres, SaysWhereItBreaksDown) {
   EXPECT_EQ(solve(shift, b, x, 1e-10, 8).stop, KrylovStop::kConverged);
   EXPECT_LT((shift * x - b).norm(), 1e-14);
 
-  // singular, with a right-hand side out of reach; what can be solved is
+  // singular matrices with a right-hand side out of their range; x stays finite
   Matrix singular = Matrix::Identity(4, 4);
   singular(3, 3) = 0;
   b = Vector::Ones(4);

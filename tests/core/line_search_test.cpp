@@ -9,10 +9,10 @@
 namespace elastogen {
 namespace {
 
-/// Trials of f(a) = -a + k a^2/2, whose shares are written down.
+/// f(a) = -a + k a^2/2, which records the shares that are tried.
 struct Quadratic {
   double k;
-  double cut = 1;  // what is left of the first trial
+  double cut = 1;  // share that remains of the first trial
   std::vector<double> shares = {};
 
   LineTrial operator()(double share, int halvings) {

@@ -124,12 +124,14 @@ TEST(Pcg, EndsAtTheEdgeOfItsRadiusWithTheValueOfTheModel) {
         [] { return false; }, {.radius = radius});
   };
   const auto length = [&](const Eigen::VectorXd& x) { return std::sqrt(x.dot(M.cwiseProduct(x))); };
+  // length of the solution without a bound
   Eigen::VectorXd x;
   solve_within(definite, PcgScalars::kUnbounded, x);
   const double whole = length(x);
   for (const double share : {0.1, 0.5, 0.9, 1.1, 10.0})
     for (const Eigen::SparseMatrix<double>* matrix : {&definite, &std::as_const(A)}) {
       const PcgResult result = solve_within(*matrix, share * whole, x);
+      // only a definite matrix has its minimum within a larger radius
       const bool edge = share < 1 || matrix == &A;
       EXPECT_EQ(result.end.at_edge, edge) << share;
       EXPECT_NEAR(length(x), (edge ? share : 1) * whole, 1e-9 * whole);

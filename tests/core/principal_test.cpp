@@ -106,6 +106,7 @@ TEST(Principal, StressAndHessianPassTheTaylorTest) {
     for (const double sign : {1.0, -1.0}) {
       Remainder coarse{}, middle{}, fine{};
       double best = 0;
+      // remainders of Taylor's formula, summed over random states and directions
       for (int k = 0; k < 200; ++k) {
         const Mat3<double> F = test::stretched(1.6, 1.0, sign * 0.6, random);
         const Mat3<double> dF = test::gaussian(random);
@@ -116,6 +117,7 @@ TEST(Principal, StressAndHessianPassTheTaylorTest) {
         add(coarse, 1e-3), add(middle, 1e-4), add(fine, 1e-5);
         best = std::max(best, remainder(law, F, dF, 1e-6).P / test::norm(point(law, F).P));
       }
+      // both fall with the square of the step, down to rounding
       SCOPED_TRACE(law_name(kind));
       EXPECT_NEAR(std::log10(coarse.psi / middle.psi), 2, 0.1);
       EXPECT_NEAR(std::log10(middle.psi / fine.psi), 2, 0.1);
@@ -242,6 +244,7 @@ TEST(Principal, PacksOfFloatAgreeWithDouble) {
   for (const Law kind : kLaws) {
     const auto low = parameters<float>(kind, 1, 0.4);
     const LawParameters<double> high{kind, low.mu, low.lambda};
+    // a pack of different states, with one direction in all lanes
     for (int k = 0; k < 300; ++k) {
       Mat3<float> F[kLanes];
       for (Mat3<float>& f : F) f = test::cast<float>(test::stretched_within(0.6, 1.5, random));
@@ -250,6 +253,7 @@ TEST(Principal, PacksOfFloatAgreeWithDouble) {
       std::fill(same, same + kLanes, dF);
       const Point<Pack<float>> p = point(low, test::packed(F));
       const Mat3<Pack<float>> dP = apply(p.hessian, p.svd, test::packed(same));
+      // each lane against the law in double
       for (int lane = 0; lane < kLanes; ++lane) {
         const Point<double> exact = point(high, test::cast<double>(F[lane]));
         ASSERT_NEAR(p.r.psi[lane], exact.r.psi, 1e-5);

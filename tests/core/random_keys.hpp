@@ -9,7 +9,7 @@
 
 namespace elastogen::test {
 
-/// Numbers of that many bits, the same every time; of few bits many are equal.
+/// Numbers with this many bits, equal in every run; with few bits many of them are equal.
 template <class Key>
 std::vector<Key> random_keys(int64_t count, int bits) {
   std::mt19937_64 random(5);

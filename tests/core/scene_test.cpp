@@ -128,20 +128,24 @@ TEST(Scene, InconsistentScenesAreRejected) {
     change(scene);
     EXPECT_THROW(finish_scene(scene), Error) << what;
   };
+  // the scene itself is accepted
   Scene copy = good;
   EXPECT_NO_THROW(finish_scene(copy));
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  // the grid
   expect_rejected("empty grid", [](Scene& s) { s.grid = VoxelGrid{}; });
   expect_rejected("edge", [](Scene& s) { s.grid.h = 0; });
   expect_rejected("fill", [](Scene& s) { s.grid.fill = Array<double>(1); });
   expect_rejected("shape means", [](Scene& s) { s.grid.shape_mean = Array<double>(24, 7); });
   expect_rejected("node table", [](Scene& s) { s.grid.voxels = Array<int32_t>(3, 8); });
+  // materials and pins
   expect_rejected("material of voxels", [](Scene& s) { s.material = Array<int32_t>(5); });
   expect_rejected("material index", [](Scene& s) { s.material(7) = 2; });
   expect_rejected("negative index", [](Scene& s) { s.material(7) = -1; });
   expect_rejected("no material", [](Scene& s) { s.materials.clear(); });
   expect_rejected("bad material", [](Scene& s) { s.materials[1].poisson = 0.5; });
   expect_rejected("pins", [](Scene& s) { s.pinned = Array<uint8_t>(5); });
+  // time, gravity and colliders
   expect_rejected("time step", [](Scene& s) { s.dt = 0; });
   expect_rejected("time step", [](Scene& s) { s.dt = kNan; });
   expect_rejected("gravity", [](Scene& s) { s.gravity[1] = kNan; });
@@ -183,6 +187,7 @@ TEST(State, PinnedNodesStandStillAndAnUnfinishedSceneIsRejected) {
 
 TEST(Scene, RefusesBrokenNumbersAndIndices) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
+  // a finished scene with contact points is spoilt and finished again
   const auto refused = [](const std::function<void(Scene&)>& change) {
     Scene scene = border_scene(0);
     scene.surface.voxel = Array<int32_t>(2);
@@ -193,6 +198,7 @@ TEST(Scene, RefusesBrokenNumbersAndIndices) {
     change(scene);
     EXPECT_THROW(finish_scene(scene), Error);
   };
+  // numbers that are not finite
   for (const double bad : {nan, HUGE_VAL, -HUGE_VAL}) {
     refused([&](Scene& s) { s.grid.fill(1) = bad; });
     refused([&](Scene& s) { s.grid.shape_mean(1, 2) = bad; });
@@ -202,9 +208,11 @@ TEST(Scene, RefusesBrokenNumbersAndIndices) {
     refused([&](Scene& s) { s.surface.area(1) = bad; });
     refused([&](Scene& s) { s.surface.position(1, 2) = bad; });
   }
+  // values without a meaning
   refused([](Scene& s) { s.grid.fill(1) = 0; });
   refused([](Scene& s) { s.grid.h = 1e-310; });  // no mass is left
   refused([](Scene& s) { s.surface.area(1) = -1; });
+  // indices out of range
   for (const int index : {-2, 1000}) {
     refused([&](Scene& s) { s.grid.corners(1, 2) = index; });
     refused([&](Scene& s) { s.grid.voxels(1, 2) = index; });

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Spectra of assembled operators: what one deformation gradient a voxel does not see on a clamped
-// box, and the element bound on Jacobi's iteration with the strain-variance term.
+// Spectra of assembled operators: modes that one deformation gradient per voxel does not see on a
+// clamped box, and the element bound on Jacobi's iteration with the strain-variance term.
 
 #include "tests/support/eigenvalues.hpp"
 #include "tests/support/element_assembly.hpp"
@@ -73,6 +73,7 @@ VoxelGrid porous_grid() {
 SparseMatrix scalar_operator(const VoxelGrid& grid, double kappa) {
   Eigen::Matrix<double, 8, 8> element;
   const double weight[4] = {kappa, kappa, kappa, kappa}, none[7] = {};
+  // the element matrix, column by column
   for (int col = 0; col < 8; ++col) {
     double p[8] = {}, f[8] = {}, d[3], q[4], slope[4];
     p[col] = 1;
@@ -86,6 +87,7 @@ SparseMatrix scalar_operator(const VoxelGrid& grid, double kappa) {
     hex8::to_corners(f);
     for (int row = 0; row < 8; ++row) element(row, col) = f[row];
   }
+  // assembled with the fills as weights
   std::vector<Eigen::Triplet<double>> entries;
   for (int64_t v = 0; v < grid.voxel_count(); ++v)
     for (int row = 0; row < 8; ++row)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files of tensors: what is written is read, what was changed is refused with a sentence.
+// Files of tensors: written files are read, changed files are refused with a sentence.
 
 #include "core/tensor_file.hpp"
 
@@ -21,7 +21,7 @@ TensorFile sample() {
   return file;
 }
 
-/// Bytes whose seal fits whatever stands before it.
+/// Bytes with a seal that fits them.
 std::string sealed(std::string bytes) {
   bytes.resize(bytes.size() - 32);
   const Sha256 seal = sha256(bytes);

@@ -48,7 +48,7 @@ TEST(TimeScheme, Bdf2HasTheAmplitudeAndFrequencyOfItsClosedForm) {
   for (const double omega_dt : {0.01, 0.1, 0.5, 1.0}) {
     const StepScheme bdf2{TimeScheme::kBdf2, 0.01, 2.25};
     const Complex root = (2.0 + std::sqrt(Complex(1, 2 * omega_dt))) / Complex(3, -2 * omega_dt);
-    // x + i v/omega turns the other way than the root
+    // x + i v/omega turns in the opposite sense to the root
     const double omega = omega_dt / bdf2.dt, real = std::real(root), imaginary = -std::imag(root);
     Oscillator point{omega, real, imaginary * omega, 1, 0};
     for (int n = 2; n <= 200; ++n) {
@@ -114,7 +114,7 @@ TEST(TimeScheme, SecondExtrapolationFollowsAParabolaExactly) {
   EXPECT_NEAR(extrapolated_motion(euler, 2, mean, mean_before), way, 1e-14);
   const double v = 2 - 9.81 * 2 * dt, v_before = 2 - 9.81 * dt;
   EXPECT_NEAR(extrapolated_motion(bdf2, 2, v, v_before), way, 1e-14);
-  // the first misses what a force brings in a step
+  // the first order misses the effect of a force during a step
   EXPECT_NEAR(extrapolated_motion(bdf2, 1, v, v_before), way + 9.81 / 2 * dt * dt, 1e-14);
 }
 

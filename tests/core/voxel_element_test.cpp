@@ -222,6 +222,7 @@ TEST(VoxelElement, PacksOfFloatDoWhatScalarsOfDoubleDo) {
   Random random(8);
   for (const Law law : test::kLaws) {
     const VoxelData<double> v = voxel(law, Hourglass::kFull, true, random);
+    // one voxel in all lanes, with other displacements in each
     VoxelData<Pack<float>> p{};
     using P = Pack<float>;
     p.law = {law, float(v.law.mu), float(v.law.lambda)};
@@ -237,6 +238,7 @@ TEST(VoxelElement, PacksOfFloatDoWhatScalarsOfDoubleDo) {
         for (int c = 0; c < 8; ++c) packed[i][c][lane] = float(u[lane][i][c]);
     }
     const VoxelEnergy<P> energy = voxel_energy<true>(p, packed, f);
+    // each lane against the scalar in double
     for (int lane = 0; lane < kLanes; ++lane) {
       double exact[3][8];
       const VoxelEnergy<double> reference = voxel_energy<true>(v, u[lane], exact);

@@ -28,7 +28,7 @@ Denoiser::Layers some_layers() {
 
 const FeatureScale kScale = {{1, 2, 3}, {0.5f, 1, 4}};
 
-/// The same by loops, in double.
+/// The net by loops, in double.
 std::vector<double> by_loops(const std::vector<float>& x, int t, const std::vector<float>& f) {
   std::vector<double> a(x.begin(), x.end());
   for (int k = 0; k < 32; ++k) a.push_back(std::sin(t / std::pow(10000.0, 2 * k / 64.0)));

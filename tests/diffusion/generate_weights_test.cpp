@@ -31,7 +31,7 @@ WeightCodec some_codec(const WeightDataset& data) {
   return {data.layers, metric, kComponents};
 }
 
-/// A denoiser that says b whatever it sees.
+/// A denoiser that returns b for any input.
 Denoiser constant_denoiser(const std::vector<float>& b) {
   const DenoiserSizes sizes{kComponents, kMaterialFeatures, 4};
   Denoiser::Layers layers;
@@ -129,7 +129,7 @@ TEST(WeightGenerator, IsTheSameFromAFile) {
         << name_of(start);
 }
 
-/// What a file is refused with; empty if it is taken.
+/// The message that refuses a file; empty if it is accepted.
 std::string refusal(const TensorFile& file) {
   try {
     WeightGenerator(file, "g.tensors");
@@ -144,6 +144,7 @@ std::string refusal(const TensorFile& file) {
 TEST(WeightGenerator, RefusesFilesThatLackSomethingOrHaveItInAnotherShape) {
   const TensorFile whole = with_denoiser(std::vector<float>(kComponents)).file();
   ASSERT_EQ(refusal(whole), "");
+  // each tensor: missing, or larger
   for (size_t k = 0; k < whole.tensors.size(); ++k) {
     TensorFile file = whole;
     file.tensors.erase(file.tensors.begin() + int64_t(k));
@@ -153,6 +154,7 @@ TEST(WeightGenerator, RefusesFilesThatLackSomethingOrHaveItInAnotherShape) {
     file.tensors[k].values.resize(file.tensors[k].values.size() * 2);
     EXPECT_NE(refusal(file), "") << whole.tensors[k].name;
   }
+  // each text: with another value, or missing
   for (const auto& [name, value] : whole.text) {
     if (name == "generator.hidden") continue;
     for (const char* other : {"0", "-1", "7", "1000000000", "x", ""}) {

@@ -89,7 +89,7 @@ TEST(MakeDataset, FitsTheMaterialsOfTheFamilyAndStatesTheirErrors) {
     EXPECT_EQ(made.data.errors(n, 2), report.stress_max);
     EXPECT_EQ(made.data.errors(n, 3), report.tangent_p99);
     EXPECT_EQ(made.data.passes(n), report.passes());
-    // no worse than from zero with twelve iterations, but for what rounding to floats takes
+    // no worse than from zero with twelve iterations, apart from the rounding to floats
     EXPECT_LT(made.data.rms[size_t(n)], 1);
     EXPECT_GT(made.data.iterations[size_t(n)], 0);
   }

@@ -51,6 +51,7 @@ TEST(MaterialFamily, StaysWithinItsRanges) {
   for (uint64_t n = 0; n < kMany; ++n) {
     const FitMaterial material = family_material(9, n);
     EXPECT_TRUE(material.poisson >= 0 && material.poisson <= 0.495) << material.name;
+    // weights above 0, each law once, shapes within their ranges
     double sum = 0;
     std::set<Law::Kind> here;
     for (const LawTerm& term : material.terms) {
@@ -71,6 +72,7 @@ TEST(MaterialFamily, StaysWithinItsRanges) {
     EXPECT_NEAR(sum, 1, 1e-9);
     kinds.insert(here.begin(), here.end());
   }
+  // all laws occur
   EXPECT_EQ(kinds.size(), 8u);
 }
 

@@ -23,10 +23,12 @@ TEST(StartFit, ReportsTheNetsOfFitsThatEndThere) {
   judged.strains = 128;
   const std::vector<float> start(128, 0.01f);
   constexpr int kIterations[] = {0, 2, 5, 200};
+  // one fit, reported after 0, 2, 5 and more iterations than it makes
   const std::vector<StartFit> fits =
       fit_from(LastLayer(hidden, few_strains(12)), hidden, material, start, kIterations, judged);
   ASSERT_EQ(fits.size(), 4u);
   EXPECT_EQ(fits[0].layer, start);
+  // each report is that of a fit that ends there
   for (size_t k = 0; k < 4; ++k) {
     std::vector<float> weights = hidden;
     std::copy(start.begin(), start.end(), weights.end() - kMtlLast);

@@ -19,7 +19,7 @@ namespace {
 
 constexpr size_t kUserBlock = 512, kHashAt = 27;
 
-/// Puts the right hash over what follows the user block, as whoever means harm would.
+/// Puts the right hash over the bytes behind the user block, as an attacker would.
 std::string sealed(std::string bytes) {
   const std::string digits = hex(sha256(std::string_view(bytes).substr(kUserBlock)));
   std::copy(digits.begin(), digits.end(), bytes.begin() + kHashAt);
@@ -43,7 +43,7 @@ std::string changed(const std::string& bytes, const std::function<void(hid_t)>& 
   return sealed(std::move(image));
 }
 
-/// What a file is refused with.
+/// The message that refuses a file.
 std::string refusal(const std::string& bytes) {
   try {
     decode_dataset(bytes, "d.h5");
@@ -128,11 +128,13 @@ TEST(WeightDataset, RefusesEveryShortenedFileAndEveryFlippedByte) {
 
 TEST(WeightDataset, RefusesArraysThatAreNotWhatTheyShouldBe) {
   const std::string bytes = encode_dataset(test::some_dataset(3));
+  // a changed array under a valid seal
   const auto expect = [&](const char* what, const std::function<void(hid_t)>& change) {
     const std::string message = refusal(changed(bytes, change));
     EXPECT_NE(message.find(what), std::string::npos) << what << ": " << message;
     EXPECT_EQ(message.find("d.h5: "), 0u) << message;
   };
+  // missing arrays and wrong sizes
   expect("no array 'layers'", [](hid_t f) { H5Ldelete(f, "layers", H5P_DEFAULT); });
   expect("'poisson' must have 1", [](hid_t f) { put_doubles(f, "poisson", {0}, 0); });
   expect("'poisson' must have 1", [](hid_t f) { put_doubles(f, "poisson", {3, 1}, 0.1); });
@@ -142,6 +144,7 @@ TEST(WeightDataset, RefusesArraysThatAreNotWhatTheyShouldBe) {
   expect("'rms' is of another type", [](hid_t f) {
     put<int>(f, "rms", H5T_NATIVE_INT, H5T_STD_I32LE, {3}, {1, 2, 3});
   });
+  // wrong values
   expect("number 0 of 'rms' is not finite", [](hid_t f) { put_doubles(f, "rms", {3}, NAN); });
   expect("negative", [](hid_t f) { put_doubles(f, "rms", {3}, -1); });
   expect("features of material 0", [](hid_t f) { put_doubles(f, "features", {3, 15}, 0.5); });

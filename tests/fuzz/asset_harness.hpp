@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What holds for every asset that a reader gives, and for every reader: the same bytes give the
-// same asset or the same sentence, and what passes the gate can be posed and made a body of, or is
+// Properties of every asset that a reader returns, and of every reader: equal bytes give equal
+// assets or equal sentences, and an asset that passes the check can be posed and made a body, or is
 // refused as an asset.
 
 #pragma once
@@ -26,7 +26,7 @@ std::string_view bytes_of(const std::vector<T>& values) {
   return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
 }
 
-/// Everything that a reader says, to the bit.
+/// All data that a reader returns, to the bit.
 inline std::string fingerprint(const Asset& asset) {
   std::string all = encode_asset(asset);
   for (const Mesh& mesh : asset.meshes) {
@@ -74,9 +74,9 @@ inline void check_sized(const Asset& asset, double size) {
   }
 }
 
-/// Whether a body is made of it. A shell of points or splats takes OpenVDB a second under the
-/// sanitizers, a reader a millisecond: one in 64 is enough, chosen by what was read, so that an
-/// input that fails fails again.
+/// Whether to make a body of the asset. OpenVDB needs a second for a shell of points or splats
+/// under the sanitizers, a reader a millisecond: one asset in 64 is enough, chosen by its content,
+/// so that an input that fails fails again.
 inline bool is_worth_a_body(const Asset& asset) {
   return !(asset.points || asset.splats) || std::hash<std::string>{}(fingerprint(asset)) % 64 == 0;
 }
@@ -87,7 +87,7 @@ inline void check_ply_frame(const Asset& asset) {
   const FileOrder order = file_order(asset, surface);
   PlyMesh ply("fuzz.ply", asset, surface, order);
   const std::string header = ply.header();
-  if (header.size() > 60000) return;  // the reader takes 64 KiB
+  if (header.size() > 60000) return;  // the reader accepts 64 KiB
   const Array<double> still(surface.vertices.rows(), 3);
   const Asset back = parse_ply(
       concat("ply\nformat binary_little_endian 1.0\n", header, "end_header\n", ply.body(still)),
@@ -99,7 +99,7 @@ inline void check_ply_frame(const Asset& asset) {
   require(corners == size_t(surface.triangles.size()), "a frame has the triangles of the asset");
 }
 
-/// What follows a reader in the command.
+/// The steps that follow a reader in the command.
 inline void check_read(Asset asset) {
   try {
     check_asset(asset);
@@ -114,7 +114,7 @@ inline void check_read(Asset asset) {
 }
 
 /// @param read  gives an asset or throws.
-/// @return what it gave, as one text.
+/// @return the asset or the message, as one text.
 template <class Read>
 std::string answer(const Read& read) {
   try {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What elastogen-reader does in its child, without its limits: the first byte chooses one of
-// FUZZ_FORMATS. A crash here is a library's, and ends only the child there. As there, a library may
-// throw anything; what it gives must survive the pipe.
+// The reading of elastogen-reader without its limits: the first byte chooses one of FUZZ_FORMATS. A
+// crash here is a library's; in the command it ends only the reader's process. A library may throw
+// anything, as in the reader; the asset that it returns must survive the pipe.
 
 #include "io/asset_stream.hpp"
 #include "reader/assimp_reader.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the harnesses share: a property that does not hold ends the process, and a folder of their
-// own for readers that take a path.
+// Shared by the harnesses: a property that does not hold ends the process; and a folder for readers
+// that need a path.
 
 #pragma once
 
@@ -28,7 +28,7 @@ inline void require_kind(const Error& error, ErrorKind kind) {
   require(error.kind() == kind, concat("an error of the wrong kind: ", error.what()));
 }
 
-/// A folder of this process, gone with it.
+/// A folder of this process, removed with it.
 class Folder {
  public:
   Folder() : path_(concat("/dev/shm/elastogen-fuzz-", ::getpid())) {

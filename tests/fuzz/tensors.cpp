@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bytes as a file of tensors, sealed here, so that what lies behind the seal is reached.
+// Bytes as a file of tensors, sealed here, so that the code behind the check of the seal is
+// reached.
 
 #include "core/tensor_file.hpp"
 #include "tests/fuzz/harness.hpp"

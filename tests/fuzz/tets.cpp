@@ -16,12 +16,14 @@ namespace {
 
 void check_mesh_of(const tets::TetFile& file, const ElementMesh& mesh) {
   using fuzz::require;
+  // elements and their regions
   const int64_t count = mesh.elements.rows();
   require(count > 0 && mesh.elements.cols() == (mesh.element == Element::kTet10 ? 10 : 4),
           "there are tetrahedra");
   require(mesh.material.rows() == count && file.region.rows() == count, "each has a region");
   for (int64_t k = 0; k < mesh.rest.size(); ++k)
     require(std::isfinite(mesh.rest.data()[k]), "nodes are finite");
+  // corners are nodes, volumes are positive, every node is used
   std::vector<bool> used(size_t(mesh.rest.rows()));
   for (int64_t e = 0; e < count; ++e) {
     require(size_t(file.region(e)) < file.region_ids.size(), "each has a region that is there");
@@ -36,6 +38,7 @@ void check_mesh_of(const tets::TetFile& file, const ElementMesh& mesh) {
             "volumes are positive");
   }
   for (const bool is_used : used) require(is_used, "nodes are used");
+  // the surface
   const Array<int32_t> surface = outer_triangles(mesh);
   for (int64_t k = 0; k < surface.size(); ++k)
     require(size_t(surface.data()[k]) < used.size(), "the surface has nodes that are there");

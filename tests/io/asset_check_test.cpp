@@ -104,8 +104,8 @@ TEST(AssetCheck, NormalsAreMadeOfLengthOne) {
   normal.assign(8, {0, 0.6f, 0.8f});
   normal[1] = {0, 3, 4};
   normal[2] = {0, 0, 1e-30f};
-  normal[3] = {0, 0, -1.005f};  // within what is not worth a word, but put right
-  // of a corner of a cube by area, whatever way its squares are cut: 2 : 2 : 2 or 1 : 2 : ...
+  normal[3] = {0, 0, -1.005f};  // not reported, but corrected
+  // the mean by area at a cube's corner, however its squares are cut: 2 : 2 : 2 or 1 : 2 : ...
   normal[0] = {0, 0, 0};
   normal[6] = {0, -0.f, 0};
   Asset twice = asset;
@@ -159,7 +159,7 @@ TEST(AssetCheck, TexturesWithoutCoordinatesAreDroppedAndSaid) {
   EXPECT_TRUE(asset.materials[2].texture.empty());
   EXPECT_EQ(asset.materials[0].texture, "skin.png");
 
-  // no copy of what nothing else shows
+  // a material that nothing else shows is not copied
   asset = cube();
   asset.materials.push_back({"skin", {1, 0.5f, 0.25f, 1}, "skin.png"});
   asset.meshes[0].groups[0].material = 0;

@@ -42,9 +42,11 @@ Asset sample() {
 
 TEST(AssetStream, CarriesEveryMember) {
   const Asset from = sample(), to = decode_asset(encode_asset(from), "a.fbx");
+  // axes and unit
   EXPECT_EQ(to.path, "a.fbx");
   EXPECT_EQ(to.up, from.up);
   EXPECT_EQ(to.unit, from.unit);
+  // meshes
   ASSERT_EQ(to.meshes.size(), 2u);
   const Mesh &a = from.meshes[0], &b = to.meshes[0];
   EXPECT_EQ(b.name, a.name);
@@ -57,11 +59,13 @@ TEST(AssetStream, CarriesEveryMember) {
   EXPECT_EQ(b.groups[1].material, -1);
   EXPECT_EQ(b.groups[1].corner, a.groups[1].corner);
   EXPECT_EQ(to.meshes[1].name, "empty");
+  // points
   ASSERT_TRUE(to.points);
   EXPECT_EQ(to.points->position, from.points->position);
   EXPECT_EQ(to.points->normal, from.points->normal);
   EXPECT_EQ(to.points->colour, from.points->colour);
   EXPECT_FALSE(decode_asset(encode_asset(Asset()), "a.fbx").points);
+  // nodes, materials and findings
   ASSERT_EQ(to.nodes.size(), 2u);
   EXPECT_EQ(to.nodes[1].name, "child");
   EXPECT_EQ(to.nodes[1].parent, 0);

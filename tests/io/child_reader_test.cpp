@@ -123,7 +123,7 @@ TEST(ChildReader, TexturesOutsideTheFolderAreDropped) {
 TEST(ChildReader, HostileXmlEndsInAMeshOrASentence) {
   const TempFolder folder;
   test::DaeOptions dae;
-  // entities are not expanded, whatever they would grow to
+  // entities are not expanded, however large they would grow
   dae.doctype = "<!DOCTYPE l [<!ENTITY a0 'lol'>";
   for (int k = 1; k < 10; ++k) {
     std::string ten;
@@ -273,6 +273,7 @@ TEST(ChildReader, RealFilesHaveTheirCountsAndSizes) {
       {"formats/unicode_7400.fbx", 12, {200, 200, 200}, 0.01, 8e6},
       {"generators/tripo_carrot.fbx", 49998, {88.2, 200, 77.6}, 0.01, 0},
   };
+  // triangles, unit, box and volume of each
   for (const RealFile& f : files) {
     const Asset asset = read_asset(folder + f.name);
     const Surface surface = pose_surface(asset);
@@ -286,6 +287,7 @@ TEST(ChildReader, RealFilesHaveTheirCountsAndSizes) {
       EXPECT_NEAR(mesh.volume / (f.volume * std::pow(f.unit, 3)), 1, 0.01) << f.name;
     }
   }
+  // findings and refusals
   EXPECT_TRUE(has_finding(read_asset(folder + "generators/tripo_carrot.fbx"), "skins"));
   expect_says(error_of([&] { read_asset(folder + "formats/unicode_6100.fbx"); }),
               "FBX older than 7.1; re-save it as FBX 7.4 binary or glTF");

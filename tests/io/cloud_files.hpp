@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bytes of point and splat files for tests, and what every reader owes to damaged ones.
+// Bytes of point and splat files for tests, and checks of readers on damaged ones.
 
 #pragma once
 

@@ -38,7 +38,7 @@ Measure measured(const ColliderMesh& mesh) {
   return m;
 }
 
-/// Every edge has a triangle on both sides, vertices of one place taken as one.
+/// Every edge has a triangle on both sides; vertices of one place count as one.
 void expect_closed(const ColliderMesh& mesh) {
   std::map<Vec3, int> place;
   std::map<std::pair<int, int>, int> used;

@@ -26,7 +26,7 @@ inline Asset cube(double a = 1, const Vec3& o = {}) {
   return asset;
 }
 
-/// Of its one group of triangles.
+/// Corners of its only group of triangles.
 inline std::vector<int32_t>& corners(Asset& asset) {
   return asset.meshes[0].groups[0].corner;
 }

@@ -26,7 +26,7 @@ inline std::string fbx_text(int up, double unit) {
       " }\n}\nConnections:  {\n C: \"OO\",2000,0\n C: \"OO\",1000,2000\n}\n");
 }
 
-/// What of a DAE file is not as usual.
+/// Parts of a DAE file that differ from the usual.
 struct DaeOptions {
   std::string doctype;  ///< before the root element
   std::string unit = "1", up = "Y_UP";
@@ -47,10 +47,12 @@ inline std::string dae_material(const std::string& texture) {
 }
 
 inline std::string dae_text(const DaeOptions& o = {}) {
+  // a texture needs its material bound to the mesh
   const std::string bind = o.texture.empty()
                                ? ""
                                : "<bind_material><technique_common><instance_material symbol='M' "
                                  "target='#m'/></technique_common></bind_material>";
+  // asset, material, geometry and the node that shows it
   return "<?xml version='1.0'?>" + o.doctype +
          "<COLLADA xmlns='http://www.collada.org/2005/11/COLLADASchema' version='1.4.1'><asset>"
          "<unit name='u' meter='" +

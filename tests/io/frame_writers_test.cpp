@@ -276,7 +276,7 @@ TEST(PlyWriter, SaysHowManySplatsWereHeldBack) {
   expect_says(Ply(folder.path("out_00000.ply")).header, "stretches of 1 splats");
 }
 
-/// A cube of eight voxels, stretched, and what the file says of it.
+/// A cube of eight voxels, stretched, and the contents of its file.
 class VtuWriterTest : public ::testing::Test {
  protected:
   VtuWriterTest() {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What programs need of an animated GLB beside what the format asks for.
+// Needs of programs that play an animated GLB, beyond what the format requires.
 #include "io/animation_writer.hpp"
 #include "io/asset_pose.hpp"
 #include "io/morph_targets.hpp"
@@ -30,6 +30,7 @@ TEST_F(GlbClients, ANodeThatPlaysHasNoMeshBelowIt) {
   const Surface surface = pose_surface(asset);
   const GlbFile file = animate(asset, surface, {});
   const Json& nodes = file.document["nodes"];
+  // no node that plays has a mesh below it: node 0 hands its mesh to a child
   std::set<size_t> played, meshes;
   for (const Json& channel : file.document["animations"][0]["channels"])
     played.insert(channel["target"]["node"].get<size_t>());
@@ -39,6 +40,7 @@ TEST_F(GlbClients, ANodeThatPlaysHasNoMeshBelowIt) {
   std::set<std::string> names;
   for (const Json& node : nodes) names.insert(node["name"].get<std::string>());
   EXPECT_EQ(names.size(), nodes.size());
+  // each has a mesh of its own with targets, extras and an empty material
   for (const size_t n : played) {
     const Json& mesh = file.mesh_of(n);
     EXPECT_TRUE(meshes.insert(nodes[n]["mesh"].get<size_t>()).second);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Clips of small assets as GLB, and what they show.
+// Clips of small assets as GLB files, and the motion that these show.
 
 #pragma once
 
@@ -39,7 +39,7 @@ class GlbClip : public ::testing::Test {
   }
   Asset read(const Builder& builder) { return read_gltf(folder.write("a.glb", builder.file())); }
 
-  /// Largest distance between the waves and what the file shows, in the world and metres [m].
+  /// Largest distance between the waves and the motion in the file, in the world [m].
   double shown_error(const GlbFile& file, const Asset& asset, const Surface& surface);
 
   test::TempFolder folder;
@@ -60,10 +60,12 @@ inline double GlbClip::shown_error(const GlbFile& file, const Asset& asset,
     const size_t node = shown_by(file, instance.node);
     const Rows weights = file.weights(node);
     EXPECT_EQ(weights.size(), size_t(kFrames));
+    // the motion of each frame, against the targets with their weights
     for (int t = 0; t < kFrames; ++t) {
       const Array<double> expected = wave(surface, t);
       std::map<size_t, int64_t> first;  // of each POSITION accessor
       int64_t next = instance.first_vertex;
+      // primitives may share the vertices of one accessor
       for (const Json& primitive : file.mesh_of(node)["primitives"]) {
         const size_t accessor = primitive["attributes"]["POSITION"];
         const Rows d = file.moved(primitive, "POSITION", weights[size_t(t)]);

@@ -224,6 +224,7 @@ TEST_F(GlbWriter, TurnsNormalsWithTheBody) {
 TEST_F(GlbWriter, StatesBoundsAndTimes) {
   const Asset asset = read(instances());
   const GlbFile file = animate(asset, pose_surface(asset), {.fps = 24});
+  // bounds of every target
   for (const Json& mesh : file.document["meshes"]) {
     for (const Json& primitive : mesh["primitives"]) {
       for (const Json& target : primitive["targets"]) {
@@ -241,6 +242,7 @@ TEST_F(GlbWriter, StatesBoundsAndTimes) {
       }
     }
   }
+  // times of the frames
   const size_t input = file.document["animations"][0]["samplers"][0]["input"];
   const Rows times = file.floats(input);
   for (int t = 0; t < kFrames; ++t) EXPECT_EQ(times[size_t(t)][0], double(float(t / 24.0)));

@@ -207,6 +207,7 @@ TEST_F(GltfDraco, KeepsTwoStreamsOfOneAccessorApart) {
 }
 
 TEST_F(GltfDraco, RefusesWhatDoesNotFitItsAccessors) {
+  // one field is changed at a time
   const Packed packed = packed_square(2);
   const auto with = [&](const char* pointer, const Json& value) {
     Builder builder = file_of(packed);
@@ -218,6 +219,7 @@ TEST_F(GltfDraco, RefusesWhatDoesNotFitItsAccessors) {
   const auto in = [&](const char* field, const Json& value) {
     return with((extension + field).c_str(), value);
   };
+  // counts and types of accessors
   const std::string vertices = with("/accessors/0/count", 8);
   expect_says(vertices, "meshes[0] (\"square\").primitives[0]");
   Builder fewer = file_of(packed);
@@ -230,6 +232,7 @@ TEST_F(GltfDraco, RefusesWhatDoesNotFitItsAccessors) {
   expect_says(with("/accessors/0/componentType", 5130), "component type");
   expect_says(with((primitive + "/indices").c_str(), 99), "accessors[99] does not exist");
   expect_says(with((primitive + "/mode").c_str(), 1), "only triangles");
+  // views and the extension
   expect_says(with("/bufferViews/0/byteLength", 1u << 30), "packed bytes leave the buffer");
   expect_says(with("/bufferViews/0/byteOffset", uint64_t{1} << 52), "leave the buffer");
   expect_says(with("/bufferViews/0/buffer", 7), "no buffer 7");

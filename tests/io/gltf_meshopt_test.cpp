@@ -172,6 +172,7 @@ TEST_F(GltfMeshopt, RefusesParametersOutOfRange) {
         value;
     return refusal(builder);
   };
+  // vertices
   expect_says(with(0, "byteStride", 0), "multiple of 4 up to 256");
   expect_says(with(0, "byteStride", 6), "bufferViews[0]");
   expect_says(with(0, "byteStride", 260), "multiple of 4 up to 256");
@@ -189,11 +190,13 @@ TEST_F(GltfMeshopt, RefusesParametersOutOfRange) {
   expect_says(with(0, "byteOffset", UINT64_MAX - 7), "byteOffset");
   expect_says(with(0, "byteOffset", uint64_t{1} << 52), "leave the buffer");
   expect_says(with(0, "byteLength", 100000), "leave the buffer");
+  // indices
   expect_says(with(1, "byteStride", 8), "must be 2 or 4");
   expect_says(with(1, "count", 5), "multiple of 3");
   expect_says(with(1, "count", 2147483646u), "more than its bytes can hold");
   expect_says(with(1, "filter", "EXPONENTIAL"), "no filter");
   expect_says(with(1, "mode", "ATTRIBUTES"), "multiple of 4");
+  // an extension that is no object
   PackedBuilder builder = square();
   builder.document["bufferViews"][0]["extensions"]["EXT_meshopt_compression"] = 3;
   expect_says(refusal(builder), "must be an object");

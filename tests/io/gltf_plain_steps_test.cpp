@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Instances, morph weights and animations of a source: what is simulated and what the output keeps.
+// Instances, morph weights and animations of a source: which are simulated, which the output keeps.
 #include "tests/io/glb_clip.hpp"
 
 namespace elastogen {
@@ -142,6 +142,7 @@ TEST_F(GltfSteps, AnimationsOfWhatIsNotSimulatedAreKept) {
   Builder builder = triangle();
   const int times = builder.add<float>({0, 1}, "SCALAR", 5126, 2);
   const int places = builder.add_vectors({0, 0, 0, 0, 0, 5});
+  // a body between its parent and a camera
   builder.document["cameras"] = {
       {{"type", "perspective"}, {"perspective", {{"yfov", 1}, {"znear", 1}}}}};
   builder.document["nodes"] = {{{"name", "top"}, {"children", {1}}},
@@ -151,12 +152,14 @@ TEST_F(GltfSteps, AnimationsOfWhatIsNotSimulatedAreKept) {
   const auto channel = [](int used, int node) {
     return Json{{"sampler", used}, {"target", {{"node", node}, {"path", "translation"}}}};
   };
+  // channels of parent and camera, of the body, and broken ones
   builder.document["animations"] = {{{"name", "fly"},
                                      {"samplers", {sampler, sampler}},
                                      {"channels", {channel(0, 0), channel(1, 2)}}},
                                     {{"name", "jump"},
                                      {"samplers", {sampler}},
                                      {"channels", {channel(0, 1), channel(9, 2), channel(0, 7)}}}};
+  // only the camera's channel is kept
   const Asset asset = read(builder);
   ASSERT_TRUE(finding_of(asset, "animations"));
   EXPECT_EQ(finding_of(asset, "animations")->count, 4);
@@ -170,6 +173,7 @@ TEST_F(GltfSteps, AnimationsOfWhatIsNotSimulatedAreKept) {
 }
 
 TEST_F(GltfSteps, NormalsGetTheLengthOneInTheOutputToo) {
+  // triangles, strip and fan: one normal too long, one of length zero, one packed
   for (const int mode : {4, 5, 6}) {
     Builder builder = triangle();
     Json& primitive = builder.document["meshes"][0]["primitives"][0];
@@ -190,10 +194,12 @@ TEST_F(GltfSteps, NormalsGetTheLengthOneInTheOutputToo) {
     for (const std::vector<double>& n : file.floats(written))
       EXPECT_NEAR(std::hypot(n[0], n[1], n[2]), 1, 1e-6);
   }
+  // rounding stays as it is
   Builder rounded = triangle();
   rounded.document["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] =
       rounded.add_vectors({0, 0, 1.0004f, 0, 0, 1, 0, 0, 0.9996f});
   EXPECT_EQ(read(rounded).meshes[0].normal[0][2], 1.0004f);
+  // packed normals are mended but not counted
   Builder packed = triangle();
   packed.document["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] =
       packed.add_vectors({0, 0, 1.005f, 0, 0, 1, 0, 0, 0.995f});

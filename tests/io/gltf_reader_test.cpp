@@ -28,9 +28,11 @@ TEST_F(GltfReader, ReadsWhatTheFileHolds) {
   builder.document["meshes"][0]["name"] = "m";
   builder.document["meshes"][0]["primitives"][0]["material"] = 0;
   const Asset asset = read(builder);
+  // axes and unit of the standard
   EXPECT_EQ(asset.format, "glb");
   EXPECT_EQ(asset.up, 2);
   EXPECT_EQ(asset.unit, 1);
+  // the mesh
   ASSERT_EQ(asset.meshes.size(), 1u);
   const Mesh& mesh = asset.meshes[0];
   EXPECT_EQ(mesh.name, "m");
@@ -41,6 +43,7 @@ TEST_F(GltfReader, ReadsWhatTheFileHolds) {
   ASSERT_EQ(mesh.groups.size(), 1u);
   EXPECT_EQ(mesh.groups[0].corner, (std::vector<int32_t>{0, 1, 2}));
   EXPECT_EQ(mesh.groups[0].material, 0);
+  // material and node
   EXPECT_EQ(asset.materials[0].name, "skin");
   EXPECT_TRUE(asset.materials[0].double_sided);
   EXPECT_EQ(asset.materials[0].base_colour, (std::array<float, 4>{0.5f, 0.25f, 1, 0.75f}));
@@ -194,7 +197,7 @@ TEST_F(GltfReader, RefusesWhatItCannotRead) {
   expect_says(refusal(old), "version");
 }
 
-/// A change of the triangle's document and what the refusal must say.
+/// A change of the triangle's document and words of its refusal.
 struct Damage {
   const char* pointer;
   Json value;

@@ -13,6 +13,7 @@ namespace elastogen::test {
 
 /// 8-bit RGBA rows from the top as a PNG.
 inline std::string png_of(int width, int height, const std::vector<uint8_t>& rgba) {
+  // chunks with length and checksum
   const auto word = [](uint32_t v) {
     return std::string{char(v >> 24), char(v >> 16), char(v >> 8), char(v)};
   };
@@ -22,6 +23,7 @@ inline std::string png_of(int width, int height, const std::vector<uint8_t>& rgb
         crc32(0, reinterpret_cast<const Bytef*>(body.data()), static_cast<uInt>(body.size()));
     return word(uint32_t(data.size())) + body + word(uint32_t(check));
   };
+  // rows without a filter, deflated
   std::string raw;
   for (int y = 0; y < height; ++y) {
     raw += '\0';

@@ -76,12 +76,14 @@ TEST(LasReader, RefusesWhatCannotBe) {
   const std::string file = two_points();
   const std::string header14 = header_of(4, 3, 34, 0);
   const std::pair<std::string, std::string> cases[] = {
+      // headers
       {"", "has no LAS header"},
       {with(file, 0, uint8_t('X')), "has no LAS header"},
       {with(file, 24, uint8_t(2)), "LAS 2.2 is not read"},
       {with(file, 25, uint8_t(5)), "LAS 1.5 is not read"},
       {with(file, kFormat, uint8_t(131)), "(LAZ) are not read; laszip or las2las"},
       {with(file, kFormat, uint8_t(11)), "the point format 11 is not read"},
+      // records and counts
       {with(file, kRecordBytes, uint16_t(33)), "points of the format 3 take 34 bytes, not 33"},
       {with(file, kRecordBytes, uint16_t(0)), "take 34 bytes, not 0"},
       {with(file, kPoints, uint32_t(3)), "3 points are claimed but only 68 bytes are left"},
@@ -90,6 +92,7 @@ TEST(LasReader, RefusesWhatCannotBe) {
       {with(header14, kPoints14, uint64_t(1)), "1 points are claimed but only 0 bytes"},
       {with(file, 96, uint32_t(3)), "its points begin at byte 3"},
       {with(file, 96, ~uint32_t(0)), "its points begin at byte 4294967295"},
+      // points
       {header_of(2, 3, 34, 0), "has no points: nothing to simulate"},
       {with(file, 131, double(NAN)), "none of its 2 points is finite"},
       {with(file, 131, 0., 0., 0.), "all its points lie in one place"},

@@ -10,7 +10,7 @@
 
 namespace elastogen::test {
 
-/// What is wrong with the text between two tags: a bare & or >, a control character.
+/// The fault of a text between two tags: a bare & or >, a control character.
 inline std::string text_fault(const std::string& text) {
   static const std::regex reference("&(amp|lt|gt|quot|#39);");
   const std::string plain = std::regex_replace(text, reference, "");
@@ -21,7 +21,7 @@ inline std::string text_fault(const std::string& text) {
   return "";
 }
 
-/// What is wrong with the attributes of a tag: each must be a name, = and a value in quotes.
+/// The fault of the attributes of a tag: each must be a name, = and a value in quotes.
 inline std::string attribute_fault(const std::string& text) {
   size_t at = 0;
   while (at < text.size()) {
@@ -38,7 +38,7 @@ inline std::string attribute_fault(const std::string& text) {
   return "";
 }
 
-/// What is wrong with what stands between < and > of a tag, given the tags that are open.
+/// The fault of the text between < and > of a tag, given the tags that are open.
 inline std::string tag_fault(std::string tag, std::vector<std::string>& open) {
   if (!tag.empty() && tag[0] == '/') {
     if (open.empty() || open.back() != tag.substr(1)) return "<" + tag + "> is not open";
@@ -82,7 +82,7 @@ inline int count_of(const std::string& text, const std::string& part) {
   return count;
 }
 
-/// What stands between each begin and the next end.
+/// The texts between each begin and the next end.
 inline std::vector<std::string> parts_between(const std::string& text, const std::string& begin,
                                               const std::string& end) {
   std::vector<std::string> parts;

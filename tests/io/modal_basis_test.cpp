@@ -43,7 +43,7 @@ struct Held {
   }
 };
 
-/// Largest vertex error of a basis for a range of frames, from what a file would hold [m].
+/// Largest vertex error of a basis for a range of frames, from the numbers of a file [m].
 double true_error(const Held& held, const ModalBasis& basis, const FrameRange& frames) {
   const MotionPart& part = held.motion.parts[0];
   const Array<float> shapes = target_shapes(held.motion, part, basis);

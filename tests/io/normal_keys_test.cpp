@@ -26,8 +26,8 @@ std::vector<int64_t> frames(int64_t first, int64_t last) {
   return result;
 }
 
-/// Angle between a vertex's true normal and what a client shows: the normal at rest plus weighted
-/// changes, scaled to length one [rad].
+/// Angle between a vertex's true normal and the one that a client shows: the normal at rest plus
+/// weighted changes, scaled to length one [rad].
 double shown_error(const Array<float>& normals, const NormalKeys& keys, const FrameRange& range,
                    int64_t t) {
   double n[3] = {normals(0, 0), normals(0, 1), normals(0, 2)}, square = 0, along = 0;

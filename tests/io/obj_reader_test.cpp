@@ -250,6 +250,7 @@ TEST(ObjReader, FacesWithAndWithoutCoordinatesAreGroupsOfTheirOwn) {
 
 TEST(ObjReader, RefusesWithFileAndLine) {
   const std::pair<std::string, std::string> cases[] = {
+      // statements
       {"v 0 0 0\nv 1 0", "file.obj:2: 3 numbers are expected"},
       {"v 0 0 zero", "file.obj:1: a number is expected, not \"zero\""},
       {"v 0 0 0\nf 1 1 2", "file.obj:2: vertex index 2 is out of range, the file has 1"},
@@ -266,6 +267,7 @@ TEST(ObjReader, RefusesWithFileAndLine) {
   };
   for (const auto& [text, message] : cases)
     expect_says(error_of([&] { parsed_obj(text); }), message);
+  // limits of material files and of corners
   expect_says(error_of([&] { parsed_obj("mtllib " + std::string(4097, 'x')); }),
               ":1: the names of");
   std::string libraries;
@@ -304,7 +306,7 @@ TEST(ObjReader, AnyByteOfObjectsAndGroupsMayBeWrong) {
       try {
         Asset asset = parsed_obj(changed);
         check_asset(asset);
-        // what is shared is counted, and the file's numbers are a row without gaps
+        // repeated positions are counted, and the file's numbers are a row without gaps
         const Surface surface = pose_surface(asset);
         std::vector<uint8_t> seen(size_t(surface.vertices.rows() - repeated_positions(asset)), 0);
         for (const Mesh& mesh : asset.meshes)

@@ -96,6 +96,7 @@ TEST(OffReader, ColoursOfFacesSplitTheirVertices) {
 TEST(OffReader, RefusesWhatCannotBe) {
   const std::string points = "0 0 0\n1 0 0\n0 1 0\n";
   const std::pair<std::string, std::string> cases[] = {
+      // keyword and counts
       {"", "file:0: the file ends where OFF"},
       {"# only\n\n", "the file ends where OFF"},
       {"3 1 0\n" + points, "file:1: an OFF file begins with OFF"},
@@ -109,6 +110,7 @@ TEST(OffReader, RefusesWhatCannotBe) {
       {"OFF\n2147483648 1 0\n" + points, "the number of vertices must be an integer"},
       {"OFF\n2000000000 1 0\n" + points, "2000000000 vertices and 1 faces are claimed"},
       {"OFF\n3 2000000000 0\n" + points, "are claimed but only 18 bytes follow"},
+      // vertices and faces
       {"OFF\n3 1 0\n" + points, "file:5: the file ends where a face"},
       {"OFF\n3 1 0\n0 0\n1 0 0\n0 1 0\n3 0 1 2", "file:3: a number is expected, not \"\""},
       {"OFF\n3 1 0\n0 0 z\n1 0 0\n0 1 0\n3 0 1 2", "file:3: a number is expected, not \"z\""},
@@ -117,8 +119,10 @@ TEST(OffReader, RefusesWhatCannotBe) {
       {"OFF\n3 1 0\n" + points + "3 0 1\n", "file:6: an index of a vertex"},
       {"OFF\n3 1 0\n" + points + "2147483646 0 1 2\n", "file:6: the number of corners"},
       {"OFF\n3 1 0\n" + points + "-3 0 1 2\n", "the number of corners"},
+      // empty meshes
       {"OFF\n3 0 0\n" + points, "nothing to simulate"},
       {"OFF\n0 0 0\n", "nothing to simulate"},
+      // attributes and numbers
       {"COFF\n3 1 0\n0 0 0 1 1\n1 0 0\n0 1 0\n3 0 1 2\n", "file:3: a vertex has 2 numbers"},
       {"STOFF\n3 1 0\n0 0 0 1\n1 0 0\n0 1 0\n3 0 1 2\n", "two of a texture are expected"},
       {"OFF\n3 1 0\n" + points + "3 0 1 2 red\n", "file:6: a face's colour"},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What files say of particles, read from their bytes.
+// Particles in files, read from the bytes.
 #include "io/animation_writer.hpp"
 #include "io/safe_file.hpp"
 #include "tests/io/test_files.hpp"

@@ -22,7 +22,7 @@ const std::string kText = header_of("ascii", 3) + "0 0.5 1 16711680\nnan nan nan
 const std::string kBinary = header_of("binary", 3) + bytes_of(0.f, 0.5f, 1.f, 0xff0000u) +
                             bytes_of(NAN, 0.f, 0.f, 0u) + bytes_of(2.f, 3.f, 4.f, 0xffu);
 
-/// The same, field by field, packed without a saving: runs of 24 bytes.
+/// The points of kBinary, field by field, packed without a saving: runs of 24 bytes.
 std::string compressed() {
   const std::string values =
       bytes_of(0.f, NAN, 2.f, 0.5f, 0.f, 3.f, 1.f, 0.f, 4.f) + bytes_of(0xff0000u, 0u, 0xffu);

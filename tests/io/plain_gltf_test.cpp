@@ -193,6 +193,7 @@ TEST_F(PlainGltf, RefusesSkinsThatDoNotFit) {
     builder.document[Json::json_pointer(pointer)] = value;
     return refusal(builder);
   };
+  // the skin
   expect_says(with("/nodes/0/skin", 1), "skins[1] does not exist");
   expect_says(with("/skins/0", 3), "no list of joints");
   expect_says(with("/skins/0/joints", {1, 9}), "no node for one of its joints");
@@ -201,12 +202,14 @@ TEST_F(PlainGltf, RefusesSkinsThatDoNotFit) {
   expect_says(with("/skins/0/joints", {1, 2, 1}), "more joints than inverse bind matrices");
   expect_says(with("/skins/0/inverseBindMatrices", 0), "4x4 matrices");
   expect_says(with("/skins/0/inverseBindMatrices", 99), "no accessor 99");
+  // joints and weights
   expect_says(with("/accessors/5/count", 2), "for each of 3 vertices");
   expect_says(with("/accessors/1/count", 2), "for each of 3 vertices");
   expect_says(with("/nodes/1/children", {1}), "cycle");
   const char* attribute = "/meshes/0/primitives/0/attributes";
   expect_says(with(attribute, {{"POSITION", 0}}), "no JOINTS_0");
   expect_says(with(attribute, {{"POSITION", 0}, {"JOINTS_0", 5}}), "no such accessor");
+  // weights that are negative or not finite
   for (const float wrong : {-1.0f, NAN, INFINITY}) {
     std::vector<float> bad = weights;
     bad[4] = wrong;
@@ -246,6 +249,7 @@ TEST_F(PlainGltf, RefusesOneMeshPosedEndlessly) {
 TEST_F(PlainGltf, ReadsRealFiles) {
   const std::string assets = test::assets_folder();
   if (assets.empty()) GTEST_SKIP();
+  // volume by the divergence theorem
   const auto volume = [&](const char* name) {
     const Surface surface = pose_surface(read_gltf(assets + name));
     double six = 0;
@@ -260,6 +264,7 @@ TEST_F(PlainGltf, ReadsRealFiles) {
   EXPECT_NEAR(volume("gltf/spot_draco.glb"), 0.718, 0.0005);
   EXPECT_NEAR(volume("gltf/spot_quantized.glb"), 0.718, 0.0005);
   EXPECT_NEAR(volume("gltf/heart_draco.glb"), 0.00011, 0.000005);
+  // counts of triangles and vertices, and findings
   const Surface pirate = pose_surface(read_gltf(assets + "gltf/pirate_meshopt.glb"));
   EXPECT_EQ(pirate.triangles.rows(), 5010);
   EXPECT_EQ(pirate.vertices.rows(), 2887);

@@ -42,7 +42,7 @@ class Sequence {
   Surface surface_;
 };
 
-/// uv, colour and material's name of the corners of all triangles, sorted by what they say.
+/// uv, colour and material's name of the corners of all triangles, as sorted texts.
 std::vector<std::string> corners_of(const Asset& asset) {
   std::vector<std::string> corners;
   const Mesh& mesh = asset.meshes.at(0);
@@ -88,11 +88,13 @@ TEST(PlyMesh, TexturesKeepTheirNamesAndFaces) {
   folder.write("a.png", "png");
   folder.write("b.png", "png");
   const std::string head = std::string("mtllib a.mtl\n") + kVertices;
+  // one texture, two, one on a part of the faces, one without uv on the second face
   const std::pair<const char*, std::vector<std::string>> cases[] = {
       {"usemtl a\nf 1/1 2/2 3/3\n", {"a.png"}},
       {"usemtl b\nf 1/1 2/2 3/3\nusemtl a\nf 1/4 3/1 4/2\n", {"a.png", "b.png"}},
       {"usemtl b\nf 1/1 2/2 3/3\nusemtl c\nf 1/4 3/1 4/2\n", {"", "b.png"}},
       {"usemtl b\nf 1/1 2/2 3/3\nusemtl a\nf 1 3 4\n", {"", "b.png"}}};  // the second lacks uv
+  // written as PLY and read again
   for (const auto& [faces, names] : cases) {
     Asset asset = read_obj(folder.write("a.obj", head + faces));
     check_asset(asset);
@@ -110,6 +112,7 @@ TEST(PlyMesh, TexturesKeepTheirNamesAndFaces) {
 }
 
 TEST(PlyMesh, OwnColumnsComeBackAsTheyWere) {
+  // the extremes of every type
   const char* types[] = {"char", "uchar", "short", "ushort", "int", "uint", "float", "double"};
   const char* values[] = {"-128",        "255",        "-32768", "65535",
                           "-2147483648", "4294967295", "0.5",    "0.1"};
@@ -123,6 +126,7 @@ TEST(PlyMesh, OwnColumnsComeBackAsTheyWere) {
     for (const char* value : values) text += concat(' ', x[0] == '1' ? "1" : value);
     text += '\n';
   }
+  // they come back with name, type and value
   Asset asset = parse_ply(text + "3 0 1 2\n", "file.ply");
   check_asset(asset);
   Sequence sequence(asset);
@@ -133,6 +137,7 @@ TEST(PlyMesh, OwnColumnsComeBackAsTheyWere) {
     EXPECT_EQ(own[k].type, PlyType(k));
     EXPECT_EQ(own[k].value, (std::vector<double>{std::stod(values[k]), 1, std::stod(values[k])}));
   }
+  // other formats cannot hold them
   const auto findings = output_findings(asset, sequence.surface(), {"a.ply", "b.glb", "c.pc2"});
   ASSERT_EQ(findings.size(), 1u);
   EXPECT_EQ(findings[0].what, "own-columns");

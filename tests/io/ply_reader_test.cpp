@@ -222,6 +222,7 @@ TEST(PlyReader, CoordinatesThatDoNotFitTheirFaceAreRefusedAndNoneAreNone) {
 }
 
 TEST(PlyReader, WhatIsNotUnderstoodIsKeptOrSaid) {
+  // an unknown header line, properties, a list, an element, and bytes behind the end
   std::string text = kPlyText;
   text.insert(text.find("element vertex"), "Made by an old exporter, www.example.org\n");
   text.insert(text.find("element face"),

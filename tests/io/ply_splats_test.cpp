@@ -83,7 +83,7 @@ TEST(PlySplats, DropsAndRepairsWithAFinding) {
   EXPECT_EQ(test::finding_of(asset, "bad-harmonics"), 1);
 }
 
-/// Splats over a ball of that radius by float columns; `row` gives what follows x y z.
+/// Splats over a ball of that radius by float columns; `row` gives the numbers after x y z.
 std::string ball_file(double radius, int count, std::initializer_list<const char*> names,
                       const std::function<std::string(int)>& row, const char* type = "float") {
   std::string file = concat("ply\nformat binary_little_endian 1.0\nelement vertex ", count, "\n");
@@ -411,7 +411,7 @@ TEST(PlySplats, RealFilesOfOneSceneAgreeToTheirQuantisation) {
   EXPECT_LT(c.log_scale, 1.01 / 32);
   EXPECT_LT(c.opacity, 0.51 / 255);
   EXPECT_LT(c.colour, 0.51 / 255 / 0.15 * kHarmonic0);
-  EXPECT_LT(c.rotation, 0.01);  // w is what xyz of 8 bits leave
+  EXPECT_LT(c.rotation, 0.01);  // w follows from xyz of 8 bits
 
   const SplatCloud train = read(folder + "splats/train_1000.ply", read_ply);
   EXPECT_EQ(train.position.size(), 1000u);

@@ -110,10 +110,12 @@ TEST(ReadAsset, SaysWhyAFileIsNotRead) {
     expect_says(message, path + ": ");
     expect_says(message, part);
   };
+  // paths that are no file
   says(folder.path("none.obj"), "there is no such file");
   says(folder.path(""), "is a folder");
   says("/dev/null", "is not a regular file");
   says(folder.write("empty.obj", ""), "the file is empty");
+  // formats by content or ending
   says(folder.write("a.usda", "#usda 1.0"),
        "usda is not read; Blender exports it as .glb; read are .obj");
   says(folder.write("fake.obj", "Kaydara FBX Binary  "), "FBX");
@@ -135,6 +137,7 @@ TEST(ReadAsset, ReadsEveryRealFileButOne) {
   if (folder.empty()) return;
   int read = 0, refused = 0;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    // which files are meshes or clouds
     const std::string path = entry.path().string(), ending = entry.path().extension().string();
     const std::string kind = entry.path().parent_path().filename();
     const bool is_mesh =
@@ -142,6 +145,7 @@ TEST(ReadAsset, ReadsEveryRealFileButOne) {
     const bool is_cloud = kind == "splats" || kind == "points";
     const bool is_read = is_mesh || is_cloud || kind == "formats";
     if (!entry.is_regular_file() || !is_read) continue;
+    // all are read, but one old FBX
     try {
       const Asset asset = read_asset(path);
       EXPECT_EQ(asset.meshes.empty(), asset.points || asset.splats) << path;

@@ -43,6 +43,7 @@ TEST(SceneFile, RefusesUnitsWordsAndRanges) {
 }
 
 TEST(SceneFile, RefusesTablesThatContradictThemselves) {
+  // pins, regions, colliders and holds
   expect_says(refusal("[[pin]]\n"), "needs select");
   expect_says(refusal("[[region]]\npreset = 'foam'\n"), "one of select, node and gltf_material");
   expect_says(refusal("[[region]]\nselect = 'all'\nnode = 'n'\n"), "one of select");
@@ -50,12 +51,14 @@ TEST(SceneFile, RefusesTablesThatContradictThemselves) {
   expect_says(refusal("[[hold]]\naxes = 'x'\n"), "'hold': needs select");
   expect_says(refusal("[[hold]]\nselect = 'all'\n"), "'hold': needs axes");
   expect_says(refusal("[[hold]]\nselect = 'all'\naxes = 'xw'\n"), "known are x, y, z, xy");
+  // tractions
   const std::string traction = "[[traction]]\nselect = 'all'\n";
   expect_says(refusal("[[traction]]\npressure = 1\n"), "'traction': needs select");
   expect_says(refusal(traction), "'traction': needs one of force and pressure");
   expect_says(refusal(traction + "force = [0, 0, 1]\npressure = 1\n"), "one of force and pressure");
   expect_says(refusal(traction + "pressure = '1 N'\n"), "known are Pa");
   expect_says(refusal(traction + "pressure = [0, 0, 1]\n"), "'traction.pressure'");
+  // moves
   const std::string move = "[[move]]\nselect = 'all'\n", path = "path = [[0,0,0,0]]\n";
   const std::string axis = "turn_centre = [0,0,0]\nturn_axis = [0,0,1]\n";
   expect_says(refusal("[[move]]\n" + path), "'move': needs select");
@@ -65,6 +68,7 @@ TEST(SceneFile, RefusesTablesThatContradictThemselves) {
   expect_says(refusal(move + axis + "turn = [[0,0,0]]\n"), "t, angle");
   expect_says(refusal(move + axis + "turn = [[0,0], [0,'1 deg']]\n"), "must ascend");
   expect_says(refusal(move + axis + "turn = [[0,'1 m']]\n"), "rad, deg");
+  // spheres
   const std::string sphere = "[[collider]]\nshape = 'sphere'\ncentre = [0,0,0]\n";
   expect_says(refusal(sphere), "a sphere needs centre and radius");
   expect_says(refusal(sphere + "radius = 1\nlower = [0,0,0]\n"), "'collider.lower': a sphere");
@@ -132,10 +136,12 @@ std::string mutation(std::string text, std::mt19937& random) {
   const auto below = [&](size_t count) {
     return std::uniform_int_distribution<size_t>(0, count - 1)(random);
   };
+  // parts of the syntax of TOML and JSON
   static const std::string kParts[] = {"[",      "]",     "{",   "}", "\"",   "'",
                                        "\"\"\"", "\\u00", "=",   ",", ".",    "\n",
                                        "#",      "1e400", "nan", "-", "\xff", std::string(1, '\0'),
                                        "[[",     "true",  "null"};
+  // one to four changes
   for (size_t count = 1 + below(4); count > 0 && !text.empty(); --count) {
     const size_t at = below(text.size()), length = 1 + below(12);
     const std::string stretch = text.substr(at, length);

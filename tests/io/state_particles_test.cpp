@@ -52,6 +52,7 @@ class StateParticlesTest : public StateWriterTest {
 TEST_F(StateParticlesTest, HoldsEveryEntryOfEveryParticle) {
   scene.colliders = {half_space({0, 1, 0}, 0.5, 0.25)};
   write_run(kSteps);
+  // element, types and shapes
   EXPECT_EQ(text("element"), "particle");
   EXPECT_EQ(text("solver"), "mpm");
   const hid_t f64 = H5T_IEEE_F64LE;
@@ -60,9 +61,11 @@ TEST_F(StateParticlesTest, HoldsEveryEntryOfEveryParticle) {
   EXPECT_EQ(shape("/particles/x"), (std::vector<hsize_t>{kSteps + 1, kParticles, 3}));
   EXPECT_EQ(shape("/particles/F"), (std::vector<hsize_t>{kSteps + 1, kParticles, 9}));
   EXPECT_EQ(shape("/particles/memory"), (std::vector<hsize_t>{kSteps + 1, kParticles}));
+  // constant arrays
   EXPECT_EQ(numbers("/particles/mass"), values_of(mass));
   EXPECT_EQ(numbers("/particles/volume"), values_of(volume));
   EXPECT_EQ(read<int32_t>("/particles/material", H5T_NATIVE_INT32), values_of(material));
+  // all entries, one after the other
   std::vector<double> x, v, F, C, memory;
   for (int step = 0; step <= kSteps; ++step) {
     const Entry entry(step);

@@ -67,6 +67,7 @@ TEST_F(StateWriterTest, HasTheShapesAndTypesOfTheDocumentation) {
 /// Tetrahedra in place of the grid, with a node that no voxel has.
 TEST_F(StateWriterTest, AMeshTakesThePlaceOfTheGrid) {
   const int nodes = kNodes + 1;
+  // a mesh with loads in place of the grid
   StateMesh mesh;
   mesh.rest = counted<double>(nodes, 3, 0.2, 0.03);
   mesh.corners = counted<int32_t>(5, 10, 0, 0.25);
@@ -79,6 +80,7 @@ TEST_F(StateWriterTest, AMeshTakesThePlaceOfTheGrid) {
   header.mesh = mesh;
   header.fixed = counted<uint8_t>(nodes, 3, 0, 0.03);
   header.traction = counted<double>(nodes, 3, -1, 0.5);
+  // one step
   State state;
   state.x = counted<double>(nodes, 3, 1, 0.001);
   state.v = counted<double>(nodes, 3, -1, 0.002);
@@ -86,6 +88,7 @@ TEST_F(StateWriterTest, AMeshTakesThePlaceOfTheGrid) {
   StateWriter writer(path, scene, header, state);
   writer.step(state, report_at(1));
   writer.finish();
+  // the file has the mesh, and no fields of voxels
   open();
   EXPECT_EQ(text("element"), "tet10");
   EXPECT_EQ(text("time_scheme"), "newmark");
@@ -155,6 +158,7 @@ TEST_F(StateWriterTest, NamesTheMaterials) {
   const Scene scene = two_voxels();
   write(scene);
   open();
+  // a row as the file has it
   struct Row {
     char name[40], law[40];
     double young, poisson, density;
@@ -171,6 +175,7 @@ TEST_F(StateWriterTest, NamesTheMaterials) {
   const std::vector<Row> rows = read<Row>("/materials", type);
   H5Tclose(type);
   H5Tclose(name);
+  // every material, in order
   ASSERT_EQ(rows.size(), scene.materials.size());
   for (size_t m = 0; m < rows.size(); ++m) {
     EXPECT_EQ(rows[m].name, scene.materials[m].name);

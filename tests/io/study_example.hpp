@@ -30,6 +30,7 @@ inline StudyRun example_run(const std::string& name, const std::string& solver, 
   run.name = name;
   run.solver = solver;
   run.element = "voxel";
+  // sizes
   run.h = 0.03125;
   run.dt = 0.5;
   run.tolerance = scale;
@@ -37,16 +38,19 @@ inline StudyRun example_run(const std::string& name, const std::string& solver, 
   run.voxels = 64;
   run.elements = 65;
   run.dofs = 300;
+  // cost
   run.step_ms = {0.875 * ms, ms, 1.125 * ms};
   run.state_bytes = 6000;
   run.state_copies_per_second = 12500;
   run.outer = 7;
   run.inner = 18;
+  // quality
   run.converged_share = 0.5;
   run.worst_residual = 2 * scale;
   run.min_j = 0.8125;
   run.residual = {scale / 2, 2 * scale};
   run.energy = {{1, 2}, {3, 4}, {5, 6}, {7, 8}, {9, 10}, {25, 30}};
+  // errors
   run.solver_error = example_errors("newton 1e-12", scale);
   run.discretisation_error = example_errors("tet10 fine", 16 * scale);
   run.discretisation_error->reference_change = 0.0625;
@@ -76,10 +80,12 @@ inline StudyResult example_study() {
                   2,
                   5,
                   {"AMD EPYC", 4, int64_t{24} << 30, 23.75e9}};
+  // runs
   study.runs = {example_run("quasi 1e-2", "quasi", 8, 0.0078125),
                 example_run("quasi 1e-3", "quasi", 16, 0.00048828125),
                 example_run("newton 1e-3", "newton", 24, 0.000244140625), example_reference()};
   study.time_to_error = times_to_error(study.runs);
+  // a sweep, an overlay and two known numbers
   study.sweeps = {{"quasi, voxel",
                    "h",
                    "m",

@@ -18,7 +18,7 @@ std::vector<std::vector<std::string>> rows_of(const std::string& html) {
   std::vector<std::vector<std::string>> rows;
   for (const std::string& row : test::parts_between(html, "<tr>", "</tr>")) {
     rows.emplace_back();
-    // a cell is what stands between the end of its tag and the next one
+    // a cell is the text between the end of its tag and the next tag
     for (const std::string& cell : test::parts_between(row, "<t", "</t"))
       rows.back().push_back(cell.substr(cell.find('>') + 1));
   }
@@ -56,6 +56,7 @@ TEST(StudyPage, EscapesEveryText) {
   StudyResult study = test::example_study();
   StudyHeader& header = study.header;
   const std::string& hostile = test::kHostile;
+  // every text of the study is hostile
   for (std::string* text : {&header.scene, &header.scene_text, &header.command, &header.commit,
                             &header.date, &header.machine.cpu})
     *text = hostile;
@@ -72,6 +73,7 @@ TEST(StudyPage, EscapesEveryText) {
   overlay.title = overlay.horizontal = overlay.vertical = overlay.outlines[0].name = hostile;
   study.figures[0].name = study.figures[0].unit = hostile;
 
+  // the page is well-formed and runs nothing
   const std::string page = study_page(study);
   EXPECT_EQ(test::markup_fault(page), "");
   for (const char* part : {"<script", "<img", "\xff", "\x01"})

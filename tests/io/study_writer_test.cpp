@@ -32,6 +32,7 @@ StudyResult small_study() {
 }
 
 TEST(StudyJson, HasEveryFieldOfTheDocumentation) {
+  // every member, with a number of its own
   const Json expected = Json::parse(R"({"format": "elastogen-study", "version": 1,
     "header": {"scene": "beam", "scene_text": "h = 0.03125\n",
       "command": "elastogen study beam.toml", "commit": "abc123", "date": "2026-11-22T10:00:00Z",
@@ -133,7 +134,7 @@ TEST(StudyJson, KeepsHostileText) {
   EXPECT_EQ(back.header.command, "name \xef\xbf\xbd of a file");
 }
 
-/// What the reader says to the small study after a change of its JSON.
+/// The reader's message for the small study after a change of its JSON.
 std::string refusal(const std::function<void(Json&)>& change) {
   Json json = Json::parse(study_json(small_study()));
   change(json);

@@ -86,7 +86,7 @@ TEST(LinePlot, LeavesOutAndCountsWhatHasNoPlace) {
   const SvgPlot log = line_plot(plot_of(x, y, true));
   EXPECT_EQ(log.left_out, 5);
   EXPECT_EQ(markers_of(log.svg).size(), 3u);
-  // the line does not run across what is left out
+  // the line does not run across points that are left out
   EXPECT_EQ(test::count_of(line_of(log.svg), "M"), 3);
   EXPECT_EQ(test::count_of(line_of(log.svg), "L"), 0);
 
@@ -112,6 +112,7 @@ void expect_sound(const SvgPlot& plot) {
 
 TEST(LinePlot, IsSoundForAnyNumbers) {
   const double tiny = 5e-324, huge = std::numeric_limits<double>::max();
+  // none, one, equal, tiny, huge and close values
   const std::vector<std::vector<double>> values = {{},
                                                    {3},
                                                    {0},
@@ -127,6 +128,7 @@ TEST(LinePlot, IsSoundForAnyNumbers) {
                                                    {1e9, 1e9 + 1e-6},
                                                    {1e-300, 2e-300},
                                                    {1e5, 1e-5}};
+  // values that can be drawn are drawn, the others are counted
   for (const std::vector<double>& v : values)
     for (const bool log : {false, true}) {
       const SvgPlot plot = line_plot(plot_of(v, v, log));

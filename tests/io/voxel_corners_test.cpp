@@ -59,7 +59,7 @@ TEST(VoxelCorners, ASpikeOfACornerThatTheBodyHardlyHasIsTakenAway) {
   spike(0, 0) += 0.3;  // of the full voxel, which stays
   const Array<double> drawn = VoxelCorners(grid).drawn(spike);
   EXPECT_EQ(drawn(0, 0), spike(0, 0));
-  // what is left is the share of its support and what it does to the mean and slope of its voxel
+  // the rest is the share of its support, and its effect on the mean and slope of its voxel
   const double support = 0.1 * 0.05 / 4 / VoxelCorners::kSupport;
   EXPECT_LT(std::abs(drawn(2, 1) - u(2, 1)), 30 * (support + 0.4));
   EXPECT_LT(std::abs(drawn(2, 1) - u(2, 1)), 0.5 * 30);

@@ -70,7 +70,7 @@ TEST(Weld, FindsTheSamePairsAsAllAgainstAll) {
 }
 
 TEST(Weld, WallsThatTouchKeepTheSurfaceBalanced) {
-  // two cubes side by side: welded, the wall between them is there twice, once each way
+  // two cubes side by side: welded, the square between them is there twice, once in each sense
   Asset asset = cube();
   asset.nodes.push_back({"beside", -1, kIdentity4, 0});
   asset.nodes[1].matrix[12] = 1;
@@ -82,7 +82,7 @@ TEST(Weld, WallsThatTouchKeepTheSurfaceBalanced) {
   EXPECT_EQ(w.opposite_pairs, 2);
   EXPECT_EQ(w.triangles.rows(), 24);
   EXPECT_TRUE(w.balanced());
-  EXPECT_EQ(w.nonmanifold_edges, 5);  // the rim of the wall and its diagonal
+  EXPECT_EQ(w.nonmanifold_edges, 5);  // the rim of the square and its diagonal
   EXPECT_NEAR(w.volume, 2, 1e-14);
 }
 

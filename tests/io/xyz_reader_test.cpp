@@ -74,6 +74,7 @@ TEST(XyzReader, DropsAndCountsPointsThatAreNotFinite) {
 
 TEST(XyzReader, RefusesWithTheLine) {
   const std::pair<std::string, std::string> cases[] = {
+      // rows and words
       {"0 0 0\n1 0\n", "file:2: a point has three numbers, not 2"},
       {"0 0 0\n1\n", "file:2: a point has three numbers, not 1"},
       {"0 0 0\n\n1 0 0 4\n", "file:3: the first point has 3 columns, this one 4"},
@@ -81,6 +82,7 @@ TEST(XyzReader, RefusesWithTheLine) {
       {"some words here\n0 0 0\n", "file:1: a number is expected, not \"some\""},
       {"0 0 0\n1 0 0x10\n", "file:2: a number is expected, not \"0x10\""},
       {"1,5;2,5;3,5\n", "file:1: commas and semicolons: write decimal points"},
+      // first lines
       {"x y z r g b\n0 0 0\n", "file:2: the first line names more columns"},
       {"3\n0 0 0\n1 0 0\n", "the first line says 3 points, the file has 2"},
       {"2147483648\n0 0 0\n1 0 0\n", "says 2147483648 points, the file has 2"},
@@ -93,6 +95,7 @@ TEST(XyzReader, RefusesWithTheLine) {
          return row;
        }(),
        "file:1: more than 64 columns"},
+      // points
       {"", "has no points: nothing to simulate"},
       {"x y z\n", "has no points: nothing to simulate"},
       {"0\n", "has no points: nothing to simulate"},

@@ -72,7 +72,7 @@ TEST(CamClay, StressInsideIsTheGradientOfTheEnergy) {
 }
 
 /// p = -k (J^2 - 1)/2 up to p0; beyond, p0 = k (1e-5 + sinh(-xi a)) with a fallen by ln J - ln J_e;
-/// on the way back elastic from the J_e that is left.
+/// unloading is elastic from the J_e that is left.
 TEST(CamClay, PressedAndReleasedItFollowsTheClosedForm) {
   const auto law = cam_clay<double>(test::plastic_solid(), kSnow);
   const double bulk = law.bulk, start = -std::asinh(kSnow.pressure / bulk - 1e-5);
@@ -120,7 +120,7 @@ void sheared_snow() {
     } else {
       EXPECT_LT(change * away, 0);
     }
-    // the point (p, q) of which that is the change lies on the ellipse and on the way to its centre
+    // the point (p, q) after this change lies on the ellipse, on the line to its centre
     const double p = law.bulk / 2 * (1 - std::exp(2 * (trace - change)));
     const double part = away == 0 ? 0 : (p - centre) / away;
     EXPECT_LT(part, 1);

@@ -103,6 +103,7 @@ TEST_F(ColliderContactTest, HessianOfAPlaneIsTheSlopeOfTheGradient) {
   for (const double size : {2e-4, 1.5e-3}) {
     ColliderContact contact = begun();
     Array<double> u = moved(size);
+    // the assembled Hessian
     SparseMatrix sparse = pattern_of(contact.stencils(), 5);
     contact.add_hessian(u, TangentKind::kTrue, sparse);
     std::map<std::pair<int64_t, int64_t>, double> hessian;
@@ -112,6 +113,7 @@ TEST_F(ColliderContactTest, HessianOfAPlaneIsTheSlopeOfTheGradient) {
         hessian[{row, sparse.column[size_t(k)]}] = sparse.value[size_t(k)];
         largest = std::max(largest, std::abs(sparse.value[size_t(k)]));
       }
+    // central differences of the gradient, column by column
     for (int64_t column = 0; column < u.size(); ++column) {
       constexpr double kStep = 1e-8;
       Array<double> above(5, 3), below(5, 3);

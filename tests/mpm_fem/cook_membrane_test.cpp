@@ -39,6 +39,7 @@ Deflection deflection(Element element, int n, double young, double poisson, doub
   const std::array<fem::Vec2, 4> corners = {{{0, 0}, {48, 44}, {48, 60}, {0, 44}}};
   FemScene scene = scene_of(fem::extruded_quadrilateral(corners, 1, n, n, 1, element),
                             solid(Law::kNeoHookean, young, poisson));
+  // clamped at x = 0, held across on one face, or on both in plane strain
   fix(scene, 0, 0, 0);
   fix(scene, 0, 0, 1);
   fix(scene, 2, 0, 2);
@@ -46,10 +47,12 @@ Deflection deflection(Element element, int n, double young, double poisson, doub
   fem::FemPotential terms(scene, {.max_operations = 1e12});
   fem::Potential& potential = terms.potential;
   potential.set_force(shear(scene.mesh, force));
+  // one Newton step solves the linear problem
   Array<double> u(scene.mesh.rest.rows(), 3), g = u, linear = u;
   potential.evaluate(u.data(), g.data());
   EXPECT_TRUE(
       potential.newton_step(u.data(), g.data(), TangentKind::kTrue, 0, nullptr, linear.data()));
+  // mean over both faces
   Deflection sum = {0, 0};
   for (int64_t k = 0; k < u.rows(); ++k) {
     const Vec3 X = rest_of(scene.mesh, k);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Gradient against energy and Hessian against gradient by Taylor's theorem: what the linear term
-// leaves falls with the square of the step.
+// Gradient against energy and Hessian against gradient by Taylor's theorem: the remainder after
+// the linear term falls with the square of the step.
 
 #include "tests/mpm_fem/bodies.hpp"
 #include "tests/support/eigenvalues.hpp"

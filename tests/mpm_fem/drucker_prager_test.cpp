@@ -96,7 +96,7 @@ TEST(DruckerPrager, SteadyShearBearsTheSineOfTheAngleInThePlane) {
   EXPECT_NEAR(shear / pressure, sine, 0.01);
 }
 
-/// Opened by 0.1, closed again: no stress until the way back is made, and then at once.
+/// Opened by 0.1 and closed again: a law that keeps the opening has no stress before it is closed.
 TEST(DruckerPrager, WhatOpensHasToCloseBeforeItBears) {
   for (const bool keeps : {true, false}) {
     const auto law =

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What holds for every element: rigid motions, zero modes, balance, objectivity, uniform states.
+// Properties of every element: rigid motions, zero modes, balance, objectivity, uniform states.
 
 #include "core/parallel.hpp"
 #include "tests/mpm_fem/bodies.hpp"
@@ -161,12 +161,14 @@ TEST(ElasticBody, EnergyAndForcesTurnWithTheBody) {
       const Mat3<double> Q = test::rotation(random);
       const Array<double> u =
           test::displaced(body.mesh(), test::stretched(1.3, 1, 0.8, random), 0.1, random);
+      // the whole body turned by Q
       Array<double> turned(u.rows(), 3);
       for (int64_t n = 0; n < u.rows(); ++n)
         for (int i = 0; i < 3; ++i) {
           turned(n, i) = -body.mesh().rest(n, i);
           for (int j = 0; j < 3; ++j) turned(n, i) += Q(i, j) * (body.mesh().rest(n, j) + u(n, j));
         }
+      // energies agree, and forces turn with the body
       body.freeze_rotations(u);
       const double E = test::energy(body, u);
       const Array<double> g = test::array_of(test::gradient(body, u));
@@ -257,8 +259,8 @@ TEST(ElasticBody, StressOfASmallStateIsHookesOfTheMeanStrain) {
 }
 
 TEST(ElasticBody, EnergyAlongAPathThatTurnsAnElementInsideOutIsTheWorkOnIt) {
-  // Simpson's rule over short steps: what is left is a jump. The families climb to 1000 E in a
-  // small part of the path, with a kink of the second derivative there
+  // Simpson's rule over short steps: a remaining difference would be a jump. The families climb to
+  // 1000 E in a small part of the path, with a kink of the second derivative there
   Random random(10);
   for (const Element element : test::kAllElements)
     for (const Law law : test::kLaws) {

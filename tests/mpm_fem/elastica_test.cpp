@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A clamped beam of weight K = w L^3/(E I) = 11.772 at nu = 0 against the elastica and against what
-// a solid adds to it in the second order of t/L.
+// A clamped beam of weight K = w L^3/(E I) = 11.772 at nu = 0 against the elastica and against the
+// second-order terms in t/L that a solid adds to it.
 
 #include "mpm_fem/integrators/static_fem.hpp"
 #include "tests/mpm_fem/scenes.hpp"
@@ -92,7 +92,7 @@ TEST(Elastica, TheBeamOfNoThicknessIsTheElastica) {
 }
 
 TEST(Elastica, AConvergedSolidExceedsItByShearStretchAndThinning) {
-  // shear and stretch alone: what the bounds 1.1 and 0.3 % at L/t = 10 and 20 stand for
+  // shear and stretch alone: the bounds 1.1 and 0.3 % at L/t = 10 and 20 stand for them
   EXPECT_NEAR((Beam{0.1, false}.tip() / kElastica - 1), 0.01007, 5e-5);
   EXPECT_NEAR((Beam{0.05, false}.tip() / kElastica - 1), 0.00251, 5e-5);
   // two cells through the thickness are off by 3e-4 of the deflection at L/t = 10 and less beyond
@@ -105,7 +105,7 @@ TEST(Elastica, AConvergedSolidExceedsItByShearStretchAndThinning) {
     printf("L/t = %d: solid %+.3f %%, beam that shears, stretches and thins %+.3f %%\n", slender,
            100 * excess[k], 100 * beam);
   }
-  // what is left falls faster than the second order: sections cannot thin at the clamp
+  // the difference falls faster than the second order: sections cannot thin at the clamp
   EXPECT_NEAR(excess[0], 0.0140, 3e-4);
   EXPECT_NEAR(excess[1], 0.00362, 1e-4);
   for (int k = 0; k < 2; ++k) {
@@ -113,7 +113,7 @@ TEST(Elastica, AConvergedSolidExceedsItByShearStretchAndThinning) {
     EXPECT_GT(missing[k] / missing[k + 1], 5);
   }
   EXPECT_LT(missing[2], 5e-5);
-  // four cells through the thickness; one is too stiff to show what thinning does
+  // four cells through the thickness; one is too stiff to show the thinning
   EXPECT_NEAR(excess_of_solid(10, 4), 0.0142, 1e-4);
   EXPECT_NEAR(excess_of_solid(20, 1), 0.0029, 1e-4);
   // without thickness: the solid is the elastica

@@ -81,6 +81,7 @@ TEST(ElementMesh, WhatIsWrongIsNamedWithItsPlace) {
        },
        "must have a positive Jacobian"},
   };
+  // each mesh is sound until it is spoilt
   for (const auto& [mesh, spoil, named] : cases) {
     EXPECT_EQ(message_from([&] { fem::check_mesh(mesh); }), "");
     ElementMesh bad = mesh;

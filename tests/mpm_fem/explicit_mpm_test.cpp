@@ -96,10 +96,12 @@ void plain_strain(const PointLaw<d>& law, const Mat3<double>& way, int64_t k, Pa
 template <int d>
 void plain_transfer(const MpmScene& s, Particles& p, PlainNodes& nodes) {
   const Transfer kind = s.transfer.kind;
+  // share of the particle's own motion that is kept
   const double back = kind == Transfer::kBlend  ? 1 - s.dt / s.transfer.blend_time
                       : kind == Transfer::kFlip ? s.transfer.flip
                                                 : 0;
   for (int64_t k = 0; k < p.count(); ++k) {
+    // sums over the nodes around the particle
     double v[3] = {}, C[9] = {}, moved[3] = {}, old_v[3] = {}, old_C[9] = {};
     around<d>(p.x.row(k), nodes, [&](PlainNode& n, double w, const double*, const double* r) {
       for (int a = 0; a < d; ++a) {
@@ -110,6 +112,7 @@ void plain_transfer(const MpmScene& s, Particles& p, PlainNodes& nodes) {
         }
       }
     });
+    // velocity, position and affine part by the kind of transfer
     for (int a = 0; a < d; ++a) {
       p.v(k, a) = v[a] + back * (p.v(k, a) - old_v[a]);
       p.x(k, a) += moved[a];

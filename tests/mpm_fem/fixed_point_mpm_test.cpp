@@ -28,7 +28,7 @@ Solid metal(double young) {
   return s;
 }
 
-/// Particles that yield, at a wall along which they slide and one at which they stick, and E frozen
+/// Particles that yield, at a plane along which they slide and one at which they stick; E is frozen
 /// at the motion without stress.
 template <int d>
 struct FrozenState {
@@ -78,7 +78,7 @@ void check_derivatives(const Solid& of, bool drag) {
   FrozenState<d> state(of, drag);
   const Vector g = state.gradient(state.y);
   const double size = norm(g.data(), int64_t(g.size()));
-  // along what walls do not hold, as far as half a percent of strain
+  // along motions that colliders leave free, as far as half a percent of strain
   Vector way = g;
   for (double& w : way) w /= size;
   const Vector at = moved(state.y, -1e-2, way);
@@ -107,7 +107,7 @@ TEST(MpmPotential, GradientAndHessianAreTheDerivativesOfTheEnergy) {
   }
 }
 
-/// With the regulariser too, which has no force there; but for what walls hold.
+/// With the regulariser too, which has no force there; without the forces that colliders hold.
 TEST(MpmPotential, GradientWhereItWasFrozenIsTheTrueResidual) {
   for (const Solid& of : {sand(1e5), snow(1e5), metal(1e5)}) {
     FrozenState<2> state(of, true);
@@ -178,7 +178,7 @@ TEST(FixedPointMpm, ACubeOfSandStepsAsByNewtonsMethod) {
   EXPECT_LT(apart(after(scene, start, newton, 5), after(scene, start, passes, 5)), 1e-7);
 }
 
-/// Their potentials are exact, and what is frozen is nothing.
+/// Their potentials are exact: nothing is frozen.
 TEST(FixedPointMpm, ElasticBodiesAndMetalNeedOnePass) {
   for (const Solid& of : {particle_solid(1e5, 1000), metal(1e5)})
     for (const double friction : {-1.0, 0.0}) {

@@ -62,7 +62,7 @@ TEST(FrozenPotential, GradientWhereItWasFrozenIsTheStressOfTheLaw) {
   frozen_gradient<3>();
 }
 
-/// With what has to close before sand bears.
+/// With an opening that must close before sand bears.
 TEST(FrozenPotential, SandRemembersItsOpening) {
   const auto law = drucker_prager<double>(test::plastic_solid(), kSand);
   const FrozenDruckerPrager<double> potential = {law};
@@ -143,7 +143,7 @@ TEST(FrozenPotential, EnergyTurnsWithTheBody) {
   });
 }
 
-/// Of a law with a convex potential the quadratic has its tangent as well as its stress.
+/// The quadratic of a law with a convex potential has the law's tangent as well as its stress.
 TEST(FrozenPotential, QuadraticOfMetalHasItsTangent) {
   const auto law = von_mises<double>(test::plastic_solid(), test::kMetal);
   const FrozenQuadratic<VonMises<double>> potential = {law};

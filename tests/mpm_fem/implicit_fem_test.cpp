@@ -51,7 +51,7 @@ Array<double> shape_of(const fem::Modes& modes, int mode) {
   return shape;
 }
 
-/// What a scheme makes of y' = -i omega y from 1, step by step; theta = omega dt.
+/// A scheme's solution of y' = -i omega y from 1, step by step; theta = omega dt.
 std::vector<std::complex<double>> vibration(Scheme scheme, double theta, int steps) {
   const std::complex<double> i(0, 1);
   std::vector<std::complex<double>> y = {1};

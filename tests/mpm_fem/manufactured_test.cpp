@@ -73,9 +73,11 @@ double error(const ElementMesh& mesh, const Array<double>& u) {
 double error_of(Element element, int n) {
   const Material material = solid(Law::kNeoHookean, 1e7, 0.3, 1000);
   FemScene scene = scene_of(block(element, n, n, n, 0.5 / n), material);
+  // the surface is held
   for (int axis = 0; axis < 3; ++axis)
     for (const double place : {0.0, 0.5}) clamp(scene, axis, place);
   const int64_t nodes = scene.mesh.rest.rows();
+  // exact displacements, and the body force that belongs to them
   Array<double> u(nodes, 3), b(nodes, 3), force(nodes, 3);
   for (int64_t k = 0; k < nodes; ++k)
     for (int i = 0; i < 3; ++i) {
@@ -85,6 +87,7 @@ double error_of(Element element, int n) {
   scene.mass_kind = fem::Mass::kConsistent;
   const ElasticBody body(scene.mesh, scene.materials);
   fem::MassMatrix(scene, body).multiply(b.data(), force.data());
+  // both grow together with the increments
   scene.motion = [&](double share, Out<double> out) {
     for (int64_t k = 0; k < out.size(); ++k) out.data[k] = share * u.data()[k];
   };

@@ -16,7 +16,7 @@ TEST(MeshPieces, ABlockIsOne) {
   }
 }
 
-/// Elements join what they share a node with, in whatever order they come.
+/// Elements that share a node are joined, in any order of the elements.
 TEST(MeshPieces, AreJoinedOverNodesAndNumberedByTheirFirst) {
   fem::ElementMesh mesh;
   mesh.element = fem::Element::kTet4;

@@ -74,7 +74,7 @@ TEST(Modes, OfTheStandardBeamAreEulersAndTimoshenkos) {
              mass == Mass::kLumped ? "lumped" : "consistent", modes.frequency[0],
              modes.frequency[1], modes.frequency[2]);
       EXPECT_NEAR(modes.frequency[0], 5.1083, 0.01 * 5.1083);
-      EXPECT_NEAR(modes.frequency[1], modes.frequency[0], 0.01 * 5.1083);  // the other way across
+      EXPECT_NEAR(modes.frequency[1], modes.frequency[0], 0.01 * 5.1083);  // the other direction
       EXPECT_NEAR(modes.frequency[2], 0.97 * 32.013, 0.02 * 32.013);
     }
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Implicit substeps between two transfers tend to what explicit ones tend to, in first order. Only at
-// a fixed time from transfer to transfer is there a limit: each transfer smooths velocities.
+// Implicit and explicit substeps between two transfers have one limit; implicit ones tend to it in
+// first order. The limit needs a fixed time between transfers: each transfer smooths velocities.
 #include "mpm_fem/integrators/explicit_mpm.hpp"
 #include "mpm_fem/integrators/implicit_mpm.hpp"
 #include "tests/mpm_fem/particle_scenes.hpp"
@@ -45,7 +45,7 @@ struct Refinement {
   }
 };
 
-/// Root of the mean square of what two clouds are apart [m].
+/// Root mean square of the distances between the particles of two clouds [m].
 double apart(const Particles& a, const Particles& b) {
   double sum = 0;
   for (int64_t k = 0; k < a.x.size(); ++k) sum += std::pow(a.x.data()[k] - b.x.data()[k], 2);

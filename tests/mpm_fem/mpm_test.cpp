@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Particles and their grid: what transfers conserve, and steps against closed forms.
+// Particles and their grid: conservation by transfers, and steps against closed forms.
 
 #include "core/error.hpp"
 #include "core/reduce.hpp"
@@ -131,6 +131,7 @@ TEST(ParticleGrid, IsTheSameAfterItsPointsMovedAsFromNothing) {
 }
 
 TEST(Fill, HasTheMassOfTheVoxelsAndPlacesWithinThem) {
+  // one voxel is filled by 0.3
   VoxelGrid grid = make_box(3, 2, 2, kH);
   grid.fill(0) = 0.3;
   grid.volume = 0;
@@ -141,6 +142,7 @@ TEST(Fill, HasTheMassOfTheVoxelsAndPlacesWithinThem) {
   EXPECT_EQ(p.x, fill_body(grid, material, solids).particles.x);
   EXPECT_FALSE(p.x == fill_body(grid, material, solids, {.seed = 2}).particles.x);
   EXPECT_EQ(p.count(), 11 * 8 + 2);
+  // each particle lies in its voxel and in no other
   std::vector<double> mass(size_t(grid.voxel_count()));
   for (int64_t k = 0; k < p.count(); ++k) {
     int found = 0;
@@ -157,6 +159,7 @@ TEST(Fill, HasTheMassOfTheVoxelsAndPlacesWithinThem) {
     }
     EXPECT_EQ(found, 1);
   }
+  // masses of the voxels, and of a body of known volume
   for (int64_t v = 0; v < grid.voxel_count(); ++v)
     EXPECT_NEAR(mass[size_t(v)], 800 * grid.fill(v) * kH * kH * kH, 1e-12);
   grid.volume = 0.015;  // of the asset, which voxels only come near
@@ -184,9 +187,10 @@ TEST(InversionBound, StopsShortOfTheFirstRootOfTheDeterminant) {
 }
 
 /// The assembled Jacobian, the matrix-free one and differences of the residual agree, in a state
-/// that yields and slides along a wall.
+/// that yields and slides along a plane.
 template <int d>
 void check_jacobian() {
+  // sand that yields between two planes
   MpmScene s = particle_scene(d);
   s.solids[0].yield = SandYield{.friction = 0.5, .keeps_volume = false};
   s.gravity = {2, -10, 0};
@@ -201,10 +205,12 @@ void check_jacobian() {
   test::Random random(15);
   std::normal_distribution<double> normal;
   for (size_t k = 0; k < size; ++k) way[k] = k % 3 < d ? normal(random) : 0;
+  // the residual, and both products with the Jacobian
   equations.residual(y.data(), r.data());
   equations.linearise(y.data());
   equations.product(way.data(), product.data());
   fem::multiply(equations.jacobian(), way.data(), matrix.data());
+  // central differences along the direction
   const double step = 1e-7;
   for (const int end : {0, 1}) {
     std::vector<double> moved = y;
@@ -325,7 +331,7 @@ TEST(Mpm, SlidesOnAnInclineByCoulombsLaw) {
   }
 }
 
-/// What Newton's method does where it does not come to the tolerance, or GMRES not to its own.
+/// Reports where Newton's method does not reach its tolerance, or GMRES does not reach its own.
 TEST(Mpm, ImplicitStepsSayWhatTheyMissAndWhatTheyFactored) {
   MpmScene s = test::column_scene(test::sand(1e8), 1e-2);
   const auto step = [&](const ImplicitMpmOptions& options) {

@@ -100,7 +100,7 @@ TEST(NeoVonMises, AssociatedFlowHasAConvexPotential) {
   }
 }
 
-/// No flow of the same volume leaves less than the map's: psi is the least of what is minimised.
+/// psi of the map is the minimum of energy and work over all flows that keep the volume.
 TEST(NeoVonMises, AssociatedFlowMinimisesEnergyAndWork) {
   const AssociativeNeoVonMises<double> law = {
       neo_von_mises<double>(test::plastic_solid(), test::kMetal)};

@@ -72,6 +72,7 @@ void check_sums() {
       for (int b = 0; b < d; ++b) p.C(k, 3 * a + b) = in(random);
     }
   }
+  // sums over single particles
   std::map<std::array<int32_t, 3>, std::array<double, 4>> sums;
   for (int64_t k = 0; k < p.count(); ++k) {
     const Spline<d> s = spline<d>(p.x.row(k), kSpacing);
@@ -86,6 +87,7 @@ void check_sums() {
       sum[3] += w * p.mass(k);
     });
   }
+  // sums by packs
   ParticleGrid<d> grid(kSpacing);
   grid.update(p.x);
   Zeroed<double> scratch;
@@ -104,7 +106,7 @@ TEST(CellPacks, GiveNodesTheSumsOfSingleParticles) {
   check_sums<3>();
 }
 
-/// Of eight states at random, on every branch of the law.
+/// Packs of eight random states, on every branch of the law.
 template <int d, class Law, class Frozen>
 void check_frozen(const Law& law, const Frozen& frozen) {
   test::Random random(23);

@@ -92,6 +92,7 @@ TEST(Plane, ForcesAndStiffnessAreTheDerivatives) {
       constexpr double kStep = 1e-6;
       const Array<double> ahead = force(kStep), back = force(-kStep);
       double error = 0, size = 0;
+      // K d, assembled from the elements
       Array<double> Kd(u.rows(), 3);
       for (int64_t e = 0; e < mesh.elements.rows(); ++e) {
         double K[81];

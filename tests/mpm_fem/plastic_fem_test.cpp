@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Steps of bodies that yield against closed forms: the bar, confined compression, shear and bending,
-// all so slow that inertia does not count.
+// Steps of bodies that yield against closed forms: the bar, confined compression, shear and
+// bending, all so slow that inertia does not count.
 
 #include "core/error.hpp"
 #include "mpm_fem/integrators/implicit_fem.hpp"
@@ -169,7 +169,7 @@ TEST(PlasticFem, StaticsEndAtTheLoadThatTheBarBears) {
   EXPECT_NEAR(result.load_factor, std::exp(-kYield / kYoung) / 1.25, 1e-3);
 }
 
-/// Of a narrow beam of height 1 that is bent to the curvature: moment over width.
+/// Moment over width of a narrow beam of height 1 that is bent to the curvature.
 double moment(Element element, double curvature) {
   constexpr double kWidth = 0.125, kLength = 0.125;
   FemScene scene = slow(test::block(element, 1, 8, 1, 0.125), 0);

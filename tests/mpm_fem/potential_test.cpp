@@ -166,7 +166,7 @@ TEST(Potential, AFreePairKeepsItsMomenta) {
   potential.set_inertia(kWeight, ahead);
   EXPECT_EQ(potential.minimise({.tolerance = 1e-9}, u.data()).stop, NewtonStop::kConverged);
 
-  // what inertia does to both bodies has no resultant and no moment
+  // the inertial forces on both bodies have no resultant and no moment
   const Array<double>& m = potential.mass().nodal();
   Vec3 force = {}, moment = {};
   double size = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What holds for every return map.
+// Properties of every return map.
 #include "mpm_fem/materials/return_map.hpp"
 
 #include "core/constitutive.hpp"
@@ -113,6 +113,7 @@ TEST(ReturnMap, InFloatTheStressIsTheSame) {
 
 template <class T, int d>
 void mapped_extremes() {
+  // huge, small, collapsed and inverted stretches in all combinations
   const T values[] = {T(1e4),  T(30),    T(1 + 1e-7), 1,        T(0.1),
                       T(1e-3), T(1e-30), 0,           T(-0.01), T(-0.5)};
   test::for_each_map<T, d>([&](const char* name, const auto& law) {
@@ -122,6 +123,7 @@ void mapped_extremes() {
           T s[3] = {a, b, d == 3 ? c : 1};
           typename std::decay_t<decltype(law)>::History history;
           const auto r = law.template response<true>(s, history);
+          // the response, and the strain that is left, are finite
           EXPECT_TRUE(std::isfinite(r.psi)) << name << ' ' << a << ' ' << b << ' ' << c;
           for (const T t : r.t)
             EXPECT_TRUE(std::isfinite(t)) << name << ' ' << a << ' ' << b << ' ' << c;
@@ -145,7 +147,8 @@ TEST(ReturnMap, ExtremeStretchesStayFinite) {
   mapped_extremes<double, 3>();
 }
 
-/// Apart, equal, nearly equal, all equal, inverted; inside and beyond what yields.
+/// Stretches apart, equal, nearly equal, all equal and inverted; within and beyond the yield
+/// surface.
 TEST(ReturnMap, TangentInFIsTheSlopeOfPiolasStress) {
   const double stretches[][3] = {
       {1.2, 1.05, 0.9},      {0.95, 0.95, 0.8}, {0.99, 0.99 - 1e-8, 0.95}, {0.97, 0.97, 0.97},
@@ -210,7 +213,7 @@ TEST(ReturnMap, StretchesComeBackFromTheirLogarithms) {
     const HenckyStrain<double, 3> e = hencky_strain<3>(stretches), none = {};
     double back[3] = {};
     set_stretches<3>(none.e, e.e, back);
-    EXPECT_NEAR(back[0], s == 1 ? 0 : s, 1e-15);  // what stays is not written
+    EXPECT_NEAR(back[0], s == 1 ? 0 : s, 1e-15);  // an unchanged stretch is not written
   }
 }
 

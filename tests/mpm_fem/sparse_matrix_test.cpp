@@ -114,6 +114,7 @@ TEST(SparseMatrix, AddsAMatrixOfFewerEntries) {
 }
 
 TEST(SparseMatrix, PatternCouplesStencilsOfAnyLength) {
+  // stencils of 27, 2, 1 and no nodes
   Stencils stencils;
   std::vector<int32_t> many(27);
   for (int32_t k = 0; k < 27; ++k) many[size_t(k)] = k;
@@ -126,6 +127,7 @@ TEST(SparseMatrix, PatternCouplesStencilsOfAnyLength) {
   SparseMatrix A = pattern_of(stencils, 30);
   EXPECT_EQ(A.entries(), 9 * (27 * 27 + 3 + 1 + 1));  // node 27 has itself only
   assembly.fit(A);
+  // constant matrices, so that entries show which stencils they have
   assembly.add(
       [&](int64_t s, double* K) {
         const int64_t width = 3 * stencils.length(s);

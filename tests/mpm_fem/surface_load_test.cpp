@@ -233,7 +233,7 @@ HalfTube half_tube(Element element, int cells) {
   return tube;
 }
 
-/// int n ds along a curve is its chord turned, whatever the curve; int X.n dA of the arc is off
+/// int n ds along a curve is its chord turned, for any curve; int X.n dA of the arc is off
 /// by the order of the faces.
 TEST(PressureLoad, OnHalfACylinderIsThatOnItsDiameter) {
   for (const auto& [element, order] : {std::pair(Element::kTet4, 2), {Element::kTet10, 4}}) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Taylor's bar of copper: a cylinder that hits a rigid smooth wall at 227 m/s. What codes print for
-// it 80 microseconds later: 21.4 to 21.5 mm long, its foot 7.0 to 7.1 mm in radius (E 117 GPa,
-// nu 0.35, yield 400 MPa, H 100 MPa, rho 8930 kg/m^3).
+// Taylor's bar of copper: a cylinder that hits a rigid smooth wall at 227 m/s. Published results
+// of codes 80 microseconds later: 21.4 to 21.5 mm long, its foot 7.0 to 7.1 mm in radius
+// (E 117 GPa, nu 0.35, yield 400 MPa, H 100 MPa, rho 8930 kg/m^3).
 
 #include "mpm_fem/integrators/explicit_fem.hpp"
 #include "mpm_fem/integrators/parted_fem.hpp"
@@ -22,8 +22,8 @@ using test::FemScene;
 
 constexpr double kRadius = 3.2e-3, kLength = 32.4e-3, kSpeed = 227, kEnd = 80e-6;
 
-/// A place in the quarter of a disc of radius 1 of patch 0, 1 or 2 at (a, b) in the unit square: a
-/// square within, and what is left of it to its right and above, mirrored at the diagonal.
+/// A place in the quarter of a disc of radius 1 of patch 0, 1 or 2 at (a, b) in the unit square: an
+/// inner square, and the parts of the quarter to its right and above it, mirrored at the diagonal.
 std::array<double, 2> in_disc(int patch, double a, double b) {
   constexpr double kInner = 0.5;
   if (patch == 0) return {kInner * a, kInner * b};
@@ -51,7 +51,7 @@ ElementMesh quarter(Element element, int across, int along) {
       for (int j = 0; j < across; ++j)
         for (int i = 0; i < across; ++i)
           for (int c = 0; c < 8; ++c) {
-            // a mirrored patch runs the other way round
+            // a mirrored patch has the opposite orientation
             const int first = c & 1, second = c >> 1 & 1;
             const bool mirrored = patch == 2;
             nodes.push_back(node(patch, i + (mirrored ? second : first),
@@ -112,7 +112,7 @@ TEST(TaylorBar, ComesToTheLengthThatOtherCodesPrint) {
   EXPECT_NEAR(by_implicit.radius, by_explicit.radius, 0.03 * by_explicit.radius);
   for (const Hit& of : {by_explicit, by_implicit}) {
     EXPECT_NEAR(of.length, 21.45e-3, 0.03 * 21.45e-3);
-    // so few elements keep the foot from spreading: 6.6 mm, 7 % short of what codes print
+    // so few elements keep the foot from spreading: 6.6 mm, 7 % below the published radius
     EXPECT_NEAR(of.radius, 7.05e-3, 0.1 * 7.05e-3);
   }
 }

@@ -28,7 +28,7 @@ double enclosed(const ElementMesh& mesh, const Array<int32_t>& triangles) {
   return six / 6;
 }
 
-/// Edges of triangles that are not there exactly once each way round.
+/// Edges of triangles that do not occur exactly once in each direction.
 int64_t open_edges(const Array<int32_t>& triangles) {
   std::map<std::pair<int32_t, int32_t>, int> sides;
   for (int64_t t = 0; t < triangles.rows(); ++t)

@@ -207,6 +207,7 @@ TEST(VoxelElement, EnergyAndForcesAreThoseOfTheNetworksElement) {
       const Scene scene = ragged_scene(random, mode, law);
       ElasticBody body(fem::voxel_mesh(scene, Element::kVoxel), scene.materials);
       const ElementMesh& mesh = body.mesh();
+      // rotations are frozen in one state, the energy is that of another
       const Array<double> before =
           test::displaced(mesh, test::stretched(1.1, 1, 0.9, random), 0.1, random);
       const Array<double> u =
@@ -215,6 +216,7 @@ TEST(VoxelElement, EnergyAndForcesAreThoseOfTheNetworksElement) {
       const Array<double> F = body.deformation_gradient(before);
       EnergyParts sum;
       Eigen::VectorXd g = Eigen::VectorXd::Zero(u.size());
+      // the network's element, voxel by voxel
       for (int64_t v = 0; v < mesh.elements.rows(); ++v) {
         VoxelData<double> data = test::voxel_data(scene, v);
         Mat3<double> Fv;
@@ -228,6 +230,7 @@ TEST(VoxelElement, EnergyAndForcesAreThoseOfTheNetworksElement) {
         for (int c = 0; c < 8; ++c)
           for (int i = 0; i < 3; ++i) g(3 * mesh.elements(v, c) + i) += f[i][c];
       }
+      // totals agree to rounding
       const EnergyParts parts = body.energy(u);
       EXPECT_NEAR(parts.elastic, sum.elastic, 1e-13 * sum.elastic) << law_name(law);
       EXPECT_NEAR(parts.hourglass, sum.hourglass, 1e-13 * sum.hourglass) << law_name(law);

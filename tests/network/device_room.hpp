@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The card's memory, for tests of what happens without it.
+// Occupies the card's memory, for tests of steps that find none.
 
 #pragma once
 
@@ -9,7 +9,7 @@
 
 namespace elastogen::test {
 
-/// All memory of the card that is left.
+/// Occupies all free memory of the card.
 class AllRoom {
  public:
   AllRoom() {

@@ -55,7 +55,7 @@ inline Scene three_blocks(TimeScheme scheme) {
   return scene;
 }
 
-/// |x_a - x_b| over the way that b has gone from rest.
+/// |x_a - x_b| over the displacement of b from rest.
 inline double distance_of_ways(const Scene& scene, const State& a, const State& b) {
   return relative_difference(displacement(scene, a), displacement(scene, b));
 }

@@ -70,7 +70,7 @@ inline Array<int32_t> coordinates(const std::vector<SampledVoxel>& voxels) {
 
 /// Voxels that the body meets, with fills and shape-function means from samples^3 points each.
 /// @param inside        whether a point [m] lies in the body.
-/// @param drop_slivers  leaves out what find_slivers finds; the floor of the fill is 0.02.
+/// @param drop_slivers  leaves out the slivers of find_slivers; the floor of the fill is 0.02.
 inline VoxelGrid sampled_grid(const Box& box, double h, int samples,
                               const std::function<bool(const Vec3&)>& inside, bool drop_slivers) {
   int lower[3], count[3];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The main job in a program of one's own: an asset that hangs by its top, as an animation.
+// The main job in a user's program: an asset that hangs by its top, as an animation.
 
 #include "core/error.hpp"
 #include "scene/run.hpp"

@@ -35,6 +35,7 @@ int main(int argc, char** argv) {
   using namespace elastogen;
   if (argc != 2) return 2;
   try {
+    // asset, voxels, scene
     const Surface surface = pose_surface(read_asset(argv[1]));
     Scene scene;
     scene.grid = voxelize(surface, {.voxels = 8}).grid;
@@ -42,10 +43,12 @@ int main(int argc, char** argv) {
     scene.pinned = Array<uint8_t>(scene.grid.node_count());
     scene.gravity = {0, -9.81, 0};
     finish_scene(scene);
+    // ten steps of free fall
     State state = initial_state(scene);
     Solver solver(scene, {});
     for (int k = 0; k < 10; ++k)
       if (!solver.step(state).converged) return 4;
+    // both methods against x_0 + g t (t + dt)/2
     const double expected = -9.81 * state.time * (state.time + scene.dt) / 2;
     const double fallen = state.x(0, 1) - scene.grid.rest(0, 1);
     std::printf("%lld voxels fell by %.6f m\n", static_cast<long long>(scene.grid.voxel_count()),

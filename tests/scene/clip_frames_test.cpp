@@ -110,7 +110,7 @@ TEST(ClipFrames, HaveTheBytesOfFramesWrittenInTurns) {
   }
 }
 
-/// What is whole by itself stays: files of single frames.
+/// Files of single frames, which are complete by themselves, remain.
 TEST(ClipFrames, AnErrorOfAFrameEndsTheClip) {
   const Asset asset = sphere_of_points();
   for (const int threads : {1, 2})
@@ -118,6 +118,7 @@ TEST(ClipFrames, AnErrorOfAFrameEndsTheClip) {
       const TempFolder folder;
       RunDescription options = options_in(folder);
       options.threads = threads;
+      // one frame fails, as on a full disk
       int frames = 0, steps = 0;
       ClipHooks hooks;
       hooks.on_step = [&](const StepReport&) { ++steps; };
@@ -131,8 +132,10 @@ TEST(ClipFrames, AnErrorOfAFrameEndsTheClip) {
         EXPECT_EQ(error.kind(), ErrorKind::kResources);
         EXPECT_STREQ(error.what(), "the disk is full");
       }
+      // no later frame was made, and few steps
       EXPECT_EQ(frames, last + 1);
       EXPECT_LE(steps, kSubsteps * (last + 1));  // no more than those of the next frame
+      // files of single frames remain, the file of all frames does not
       const auto files = files_in(folder);
       EXPECT_EQ(files.count("a.pc2"), 0U);
       EXPECT_EQ(files.size(), size_t(last) + 1);

@@ -56,6 +56,7 @@ TEST(Obstacle, ReadsFrictionNameAndPathInAnyOrder) {
 
 TEST(Obstacle, WhatCannotBeReadIsRefusedWithItsText) {
   const std::pair<const char*, const char*> rows[] = {
+      // shapes
       {"cone(0,0,0,1)", "'cone' is none"},
       {"sphere(0,0,0)", "needs 4 numbers, got 3"},
       {"plane(0,0,0,1)", "needs 6 numbers, got 4"},
@@ -64,6 +65,7 @@ TEST(Obstacle, WhatCannotBeReadIsRefusedWithItsText) {
       {"box(0,0,0, 1,-1,1)", "along y"},
       {"sphere(0,0,0,-1)", "radius"},
       {"sphere(0,0,0,5kg)", "kg"},
+      // words behind the shape
       {"sphere(0,0,0,1) slippery", "'slippery' is none of"},
       {"sphere(0,0,0,1) name", "nothing follows 'name'"},
       {"sphere(0,0,0,1) friction much", "much"},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What steps of particles do where Newton's method does not come to the tolerance.
+// Steps of particles where Newton's method does not reach the tolerance.
 #include "mpm_fem/integrators/implicit_mpm.hpp"
 #include "scene/particle_integrator.hpp"
 #include "scene/particle_setup.hpp"
@@ -73,7 +73,7 @@ TEST(ParticleStepper, AStepThatMissesTheToleranceIsHalvedAndCounted) {
   EXPECT_EQ(state.v, p.v);
 }
 
-/// What no part can meet: each is halved as far as it goes, and the step kept as a draft.
+/// A tolerance that no part can meet: parts are halved to the limit, and the step stays a draft.
 TEST(ParticleStepper, AStepThatNoPartCanConvergeIsADraftWithItsResidual) {
   RunDescription run = falling_sand(1, 1e-3);
   run.solver.tolerance = 1e-16;

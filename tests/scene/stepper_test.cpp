@@ -124,7 +124,7 @@ TEST(Stepper, OtherElementsComeNear) {
   }
 }
 
-/// Whatever the element, a body weighs what the scene says, border voxels included.
+/// With every element a body has the mass of the scene, border voxels included.
 TEST(Stepper, EveryElementHasTheMassOfTheScene) {
   const Scene scene = ragged_scene(Law::kNeoHookean, Hourglass::kFull, TimeScheme::kEuler);
   double mass = 0;

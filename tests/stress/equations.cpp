@@ -81,12 +81,14 @@ Stress stress(const Material& m, const Matrix3d& H) {
   const double I_3 = 2 * H.trace() + H.squaredNorm();  // |F|^2 - 3
   const double J_1 = H.trace() + cofactor(H).trace() + H.determinant(), J = 1 + J_1;
   if (m.law == Law::kFixedCorotated) {
+    // without a unique rotation the energy still exists
     const Matrix3d R = polar(F);
     const double spread =
         R.isZero() ? F.squaredNorm() + 3 - 2 * largest_trace(F) : (F - R).squaredNorm();
     return {mu * spread + lambda / 2 * J_1 * J_1, 2 * mu * (F - R) + lambda * J_1 * C};
   }
   if (m.law == Law::kNeoHookean) {
+    // the logarithm is continued below J = 0.1
     const double d = (J - 0.1) / 0.1;
     const double l = J > 0.1 ? std::log1p(J_1) : std::log(0.1) + d - d * d / 2;
     const double slope = J > 0.1 ? 1 / J : (1 - d) / 0.1;
@@ -120,6 +122,7 @@ Eigen::Matrix<double, 4, 8> patterns(const double* N) {
 /// Energy of variance and torsion [J]; adds its derivative in the corners.
 double hourglass(const Scene& scene, int64_t v, const Corners& u, const Matrix3d& R, Corners& f) {
   if (scene.hourglass == Hourglass::kOff) return 0;
+  // variance of the gradient, by patterns
   const Eigen::Matrix<double, 4, 8> Q = patterns(scene.grid.shape_mean.row(v));
   const Eigen::Matrix<double, 3, 4> q = u * Q.transpose();
   const double* c = scene.variance.row(v);
@@ -131,6 +134,7 @@ double hourglass(const Scene& scene, int64_t v, const Corners& u, const Matrix3d
     energy += share / 2 * q.col(p).squaredNorm();
     slope.col(p) = share * q.col(p);
   }
+  // torsion in the frame of R
   if (scene.hourglass == Hourglass::kFull) {
     const double mu = scene.materials[size_t(scene.material(v))].mu();
     const double a = R.col(0).dot(q.col(1)), b = R.col(1).dot(q.col(2)), d = R.col(2).dot(q.col(0));
@@ -152,6 +156,7 @@ double internal_energy(const Scene& scene, const Array<double>& x, const Array<d
   const int64_t voxels = grid.voxel_count();
   std::vector<Corners> forces(static_cast<size_t>(voxels));
   std::vector<double> energy(static_cast<size_t>(voxels));
+  // voxels side by side
   for_each(voxels, [&](int64_t v) {
     const Corners u = corner_motion(scene, v, x), D = mean_gradients(scene, v);
     const Stress s = stress(scene.materials[size_t(scene.material(v))], u * D.transpose());
@@ -162,6 +167,7 @@ double internal_energy(const Scene& scene, const Array<double>& x, const Array<d
     const Matrix3d R = turned ? polar(gradient(scene, v, x_rotation)) : Matrix3d::Identity();
     energy[size_t(v)] = volume * s.psi + hourglass(scene, v, u, R, force);
   });
+  // summed in their order
   f.assign(size_t(x.size()), 0);
   double sum = 0;
   for (int64_t v = 0; v < voxels; ++v) {
@@ -191,6 +197,7 @@ double inertial_motion(const Scene& scene, const State& s, double x, int64_t n, 
 Balance balance(const Scene& scene, const State& before, const State& after, TimeScheme scheme) {
   Balance b;
   std::vector<double> r;
+  // energies at the start and at the end
   const double internal_before = internal_energy(scene, before.x, before.x, r);
   b.energy_before =
       internal_before + kinetic_energy(scene, before.v) + barrier_energy(scene, before.x);
@@ -199,6 +206,7 @@ Balance balance(const Scene& scene, const State& before, const State& after, Tim
   for (int64_t k = 0; k < after.x.size(); ++k)
     b.convexity += b.internal[size_t(k)] * (after.x.data()[k] - before.x.data()[k]);
   b.energy = internal_after + kinetic_energy(scene, after.v) + barrier_energy(scene, after.x);
+  // the residual: internal, contact and inertial forces
   r = b.internal;
   add_contact_force(scene, before.x, after.x, r);
   const bool bdf2 = scheme == TimeScheme::kBdf2;

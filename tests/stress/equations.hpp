@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The equations of a time step as docs/formats.md states them, in plain float64 loops of their own:
-// what a stress run is judged by. Shares no arithmetic with the solver.
+// The equations of a time step as docs/formats.md states them, in separate plain float64 loops, by
+// which a stress run is judged. They share no arithmetic with the solver.
 
 #pragma once
 
@@ -11,15 +11,15 @@
 
 namespace elastogen::stress {
 
-/// What the equations say of one step.
+/// Results of the equations for one step.
 struct Balance {
   double residual = 0;       ///< of "The residual, exactly" [-]
   double energy_before = 0;  ///< kinetic, elastic, hourglass and barrier at the start [J]
-  double energy = 0;         ///< the same at the end [J]
+  double energy = 0;         ///< these energies at the end [J]
   double gravity_work = 0;   ///< of gravity over the step [J]
   double residual_work = 0;  ///< of the forces that the solver left unbalanced [J]
   /// By how much the energy of the voxels lies above its tangent at the end of the step [J]. Where
-  /// it is convex this is not negative; else implicit Euler itself may gain what is missing.
+  /// it is convex this is not negative; a negative amount is energy that implicit Euler may gain.
   double convexity = 0;
   std::vector<double> internal;  ///< derivative of elastic and hourglass energy [N], (nodes, 3)
 };

@@ -101,14 +101,17 @@ void add_contact_force(const Scene& scene, const Array<double>& x_start, const A
     const double d = along(plane.normal, y) - plane.offset + D;
     const double d_start = along(plane.normal, start) - plane.offset + D;
     const double N = -k * b_slope(d_start / D) / D;
+    // slip along the plane
     Vec3 slip, f;
     for (size_t i = 0; i < 3; ++i) slip[i] = y[i] - start[i];
     const double rise = along(slip, plane.normal);
     for (size_t i = 0; i < 3; ++i) slip[i] -= rise * plane.normal[i];
     const double length = std::sqrt(along(slip, slip));
     const double over_y = length < e ? 2 / e - length / (e * e) : 1 / length;
+    // barrier and friction
     for (size_t i = 0; i < 3; ++i)
       f[i] = k * b_slope(d / D) / D * plane.normal[i] + plane.friction * N * over_y * slip[i];
+    // carried to the corners of the voxel
     for (int c = 0; c < 8; ++c) {
       const int64_t n = scene.grid.corners(scene.surface.voxel(p), c);
       for (int i = 0; i < 3; ++i)

@@ -104,7 +104,7 @@ constexpr NamedNumber kNumbers[] = {
     {"volume", [](Input& in) -> double& { return in.scene.grid.volume; }, false},
 };
 
-/// What is wrong without being a number out of range.
+/// Faulty inputs that are not a single number out of its range.
 std::vector<Case> misfits() {
   return {
       refused("fill.zero", [](Input& in) { in.scene.grid.fill(1) = 0; }),

@@ -107,6 +107,7 @@ void print_families(const std::vector<Record>& records) {
 
 int summary(const std::vector<Record>& records, bool forgive_known) {
   print_families(records);
+  // iterations and passes of all cases
   std::vector<int> iterations;
   double first_float64 = 1e300;
   size_t passed = 0;
@@ -122,6 +123,7 @@ int summary(const std::vector<Record>& records, bool forgive_known) {
   if (first_float64 < 1e300)
     std::printf("smallest float floor of a step in float64: %.1e\n", first_float64);
   std::printf("%zu/%zu passed\n", passed, records.size());
+  // failures; known ones may be forgiven
   for (const Record& r : records)
     if (!r.faults.empty())
       std::printf("failed%s: %s: %s\n", known(r) ? " (known)" : "", r.name.c_str(),

@@ -63,9 +63,10 @@ double layer_motion(const Scene& scene, const Array<double>& x, int layer) {
   return sum / count;
 }
 
-/// A block a million times as dense on a light one: what is let go presses the light one by at most
-/// twice the static amount, and comes to rest there.
+/// A block a million times as dense on a light one: let go, it presses the light one by at most
+/// twice the static amount, and comes to rest at the static amount.
 void density(Record& record, double light, double heavy) {
+  // the heavy half lies on the light one
   const auto make = [&](double dt) {
     Scene scene =
         box_scene(3, 6, 3, 0.1, test::solid(1e4 * heavy, 0.3, Law::kNeoHookean, light), 1);
@@ -77,9 +78,11 @@ void density(Record& record, double light, double heavy) {
     finish_scene(scene);
     return scene;
   };
+  // static, by steps of 10 s
   Scene slow = make(10);
   const Outcome still = run(record, slow, initial_state(slow), {.steps = 10});
   const double rest = -layer_motion(slow, still.state.x, 3);
+  // dynamic, until it rests
   Scene scene = make(1.0 / 60);
   double deepest = 0;
   Plan plan = {.steps = 120};

@@ -67,7 +67,7 @@ class Watch {
     const double limit = plan_.options.tolerance * (1 + 1e-9) + floor;
     fault(2, !r.converged || b.residual <= limit, "step ", r.step, ": converged, but the residual ",
           "is ", b.residual);
-    // a draft a million tolerances away stands on points within rounding of a wall: there the last
+    // a draft a million tolerances away has points within rounding of a collider: there the last
     // bits of a position decide the barrier's force
     const bool lost = std::min(b.residual, r.residual) > 1e6 * plan_.options.tolerance;
     const double gap = std::abs(b.residual - r.residual);
@@ -159,6 +159,7 @@ Outcome run(Record& record, Scene& scene, const State& start, const Plan& plan) 
   const Vec3 gravity = scene.gravity;
   try {
     Watch watch(record, plan);
+    // two threads, checked step by step
     std::vector<uint64_t> hashes;
     {
       const ThreadLimit threads(2);
@@ -169,6 +170,7 @@ Outcome run(Record& record, Scene& scene, const State& start, const Plan& plan) 
                       });
     }
     label_run(record, outcome);
+    // one thread, compared by hashes
     scene.gravity = gravity;
     const ThreadLimit threads(1);
     size_t step = 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A stress case, what it leaves behind, and the run of a scene that checks what holds for every
-// scene: finite states, an honest "converged", no energy from nowhere, the same bits again.
+// A stress case, its record, and the run of a scene with the checks for every scene: finite states,
+// an honest "converged", no energy from nowhere, equal bits in a second run.
 
 #pragma once
 
@@ -13,7 +13,7 @@
 
 namespace elastogen::stress {
 
-/// What a case leaves behind. It passed if there are no faults.
+/// Record of a case. It passed if there are no faults.
 struct Record {
   std::string name;
   std::string label;  ///< how it ended, in words: "at rest", "refused: ..."; counted in the summary
@@ -64,7 +64,7 @@ struct Outcome {
 /// the hashes. An Error ends the run as refused.
 Outcome run(Record& record, Scene& scene, const State& start, const Plan& plan);
 
-/// The same without any check, for measurements.
+/// Runs the scene without any check, for measurements.
 Outcome plain_run(Scene& scene, const State& start, const Plan& plan);
 
 /// Expects that the action throws an Error of that kind, whose message becomes the label.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Extreme shapes: one voxel, none, many loose ones, sheets, needles, hinges, and ways to pin.
+// Extreme shapes: one voxel, none, many loose ones, sheets, needles, hinges, and kinds of pins.
 #include "core/error.hpp"
 #include "tests/stress/cases.hpp"
 #include "tests/stress/equations.hpp"
@@ -63,6 +63,7 @@ double error_bound(const Scene& scene, double tolerance, int steps) {
 /// Two pieces of different shape beside each other against their solo runs.
 void two_pieces(Record& record) {
   const Plan plan = {.steps = 30, .options = {.tolerance = 1e-6}};
+  // a plate and a block, apart from each other
   std::vector<Voxel> both, parts[2];
   for (int i = 0; i < 4; ++i)
     for (int j = 0; j < 6; ++j) parts[0].push_back({i, j, 0});
@@ -76,6 +77,7 @@ void two_pieces(Record& record) {
   const std::string label = record.label;
   record.expect(scene.grid.pieces == 2, scene.grid.pieces, " pieces");
   double largest = 0;
+  // each piece alone; nodes are matched by their coordinates
   for (const auto& part : parts) {
     Scene solo = voxel_scene(part, 0.1, rubbery());
     pin_feet(solo);
@@ -256,6 +258,7 @@ std::vector<Case> shape_cases() {
     return [=](Record& r) { pins(r, held); };
   };
   return {
+      // shapes
       {"shape.single", true, single},
       {"shape.empty", true, empty},
       {"shape.pieces.2", true, two_pieces},
@@ -277,6 +280,7 @@ std::vector<Case> shape_cases() {
        [](Record& r) {
          hinges(r, {{0, 0, 0}, {1, 1, 1}}, 1);
        }},
+      // pins
       {"pins.all", true, pins_case([](const int32_t*) { return true; })},
       {"pins.one", true,
        pins_case([](const int32_t* a) { return a[0] == 0 && a[1] == 4 && a[2] == 0; })},

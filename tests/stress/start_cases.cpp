@@ -44,6 +44,7 @@ double fastest(const State& state) {
 void settle(Record& record, Scene& scene, const State& start, bool may_stay_folded) {
   const double L = length(scene);
   const Array<double>& rest = scene.grid.rest;
+  // until it is in shape or at rest
   Plan plan;
   plan.steps = kStartSteps;
   plan.done = [&](const State& s, const StepReport& r) {
@@ -52,11 +53,13 @@ void settle(Record& record, Scene& scene, const State& start, bool may_stay_fold
   };
   const Outcome end = run(record, scene, start, plan);
   if (end.reports.empty()) return;
+  // distance from rest, and whether it still moves
   const double away = shape_distance(end.state.x, rest) / L;
   const double change = shape_distance(end.state.x, end.state.x_before) / L;
   const double speed = fastest(end.state) * scene.dt / L;
   const int64_t inverted = inverted_corners(scene, end.state.x);
   const bool still = change < kStill && end.reports.back().converged;
+  // the name of the end
   record.label = away <= kInShape ? "at rest" : inverted == 0 ? "elsewhere" : "folded";
   if (record.label == "folded" && !still) record.label = "folded, moving";
   if (away > kInShape)

@@ -20,7 +20,7 @@ Scene box_scene(int nx, int ny, int nz, double h, const Material& material,
 /// A finished scene of the grid with one material and nothing pinned.
 Scene scene_of(VoxelGrid grid, const Material& material, Hourglass hourglass = Hourglass::kFull);
 
-/// What the element is given of a voxel; the rotation is I.
+/// The element's data of a voxel; the rotation is I.
 VoxelData<double> voxel_data(const Scene& scene, int64_t voxel);
 
 /// Corner values (component, corner) of a nodal field with dof 3 node + component.

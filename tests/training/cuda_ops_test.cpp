@@ -51,6 +51,7 @@ TEST_F(CudaOps, SiluJetAndItsGradient) {
 TEST_F(CudaOps, LawTargets) {
   const std::vector<FitMaterial> materials = {fit_material("neo-hookean", 0.3),
                                               fit_material("0.5*stvk+0.5*hencky", 0.45)};
+  // laws as bytes
   at::Tensor laws = at::empty({2, int64_t(sizeof(TargetLaw))}, at::kByte);
   for (int n = 0; n < 2; ++n) {
     const TargetLaw law = target_law(materials[size_t(n)]);
@@ -59,6 +60,7 @@ TEST_F(CudaOps, LawTargets) {
   const Array<double> strains = sample_strains(kFitBox, 3, 0, 300);
   const at::Tensor e =
       at::from_blob(const_cast<double*>(strains.data()), {300, 3}, at::kDouble).clone();
+  // the loop of one device
   const auto run = [&](at::Device device) {
     const auto options = at::TensorOptions().dtype(at::kFloat).device(device);
     const at::Tensor l = laws.to(device), x = e.to(device);

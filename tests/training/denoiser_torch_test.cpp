@@ -136,12 +136,14 @@ TEST(ConvDenoiser, IsTheNetOfItsFormula) {
   const ConvDenoiser denoiser(kSide, kChannels, {{0, 0}, {1, 1}}, 4, at::kCPU);
   const Parameters& p = denoiser.parameters();
   std::vector<double> x, features = {0.3, -0.7};
+  // image and condition
   for (int k = 0; k < kSide * kSide; ++k) x.push_back(2 * counted_uniform(9, 0, uint64_t(k)) - 1);
   std::vector<double> c;
   for (const float value : time_embedding(kTime)) c.push_back(value);
   c.insert(c.end(), features.begin(), features.end());
   c = linear(c, p[0], p[1]);
   for (double& value : c) value = silu(value);
+  // the blocks, by loops
   Image h = convolved({x}, p[2], p[3], kSide);
   for (size_t k = 0; k < ConvDenoiser::kBlocks; ++k) {
     const Parameters q(p.begin() + int64_t(4 + 6 * k), p.end());
@@ -154,6 +156,7 @@ TEST(ConvDenoiser, IsTheNetOfItsFormula) {
       for (size_t at = 0; at < h[o].size(); ++at) h[o][at] += inner[o][at];
   }
   const Image expected = convolved(activated(h), p[p.size() - 2], p[p.size() - 1], kSide);
+  // against libtorch
   const at::Tensor got =
       denoiser.x0(p, tensor_of({x.data(), 1, kSide * kSide}, at::kCPU),
                   at::full({1}, kTime, at::kLong), tensor_of({features.data(), 1, 2}, at::kCPU));

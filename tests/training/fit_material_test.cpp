@@ -34,6 +34,7 @@ TEST(FitMaterial, HasYoungsModulusOne) {
 }
 
 TEST(FitMaterial, NamesTheLineOfAnError) {
+  // the message, or that the list was accepted
   const auto message = [](const std::string& text) {
     try {
       read_fit_materials(text, "list");
@@ -46,6 +47,7 @@ TEST(FitMaterial, NamesTheLineOfAnError) {
   const auto names = [&](const std::string& text, const char* part) {
     return message(text).find(part) != std::string::npos;
   };
+  // each fault is named
   EXPECT_TRUE(names("a, stvk, 0\nb, jam, 0\n", "line 2"));
   EXPECT_TRUE(names("a, stvk\n", "line 1"));
   EXPECT_TRUE(names("a, stvk, 0.3x\n", "not a number"));

@@ -45,6 +45,7 @@ TEST(LastLayer, TakesTheStrainsOfTheNetAndTheirDerivatives) {
   const LastLayer layer(start, few_strains());
   const Array<double> q = layer.strains(material, some_layer());
   const NeuralMtl net(with_last(start, some_layer()), 0.3);
+  // strains by NeuralMtl in double
   const auto value = [&](Vec3 e, int i) {
     double strains[3];
     net.strains(e.data(), 1, strains);
@@ -57,6 +58,7 @@ TEST(LastLayer, TakesTheStrainsOfTheNetAndTheirDerivatives) {
       to[m] += a, to[n] += b;
       return to;
     };
+    // values, first and second central differences
     for (int i = 0; i < 3; ++i) {
       EXPECT_NEAR(q(s, i), value(e, i), 1e-13);
       for (int m = 0; m < 3; ++m) {
@@ -87,6 +89,7 @@ double loss(const FitMaterial& material, const std::vector<float>& weights,
   for (int64_t s = 0; s < e.rows(); ++s) {
     const LogJet& jet = jets[size_t(s)];
     const Response<double> r = target_response(law, e.row(s));
+    // squares of the differences, and of the law's numbers
     double dt = 0, t = 0, dH = 0, H = 0;
     for (int m = 0; m < 3; ++m) {
       dt += std::pow(jet.w[m] * std::exp(-e(s, m)) - r.t[m], 2);
@@ -98,6 +101,7 @@ double loss(const FitMaterial& material, const std::vector<float>& weights,
       dH += (c < 3 ? 1 : 2) * std::pow(h - r.H[c], 2);
       H += (c < 3 ? 1 : 2) * r.H[c] * r.H[c];
     }
+    // weights of the three errors
     sum += dt / std::pow(std::sqrt(t) + 1e-4 * modulus, 2) + 0.1 * dH / H +
            0.1 * std::pow((jet.psi - r.psi) / (r.psi + 1e-6 * modulus), 2);
   }

@@ -55,6 +55,7 @@ TEST(LawTargets, AreEnergyAndItsDerivativesOfEachMaterial) {
       const Vec3 s = {std::exp(e(n, 0)), std::exp(e(n, 1)), std::exp(e(n, 2))};
       const double psi = energy(material, s);
       EXPECT_NEAR(targets.psi[size_t(m * strains + n)], psi, 1e-7 * psi + 1e-12);
+      // stress and tangent by differences
       for (int i = 0; i < 3; ++i)
         EXPECT_NEAR(targets.t[size_t((3 * m + i) * strains + n)], slope(material, s, i),
                     1e-6 * modulus);

@@ -224,7 +224,7 @@ TEST(MaterialTest, StaysWithinTheNoise) {
 }
 
 TEST(MaterialTest, SaysWhereTheShapeIsAtAnEnd) {
-  // what hardens is less than Mooney and Rivlin's body can: r = 0
+  // the points harden less than Mooney and Rivlin's law can: r = 0
   const TestFit fit = fit_test({Law::mooney_rivlin(0), true}, 0.4, ogden_points(0.4, 6));
   EXPECT_TRUE(fit.at_end);
   EXPECT_EQ(fit.law.shape, 0);

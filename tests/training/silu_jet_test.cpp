@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kFirstOf[6] = {0, 1, 2, 0, 1, 2}, kSecondOf[6] = {0, 1, 2, 1, 2, 0};
 
-/// The same by operations of libtorch, in any precision.
+/// silu_jet by operations of libtorch, in any precision.
 at::Tensor composed(const JetShape& shape, const at::Tensor& z, const at::Tensor& bias) {
   const auto block = [&](int64_t begin, int64_t channels, int64_t points) {
     const at::Tensor jets =

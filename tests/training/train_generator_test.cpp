@@ -123,6 +123,7 @@ TEST_F(TrainGeneratorTest, GoesOnFromItsCheckpointWithTheSameBits) {
 }
 
 TEST_F(TrainGeneratorTest, RejectsWhatItCannotTrain) {
+  // an error of this kind, and no output
   const auto throws = [&](const TrainGenerator& t, bool diffusion, ErrorKind kind) {
     try {
       diffusion ? train_diffusion(t, {}) : train_autoencoder(t, {});
@@ -133,6 +134,7 @@ TEST_F(TrainGeneratorTest, RejectsWhatItCannotTrain) {
     }
     return false;
   };
+  // sizes and files
   for (const bool diffusion : {false, true}) {
     TrainGenerator other = task("o");
     other.size = "huge";
@@ -141,11 +143,13 @@ TEST_F(TrainGeneratorTest, RejectsWhatItCannotTrain) {
     other.dataset = path("none");
     EXPECT_TRUE(throws(other, diffusion, ErrorKind::kAsset));
   }
+  // layers of the paper's autoencoder
   for (const char* layers : {"x", "8,", ",8", "8,-4", "8;4", "0"}) {
     TrainGenerator other = paper("o");
     other.layers = layers;
     EXPECT_TRUE(throws(other, false, ErrorKind::kUsage)) << layers;
   }
+  // no autoencoder, too few materials
   TrainGenerator without = paper("o");
   EXPECT_TRUE(throws(without, true, ErrorKind::kUsage));
   write_dataset("few.h5", 9);

@@ -85,7 +85,7 @@ TEST(TrainLoop, GoesOnFromItsCheckpointWithTheSameBits) {
   const LoopOutcome again = train_loop(start, noisy, options, {});
   EXPECT_EQ(again.steps, 40);
   EXPECT_TRUE(at::equal(again.parameters[0], whole.parameters[0]));
-  // what is not its own is refused
+  // a checkpoint of another run is refused
   options.identity = "another test";
   EXPECT_THROW(train_loop(start, noisy, options, {}), Error);
   options.identity = "a test";

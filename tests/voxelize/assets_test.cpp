@@ -63,6 +63,7 @@ TEST(Assets, SizeDoesNotChangeTheVoxelsOfSpot) {
 TEST(Assets, EveryMeshVoxelisesAndHoldsItsVertices) {
   const fs::path folder = assets();
   if (folder.empty()) return;
+  // all files that the readers accept
   std::set<fs::path> files;
   for (const auto& entry : fs::recursive_directory_iterator(folder))
     if (entry.is_regular_file()) files.insert(entry.path());
@@ -73,6 +74,7 @@ TEST(Assets, EveryMeshVoxelisesAndHoldsItsVertices) {
     } catch (const Error&) {
       continue;  // of a format or kind that the readers refuse; their own tests say which
     }
+    // voxels, with the time that they need
     const auto start = std::chrono::steady_clock::now();
     const Voxelized result = voxelize(surface);
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
@@ -81,6 +83,7 @@ TEST(Assets, EveryMeshVoxelisesAndHoldsItsVertices) {
                 result.report.winding_number ? ", winding number" : "");
     ASSERT_GT(result.grid.voxel_count(), 0) << file;
     expect_means(result.grid);
+    // vertices lie in or near their voxels
     const Embedding embedding = embed(result.grid, surface.vertices);
     for (int64_t t = 0; t < surface.triangles.size(); ++t) {
       const int32_t v = surface.triangles.data()[t];
@@ -88,6 +91,7 @@ TEST(Assets, EveryMeshVoxelisesAndHoldsItsVertices) {
       for (int c = 0; c < 8; ++c) lowest = std::min(lowest, embedding.weights(v, c));
       ASSERT_GT(lowest, -1) << file << " vertex " << v;
     }
+    // slivers by their rules
     const SliverCounts slivers = expect_sliver_rules(surface, {}, 1000);
     std::printf("%40s %7ld slivers dropped (%.2f %% of the voxels), %ld kept\n", "",
                 static_cast<long>(slivers.dropped),

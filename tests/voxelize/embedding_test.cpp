@@ -212,11 +212,13 @@ TEST(Embedding, PutsEachPointIntoTheVoxelThatHoldsIt) {
   const BrickIndex index(grid.voxel_coord);
   const Embedding embedding = embed(grid, surface.vertices);
   for (int64_t p = 0; p < surface.vertices.rows(); ++p) {
+    // the cell of each vertex; a dropped sliver has no voxel
     Coord cell;
     for (int d = 0; d < 3; ++d)
       cell[d] =
           static_cast<int32_t>(std::floor((surface.vertices(p, d) - grid.origin[d]) / grid.h));
     const bool held = index.find(cell) >= 0;
+    // weights sum to 1 and give back the place
     double sum = 0;
     Vec3 place = {};
     for (int c = 0; c < 8; ++c) {
@@ -232,6 +234,7 @@ TEST(Embedding, PutsEachPointIntoTheVoxelThatHoldsIt) {
 }
 
 TEST(Embedding, FindsTheNearestVoxelAsASearchOverAllDoes) {
+  // random voxels, most of them isolated
   std::mt19937 random(5);
   std::uniform_int_distribution<int> place(-60, 60);
   std::vector<std::array<int, 3>> chosen;
@@ -243,6 +246,7 @@ TEST(Embedding, FindsTheNearestVoxelAsASearchOverAllDoes) {
     for (int d = 0; d < 3; ++d) coords(v, d) = chosen[v][d];
   const VoxelGrid grid = make_grid(coords, 1, {});
   const NearestVoxel nearest(grid.voxel_coord);
+  // points in and around them
   const Array<double> points = random_points(400, -150, 150, 6);
   for (int64_t p = 0; p < points.rows(); ++p) {
     const auto distance = [&](int64_t v) {

@@ -62,7 +62,7 @@ double volume_of(const ParticleSurface& surface) {
   return sum;
 }
 
-/// Every directed edge has one the other way round.
+/// Every directed edge has its reverse.
 bool is_closed(const ParticleSurface& surface) {
   std::map<std::pair<int32_t, int32_t>, int> edges;
   for (const auto& t : surface.triangle)

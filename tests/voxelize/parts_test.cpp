@@ -120,12 +120,15 @@ TEST(Parts, ASoupBesideABodyIsOnePart) {
 }
 
 TEST(Parts, KeptApartEachPartHasItsOwnVoxelsAndVolume) {
+  // two boxes 0.002 apart, and a ball 0.01 away from both
   const Soup a = test::box({0, 0, 0}, {0.503, 1, 1}), b = test::box({0.505, 0, 0}, {1, 1, 1});
   const Soup c = test::sphere(0.2, {0.5, 0.5, 1.21}, 3);
   const Surface surface = both(both(a, b), c).surface();
+  // joined by their voxels
   const Voxelized joined = voxelize(surface, {.h = 0.1});
   EXPECT_EQ(joined.grid.pieces, 1);
   EXPECT_EQ(joined.report.gaps.size(), 3u);
+  // kept apart, each with its own voxels
   const Voxelized v = voxelize(surface, {.h = 0.1, .part_pieces = true});
   EXPECT_EQ(v.grid.pieces, 3);
   EXPECT_TRUE(v.report.gaps.empty());

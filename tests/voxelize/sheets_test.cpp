@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What bounds a solid fills it, whatever touches it and however badly its triangles meet.
+// Triangles that bound a solid fill it, whatever touches them and however badly they meet.
 
 #include "tests/voxelize/shapes.hpp"
 #include "voxelize/voxelize.hpp"
@@ -183,7 +183,7 @@ TEST(Sheets, TwoParallelSheetsAreAPlateWhereTheyBoundOne) {
   Soup plate = test::box({0, 0, 0}, {1, 1, 0.1});
   plate.triangles.erase(plate.triangles.begin() + 4, plate.triangles.end());
   EXPECT_NEAR(filled(plate, 60), 0.1, 0.01);
-  // both wound the same way they bound nothing
+  // wound in one sense, the two bound nothing
   plate.turn(0);
   plate.turn(1);
   VoxelizeOptions options;

@@ -105,7 +105,7 @@ inline Fills after_a_round(const Fills& start) {
   }
 }
 
-/// What goes in rounds, until none lets a voxel go.
+/// The voxels that are dropped in rounds, until a round drops none.
 inline std::set<Coord> dropped_one_by_one(const Fills& all) {
   Fills left = all;
   for (size_t before = 0; before != left.size();) {
@@ -122,9 +122,9 @@ struct SliverCounts {
   int64_t voxels = 0, dropped = 0, kept = 0, hinges_before = 0, hinges_after = 0;
 };
 
-/// Compares the grid of a surface with that of all voxels that it touches: what is missing is
-/// thin, each sliver that is left is so by a rule (the first `checked` are), the pieces are what
-/// they were, and there are no more hinges.
+/// Compares the grid of a surface with all voxels that the surface touches: missing voxels are
+/// thin, each sliver that is left is kept by a rule (the first `checked` are tested), the number of
+/// pieces is unchanged, and the number of hinges is not larger.
 inline SliverCounts expect_sliver_rules(const Surface& surface, const VoxelizeOptions& options,
                                         int64_t checked) {
   const CutBody body = cut_body(surface, options);

@@ -64,7 +64,7 @@ TEST(Slivers, OfARoundBodyNearlyAllGo) {
   EXPECT_LT(report.thin_voxels, report.dropped_slivers / 20);
 }
 
-/// What goes of voxels given by coordinate and fill, as their coordinates.
+/// Coordinates of the voxels that are dropped, of those given by coordinate and fill.
 std::set<Coord> dropped(const Fills& fills) {
   Array<int32_t> coords(static_cast<int64_t>(fills.size()), 3);
   Array<double> fill(coords.rows());
@@ -202,6 +202,7 @@ TEST(Slivers, GoEmptiestFirstUntilNoneMay) {
 }
 
 TEST(Slivers, OrderOfTheVoxelsAndThreadsDoNotMatter) {
+  // a tilted plate thinner than a voxel
   const Soup soup = box({0, 0, 0}, {1, 0.3, 0.01});
   Soup at_angle = soup;
   at_angle.map([](const Vec3& p) { return turned(p, 0.7); });
@@ -213,6 +214,7 @@ TEST(Slivers, OrderOfTheVoxelsAndThreadsDoNotMatter) {
   for (int64_t c = 0; c < body.cells.count(); ++c)
     if (body.kept[c]) fill(v++) = body.share(c);
   const std::vector<uint8_t> expected = find_slivers(coords, fill);
+  // these voxels in reverse order, on one thread
   Array<int32_t> backward(coords.rows(), 3);
   Array<double> backward_fill(coords.rows());
   for (v = 0; v < coords.rows(); ++v) {
@@ -233,6 +235,7 @@ TEST(Slivers, LeaveTheSurfaceEmbeddedInTheNearestVoxel) {
     const VoxelGrid grid = voxelize(surface, {.voxels = 24}).grid;
     const SurfacePoints points = surface_points(grid, surface);
     ASSERT_GT(points.position.rows(), 0) << name;
+    // an affine motion of the nodes
     Array<double> x(grid.node_count(), 3);
     for (int64_t n = 0; n < grid.node_count(); ++n)
       for (int d = 0; d < 3; ++d)
@@ -240,6 +243,7 @@ TEST(Slivers, LeaveTheSurfaceEmbeddedInTheNearestVoxel) {
     for (int64_t p = 0; p < points.position.rows(); ++p) {
       const int32_t v = points.voxel(p);
       ASSERT_TRUE(v >= 0 && v < grid.voxel_count());
+      // each contact point moves with it
       double moved[3] = {}, rest[3] = {};
       for (int c = 0; c < 8; ++c)
         for (int d = 0; d < 3; ++d) {

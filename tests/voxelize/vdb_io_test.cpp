@@ -204,6 +204,7 @@ TEST(VdbIo, TakesTheFirstGridThatHasSomethingOrTheOneThatIsNamed) {
 TEST(VdbIo, PointDataGridsAreClouds) {
   openvdb::initialize();
   const TempFolder folder;
+  // points with a colour and a further attribute
   std::vector<openvdb::Vec3R> places;
   for (int k = 0; k < 200; ++k) places.emplace_back(0.1 * k, 5 - 0.01 * k * k, 2 + k % 7);
   const auto transform = openvdb::math::Transform::createLinearTransform(0.5);
@@ -214,6 +215,7 @@ TEST(VdbIo, PointDataGridsAreClouds) {
   openvdb::points::appendAttribute<openvdb::Vec3f>(grid->tree(), "Cd",
                                                    openvdb::Vec3f(0.25f, 0.5f, 1));
   openvdb::points::appendAttribute<int>(grid->tree(), "id", 7);
+  // read as a cloud, sorted to compare
   const Asset asset = read_vdb(written(folder, {grid}));
   ASSERT_TRUE(asset.points);
   ASSERT_EQ(asset.points->position.size(), places.size());
@@ -225,6 +227,7 @@ TEST(VdbIo, PointDataGridsAreClouds) {
     for (size_t d = 0; d < 3; ++d) EXPECT_NEAR(found[i][d], expected[i][d], 1e-6);
   EXPECT_EQ(asset.points->colour.at(9), (std::array<float, 4>{0.25f, 0.5f, 1, 1}));
   EXPECT_TRUE(asset.points->normal.empty());
+  // the attribute is left out
   ASSERT_EQ(asset.findings.size(), 1u);
   EXPECT_EQ(asset.findings[0].what, "lost-columns");
   expect_says(asset.findings[0].text, "id");

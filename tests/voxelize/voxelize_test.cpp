@@ -25,12 +25,14 @@ TEST(Voxelize, FillAndMeansOfABoxAreTheProductsOfItsOverlaps) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> offset(0.3, 0.7);
   for (int trial = 0; trial < 20; ++trial) {
+    // a random box on a random lattice
     const Vec3 lower = {offset(random), -offset(random), 3 * offset(random)};
     const Vec3 upper = plus(lower, {1, 0.35 + offset(random), 0.8});
     VoxelizeOptions options = {.h = 0.1 * (0.8 + offset(random))};
     for (int d = 0; d < 3; ++d) options.align[d] = lower[d] + options.h * offset(random);
     const VoxelGrid grid = voxelize(box(lower, upper).surface(), options).grid;
     for (int64_t v = 0; v < grid.voxel_count(); ++v) {
+      // overlap of each voxel with the box, axis by axis
       double fill = 1, mean[3];
       for (int d = 0; d < 3; ++d) {
         const auto [a, b] =
@@ -87,6 +89,7 @@ TEST(Voxelize, FillOfASphereAgreesWithSamples) {
   const VoxelGrid grid = voxelize(sphere(1, centre, 6).surface(), {.voxels = 13}).grid;
   constexpr int kSamples = 24;
   for (int64_t v = 0; v < grid.voxel_count(); ++v) {
+    // samples in each voxel
     int inside = 0;
     Vec3 sum = {};
     for (int s = 0; s < kSamples * kSamples * kSamples; ++s) {
@@ -100,6 +103,7 @@ TEST(Voxelize, FillOfASphereAgreesWithSamples) {
       ++inside;
       sum = plus(sum, t);
     }
+    // fill, and the centroid if there is enough of it
     const double fill = inside / std::pow(kSamples, 3);
     ASSERT_NEAR(grid.fill(v), std::max(fill, 0.02), 0.01);
     if (fill < 0.1) continue;
@@ -118,6 +122,7 @@ TEST(Voxelize, MassCentreAndInertiaOfASphereConvergeWithTheSquareOfTheEdge) {
   for (int level = 0; level < 2; ++level) {
     const VoxelGrid grid = voxelize(soup.surface(), {.voxels = 16 << level}).grid;
     EXPECT_NEAR(grid.volume, soup.volume(), 1e-12);
+    // sums over corners, each with its share of the mass
     double total = 0, inertia = 0;
     Vec3 first = {};
     for (int64_t v = 0; v < grid.voxel_count(); ++v)
@@ -130,6 +135,7 @@ TEST(Voxelize, MassCentreAndInertiaOfASphereConvergeWithTheSquareOfTheEdge) {
         first = plus(first, scaled(r, m));
       }
     EXPECT_LT(norm(first) / total, 1e-12);
+    // the inertia of a ball is 2/5 m r^2; its error falls fourfold
     error[level] = inertia / (0.4 * total) - 1;
     std::printf("sphere of %d voxels: mass %+.2e, inertia %+.2e\n", 16 << level,
                 total / soup.volume() - 1, error[level]);
@@ -192,7 +198,7 @@ TEST(Voxelize, ASheetBecomesALayerOfFullVoxels) {
 }
 
 TEST(Voxelize, AFoldedSheetIsNotFilled) {
-  // rolled up to nine tenths of a tube, half of it wound the other way
+  // rolled up to nine tenths of a tube, half of it with the opposite winding
   Soup cloth = sheet(1, 40);
   cloth.map([](const Vec3& p) {
     const double angle = 1.8 * M_PI * p[0];
@@ -287,7 +293,7 @@ TEST(Voxelize, OverlappingShellsAreTheirUnion) {
   // two unit spheres one apart: lens of height 1/2 caps, volume pi h^2 (3 - h) / 3 each
   Soup soup = sphere(1, {}, 5);
   soup.add(sphere(1, {1, 0, 0}, 5));
-  // half a sphere's surface bounds it, so it lacks half of what a sphere of triangles lacks
+  // half a sphere's area bounds the lens, so triangles take half a sphere's error from its volume
   const double volume = sphere(1, {}, 5).volume();
   const double lens = 2 * M_PI * 0.25 * 2.5 / 3 - (4 * M_PI / 3 - volume) / 2;
   const Voxelized result = voxelize(soup.surface(), {.voxels = 45});

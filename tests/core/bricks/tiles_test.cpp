@@ -18,6 +18,7 @@ std::vector<double> sums_by_tiles(const VoxelGrid& grid) {
   BrickScratch<double> scratch(g);
   std::vector<double> result(size_t(grid.node_count()), -1);
   const auto finish = [&](int64_t node, const double sum[3]) { result[size_t(node)] = sum[1]; };
+  // each brick reads its tile and adds the sums of its voxels
   run_tasks(g.brick_count(), [&](int64_t b) {
     std::array<double, bricks::kTile> in = {}, out = {};
     read_tile<double>(
@@ -38,6 +39,7 @@ std::vector<double> sums_by_tiles(const VoxelGrid& grid) {
       for (const size_t k : corner) sum += in[k];
       for (const size_t k : corner) out[k] += sum;
     }
+    // nodes of one brick are finished here, shared ones after all bricks
     finish_tile(
         g, b, [&](int place, double sum[3]) { sum[0] = sum[2] = 0, sum[1] = out[size_t(place)]; },
         scratch, finish);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What tetrahedra owe that have the members `rest` and `elements`: volumes, faces that conform,
-// edges.
+// Checks of meshes of tetrahedra with the members `rest` and `elements`: volumes, faces that
+// conform, edges.
 
 #pragma once
 
@@ -54,7 +54,7 @@ struct Faces {
 template <class Mesh>
 Faces faces(const Mesh& mesh) {
   constexpr int kFace[4][3] = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};  // seen from outside
-  std::map<std::array<int32_t, 3>, std::array<int, 2>> sides;  // how often each way round
+  std::map<std::array<int32_t, 3>, std::array<int, 2>> sides;  // how often in each sense
   for (int64_t e = 0; e < mesh.elements.rows(); ++e)
     for (const auto& face : kFace) {
       std::array<int32_t, 3> nodes;

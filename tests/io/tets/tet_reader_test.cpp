@@ -18,7 +18,7 @@ std::vector<T> values_of(const Array<T>& array) {
   return {array.data(), array.data() + array.size()};
 }
 
-/// Whether it is the mesh of test::two_tets, whatever the regions.
+/// Whether it is the mesh of test::two_tets, with any regions.
 bool is_two_tets(const TetFile& file) {
   return file.elements.cols() == 4 &&
          values_of(file.rest) ==
@@ -133,6 +133,7 @@ TEST(TetReader, RefusesOtherFilesAndMeshes) {
   for (const auto& [bytes, message] : cases)
     expect_says(error_of([&] { parse_tets(bytes, "file"); }), message);
 
+  // flat tetrahedra
   test::TetCells mesh;
   for (const double height : {0., 1e-15, -1e-15, 1e-300}) {
     mesh = two_tets();
@@ -141,6 +142,7 @@ TEST(TetReader, RefusesOtherFilesAndMeshes) {
       expect_says(error_of([&] { parse_tets(f.bytes, f.name); }),
                   ": tetrahedron 0 (counted from 0) is flat");
   }
+  // mixed orders and other cells
   mesh = quadratic_tet(false);
   mesh.cells.push_back({0, 1, 2, 3});
   mesh.types.push_back(10);

@@ -88,6 +88,7 @@ TEST(VtuReader, TakesXmlAsItMayBeWritten) {
 }
 
 TEST(VtuReader, RefusesBrokenXml) {
+  // elements too deep, attributes too many
   std::string deep = "<VTKFile type=\"UnstructuredGrid\">";
   for (int k = 0; k < 100000; ++k) deep += "<a>";
   std::string wide = "<VTKFile type=\"UnstructuredGrid\"";
@@ -109,6 +110,7 @@ TEST(VtuReader, RefusesBrokenXml) {
       {with("</Points>", "</Cells>"), "file:6: the end of another element than that which began"},
       {"</VTKFile>", "file:1: the end of another element"},
       {with("</VTKFile>", ""), "the file ends within an element"},
+      // the root element
       {"<html></html>", "file:1: VTKFile of the type UnstructuredGrid is expected"},
       {with("\"UnstructuredGrid\"", "\"PolyData\""), "VTKFile of the type UnstructuredGrid is"},
       {"<VTKFile type=\"UnstructuredGrid\"/>", "file: it has no array Points"}};
@@ -118,9 +120,11 @@ TEST(VtuReader, RefusesBrokenXml) {
 TEST(VtuReader, RefusesBrokenArrays) {
   const std::string type = "type=\"UnstructuredGrid\"";
   const std::pair<std::string, std::string> cases[] = {
+      // attributes of the root
       {with(type, type + " byte_order=\"x\""), "file:1: byte_order is unknown"},
       {with(type, type + " header_type=\"UInt16\""), "file:1: header_type is unknown"},
       {with(type, type + " compressor=\"vtkLZ4DataCompressor\""), "packed by vtkLZ4DataCompressor"},
+      // counts
       {with("=\"4\"", "=\"-4\""), "file:3: NumberOfPoints must be an integer from 0 to 2147483646"},
       {with("=\"4\"", "=\"2147483647\""), "NumberOfPoints must be an integer from 0"},
       {with("=\"4\"", "=\"2000000000\""), "6000000000 numbers of Points are claimed"},
@@ -129,12 +133,14 @@ TEST(VtuReader, RefusesBrokenArrays) {
       {with("=\"4\"", "=\"3\""), "file:5: more than 9 numbers of Points"},
       {with("</Piece>", "</Piece><Piece NumberOfPoints=\"0\" NumberOfCells=\"0\"/>"),
        "file:12: more than one piece is not read"},
+      // arrays
       {with("</Points>", "<DataArray type=\"Int8\"/></Points>"), "file:6: a second array Points"},
       {with("Float64", "Bit"), "file:5: numbers of type \"Bit\" are not read"},
       {with("Components=\"3\"", "Components=\"2\""), "file:5: it has 2 components"},
       {with("Name=\"types\"", "Name=\"kinds\""), "file: it has no array types"},
       {with("Name=\"types\"", "Name=\"types\" format=\"x\""),
        "file:10: format must be ascii, binary"},
+      // values
       {with("0 0 1<", "0 0 nan<"), "file:5: a coordinate of a point is not finite"},
       {with("0 0 1<", "0 0 -1e400<"), "a coordinate of a point is not finite"},
       {with("0 0 1<", "0 0 one<"), "must be a number, not \"one\""},

@@ -134,7 +134,7 @@ TEST(Colliders, AMovingPlanePressesABlockAsUniaxialCompressionSays) {
          report.deepest_overlap);
   EXPECT_NEAR(load, expected, 0.02 * expected);
   EXPECT_LT(std::abs(total), 1e-3 * load);  // both planes carry the same
-  // the block is as high as the gap, but for what it sinks into the layers
+  // the block is as high as the gap and its overlaps with the layers on both sides
   EXPECT_NEAR(top - bottom, n * h - travel + 2 * report.deepest_overlap * h, 1e-3 * n * h);
   EXPECT_LT(stretch, 0.95);
 }
@@ -168,7 +168,7 @@ TEST(Colliders, AFastPlaneTakesTheBodyAlong) {
 }
 
 TEST(Colliders, TwoPlanesThatCloseSqueezeASheetBetweenThem) {
-  // half of the sheet's thickness in one step: the nodes in between give way evenly
+  // half of the sheet's thickness in one step: the nodes in between are squeezed evenly
   const double h = 0.05;
   Collider press = half_space({0, -1, 0}, -h, 0);
   press.path = {{0, {}}, {1.0 / 60, {0, -h / 2, 0}}};
@@ -195,7 +195,7 @@ TEST(Colliders, ACarriedStartKeepsTheDistanceOfEveryPoint) {
   contact.carry(u.data());
   EXPECT_EQ(contact.obstacle(u.data()), nullptr);
   for (int64_t n = 0; n < scene.grid.node_count(); ++n) {
-    // lowest voxels move with it, those beyond its reach stay; the wall beside them hinders nothing
+    // the lowest voxels move with it, those beyond its reach stay; the plane beside hinders nothing
     const int layer = scene.grid.node_coord(n, 1);
     const double moved = u[3 * size_t(n) + 1];
     EXPECT_TRUE(layer > 1 || std::abs(moved - 0.3 * h) < 1e-15) << layer << ' ' << moved;

@@ -173,7 +173,7 @@ TEST_F(ContactOnCard, FirstMatrixOfManyLevelsIsThatOfTheHost) {
   expect_first_matrix_of_host(scene, true);
 }
 
-/// What a run gives.
+/// Results of a run.
 struct ContactRun {
   State state;
   int converged = 0, outer = 0, inner = 0;
@@ -217,6 +217,7 @@ std::vector<ContactCase> contact_cases(TimeScheme scheme) {
   list.push_back({"ball",
                   box_scene(8, 6, 8, h, {0, 0, 0}, soft, {ball({0.12, -0.42, 0.1}, 0.4)}),
                   {.velocity = {0, -0.5, 0}}});
+  // pushed from below or from the side by blocks that move
   Collider lift = block({14 * h, -4.2 * h, 2.5 * h}, {8 * h, 4 * h, 1});
   lift.path = {{0, {}}, {0.3, {0, h, 0}}};
   Scene clamped = box_scene(20, 5, 5, h, {0, 0, 0}, soft, {lift});
@@ -227,6 +228,7 @@ std::vector<ContactCase> contact_cases(TimeScheme scheme) {
   list.push_back({"pusher",
                   box_scene(8, 5, 5, h, {0, 0, 0}, soft, {half_space({0, 1, 0}, 0, 0.5), pusher}),
                   {}});
+  // all with one scheme
   for (ContactCase& c : list) {
     c.scene.scheme = scheme;
     finish_scene(c.scene);
@@ -300,6 +302,7 @@ Vec3 mean_velocity_of(const Scene& scene, const Solver& solver) {
 
 /// Thrown up by a floor without friction that stops.
 TEST_F(ContactOnCard, AFreeBodyFliesAsItsMassDoesOnceItHasLeft) {
+  // a floor that throws the body up and stops
   const double h = 0.025, speed = 2;
   Collider floor = half_space({0, 1, 0}, 0, 0);
   floor.path = {{0, {}}, {0.1, {0, 0.1 * speed, 0}}};
@@ -309,6 +312,7 @@ TEST_F(ContactOnCard, AFreeBodyFliesAsItsMassDoesOnceItHasLeft) {
   solver.begin(initial_state(scene, {.velocity = {0.25, 0, 0}}));
   Vec3 before = {};
   int pushed = 0, flown = 0;
+  // while it is pushed, then in flight, where only gravity acts
   for (int k = 0; k < 16; ++k) {
     const StepReport report = solver.advance();
     ASSERT_TRUE(report.converged) << k;

@@ -57,13 +57,13 @@ TEST(Contact, EnergyIsInfiniteBehindTheWallAndStepsStopBeforeIt) {
   Contact contact(scene);
   std::vector<double> u(3 * size_t(scene.grid.node_count())), p(u.size());
   for (size_t k = 1; k < p.size(); k += 3) p[k] = -1;
-  // wall at 0.02 + 0.0125 below: nine tenths of that share may be gone
+  // the floor is 0.02 + 0.0125 below: a step may go nine tenths of that distance
   EXPECT_NEAR(contact.longest_step(u.data(), p.data()), 0.9 * 0.0325, 1e-12);
   contact.begin_step(u.data());
   EXPECT_EQ(contact.evaluate<double>(p.data(), nullptr), std::numeric_limits<double>::infinity());
   for (double& value : p) value = -value;
   EXPECT_EQ(contact.longest_step(u.data(), p.data()), 1);
-  // from 1 cm lower the wall is nearer, and standing still is no approach
+  // from 1 cm lower the floor is nearer, and standing still is no approach
   for (size_t k = 1; k < u.size(); k += 3) u[k] = -0.01, p[k] = -1.01;
   EXPECT_NEAR(contact.longest_step(u.data(), p.data()), 0.9 * 0.0225, 1e-12);
   EXPECT_EQ(contact.longest_step(u.data(), u.data()), 1);

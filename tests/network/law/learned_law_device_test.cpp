@@ -19,7 +19,7 @@ constexpr Law kFitted[] = {Law::kFixedCorotated, Law::kNeoHookean, Law::kStableN
                            Law::kStvk, Law::kHencky};
 const StepScheme kBegun{TimeScheme::kEuler, 1.0 / 60, 1};
 
-/// What the materials of a ragged block may have: a net and a law, two nets, a net and a table.
+/// Laws of the materials of a ragged block: a net and a law, two nets, a net and a table.
 std::vector<LearnedLaws> mixtures(Law law) {
   const auto net = [law](double poisson, Evaluation evaluation) {
     return shipped_net(law, poisson, evaluation);
@@ -56,6 +56,7 @@ struct Stretch {
 /// Inside the fitted box, on either side of its borders, where nets are blended out, and beyond.
 TEST_F(NetOnCard, StretchesAtTheBordersOfTheBoxAreThoseOfTheHost) {
   constexpr double kLittle = 1e-9;
+  // the box ends at a stretch and at a trace
   const double share = kFittedTrace / 3, out = kBlendedTrace / 3;
   const Stretch stretches[] = {{0.3, -0.1},  // inside
                                {kFittedStretch - kLittle, -0.4},
@@ -70,6 +71,7 @@ TEST_F(NetOnCard, StretchesAtTheBordersOfTheBoxAreThoseOfTheHost) {
                                {out - kLittle, out},
                                {out + kLittle, out},
                                {2, -1.5}};  // the law alone
+  // a homogeneous body, so that all voxels have these stretches
   Scene scene = scene_on(make_box(9, 3, 2, kRaggedEdge), solid(3e4, 0.4));
   scene.hourglass = Hourglass::kOff;  // whose energy would be rounding
   finish_scene(scene);

@@ -136,12 +136,14 @@ TEST(LearnedLaw, DerivativesAreThoseOfTheEnergyAcrossTheBorder) {
   for (const auto& [evaluation, law] : rows) {
     const LearnedLaw net = hencky_net(law, 0.4, evaluation);
     const LawParameters<double> p = parameters<double>(law, 1, 0.4);
+    // strains inside the box, across its border and beyond
     const std::vector<double> e = strains(300, 50, 1.3, 1.3);
     for (size_t k = 0; k < 300; ++k)
       for (size_t m = 0; m < 3; ++m) {
         constexpr double kStep = 1e-6;
         double s[3], up[3], down[3], outside;
         for (size_t i = 0; i < 3; ++i) s[i] = up[i] = down[i] = std::exp(e[3 * k + i]);
+        // central differences along each stretch
         up[m] += kStep, down[m] -= kStep;
         const Response<double> here = learned_response<true>(net, p, s, outside);
         const Response<double> a = learned_response<false>(net, p, up, outside),
@@ -177,6 +179,7 @@ TEST(LearnedLaw, SaysTheSameThroughStrainsAsThroughStretches) {
       const LawParameters<double> p = parameters<double>(law, 1, 0.4);
       int compared = 0;
       for (size_t k = 0; k < e.size() / 3; ++k) {
+        // F with these stretches, turned at random
         const Mat3<double> F =
             stretched(std::exp(e[3 * k]), std::exp(e[3 * k + 1]), std::exp(e[3 * k + 2]), random);
         Mat3<double> H = F;
@@ -185,6 +188,7 @@ TEST(LearnedLaw, SaysTheSameThroughStrainsAsThroughStretches) {
         double outside = -1, also_outside = -1;
         if (!by_strain(net, p, H, found, outside)) continue;
         ++compared;
+        // the response by singular values
         const Svd3<double> svd = svd3(F);
         const Response<double> r = learned_response<false>(net, p, svd.sigma, also_outside);
         const Mat3<double> P = first_piola(svd, r.t);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The table against what it tabulates, here a closed form: the difference of two laws with the same
-// moduli, which is what a net that stands for another law would add.
+// The table against its source, here a closed form: the difference of two laws with the same
+// moduli, as a net that stands for another law would add it.
 
 #include "network/law/mtl_table.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Weight files: what a fit says of itself is checked, what does not fit is refused with a sentence.
+// Weight files: the claims of a fit are checked, files that do not fit are refused with a sentence.
 
 #include "network/law/mtl_weights.hpp"
 

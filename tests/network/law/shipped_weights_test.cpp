@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Every weight file of network/weights: its fit measured anew on other strains than its card's, by
-// the net and by the table; what must hold of a law at rest; the published bias of the lagged loop.
+// the net and by the table; the conditions on a law at rest; the published bias of the lagged loop.
 
 #include "core/error.hpp"
 #include "network/law/mtl_weights.hpp"
@@ -58,7 +58,7 @@ TEST(ShippedWeights, KeepTheirLimitsByNetAndByTable) {
   }
 }
 
-// psi = 0, P = 0 and the moduli are exact for rotations, whatever the weights
+// psi = 0, P = 0 and the moduli are exact for rotations, with any weights
 TEST(ShippedWeights, AreExactAtRest) {
   for (const Shipped& file : shipped()) {
     const auto net = read(file, Evaluation::kTable);
@@ -153,6 +153,7 @@ TEST(ShippedWeights, AreObjectiveAndIsotropic) {
       for (int k = 0; k < 50; ++k) {
         Mat3<double> F;
         for (int m = 0; m < 9; ++m) F.m[m] = (m % 4 == 0) + 0.2 * normal(random);
+        // turned before and after
         const Mat3<double> Q = rotation(random);
         const auto [psi, P] = energy_and_stress(*net, p, F);
         const double scale = 1e-11 * (1 + psi + norm(P));
@@ -162,6 +163,7 @@ TEST(ShippedWeights, AreObjectiveAndIsotropic) {
         const auto [other_psi, other] = energy_and_stress(*net, p, F * Q);
         EXPECT_NEAR(other_psi, psi, scale) << file.name;
         EXPECT_LE(distance(other, P * Q), scale) << file.name;
+        // symmetric Kirchhoff stress
         const Mat3<double> tau = times_transposed(P, F);
         for (int i = 0; i < 3; ++i)
           EXPECT_NEAR(tau(i, (i + 1) % 3), tau((i + 1) % 3, i), scale) << file.name;
@@ -178,6 +180,7 @@ TEST(ShippedWeights, StiffnessScalesOutAndTheProjectedHessianIsPositive) {
     for (int k = 0; k < 20; ++k) {
       double s[3], outside;
       for (double& stretch : s) stretch = std::exp(log_stretch(random));
+      // a thousandth and a million times as stiff
       const auto soft =
           learned_response<true>(*net, parameters<double>(file.law, 1, file.poisson), s, outside);
       for (const double c : {1e-3, 1e6}) {
@@ -187,6 +190,7 @@ TEST(ShippedWeights, StiffnessScalesOutAndTheProjectedHessianIsPositive) {
         for (int i = 0; i < 6; ++i)
           EXPECT_NEAR(stiff.H[i], c * soft.H[i], 1e-11 * c * (1 + std::abs(soft.H[i])));
       }
+      // the projected Hessian along a random direction
       const PrincipalHessian<double> h = positive_part(principal_hessian(s, soft));
       double v[3], work = 0;
       for (double& x : v) x = log_stretch(random);

@@ -43,7 +43,7 @@ struct Fixture {
     return result;
   }
 
-  /// The same by for_each_row; counts how often each node is finished.
+  /// naive_sums by for_each_row; counts how often each node is finished.
   std::vector<double> row_sums(std::vector<int>& finished) const {
     const BrickRows rows = make_brick_rows(grid, material);
     BrickScratch<double> scratch(rows);
@@ -155,6 +155,7 @@ TEST(BrickRows, HoldTheMomentsOfBorderVoxelsAndNoneOfFullOnes) {
   const BrickRows rows = make_brick_rows(f.grid, f.material);
   int64_t with_border = 0;
   for (int64_t v = 0; v < f.grid.voxel_count(); ++v) {
+    // moments of the shape functions, signed by the corners
     double M[7] = {};
     bool full = true;
     for (int c = 0; c < 8; ++c) full &= f.grid.shape_mean(v, c) == 0.125;
@@ -165,6 +166,7 @@ TEST(BrickRows, HoldTheMomentsOfBorderVoxelsAndNoneOfFullOnes) {
           if (p >> d & 1) sign *= c >> d & 1 ? 1 : -1;
         M[p] += sign * f.grid.shape_mean(v, c);
       }
+    // a row has border numbers if one of its voxels is not full
     const size_t slot = size_t(rows.slot[size_t(v)]), row = slot / kLanes;
     const int32_t border = rows.rows[row].border;
     if (!full) {

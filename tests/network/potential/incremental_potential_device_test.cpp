@@ -143,6 +143,7 @@ TEST_F(OnCard, Preconditioner) {
     for (const bool with_encoder : {false, true}) {
       SCOPED_TRACE(concat(scene.grid.voxel_count(), " voxels, encoder ", with_encoder));
       Pair pair(scene, bent(scene, 0.02 * kH, 5), with_encoder);
+      // one vector in both precisions
       const std::vector<double> r = random_field(scene, 1, 9);
       const std::vector<float> single(r.begin(), r.end());
       std::vector<double> z(r.size());
@@ -151,6 +152,7 @@ TEST_F(OnCard, Preconditioner) {
       OnDevice<float> r_single_there(single), z_single_there(z_single);
       pair.first->apply(r.data(), z.data());
       pair.device->precondition(r_there.data(), z_there.data());
+      // device and host agree in both
       EXPECT_LT(relative_difference(z_there.host(), z), 1e-5);
       pair.first->apply(single.data(), z_single.data());
       pair.device->precondition(r_single_there.data(), z_single_there.data());
@@ -160,6 +162,7 @@ TEST_F(OnCard, Preconditioner) {
 
 TEST_F(OnCard, IterationsEndWhereThoseOfTheHostEnd) {
   const Scene scene = clamped_beam(40, 9, 17, kH, solid(1e5, 0.4));
+  // weight of the free nodes
   const std::vector<double> now(3 * size_t(scene.grid.node_count()));
   double force = 0;
   for (int64_t n = 0; n < scene.grid.node_count(); ++n)
@@ -173,6 +176,7 @@ TEST_F(OnCard, IterationsEndWhereThoseOfTheHostEnd) {
   for (const auto [tolerance, precise_below] :
        {Case{1e-3, 0}, Case{1e-6, kAlways}, Case{1e-6, 1e-4}}) {
     SCOPED_TRACE(concat("tolerance ", tolerance, ", in double below ", precise_below));
+    // the host, the device, and the device again
     Pair pair(scene, now, true);
     Zeroed<double> host = pair.potential.predictor(), device = host, again = host;
     std::vector<double> g(now);
@@ -270,7 +274,7 @@ void expect_room_asked_for(const Scene& scene, const LearnedLaws& nets = {}) {
   State state = initial_state(scene);
   solver.step(state);
   const double taken = double(before - free_on_card()) / (1 << 20);
-  EXPECT_GE(asked, 0.98 * taken);  // kernels that are loaded late count as taken
+  EXPECT_GE(asked, 0.98 * taken);  // kernels that are loaded late count as used
   EXPECT_LE(asked, 2 * taken);     // only one of the two iterations was made
 }
 

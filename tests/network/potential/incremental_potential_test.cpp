@@ -24,7 +24,7 @@ Scene ragged_scene(Law law, TimeScheme scheme, Hourglass hourglass) {
   return scene;
 }
 
-/// Turned by 0.7 rad about (2, -1, 2)/3 and disturbed: what a step may start from.
+/// A possible start of a step: turned by 0.7 rad about (2, -1, 2)/3 and disturbed.
 State moved_state(const Scene& scene, double noise) {
   State state = initial_state(scene);
   const double s = std::sin(0.7), c = 1 - std::cos(0.7), a[3] = {2.0 / 3, -1.0 / 3, 2.0 / 3};
@@ -228,11 +228,13 @@ TEST(IncrementalPotential, HessiansAreSymmetricAndPositive) {
   const std::vector<double> u = displacement(scene, state);
   const std::vector<double> p = random_field(scene, 1, 34), q = random_field(scene, 1, 35);
   std::vector<double> Ap(p.size()), Aq(p.size());
+  // the operator at rest
   potential.rest_hessian_product(p.data(), Ap.data());
   potential.rest_hessian_product(q.data(), Aq.data());
   EXPECT_NEAR(dot(q, Ap), dot(p, Aq), 1e-13 * norm(q) * norm(Ap));
   EXPECT_GT(dot(p, Ap), 0);
 
+  // the projected Hessian, in float
   const std::vector<float> pf(p.begin(), p.end()), qf(q.begin(), q.end());
   std::vector<float> product(p.size());
   potential.linearise(u.data());
@@ -257,6 +259,7 @@ std::vector<double> internal_force(const Scene& scene, IncrementalPotential& pot
 
 TEST(IncrementalPotential, NetForceAndTorqueAreZeroInRandomStates) {
   for (const Hourglass hourglass : {Hourglass::kFull, Hourglass::kVariance, Hourglass::kOff}) {
+    // a free body without gravity
     Scene scene = ragged_scene(Law::kNeoHookean, TimeScheme::kEuler, hourglass);
     scene.pinned.fill(0);
     scene.dt = 10;  // hardly any inertia: nothing to subtract
@@ -267,6 +270,7 @@ TEST(IncrementalPotential, NetForceAndTorqueAreZeroInRandomStates) {
     IncrementalPotential potential(scene);
     potential.begin_step(initial_state(scene), {TimeScheme::kEuler, scene.dt, 1});
     const std::vector<double> f = internal_force(scene, potential, displacement(scene, state));
+    // sums of forces and of their moments
     double force[3] = {}, torque[3] = {}, sum = 0;
     for (int64_t n = 0; n < scene.grid.node_count(); ++n) {
       const double* x = state.x.row(n);
@@ -280,6 +284,7 @@ TEST(IncrementalPotential, NetForceAndTorqueAreZeroInRandomStates) {
     }
     const double size = 9 * kSceneH;
     EXPECT_LT(std::hypot(force[0], force[1], force[2]), 1e-12 * sum);
+    // only the frozen torsion correction has a torque
     const double share = std::hypot(torque[0], torque[1], torque[2]) / (sum * size);
     if (hourglass == Hourglass::kFull)
       printf("torque of the frozen torsion correction: %.1e of sum |f| times the size\n", share);
@@ -315,6 +320,7 @@ TEST(IncrementalPotential, HomogeneousStrainHasTheEnergyOfTheLawTimesTheFilledVo
   Scene scene = scene_on(ragged_grid(9, 7, 6, kSceneH, 12), solid(1e5, 0.3));
   finish_scene(scene);
   State state = initial_state(scene);
+  // x = F X at all nodes
   const double F[3][3] = {{1.2, 0.1, -0.05}, {0.02, 0.9, 0.15}, {0.05, -0.1, 1.1}};
   double volume = 0, I = 0;
   for (int64_t v = 0; v < scene.grid.voxel_count(); ++v)
@@ -324,6 +330,7 @@ TEST(IncrementalPotential, HomogeneousStrainHasTheEnergyOfTheLawTimesTheFilledVo
       state.x(n, i) = 0;
       for (int j = 0; j < 3; ++j) state.x(n, i) += F[i][j] * scene.grid.rest(n, j);
     }
+  // the energy density of the law, written out
   for (const auto& row : F)
     for (const double f : row) I += f * f;
   const double J = F[0][0] * (F[1][1] * F[2][2] - F[1][2] * F[2][1]) -
@@ -331,6 +338,7 @@ TEST(IncrementalPotential, HomogeneousStrainHasTheEnergyOfTheLawTimesTheFilledVo
                    F[0][2] * (F[1][0] * F[2][1] - F[1][1] * F[2][0]);
   const double mu = 1e5 / 2.6, lambda = 1e5 * 0.3 / (1.3 * 0.4), l = std::log(J);
   const double psi = mu / 2 * (I - 3) - mu * l + lambda / 2 * l * l;
+  // the potential has it times the filled volume
   IncrementalPotential potential(scene);
   potential.begin_step(initial_state(scene), {TimeScheme::kEuler, scene.dt, 1});
   const std::vector<double> u = displacement(scene, state);

@@ -27,7 +27,7 @@ Scene small_beam(Law law = Law::kNeoHookean) {
   return clamped_beam(12, 4, 2, kSmallEdge, small_material(law));
 }
 
-/// 136 voxels one after another, over more bricks than a cluster of blocks takes (MultigridOnCard).
+/// 136 voxels one after another, over more bricks than a cluster of blocks holds (MultigridOnCard).
 Scene small_strip() {
   const Material soft = solid(young_of_courant(2.5, kSmallEdge, 1.0 / 60), 0.4);
   return clamped_beam(136, 1, 1, kSmallEdge, soft);
@@ -68,7 +68,7 @@ SmallRun run_small(const Scene& scene, SolverOptions options, Device device, int
   return run;
 }
 
-/// Steps on both: states that agree to a tenth of the tolerance, and what steps report.
+/// Steps on host and device: states that agree to a tenth of the tolerance, and equal reports.
 SmallRun expect_steps_of_host(const Scene& scene, const SolverOptions& options, int steps = 2) {
   const SmallRun a = run_small(scene, options, Device::kCpu, steps);
   const SmallRun b = run_small(scene, options, Device::kCuda, steps);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the device makes of a scene at rest, tables of its voxels, modes of the encoder and their
-// operators, against those of the CPU. Nothing is here in
-// builds without CUDA; skipped where there is no device.
+// Data that the device computes from a scene at rest (tables of its voxels, modes of the encoder
+// and their operators) against those of the CPU. Empty in builds without CUDA; skipped without a
+// device.
 
 #ifdef ELASTOGEN_CUDA
 
@@ -189,6 +189,7 @@ TEST_F(RestOperatorOnCard, TablesOfVoxelsAreThoseOfTheHost) {
     SCOPED_TRACE(named.name);
     const IncrementalPotential host(named.scene);
     cuda::DevicePotential device(host);
+    // tables are equal to the bit
     const BrickRows found = device.download_rows();
     const BrickRows& expected = host.rows();
     EXPECT_EQ(differences(found.rows, expected.rows), 0u);
@@ -205,6 +206,7 @@ TEST_F(RestOperatorOnCard, TablesOfVoxelsAreThoseOfTheHost) {
     border_rows += int64_t(expected.border.size());
     shared += int64_t(expected.shared_node.size());
   }
+  // some scenes have border rows and shared nodes
   EXPECT_GT(border_rows, 0);
   EXPECT_GT(shared, 0);
 }

@@ -76,7 +76,7 @@ Eigen::MatrixXd reduced_operator(Rest& rest, const Encoder<double>& encoder) {
   return A;
 }
 
-/// What couples a component with itself.
+/// The entries that couple a component with itself.
 Eigen::MatrixXd within_components(const Eigen::MatrixXd& A) {
   return Eigen::MatrixXd::NullaryExpr(A.rows(), A.cols(), [&](Eigen::Index a, Eigen::Index b) {
     return a % 3 == b % 3 ? A(a, b) : 0;

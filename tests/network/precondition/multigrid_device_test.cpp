@@ -52,7 +52,7 @@ void expect_cycle_of_host(const Scene& scene, Multigrid<T>& host, cuda::DeviceMu
   const std::vector<T> r(random.begin(), random.end());
   std::vector<T> expected(r.size());
   host.apply(r.data(), expected.data());
-  // what stood in z must not matter
+  // the values in z before the call must not matter
   OnDevice<T> from(r), z(std::vector<T>(r.size(), T(7))), again(std::vector<T>(r.size(), T(-3)));
   device.apply(from.data(), z.data());
   EXPECT_LT(relative_difference(z.host(), expected), bound);
@@ -91,7 +91,7 @@ void check_large_solves(double bound) {
 }
 
 TEST_F(MultigridOnCard, LargeSolvesAreThoseOfTheHost) {
-  check_large_solves<double>(1e-11);  // two ways to invert, and the plate multiplies rounding
+  check_large_solves<double>(1e-11);  // two methods of inversion, and the plate multiplies rounding
   check_large_solves<float>(2e-5);
 }
 
@@ -146,7 +146,7 @@ TEST_F(MultigridOnCard, CycleOfManyLevels) {
 }
 
 TEST_F(MultigridOnCard, AThousandCyclesLeaveNothingBehind) {
-  // what slots without a free node kept would grow from cycle to cycle
+  // values left in slots without a free node would grow from cycle to cycle
   const Scene scene = clamped_beam(90, 70, 61, 0.02, solid(1e5, 0.45));
   Multigrid<float> host(scene, 1);
   Made<float> device(scene);

@@ -142,6 +142,7 @@ TEST(Multigrid, LargestEigenvalueOfTheSmoothedOperatorStaysBelowTheElementBound)
     Multigrid<double> multigrid(scene, 1);
     const size_t size = 3 * size_t(scene.grid.node_count());
     std::vector<double> unit(size), product(size), diagonal(size), p = random_field(scene, 1, 8);
+    // the diagonal, node by node
     for (int64_t n = 0; n < scene.grid.node_count(); ++n) {
       for (int i = 0; i < 3; ++i) unit[size_t(3 * n + i)] = 1;
       multigrid.operator_product(unit.data(), product.data());
@@ -150,6 +151,7 @@ TEST(Multigrid, LargestEigenvalueOfTheSmoothedOperatorStaysBelowTheElementBound)
         unit[size_t(3 * n + i)] = 0;
       }
     }
+    // power iteration on D^-1 A
     double largest = 0;
     for (int k = 0; k < 200; ++k) {
       multigrid.operator_product(p.data(), product.data());
@@ -158,6 +160,7 @@ TEST(Multigrid, LargestEigenvalueOfTheSmoothedOperatorStaysBelowTheElementBound)
       const double length = norm(product);
       for (size_t i = 0; i < size; ++i) p[i] = product[i] / length;
     }
+    // the bound of one element
     const Material& m = scene.materials[0];
     const double k = 2 * m.mu() + m.lambda(), c = (m.mu() + m.young / 2) / 2;
     const double bound = 1.03 * (k / 2) / ((k + 2 * m.mu()) / 16 + 7 * c / 48);

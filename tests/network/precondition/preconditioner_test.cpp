@@ -99,6 +99,7 @@ TEST(Preconditioner, IsSymmetricAndPositiveInATurnedStateWithContact) {
   scene.surface = face_points(scene.grid);
   scene.colliders = {half_space({0, 1, 0}, -0.26, 0.5)};
   finish_scene(scene);
+  // a turned and shaken state that touches the floor
   State state = initial_state(scene);
   const std::vector<double> noise = random_field(scene, 0.002, 63);
   for (int64_t n = 0; n < scene.grid.node_count(); ++n) {
@@ -112,6 +113,7 @@ TEST(Preconditioner, IsSymmetricAndPositiveInATurnedStateWithContact) {
   const std::vector<double> u = displacement(scene, state);
   potential.linearise(u.data());
   Preconditioner<double> preconditioner(potential, {});
+  // with and without the stiffness of contact
   const std::vector<double> x = random_field(scene, 1, 64), y = random_field(scene, 1, 65);
   std::vector<double> Bx(x.size()), By(x.size()), free(x.size());
   preconditioner.apply(x.data(), free.data());
@@ -130,11 +132,13 @@ std::array<double, 2> spectrum_at_rest(const Scene& scene, bool with_encoder) {
   IncrementalPotential potential(scene);
   potential.begin_step(initial_state(scene), {TimeScheme::kEuler, scene.dt, 1});
   Preconditioner<double> preconditioner(potential, {with_encoder});
+  // free components
   std::vector<size_t> free;
   const auto size = 3 * size_t(scene.grid.node_count());
   for (size_t k = 0; k < size; ++k)
     if (!scene.pinned(int64_t(k / 3))) free.push_back(k);
   const auto count = Eigen::Index(free.size());
+  // both operators by unit vectors
   Eigen::MatrixXd A(count, count), B(count, count);
   std::vector<double> unit(size), Au(size), Bu(size);
   for (Eigen::Index column = 0; column < count; ++column) {
@@ -148,6 +152,7 @@ std::array<double, 2> spectrum_at_rest(const Scene& scene, bool with_encoder) {
       B(row, column) = Bu[free[size_t(row)]];
     }
   }
+  // eigenvalues of L^T B L with A = L L^T
   const Eigen::MatrixXd L = A.llt().matrixL();
   const Eigen::VectorXd values =
       Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(L.transpose() * (B + B.transpose()) / 2 * L,
@@ -192,7 +197,7 @@ TEST(Preconditioner, IsAsGoodWithTheEncoderAsWithoutInItsWorstDirection) {
         const auto [low_alone, high_alone] = spectrum_at_rest(scene, false);
         printf("%-8s C %5g, nu %4g: %.4f ... %.3f, multigrid alone %.4f ... %.3f\n", c.name, C,
                poisson, low, high, low_alone, high_alone);
-        // what multigrid gives is taken away where the encoder knows better, and not twice given
+        // the encoder replaces multigrid's result where it is better, and is not added to it
         EXPECT_GT(low, 0.85 * low_alone);
         EXPECT_LT(high, 1.25 * high_alone);
         if (C == 100) {

@@ -13,7 +13,7 @@ using stencil::kComponent;
 using stencil::kRow;
 using stencil::kSlots;
 
-/// The rows of all nodes of a level, one each, from what Multigrid has there.
+/// The rows of all nodes of a level, one each, computed from Multigrid's level.
 class Rows {
  public:
   Rows(const MultigridLevel<double>& of, const BrickLevel& bricks)

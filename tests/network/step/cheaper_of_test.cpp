@@ -9,7 +9,7 @@
 namespace elastogen {
 namespace {
 
-/// The ways of `steps` steps whose costs are those of the two ways.
+/// The choice of each of `steps` steps, if choice 0 costs `first` and choice 1 costs `second`.
 std::vector<int> ways(CheaperOf choice, int steps, double first, double second) {
   std::vector<int> result;
   for (int step = 1; step <= steps; ++step) {

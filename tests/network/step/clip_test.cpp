@@ -44,8 +44,8 @@ void expect_clip_like_steps(const Scene& scene, const StartMotion& motion, Devic
   expect_same(read, stepped);
 }
 
-/// Given up on request, a step leaves the clip where it was, and the next one is that of a clip
-/// without it.
+/// A step that is given up on request leaves the clip where it was, and the next step is that of an
+/// undisturbed clip.
 void expect_interruption_to_leave_the_state(const Scene& scene, Device device) {
   int polls_left = 1 << 30;
   SolverOptions options{.mode = SolverMode::kQuasi, .device = device};
@@ -54,6 +54,7 @@ void expect_interruption_to_leave_the_state(const Scene& scene, Device device) {
   State state = initial_state(scene), before, after, expected;
   solver.begin(state);
   undisturbed.begin(state);
+  // three steps, then one that is given up
   for (int k = 0; k < 3; ++k) solver.advance(), undisturbed.advance();
   solver.read(before);
   polls_left = 1;
@@ -64,6 +65,7 @@ void expect_interruption_to_leave_the_state(const Scene& scene, Device device) {
   polls_left = 1;
   EXPECT_TRUE(solver.step(stepped).interrupted);
   expect_same(stepped, before);
+  // the next step is as if nothing had happened
   polls_left = 1 << 30;
   solver.begin(before);
   EXPECT_TRUE(solver.advance().converged);

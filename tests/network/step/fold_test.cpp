@@ -77,7 +77,7 @@ TEST(NewtonRegion, ShrinksWherePhiDoesNotFallAndGivesUpInTheEnd) {
     EXPECT_DOUBLE_EQ(region.scalars(kUnit).radius, 3.0 / 64);
   }
   EXPECT_FALSE(take(region, 0, 0));
-  // what promises less than the noise of Phi is not tried again
+  // a step whose predicted gain is below the noise of Phi is not tried again
   NewtonRegion other;
   other.begin();
   EXPECT_FALSE(other.take_step({}, kUnit, {.slope = -1e-10, .noise = 1e-9}));
@@ -121,6 +121,7 @@ TEST(Fold, ThePotentialFallsWithEveryStepOfNewton) {
   const Scene scene = folding_beam();
   const State start = before_the_fold(scene);
   const StepScheme scheme = step_scheme(scene, start);
+  // one potential for the solver, another to judge it
   IncrementalPotential potential(scene), judge(scene);
   potential.begin_step(start, scheme);
   judge.begin_step(start, scheme);
@@ -138,6 +139,7 @@ TEST(Fold, ThePotentialFallsWithEveryStepOfNewton) {
     before = now;
     return false;
   };
+  // each of Newton's steps is watched
   NewtonSolver solver(potential);
   const IterationResult result =
       solver.solve(u.data(), 0.95e-3 * reference_force(scene), 100, 400, first, watch);

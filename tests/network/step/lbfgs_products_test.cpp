@@ -117,7 +117,7 @@ TEST(LbfgsProducts, LeaveOutAPairWithoutCurvature) {
   Vector turned = y;
   for (double& value : turned) value = -value;
   EXPECT_FALSE(history.take(s, turned, walk.g));
-  EXPECT_EQ(history.products.count, LbfgsProducts::kOlder);  // the room of the oldest was used
+  EXPECT_EQ(history.products.count, LbfgsProducts::kOlder);  // the oldest pair was overwritten
   // the four pairs that are left satisfy the newest secant equation: H y = s
   LbfgsProducts& products = history.products;
   for (size_t k = 0; k < history.s.size(); ++k)

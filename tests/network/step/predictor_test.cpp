@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where steps begin: pieces with a pin by their predictor or by what their velocities say.
+// Starts of steps: pieces with a pin start from their predictor or by their velocities.
 #include "network/step/predictor.hpp"
 
 #include "network/solver.hpp"
@@ -14,6 +14,7 @@ TEST(Predictor, ExtrapolationMovesFreeNodesOfPinnedPiecesAlone) {
   Scene scene = clamped_beam(6, 2, 2, 0.1, solid(1e5, 0.3));
   State state = initial_state(scene);
   state.x_before = state.x, state.v_before = state.v;
+  // velocities now and before, different at each node
   for (int64_t n = 0; n < state.x.rows(); ++n)
     for (int d = 0; d < 3; ++d) {
       state.v(n, d) = 1 + double(n) + 0.1 * d;
@@ -22,6 +23,7 @@ TEST(Predictor, ExtrapolationMovesFreeNodesOfPinnedPiecesAlone) {
   const StepScheme bdf2{TimeScheme::kBdf2, scene.dt, 2.25};
   const Predictor predictor(scene);
   for (int order = 1; order <= 2; ++order) {
+    // both orders written out; pinned nodes do not move
     std::vector<double> u(size_t(state.x.size()), 7);
     predictor.extrapolate(state, bdf2, order, u.data());
     int64_t held = 0;
@@ -47,7 +49,7 @@ TEST(Predictor, ExtrapolationLeavesFreePiecesAlone) {
 
 /// Outer iterations of a step to 1e-3 from where `steps` steps have brought the scene to rest.
 int iterations_at_rest(Scene scene, SolverMode mode, double dt, int steps) {
-  scene.dt = dt;  // Euler damps what swings at once
+  scene.dt = dt;  // Euler damps vibrations at once
   scene.scheme = TimeScheme::kEuler;
   scene.gravity = {0, -9.81, 0};
   finish_scene(scene);

@@ -55,6 +55,7 @@ TEST(Robustness, AFlattenedCubeRecovers) {
 TEST(Robustness, TheHourglassEnergyOfAMirroredBodyDoesNotDependOnItsAttitude) {
   const Scene scene = free_cube(2, Law::kNeoHookean);
   const std::vector<double> noise = random_field(scene, 0.02, 5);
+  // hourglass energy of a mirrored, shaken body turned by R
   const auto energy = [&](const Mat3<double>& R) {
     State state = initial_state(scene);
     Array<double> bent = state.x;
@@ -75,6 +76,7 @@ TEST(Robustness, TheHourglassEnergyOfAMirroredBodyDoesNotDependOnItsAttitude) {
     return potential.evaluate<double>(u.data(), g.data()).hourglass;
   };
   Random random(2);
+  // it does not depend on R
   const double upright = energy(identity<double>());
   EXPECT_GT(upright, 0);
   for (int k = 0; k < 5; ++k) EXPECT_NEAR(energy(rotation(random)), upright, 1e-12 * upright);
@@ -84,6 +86,7 @@ TEST(Robustness, ACollapsedVoxelHasAFiniteForce) {
   for (const Law law :
        {Law::kFixedCorotated, Law::kNeoHookean, Law::kStableNeoHookean, Law::kStvk, Law::kHencky}) {
     const Scene scene = free_cube(1, law);
+    // all nodes at one point
     State state = initial_state(scene);
     state.x.fill(0.05);
     IncrementalPotential potential(scene);
@@ -91,6 +94,7 @@ TEST(Robustness, ACollapsedVoxelHasAFiniteForce) {
     const std::vector<double> u = displacement(scene, state);
     std::vector<double> g(u.size());
     std::vector<float> single(u.size());
+    // energy and forces in both precisions
     const PotentialValue value = potential.evaluate<double>(u.data(), g.data());
     potential.evaluate<float>(u.data(), single.data());
     EXPECT_TRUE(std::isfinite(value.total())) << law_name(law);
@@ -99,6 +103,7 @@ TEST(Robustness, ACollapsedVoxelHasAFiniteForce) {
       ASSERT_TRUE(std::isfinite(g[k])) << law_name(law);
       ASSERT_TRUE(std::isfinite(single[k])) << law_name(law);
     }
+    // and the product with the Hessian
     potential.linearise(u.data());
     const std::vector<float> p(u.size(), 1.f);
     potential.hessian_product(p.data(), single.data());
@@ -190,7 +195,7 @@ TEST(Robustness, TheResultDoesNotDependOnThePlace) {
   // 1e6 m away a position carries an error of 1e-10 m, a strain of 5e-9
   const std::vector<double> here = dimensionless_result(1, 1e-4);
   EXPECT_LT(relative_difference(dimensionless_result(1, 1e-4, 1e6), here), 1e-4);
-  // the integration reads displacements only: what is left is the rounding of the positions
+  // the integration reads displacements only: the difference is the rounding of the positions
   EXPECT_LT(relative_difference(dimensionless_result(1, 1e-4, 10), here), 1e-8);
 }
 

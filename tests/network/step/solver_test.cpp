@@ -91,6 +91,7 @@ double recomputed_residual(const Scene& scene, const State& before, const State&
       c_h * h * (scalar_stiffness(false) - scalar_stiffness(true));
   const int64_t nodes = scene.grid.node_count();
   std::vector<double> g(3 * size_t(nodes));
+  // forces of the voxels
   for (int64_t v = 0; v < scene.grid.voxel_count(); ++v) {
     Eigen::Matrix<double, 3, 8> x, X, sign;
     for (int c = 0; c < 8; ++c)
@@ -105,6 +106,7 @@ double recomputed_residual(const Scene& scene, const State& before, const State&
     for (int c = 0; c < 8; ++c)
       for (int i = 0; i < 3; ++i) g[size_t(3 * scene.grid.corners(v, c) + i)] += f(i, c);
   }
+  // inertia and gravity, over the reference force
   double sum = 0, reference = 0;
   const double dt = scene.dt;
   for (int64_t n = 0; n < nodes; ++n) {
@@ -186,7 +188,7 @@ TEST(Solver, WithoutSkippingReachesTheSameState) {
     const Scene scene = clamped_beam(12, 4, 4, 0.025, solid(young, 0.3));
     const State a = after(scene, 8, {.skip = true}), b = after(scene, 8, {.skip = false});
     EXPECT_LT(state_difference(scene, a, b), 1e-3);
-    EXPECT_GT(state_difference(scene, a, b), 0);  // two ways, not one
+    EXPECT_GT(state_difference(scene, a, b), 0);  // two methods, not one
   }
 }
 

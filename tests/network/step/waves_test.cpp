@@ -97,6 +97,7 @@ double beam_frequency(double beta, double dt, double size) {
   scene.dt = dt;
   finish_scene(scene);
   State state = initial_state(scene);
+  // the mode as displacement, with turned sections
   std::vector<double> shape(size_t(scene.grid.node_count()));
   for (int64_t n = 0; n < scene.grid.node_count(); ++n) {
     if (scene.pinned(n)) continue;
@@ -106,6 +107,7 @@ double beam_frequency(double beta, double dt, double size) {
     state.x(n, 1) += size * shape[size_t(n)];
     state.x(n, 0) -= size * slope * y;
   }
+  // amplitude along the mode, until it has crossed zero five times
   Solver solver(scene, {.mode = SolverMode::kNewton, .tolerance = 1e-4});
   Frequency frequency;
   while (frequency.crossings() < 5) {
