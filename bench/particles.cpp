@@ -36,7 +36,7 @@ mpm::MpmScene sand_scene(double dt) {
   sand.elastic = {"sand", Law::kHencky, 1e6, 0.35, kDensity};
   sand.yield = SandYield{std::numbers::pi / 6, 0, false};
   scene.solids = {sand};
-  scene.walls.push_back({half_space({0, 1, 0}, 0, 0), true});
+  scene.obstacles.push_back({half_space({0, 1, 0}, 0, 0), true});
   return scene;
 }
 

@@ -9,6 +9,7 @@
 #include "core/parallel.hpp"
 #include "core/time_scheme.hpp"
 #include "io/safe_file.hpp"
+#include "mpm_fem/materials/solid_presets.hpp"
 #include "scene/particle_integrator.hpp"
 #include "scene/particle_setup.hpp"
 #include "scene/particle_stepper.hpp"
@@ -52,6 +53,17 @@ void print_particles(const Setup& setup, const ParticleOptions& options) {
   fmt::print("\n");
 }
 
+/// A line for each material: its law, or how it yields, and its moduli.
+void print_materials(const Setup& setup) {
+  for (size_t k = 0; k < setup.scene.materials.size(); ++k) {
+    const Material& m = setup.scene.materials[k];
+    const bool yields = !setup.yields.empty() && setup.yields[k].index() > 0;
+    fmt::print("{}: {}, E {:.4g} Pa, nu {:.4g}, rho {:.4g} kg/m^3\n", m.name,
+               yields ? yield_name(setup.yields[k]) : law_name(m.law), m.young, m.poisson,
+               m.density);
+  }
+}
+
 /// Prints in a few lines what will be computed: size, up, grid, material, time step, damping.
 void print_setup(const Setup& setup, const AnimateOptions& o) {
   const Scene& scene = setup.scene;
@@ -68,13 +80,7 @@ void print_setup(const Setup& setup, const AnimateOptions& o) {
                scene.grid.pieces == 1 ? "" : "s");
   if (setup.particles) print_particles(setup, o.particles);
   // materials and sheets
-  for (size_t k = 0; k < scene.materials.size(); ++k) {
-    const Material& m = scene.materials[k];
-    const bool yields = !setup.yields.empty() && setup.yields[k].index() > 0;
-    fmt::print("{}: {}, E {:.4g} Pa, nu {:.4g}, rho {:.4g} kg/m^3\n", m.name,
-               yields ? yield_name(setup.yields[k]) : law_name(m.law), m.young, m.poisson,
-               m.density);
-  }
+  print_materials(setup);
   if (setup.sheet_volume > 0)
     fmt::print("{} of {:.4g} m ({}), {:.4g} kg\n", setup.body.shell > 0 ? "shell" : "sheets",
                setup.sheet_thickness,

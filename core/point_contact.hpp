@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Contact of surface points with colliders: the lengths and the stiffness that every solver uses,
-// and energy, force and stiffness of one point at one collider, as in network/contact/contact.hpp. Walls
-// are the cores of colliders, which points keep away from. Shared by host and device.
+// and energy, force and stiffness of one point at one collider (contact.hpp). An obstacle is the
+// core of a collider. Shared by host and device.
 
 #pragma once
 
@@ -11,7 +11,7 @@
 namespace elastogen {
 
 /// Offsets of a collider at the start and at the end of a step [m].
-struct WallPath {
+struct ObstaclePath {
   Vec3 from = {}, to = {};
 };
 
@@ -37,7 +37,6 @@ double contact_layer(const Scene& scene);
 /// of the surface, h at least.
 double slip_range(const Scene& scene);
 
-/// Both lengths.
 ContactLengths contact_lengths(const Scene& scene);
 
 /// Factor of the barrier of a point, kappa = E dhat^2 / h [N/m], so that a voxel in contact is held
@@ -79,11 +78,11 @@ ELASTOGEN_HD inline bool touches(const Proximity& near, const ContactLag& lag, d
 }
 
 /// Tangential motion of a point relative to a collider since the start of the step.
-ELASTOGEN_HD inline Vec3 slip_of(const ContactPoint& point, const WallPath& wall,
+ELASTOGEN_HD inline Vec3 slip_of(const ContactPoint& point, const ObstaclePath& path,
                                  const ContactLag& lag) {
   Vec3 slip;
   for (size_t i = 0; i < 3; ++i)
-    slip[i] = point.place[i] - point.start[i] - (wall.to[i] - wall.from[i]);
+    slip[i] = point.place[i] - point.start[i] - (path.to[i] - path.from[i]);
   const double along = dot(slip, lag.normal);
   for (size_t i = 0; i < 3; ++i) slip[i] -= along * lag.normal[i];
   return slip;
@@ -91,13 +90,13 @@ ELASTOGEN_HD inline Vec3 slip_of(const ContactPoint& point, const WallPath& wall
 
 /// Energy of a point that feels a collider [J], and its derivative in the point's motion [N].
 ELASTOGEN_HD inline double point_energy(const ContactLengths& of, const ContactPoint& point,
-                                        const WallPath& wall, const ContactLag& lag,
+                                        const ObstaclePath& path, const ContactLag& lag,
                                         const Proximity& near, Vec3& force) {
   const Curve b = barrier(near.distance / of.layer);
   const double energy = point.stiffness * b.value;
   for (size_t i = 0; i < 3; ++i) force[i] = point.stiffness * b.first / of.layer * near.normal[i];
   if (!(lag.limit > 0)) return energy;
-  const Vec3 slip = slip_of(point, wall, lag);
+  const Vec3 slip = slip_of(point, path, lag);
   const SmoothedSlip f = smoothed_slip(safe_norm(slip), of.slip_range);
   for (size_t i = 0; i < 3; ++i) force[i] += lag.limit * f.first_over_y * slip[i];
   return energy + lag.limit * f.value;
@@ -105,12 +104,13 @@ ELASTOGEN_HD inline double point_energy(const ContactLengths& of, const ContactP
 
 /// Stiffness of a point that feels a collider.
 ELASTOGEN_HD inline PointStiffness point_stiffness(const ContactLengths& of,
-                                                   const ContactPoint& point, const WallPath& wall,
-                                                   const ContactLag& lag, const Proximity& near) {
+                                                   const ContactPoint& point,
+                                                   const ObstaclePath& path, const ContactLag& lag,
+                                                   const Proximity& near) {
   PointStiffness k{.n = near.normal, .lagged = lag.normal};
   k.normal = point.stiffness * barrier(near.distance / of.layer).second / (of.layer * of.layer);
   if (!(lag.limit > 0)) return k;
-  k.direction = slip_of(point, wall, lag);
+  k.direction = slip_of(point, path, lag);
   const double size = safe_norm(k.direction);
   const SmoothedSlip f = smoothed_slip(size, of.slip_range);
   k.across = lag.limit * f.first_over_y;
@@ -127,16 +127,18 @@ ELASTOGEN_HD inline bool crowded(double before, double after, double layer) {
 }
 
 /// Share of a collider's motion that a place near it makes; less where another collider is ahead.
-/// Colliders before number `wall` have moved already, those after it have not.
-/// @tparam Wall  a WallPath with a ColliderForm `core`.
-template <class Wall>
-ELASTOGEN_HD double carried_share(const Wall* walls, size_t count, size_t wall, const Vec3& place,
-                                  const Vec3& direction) {
-  const double own = std::max(proximity(walls[wall].core, walls[wall].from, place).distance, 0.0);
+/// Colliders before number `obstacle` have moved already, those after it have not.
+/// @tparam Obstacle  an ObstaclePath with a ColliderForm `core`.
+template <class Obstacle>
+ELASTOGEN_HD double carried_share(const Obstacle* obstacles, size_t count, size_t obstacle,
+                                  const Vec3& place, const Vec3& direction) {
+  const double own =
+      std::max(proximity(obstacles[obstacle].core, obstacles[obstacle].from, place).distance, 0.0);
   double share = 1;
   for (size_t w = 0; w < count; ++w) {
-    if (w == wall) continue;
-    const Proximity near = proximity(walls[w].core, w < wall ? walls[w].to : walls[w].from, place);
+    if (w == obstacle) continue;
+    const Proximity near =
+        proximity(obstacles[w].core, w < obstacle ? obstacles[w].to : obstacles[w].from, place);
     double ahead = 0;
     for (size_t d = 0; d < 3; ++d) ahead -= direction[d] * near.normal[d];
     const double other = std::max(near.distance, 0.0), sum = other + own * ahead;

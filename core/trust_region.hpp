@@ -58,8 +58,8 @@ struct PcgScalars {
  private:
   ELASTOGEN_HD double square_at(double a) const { return xx + a * (2 * xp + a * pp); }
   ELASTOGEN_HD double to_edge() const {
-    const double room = xp * xp + pp * (radius * radius - xx);
-    return (std::sqrt(room > 0 ? room : 0) - xp) / pp;
+    const double left = xp * xp + pp * (radius * radius - xx);
+    return (std::sqrt(left > 0 ? left : 0) - xp) / pp;
   }
 };
 

@@ -92,7 +92,7 @@ class Arrays {
     if (cols != 1) extents.push_back(cols);
     const auto types = hdf5::number_type<T>();
     check_kind(array, name, types.file);
-    check_room(array, name, extents, sizeof(T));
+    check_memory(array, name, extents, sizeof(T));
     std::vector<T> values(rows * cols);
     read(array, name, types.memory, values.data());
     if constexpr (std::is_floating_point_v<T>)
@@ -110,7 +110,7 @@ class Arrays {
                               length > 0 && length <= kLongestText,
                           place_, ": '", name, "' must have texts of one length up to ",
                           kLongestText);
-    check_room(array, name, {rows}, length);
+    check_memory(array, name, {rows}, length);
     std::string block(rows * length, '\0');
     read(array, name, text_type(length), block.data());
     std::vector<std::string> texts;
@@ -149,8 +149,8 @@ class Arrays {
   }
 
   /// Checks the extents of an array, and that its numbers lie in this file as plain numbers.
-  void check_room(hid_t array, const char* name, const std::vector<hsize_t>& extents,
-                  size_t size) const {
+  void check_memory(hid_t array, const char* name, const std::vector<hsize_t>& extents,
+                    size_t size) const {
     ELASTOGEN_CHECK_ASSET(extents_of(array, name) == extents, place_, ": '", name,
                           "' does not have ", extents[0], " rows",
                           extents.size() > 1 ? concat(" of ", extents[1]) : "");

@@ -143,8 +143,8 @@ void add_topology(Asset& asset, const Surface& surface, const WeldedMesh& w) {
   add_finding(asset, "mixed-winding", w.turned_edges,
               "edges lie between two triangles of opposite winding");
   // some bodies inside out among others: the volume may be nothing but rounding
-  const double room = surface.box.extent(0) * surface.box.extent(1) * surface.box.extent(2);
-  if (w.closed() && w.balanced() && w.volume < -1e-9 * room)
+  const double box_volume = surface.box.extent(0) * surface.box.extent(1) * surface.box.extent(2);
+  if (w.closed() && w.balanced() && w.volume < -1e-9 * box_volume)
     add_finding(asset, "flipped", surface.triangles.rows(),
                 "triangles are wound inside out, all of them");
   if (w.pieces > 1) add_finding(asset, "pieces", w.pieces, "pieces are not joined by an edge");

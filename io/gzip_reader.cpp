@@ -40,14 +40,14 @@ int64_t GzipReader::unpack(char* out, int64_t bytes) {
     stream_->avail_in = uInt(n);
     rest_.remove_prefix(n);
   }
-  const uInt room = uInt(std::min(bytes, kMostBytes));
+  const uInt capacity = uInt(std::min(bytes, kMostBytes));
   stream_->next_out = reinterpret_cast<Bytef*>(out);
-  stream_->avail_out = room;
+  stream_->avail_out = capacity;
   const int result = inflate(stream_.get(), Z_NO_FLUSH);
   ELASTOGEN_CHECK_ASSET(result == Z_OK || result == Z_STREAM_END, path_,
                         ": its gzip stream is damaged or cut off");
   ended_ = result == Z_STREAM_END;
-  return room - stream_->avail_out;
+  return capacity - stream_->avail_out;
 }
 
 }  // namespace elastogen

@@ -60,7 +60,7 @@ double courant_number(const Scene& scene);
 ///     1.5 2^-23 3K / (rho g_ref h):
 ///
 /// stretches carry an error of about 2^-23, which the bulk modulus turns into forces. Measured
-/// within a factor of 2 (tests/network/step/solver_test.cpp). Above a third of the tolerance a step runs
+/// within a factor of 2 (tests/solver_test.cpp). Above a third of the tolerance a step runs
 /// in float64.
 double float_floor(const Scene& scene);
 

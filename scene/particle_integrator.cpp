@@ -136,9 +136,9 @@ mpm::MpmScene mpm_scene(const Setup& setup, const ParticleOptions& options) {
   for (size_t k = 0; k < of.materials.size(); ++k)
     scene.solids.push_back({of.materials[k], setup.yields[k]});
   for (const Collider& collider : of.colliders) {
-    mpm::Wall wall{collider, collider.friction == kSticks};
-    wall.collider.centre = minus(collider.centre, of.grid.origin);
-    scene.walls.push_back(std::move(wall));
+    mpm::Obstacle obstacle{collider, collider.friction == kSticks};
+    obstacle.collider.centre = minus(collider.centre, of.grid.origin);
+    scene.obstacles.push_back(std::move(obstacle));
   }
   return scene;
 }

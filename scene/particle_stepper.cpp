@@ -188,11 +188,12 @@ void ParticleStepper::measure(StepReport& report) const {
 /// Adds how deep particles are inside colliders to the report.
 void ParticleStepper::measure_overlap(StepReport& report) const {
   double deepest = 0;
-  for (const mpm::Wall& wall : scene_.walls) {
-    const Vec3 offset = offset_at(wall.collider, state_.time);
+  for (const mpm::Obstacle& obstacle : scene_.obstacles) {
+    const Vec3 offset = offset_at(obstacle.collider, state_.time);
     for (int64_t k = 0; k < particles_.count(); ++k) {
       const double* x = particles_.x.row(k);
-      deepest = std::max(deepest, -proximity(wall.collider, offset, {x[0], x[1], x[2]}).distance);
+      deepest =
+          std::max(deepest, -proximity(obstacle.collider, offset, {x[0], x[1], x[2]}).distance);
     }
   }
   report.deepest_overlap = deepest / scene_.h;

@@ -132,10 +132,10 @@ double area_of_sheets(const LatticeMesh& mesh) {
 
 double CutBody::layer_volume(int64_t cell) const {
   if (!layer[cell]) return 0;
-  const double room = std::max(0.0, 1 - sum8(fill.moment.row(cell)));
-  if (thickness == 0) return room;
+  const double empty_share = std::max(0.0, 1 - sum8(fill.moment.row(cell)));
+  if (thickness == 0) return empty_share;
   const double area = all_sheets ? sum8(cells.area.row(cell)) : cells.sheet_area[cell];
-  return std::min(room, area * thickness);
+  return std::min(empty_share, area * thickness);
 }
 
 double CutBody::share(int64_t cell) const {

@@ -24,12 +24,12 @@ void find_block(const BrickIndex& index, const Coord& base, int first, int count
 }
 
 void link_level(const BrickIndex* finer, BrickLevel& level, const BrickIndex* coarser) {
-  level.home.resize(size_t(level.voxels.brick_count()));
+  level.node_brick.resize(size_t(level.voxels.brick_count()));
   for_each(
       level.voxels.brick_count(),
       [&](int64_t b) {
         const uint64_t key = brick_key(level.voxels.first_place(b)) >> 9;
-        level.home[size_t(b)] = int32_t(level.nodes.find_brick(key));
+        level.node_brick[size_t(b)] = int32_t(level.nodes.find_brick(key));
       },
       kAtOnce);
   level.links.resize(size_t(level.brick_count()));

@@ -29,7 +29,7 @@ struct BrickLevel {
   BrickIndex voxels, nodes;
 
   // filled by link_bricks
-  std::vector<int32_t> home;      ///< brick of nodes at the place of each brick of voxels
+  std::vector<int32_t> node_brick;  ///< brick of nodes at the place of each brick of voxels
   std::vector<BrickLinks> links;  ///< (bricks of nodes); `coarse` and `fine` if such a level exists
 
   int64_t brick_count() const { return nodes.brick_count(); }

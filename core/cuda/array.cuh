@@ -11,11 +11,11 @@
 namespace elastogen::cuda {
 
 /// While one lives, arrays that its thread makes allocate nothing; it counts what they would need.
-class RoomCount {
+class MemoryCount {
  public:
-  RoomCount() { present() = this; }
-  RoomCount(const RoomCount&) = delete;
-  ~RoomCount() { present() = nullptr; }
+  MemoryCount() { present() = this; }
+  MemoryCount(const MemoryCount&) = delete;
+  ~MemoryCount() { present() = nullptr; }
 
   void add(size_t bytes) {
     bytes_ += bytes;
@@ -24,8 +24,8 @@ class RoomCount {
   void take_off(size_t bytes) { bytes_ -= bytes; }  ///< of arrays that are freed
   size_t bytes() const { return bytes_; }
   size_t most() const { return most_; }  ///< largest count so far
-  static RoomCount*& present() {
-    static thread_local RoomCount* count = nullptr;
+  static MemoryCount*& present() {
+    static thread_local MemoryCount* count = nullptr;
     return count;
   }
 
@@ -42,7 +42,7 @@ class DeviceArray {
   /// @throws Error (resources) if the device has too little memory.
   explicit DeviceArray(int64_t size) : size_(size) {
     if (size == 0) return;
-    if (RoomCount* count = RoomCount::present()) {
+    if (MemoryCount* count = MemoryCount::present()) {
       count->add(bytes());
       return;
     }

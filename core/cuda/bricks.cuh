@@ -64,12 +64,12 @@ class DeviceBricks {
     }
     first_node.back() = int32_t(level.nodes.point_count());
     for (int64_t b = 0; b < level.voxels.brick_count(); ++b) {
-      const int64_t home = level.home[size_t(b)];
-      first[size_t(home)] = int32_t(level.voxels.first(b));
-      std::copy_n(level.voxels.mask(b).begin(), 8, of_voxels.begin() + 8 * home);
+      const int64_t node_brick = level.node_brick[size_t(b)];
+      first[size_t(node_brick)] = int32_t(level.voxels.first(b));
+      std::copy_n(level.voxels.mask(b).begin(), 8, of_voxels.begin() + 8 * node_brick);
     }
     begin.upload(first_node.data());
-    if (RoomCount::present()) return;
+    if (MemoryCount::present()) return;
     nodes_ = DeviceArray<uint64_t>(of_nodes);
     voxels_ = DeviceArray<uint64_t>(of_voxels);
     first_voxel_ = DeviceArray<int32_t>(first);

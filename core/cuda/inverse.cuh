@@ -17,7 +17,7 @@ class InverseTile {
 
   /// Row and column of a step in shared memory; two buffers take turns, so a step needs one
   /// barrier.
-  struct Room {
+  struct Scratch {
     double row[2][kRows], column[2][kRows];
   };
 
@@ -51,18 +51,18 @@ class InverseTile {
 
   /// A becomes its inverse, A symmetric and positive definite: Gauss-Jordan without pivoting, one
   /// row and column after the other. All threads of the block must call it.
-  __device__ void invert(Room& room) {
+  __device__ void invert(Scratch& scratch) {
 #pragma unroll
     for (int block = 0; block < kSpan; ++block)
-      for (int k = 0; k < kWidth && kWidth * block + k < rows_; ++k) eliminate(block, k, room);
+      for (int k = 0; k < kWidth && kWidth * block + k < rows_; ++k) eliminate(block, k, scratch);
   }
 
  private:
   /// Eliminates row and column number kWidth block + k. With -1 and 1 in place of the pivot, and 0
   /// in place of row and column, all entries change alike, A -= column row / pivot. The products
   /// come before the quotient, so that the result is symmetric to the bit.
-  __device__ void eliminate(int block, int k, Room& room) {
-    double *const row = room.row[k % 2], *const column = room.column[k % 2];
+  __device__ void eliminate(int block, int k, Scratch& scratch) {
+    double *const row = scratch.row[k % 2], *const column = scratch.column[k % 2];
     const int x = int(threadIdx.x), y = int(threadIdx.y), at = kWidth * block + k;
     // the threads that hold them put row and column into shared memory
 #pragma unroll

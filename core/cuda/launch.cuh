@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Launches of kernels, one thread for each item, on the stream of the thread (cudaStreamPerThread)
-// unless a Line names another stream.
+// unless LaunchOptions name another stream.
 
 #pragma once
 
@@ -61,7 +61,7 @@ inline constexpr int kFewBlocks = 1024;
 
 /// The stream of a launch, and when its blocks start: early, while the kernel before is ending, or
 /// only after all that it waits for, as a launch behind an event must.
-struct Line {
+struct LaunchOptions {
   cudaStream_t stream = cudaStreamPerThread;
   bool early = true;
 
@@ -76,14 +76,14 @@ struct Line {
 /// Launches a kernel that calls begin_kernel(); blocks that start early hide most of what a launch
 /// costs.
 template <class... Parameters, class... Arguments>
-void launch_on(const Line& line, void (*kernel)(Parameters...), dim3 blocks, dim3 threads,
-               size_t shared_bytes, const Arguments&... arguments) {
-  cudaLaunchAttribute attribute = line.attribute();
+void launch_on(const LaunchOptions& options, void (*kernel)(Parameters...), dim3 blocks,
+               dim3 threads, size_t shared_bytes, const Arguments&... arguments) {
+  cudaLaunchAttribute attribute = options.attribute();
   cudaLaunchConfig_t config{};
   config.gridDim = blocks;
   config.blockDim = threads;
   config.dynamicSmemBytes = shared_bytes;
-  config.stream = line.stream;
+  config.stream = options.stream;
   config.attrs = &attribute;
   config.numAttrs = 1;
   check(cudaLaunchKernelEx(&config, kernel, Parameters(arguments)...));
@@ -93,7 +93,7 @@ void launch_on(const Line& line, void (*kernel)(Parameters...), dim3 blocks, dim
 template <class... Parameters, class... Arguments>
 void launch(void (*kernel)(Parameters...), dim3 blocks, dim3 threads, size_t shared_bytes,
             const Arguments&... arguments) {
-  launch_on(Line{}, kernel, blocks, threads, shared_bytes, arguments...);
+  launch_on(LaunchOptions{}, kernel, blocks, threads, shared_bytes, arguments...);
 }
 
 template <class Body>
@@ -107,10 +107,10 @@ __global__ void for_each_kernel(int64_t n, bool late, Body body) {
 /// Calls body(i) for each i of [0, n), one thread for each.
 /// @param late  the next kernel starts when this one ends (kFewBlocks).
 template <class Body>
-void for_each(int64_t n, const Body& body, const Line& line = {}, bool late = false) {
+void for_each(int64_t n, const Body& body, const LaunchOptions& options = {}, bool late = false) {
   constexpr int kThreads = 256;
   if (n == 0) return;
-  launch_on(line, for_each_kernel<Body>, unsigned((n + kThreads - 1) / kThreads), kThreads, 0, n,
+  launch_on(options, for_each_kernel<Body>, unsigned((n + kThreads - 1) / kThreads), kThreads, 0, n,
             late, body);
 }
 

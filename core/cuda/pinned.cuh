@@ -115,7 +115,7 @@ class PinnedArray {
 class PinnedChunks {
  public:
   /// @throws Error (resources) if the host has too little memory.
-  PinnedChunks() : room_(2 * kChunk) {
+  PinnedChunks() : buffer_(2 * kChunk) {
     for (cudaEvent_t& moved : moved_)
       check(cudaEventCreateWithFlags(&moved, cudaEventDisableTiming));
   }
@@ -160,7 +160,7 @@ class PinnedChunks {
   static const void* at(const void* from, size_t begin) {
     return static_cast<const unsigned char*>(from) + begin;
   }
-  unsigned char* chunk(size_t turn) { return room_.data() + turn * kChunk; }
+  unsigned char* chunk(size_t turn) { return buffer_.data() + turn * kChunk; }
   void move(void* to, const void* from, size_t bytes, cudaMemcpyKind kind) {
     check(cudaMemcpyAsync(to, from, bytes, kind, cudaStreamPerThread));
     check(cudaEventRecord(moved_[turn_], cudaStreamPerThread));
@@ -174,7 +174,7 @@ class PinnedChunks {
         kPiece);
   }
 
-  PinnedArray<unsigned char> room_;
+  PinnedArray<unsigned char> buffer_;
   cudaEvent_t moved_[2] = {};
   size_t turn_ = 0;
 };

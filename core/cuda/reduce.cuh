@@ -107,7 +107,7 @@ inline constexpr int kMostSumBlocks = kSumResident<Sum> == 2 ? kSumBlocks / 2 : 
 
 /// Work space of a sum on the device; 0 at first, as a new DeviceArray is.
 template <class Sum>
-class SumRoom {
+class SumScratch {
  public:
   /// Stores the sum of block k word by word, so that neighbouring threads read neighbouring words.
   __device__ void put(int64_t k, const Sum& sum) {
@@ -154,7 +154,7 @@ __device__ inline Sum sum_of_partials(int64_t n, const Get& get, Sum* all) {
 /// their order. Which block that is does not matter.
 template <class Sum, class Body, class Then>
 __global__ void __launch_bounds__(kSumThreads, kSumResident<Sum>)
-    ordered_sum_kernel(int64_t n, SumRoom<Sum>* room, Body body, Then then) {
+    ordered_sum_kernel(int64_t n, SumScratch<Sum>* scratch, Body body, Then then) {
   alignas(Sum) __shared__ unsigned char all[kSumWarps * sizeof(Sum)];
   __shared__ bool last;
   begin_kernel();
@@ -164,13 +164,13 @@ __global__ void __launch_bounds__(kSumThreads, kSumResident<Sum>)
     body(i, mine);
   const Sum of_block = block_sum(mine, reinterpret_cast<Sum*>(all));
   if (threadIdx.x == 0) {
-    room->put(blockIdx.x, of_block);
-    last = room->is_last();
+    scratch->put(blockIdx.x, of_block);
+    last = scratch->is_last();
   }
   __syncthreads();
   if (!last) return;
   const Sum sum = sum_of_partials(
-      gridDim.x, [&](int64_t k) { return room->get(k); }, reinterpret_cast<Sum*>(all));
+      gridDim.x, [&](int64_t k) { return scratch->get(k); }, reinterpret_cast<Sum*>(all));
   if (threadIdx.x == 0) then(sum);
 }
 
@@ -178,11 +178,11 @@ __global__ void __launch_bounds__(kSumThreads, kSumResident<Sum>)
 
 /// Adds body(i, sum) over [0, n), then one thread calls then(sum); a Sum has add(other).
 template <class Sum, class Body, class Then>
-void ordered_sum(int64_t n, SumRoom<Sum>* room, const Body& body, const Then& then) {
+void ordered_sum(int64_t n, SumScratch<Sum>* scratch, const Body& body, const Then& then) {
   const int64_t blocks = (n + kSumThreads - 1) / kSumThreads;
   constexpr int kMost = kMostSumBlocks<Sum>;
   const auto launched = unsigned(blocks < 1 ? 1 : blocks > kMost ? kMost : blocks);
-  launch(detail::ordered_sum_kernel<Sum, Body, Then>, launched, kSumThreads, 0, n, room, body,
+  launch(detail::ordered_sum_kernel<Sum, Body, Then>, launched, kSumThreads, 0, n, scratch, body,
          then);
 }
 

@@ -74,9 +74,9 @@ void for_each_wide(int64_t n, const Body& body) {
 
 /// ordered_sum() of body(at, sum).
 template <int kWidth, class Sum, class Body, class Then>
-void ordered_wide_sum(int64_t n, SumRoom<Sum>* room, const Body& body, const Then& then) {
+void ordered_wide_sum(int64_t n, SumScratch<Sum>* scratch, const Body& body, const Then& then) {
   ordered_sum(
-      detail::wide_items<kWidth>(n), room,
+      detail::wide_items<kWidth>(n), scratch,
       [=] __device__(int64_t item, Sum & sum) {
         detail::at_wide_item<kWidth>(item, n, [&](const auto& at) { body(at, sum); });
       },

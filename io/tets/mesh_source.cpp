@@ -107,8 +107,8 @@ double MeshSource::finite(Number type, const char* what) {
 
 void MeshSource::claim(int64_t count, Number type, const char* what) const {
   // a word needs at least one letter and a blank; the last word may lack the blank
-  const int64_t room = binary_ ? left() / size_of(type) : (left() + 1) / 2;
-  check(count >= 0 && count <= room, count, " numbers of ", what, " are claimed but only ", left(),
+  const int64_t most = binary_ ? left() / size_of(type) : (left() + 1) / 2;
+  check(count >= 0 && count <= most, count, " numbers of ", what, " are claimed but only ", left(),
         " bytes are left");
 }
 

@@ -73,8 +73,8 @@ ColliderContact::ColliderContact(ContactPoints points, std::vector<Collider> col
     ELASTOGEN_CHECK(points_.nodes.data()[k] >= 0 && points_.nodes.data()[k] < nodes,
                     "contact point ", k / points_.nodes.cols(), " is carried by node ",
                     points_.nodes.data()[k], " of ", nodes);
-  for (const Collider& c : colliders) walls_.push_back({core_of(c, points_.layer), {}, {}, {}});
-  lags_.resize(walls_.size() * size_t(count));
+  for (const Collider& c : colliders) obstacles_.push_back({core_of(c, points_.layer), {}, {}, {}});
+  lags_.resize(obstacles_.size() * size_t(count));
   start_.resize(size_t(count));
   if (exists()) stencils_ = stencils_of(points_.nodes);
 }
@@ -91,23 +91,23 @@ void ColliderContact::begin_step(In<double> u, double time, double dt, double sh
   slip_range_ = share * points_.slip_range;
   const int64_t count = points_.nodes.rows();
   for (int64_t p = 0; p < count; ++p) start_[size_t(p)] = place(u, p);
-  for (size_t w = 0; w < walls_.size(); ++w) {
-    Wall& wall = walls_[w];
-    wall.from = offset_at(wall.core, time);
-    wall.to = wall.now = offset_at(wall.core, time + dt);
+  for (size_t w = 0; w < obstacles_.size(); ++w) {
+    Obstacle& obstacle = obstacles_[w];
+    obstacle.from = offset_at(obstacle.core, time);
+    obstacle.to = obstacle.now = offset_at(obstacle.core, time + dt);
     for (int64_t p = 0; p < count; ++p) {
-      const Proximity near = proximity(wall.core, wall.from, start_[size_t(p)]);
+      const Proximity near = proximity(obstacle.core, obstacle.from, start_[size_t(p)]);
       const double force = -points_.area(p) * points_.stiffness(p) *
                            barrier(near.distance / points_.layer).first / points_.layer;
-      lags_[w * size_t(count) + size_t(p)] = {wall.core.friction * force, near.normal};
+      lags_[w * size_t(count) + size_t(p)] = {obstacle.core.friction * force, near.normal};
     }
   }
 }
 
 void ColliderContact::stand_without_friction(double time, double dt) {
-  for (Wall& wall : walls_) {
-    wall.from = offset_at(wall.core, time);
-    wall.to = wall.now = offset_at(wall.core, time + dt);
+  for (Obstacle& obstacle : obstacles_) {
+    obstacle.from = offset_at(obstacle.core, time);
+    obstacle.to = obstacle.now = offset_at(obstacle.core, time + dt);
   }
   std::fill(lags_.begin(), lags_.end(), Lag{});
 }
@@ -116,10 +116,10 @@ void ColliderContact::rub(In<double> u, In<double> mass, double dt, Out<double> 
   find_touches(u);
   for (const Touch& t : touches_) {
     const int32_t node = points_.nodes(t.point);
-    const double most = t.wall->core.friction * push_of(t) * dt / mass(node);
+    const double most = t.obstacle->core.friction * push_of(t) * dt / mass(node);
     Vec3 slip;  // velocity along the collider
     for (size_t i = 0; i < 3; ++i)
-      slip[i] = v(node, int(i)) - (t.wall->to[i] - t.wall->from[i]) / dt;
+      slip[i] = v(node, int(i)) - (t.obstacle->to[i] - t.obstacle->from[i]) / dt;
     const double along = dot(slip, t.normal);
     for (size_t i = 0; i < 3; ++i) slip[i] -= along * t.normal[i];
     const double size = norm(slip), share = size > most ? most / size : 1;
@@ -129,16 +129,16 @@ void ColliderContact::rub(In<double> u, In<double> mass, double dt, Out<double> 
 
 std::vector<Vec3> ColliderContact::pushes(In<double> u) {
   find_touches(u);
-  std::vector<Vec3> sum(walls_.size());
+  std::vector<Vec3> sum(obstacles_.size());
   for (const Touch& t : touches_) {
-    Vec3& own = sum[size_t(t.wall - walls_.data())];
+    Vec3& own = sum[size_t(t.obstacle - obstacles_.data())];
     own = plus(own, scaled(t.normal, push_of(t)));
   }
   return sum;
 }
 
 void ColliderContact::stand_at(double share) {
-  for (Wall& wall : walls_) wall.now = between(wall.from, wall.to, share);
+  for (Obstacle& obstacle : obstacles_) obstacle.now = between(obstacle.from, obstacle.to, share);
 }
 
 double ColliderContact::clear_share(In<double> u, double from) {
@@ -146,11 +146,13 @@ double ColliderContact::clear_share(In<double> u, double from) {
   double share = 1;
   for (int k = 0; k < kHalvings; ++k, share = (share + from) / 2) {
     bool clear = true;
-    for (const Wall& wall : walls_)
+    for (const Obstacle& obstacle : obstacles_)
       for (int64_t p = 0; p < points_.nodes.rows() && clear; ++p) {
         const Vec3 x = place(u, p);
-        const double before = proximity(wall.core, between(wall.from, wall.to, from), x).distance;
-        const double after = proximity(wall.core, between(wall.from, wall.to, share), x).distance;
+        const double before =
+            proximity(obstacle.core, between(obstacle.from, obstacle.to, from), x).distance;
+        const double after =
+            proximity(obstacle.core, between(obstacle.from, obstacle.to, share), x).distance;
         clear = after >= std::min(before, points_.layer) / 2;
       }
     if (clear) return share;
@@ -160,12 +162,12 @@ double ColliderContact::clear_share(In<double> u, double from) {
 
 /// Distance, normal and slip of a point at a position. Slip is relative to the motion of the
 /// collider up to where it stands now (stand_at).
-ColliderContact::Touch ColliderContact::touch_of(const Wall& wall, const Lag& lag, int64_t point,
-                                                 const Vec3& x) const {
-  const Proximity near = proximity(wall.core, wall.now, x);
-  Touch touch{point, &wall, &lag, near.distance, near.normal, {}};
+ColliderContact::Touch ColliderContact::touch_of(const Obstacle& obstacle, const Lag& lag,
+                                                 int64_t point, const Vec3& x) const {
+  const Proximity near = proximity(obstacle.core, obstacle.now, x);
+  Touch touch{point, &obstacle, &lag, near.distance, near.normal, {}};
   for (size_t i = 0; i < 3; ++i)
-    touch.slip[i] = x[i] - start_[size_t(point)][i] - (wall.now[i] - wall.from[i]);
+    touch.slip[i] = x[i] - start_[size_t(point)][i] - (obstacle.now[i] - obstacle.from[i]);
   const double along = dot(touch.slip, lag.normal);
   for (size_t i = 0; i < 3; ++i) touch.slip[i] -= along * lag.normal[i];
   return touch;
@@ -182,8 +184,8 @@ void ColliderContact::find_touches(In<double> u) {
   const int64_t count = points_.nodes.rows();
   for (int64_t p = 0; p < count; ++p) {
     const Vec3 x = place(u, p);
-    for (size_t w = 0; w < walls_.size(); ++w) {
-      const Touch touch = touch_of(walls_[w], lags_[w * size_t(count) + size_t(p)], p, x);
+    for (size_t w = 0; w < obstacles_.size(); ++w) {
+      const Touch touch = touch_of(obstacles_[w], lags_[w * size_t(count) + size_t(p)], p, x);
       if (touch.distance < points_.layer || touch.lag->limit > 0) touches_.push_back(touch);
     }
   }
@@ -255,9 +257,9 @@ double ColliderContact::longest_step(In<double> u, In<double> end) {
   double share = 1;
   for (int64_t p = 0; p < points_.nodes.rows(); ++p) {
     const Vec3 a = place(u, p), b = place(end, p);
-    for (const Wall& wall : walls_)
-      share =
-          std::min(share, free_share(wall.core, wall.now, a, b, kLeastDistance * points_.layer));
+    for (const Obstacle& obstacle : obstacles_)
+      share = std::min(
+          share, free_share(obstacle.core, obstacle.now, a, b, kLeastDistance * points_.layer));
   }
   return share;
 }
@@ -272,7 +274,7 @@ double ColliderContact::deepest_overlap(In<double> u) {
 const Collider* ColliderContact::obstacle(In<double> u) {
   find_touches(u);
   for (const Touch& t : touches_)
-    if (t.distance <= 0) return &t.wall->core;
+    if (t.distance <= 0) return &t.obstacle->core;
   return nullptr;
 }
 

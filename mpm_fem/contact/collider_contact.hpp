@@ -41,7 +41,7 @@ class ColliderContact final : public Term {
   /// @throws Error where arrays differ in length or a node is not there.
   ColliderContact(ContactPoints points, std::vector<Collider> colliders, int64_t nodes);
 
-  bool exists() const { return !walls_.empty(); }
+  bool exists() const { return !obstacles_.empty(); }
 
   /// Finds the normals, the normal forces and the start of the slip from the displacement u,
   /// (nodes, 3), at the start of a step from `time` to `time + dt`, and moves the colliders to its
@@ -83,7 +83,7 @@ class ColliderContact final : public Term {
   const Collider* obstacle(In<double> u);
 
  private:
-  struct Wall {
+  struct Obstacle {
     Collider core;
     Vec3 from = {}, to = {}, now = {};  // offsets at the start, at the end and at stand_at's share
   };
@@ -95,7 +95,7 @@ class ColliderContact final : public Term {
   /// A point near a collider: distance, normal, slip across the lagged normal.
   struct Touch {
     int64_t point;
-    const Wall* wall;
+    const Obstacle* obstacle;
     const Lag* lag;
     double distance;
     Vec3 normal, slip;
@@ -104,12 +104,12 @@ class ColliderContact final : public Term {
   Vec3 place(In<double> u, int64_t point) const;
   void find_touches(In<double> u);
   double push_of(const Touch& touch) const;
-  Touch touch_of(const Wall& wall, const Lag& lag, int64_t point, const Vec3& place) const;
+  Touch touch_of(const Obstacle& obstacle, const Lag& lag, int64_t point, const Vec3& place) const;
   void hessian_of(const Touch& touch, double block[9]) const;
 
   ContactPoints points_;
   Stencils stencils_;
-  std::vector<Wall> walls_;
+  std::vector<Obstacle> obstacles_;
   std::vector<Lag> lags_;    // collider by collider
   std::vector<Vec3> start_;  // position of each point at the start of the step
   std::vector<Touch> touches_;

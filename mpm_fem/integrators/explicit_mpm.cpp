@@ -94,10 +94,10 @@ void ExplicitMpm<d>::move_nodes(double time, double delta, const NodeMotion& sta
     for (int a = 0; a < d; ++a)
       v(i, a) += delta * (force(i, a) / start.mass(i) + scene_.gravity[size_t(a)]);
   });
-  walls_.begin(grid_, scene_.walls, time, delta);
-  for_each(walls_.count(), [&](int64_t c) {
-    double* own = v.row(walls_.node(c));
-    const Vec3 m = walls_.allowed(c, {delta * own[0], delta * own[1], delta * own[2]}, nullptr);
+  obstacles_.begin(grid_, scene_.obstacles, time, delta);
+  for_each(obstacles_.count(), [&](int64_t c) {
+    double* own = v.row(obstacles_.node(c));
+    const Vec3 m = obstacles_.allowed(c, {delta * own[0], delta * own[1], delta * own[2]}, nullptr);
     for (size_t a = 0; a < 3; ++a) own[a] = m[a] / delta;
   });
   for_each(u.size(), [&](int64_t i) { u.data()[i] += delta * v.data()[i]; });

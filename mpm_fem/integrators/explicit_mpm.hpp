@@ -42,7 +42,7 @@ class ExplicitMpm {
   int substeps_;
   std::vector<PointLaw<d>> laws_;
   ParticleGrid<d> grid_;
-  WallContact walls_;
+  ObstacleContact obstacles_;
   std::vector<Mat3<Eight>> increment_;  // Finc of each pack; empty: I
   Zeroed<double> scratch_;
 };

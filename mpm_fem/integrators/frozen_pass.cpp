@@ -22,7 +22,7 @@ bool FrozenPass<d>::find_step(const double* y, const double* gradient, TangentKi
 template <int d>
 fem::NewtonResult FrozenPass<d>::take(bool drag, const fem::NewtonOptions& options, double* y) {
   potential_.freeze(y, drag);
-  potential_.meet_walls(y);
+  potential_.meet_obstacles(y);
   fem::NewtonFunction f;
   f.unknowns = potential_.unknowns();
   f.evaluate = [&](const double* x, double* g) { return potential_.evaluate(x, g); };

@@ -63,8 +63,8 @@ void MpmEquations<d>::begin(const Particles& particles, double time, double dt) 
 
 template <int d>
 void MpmEquations<d>::go_on(double time) {
-  walls_.begin(grid_, scene_.walls, time, dt_);
-  wall_tangent_.resize(size_t(walls_.count()));
+  obstacles_.begin(grid_, scene_.obstacles, time, dt_);
+  obstacle_tangent_.resize(size_t(obstacles_.count()));
 }
 
 template <int d>
@@ -73,7 +73,7 @@ void MpmEquations<d>::predict(double* y) const {
   for_each(grid_.nodes(), [&](int64_t i) {
     for (int a = 0; a < d; ++a) free[size_t(3 * i + a)] = root_mass_[size_t(i)] * predicted(i, a);
   });
-  apply_walls(free.data(), y);
+  apply_obstacles(free.data(), y);
 }
 
 template <int d>
@@ -85,13 +85,13 @@ void MpmEquations<d>::motion(const double* y, Out<double> u) const {
 
 /// result = M^1/2 Pi(M^-1/2 free).
 template <int d>
-void MpmEquations<d>::apply_walls(const double* free, double* result) const {
+void MpmEquations<d>::apply_obstacles(const double* free, double* result) const {
   std::copy(free, free + unknowns(), result);
-  for_each(walls_.count(), [&](int64_t k) {
-    const int64_t i = walls_.node(k);
+  for_each(obstacles_.count(), [&](int64_t k) {
+    const int64_t i = obstacles_.node(k);
     const double scale = inverse_root_[size_t(i)];
     if (scale == 0) return;
-    const Vec3 m = walls_.allowed(
+    const Vec3 m = obstacles_.allowed(
         k, {scale * free[3 * i], scale * free[3 * i + 1], scale * free[3 * i + 2]}, nullptr);
     for (int a = 0; a < 3; ++a) result[3 * i + a] = m[size_t(a)] / scale;
   });
@@ -151,7 +151,7 @@ void MpmEquations<d>::residual(const double* y, double* r) {
   equilibrium(y, r0_.data());
   std::vector<double> free(r0_.size());
   for_each(unknowns(), [&](int64_t k) { free[size_t(k)] = y[k] - dt_ * dt_ * r0_[size_t(k)]; });
-  apply_walls(free.data(), r);
+  apply_obstacles(free.data(), r);
   // without a collider r is r0 itself, which has lost no digits
   for_each(unknowns(), [&](int64_t k) {
     const double moved = y[k] - r[k];
@@ -177,15 +177,15 @@ double MpmEquations<d>::noise(const double* y) {
 
 template <int d>
 double MpmEquations<d>::longest_step(const double* y, const double* end) {
-  Array<double> from(grid_.nodes(), 3), way(grid_.nodes(), 3);
+  Array<double> from(grid_.nodes(), 3), moved(grid_.nodes(), 3);
   motion(y, from);
-  motion(end, way);
-  for_each(way.size(), [&](int64_t k) { way.data()[k] -= from.data()[k]; });
+  motion(end, moved);
+  for_each(moved.size(), [&](int64_t k) { moved.data()[k] -= from.data()[k]; });
   std::vector<double> share(size_t(grid_.blocks()), 1.0);
   run_tasks(grid_.blocks(), [&](int64_t b) {
     alignas(64) double at[kFour * ParticleGrid<d>::kTile], to[kFour * ParticleGrid<d>::kTile];
     read_tile(grid_, b, from, at);
-    read_tile(grid_, b, way, to);
+    read_tile(grid_, b, moved, to);
     for_packs<d>(grid_, b, [&](int64_t k, const PackSpline<d>& s) {
       const Mat3<Eight> now = pack_[size_t(k)].after(nodal_gradient<d>(grid_, k, s, at));
       Mat3<Eight> then = nodal_gradient<d>(grid_, k, s, to);
@@ -233,13 +233,13 @@ void MpmEquations<d>::linearise(const double* y) {
       });
     });
   });
-  linearise_walls(y);
+  linearise_obstacles(y);
   invert_blocks(block);
 }
 
 template <int d>
 Vec3 MpmEquations<d>::free_motion(int64_t k, const double* y) const {
-  const int64_t i = walls_.node(k);
+  const int64_t i = obstacles_.node(k);
   Vec3 free;
   for (int a = 0; a < 3; ++a)
     free[size_t(a)] =
@@ -248,9 +248,10 @@ Vec3 MpmEquations<d>::free_motion(int64_t k, const double* y) const {
 }
 
 template <int d>
-void MpmEquations<d>::linearise_walls(const double* y) {
-  for_each(walls_.count(),
-           [&](int64_t k) { walls_.allowed(k, free_motion(k, y), &wall_tangent_[size_t(k)]); });
+void MpmEquations<d>::linearise_obstacles(const double* y) {
+  for_each(obstacles_.count(), [&](int64_t k) {
+    obstacles_.allowed(k, free_motion(k, y), &obstacle_tangent_[size_t(k)]);
+  });
 }
 
 /// Inverts the blocks of dr/dy, which are B/m + I/dt^2, and at colliders
@@ -265,11 +266,11 @@ void MpmEquations<d>::invert_blocks(In<double> sums) {
     store_matrix(Mat3<double>{B[0], B[3], B[5], B[3], B[1], B[4], B[5], B[4], B[2]}, block.row(i));
     for (int e = 0; e < 9; ++e) block(i, e) = scale * block(i, e) + (e % 4 == 0 ? inertia : 0);
   });
-  for_each(walls_.count(), [&](int64_t k) {
-    const int64_t i = walls_.node(k);
+  for_each(obstacles_.count(), [&](int64_t k) {
+    const int64_t i = obstacles_.node(k);
     Mat3<double> left = load_matrix(block.row(i));
     for (int e = 0; e < 9; ++e) left.m[e] = (e % 4 == 0) - left.m[e] / inertia;
-    const Mat3<double> after = wall_tangent_[size_t(k)] * left;
+    const Mat3<double> after = obstacle_tangent_[size_t(k)] * left;
     for (int e = 0; e < 9; ++e) block(i, e) = ((e % 4 == 0) - after.m[e]) * inertia;
   });
   inverse_block_.resize(size_t(grid_.nodes()));
@@ -292,11 +293,11 @@ void MpmEquations<d>::product(const double* p, double* Jp) {
     for (int a = 0; a < 3; ++a)
       Jp[3 * i + a] = inertia * p[3 * i + a] + inverse_root_[size_t(i)] * force_(i, a);
   });
-  for_each(walls_.count(), [&](int64_t k) {
-    const int64_t i = walls_.node(k);
+  for_each(obstacles_.count(), [&](int64_t k) {
+    const int64_t i = obstacles_.node(k);
     double left[3];
     for (int a = 0; a < 3; ++a) left[a] = p[3 * i + a] - Jp[3 * i + a] / inertia;
-    const Mat3<double>& D = wall_tangent_[size_t(k)];
+    const Mat3<double>& D = obstacle_tangent_[size_t(k)];
     for (int a = 0; a < 3; ++a)
       Jp[3 * i + a] =
           inertia * (p[3 * i + a] - (D(a, 0) * left[0] + D(a, 1) * left[1] + D(a, 2) * left[2]));
@@ -331,13 +332,14 @@ const fem::SparseMatrix& MpmEquations<d>::jacobian() {
       if (c == r) jacobian_.value[size_t(k)] += inertia;
     }
   });
-  for_each(walls_.count(), [&](int64_t k) { put_wall(walls_.node(k), wall_tangent_[size_t(k)]); });
+  for_each(obstacles_.count(),
+           [&](int64_t k) { put_obstacle(obstacles_.node(k), obstacle_tangent_[size_t(k)]); });
   return jacobian_;
 }
 
 /// The rows J of a node at a collider become dPi J + (I - dPi)/dt^2.
 template <int d>
-void MpmEquations<d>::put_wall(int64_t node, const Mat3<double>& D) {
+void MpmEquations<d>::put_obstacle(int64_t node, const Mat3<double>& D) {
   double* row[3];
   for (int a = 0; a < 3; ++a)
     row[a] = jacobian_.value.data() + jacobian_.start[size_t(3 * node + a)];

@@ -6,9 +6,9 @@
 //     F_p  = (I + sum_i u_i (x) grad w_ip) Fe_p^n,
 //
 // P is the stress of the law with plastic flow. At colliders Pi(m) is the part of a motion m that
-// contact with friction allows (WallContact::allowed), and the step solves u = Pi(u - dt^2 M^-1 R).
-// All of it is scaled by the masses, y = M^1/2 u, so that nodes with almost no mass are like the
-// others:
+// contact with friction allows (ObstacleContact::allowed), and the step solves u = Pi(u - dt^2 M^-1
+// R). All of it is scaled by the masses, y = M^1/2 u, so that nodes with almost no mass are like
+// the others:
 //
 //     r(y) = (y - M^1/2 Pi(M^-1/2 (y - dt^2 r0)))/dt^2,   r0 = M^-1/2 R(M^-1/2 y),
 //
@@ -90,8 +90,8 @@ class MpmEquations {
   /// Derivative of the stress in the principal frame of F.
   virtual PrincipalHessian<Eight, Mat3<Eight>> piola_derivative(int64_t pack, const Svd3<Eight>& F,
                                                                 Eight t[3]);
-  /// Fills wall_tangent_ at y.
-  virtual void linearise_walls(const double* y);
+  /// Fills obstacle_tangent_ at y.
+  virtual void linearise_obstacles(const double* y);
   /// The motion that the k-th node at a collider would have in the step without it: y - dt^2 r0,
   /// unscaled [m].
   Vec3 free_motion(int64_t k, const double* y) const;
@@ -108,9 +108,9 @@ class MpmEquations {
   const Particles* particles_ = nullptr;
   double dt_ = 0;
   NodeMotion start_;  // with the present velocity
-  WallContact walls_;
+  ObstacleContact obstacles_;
   std::vector<double> root_mass_, inverse_root_;  // sqrt(m_i), its inverse or 0
-  std::vector<Mat3<double>> wall_tangent_;        // dPi of each node at a collider
+  std::vector<Mat3<double>> obstacle_tangent_;    // dPi of each node at a collider
   std::vector<Start> pack_;
   std::vector<double> r0_;
   Array<double> u_;  // (nodes, 3)
@@ -123,8 +123,8 @@ class MpmEquations {
   void add_stress(bool magnitude);
   PrincipalHessian<Eight> set_tangent(int64_t pack, const Mat3<Eight>& gradient);
   void invert_blocks(In<double> sums);
-  void put_wall(int64_t node, const Mat3<double>& D);
-  void apply_walls(const double* free, double* result) const;
+  void put_obstacle(int64_t node, const Mat3<double>& D);
+  void apply_obstacles(const double* free, double* result) const;
 
   double reference_ = 0;
   Array<double> motion_, before_;  // of the nodes since begin [m], their velocity then, (nodes, 3)

@@ -34,29 +34,29 @@ void MpmPotential<d>::freeze(const double* y, bool drag) {
     mpm::freeze<d>(this->laws_, *this->particles_, this->grid_.packs()[size_t(k)],
                    decompose_lanes<d>(F).sigma, frozen_);
   });
-  freeze_walls(y);
+  freeze_obstacles(y);
 }
 
 /// Freezes where colliders leave nodes, which directions stay free, and the force in these.
 template <int d>
-void MpmPotential<d>::freeze_walls(const double* y) {
-  held_.resize(size_t(this->walls_.count()));
+void MpmPotential<d>::freeze_obstacles(const double* y) {
+  held_.resize(size_t(this->obstacles_.count()));
   for_each(int64_t(held_.size()), [&](int64_t k) {
     Held& held = held_[size_t(k)];
     const Vec3 free = this->free_motion(k, y);
-    held.motion = this->walls_.allowed(k, free, nullptr);
-    held.free = this->walls_.free_part(k, free);
+    held.motion = this->obstacles_.allowed(k, free, nullptr);
+    held.free = this->obstacles_.free_part(k, free);
     held.load = times(held.free, minus(held.motion, free));
-    const double scale = this->root_mass_[size_t(this->walls_.node(k))];
+    const double scale = this->root_mass_[size_t(this->obstacles_.node(k))];
     for (double& l : held.load) l *= scale / (this->dt_ * this->dt_);
   });
 }
 
 template <int d>
-void MpmPotential<d>::meet_walls(double* y) {
+void MpmPotential<d>::meet_obstacles(double* y) {
   std::vector<double> met(y, y + this->unknowns());
   for_each(int64_t(held_.size()), [&](int64_t k) {
-    const int64_t i = this->walls_.node(k);
+    const int64_t i = this->obstacles_.node(k);
     const double scale = this->root_mass_[size_t(i)];
     Vec3 off;
     for (size_t a = 0; a < 3; ++a)
@@ -131,9 +131,9 @@ PrincipalHessian<Eight, Mat3<Eight>> MpmPotential<d>::piola_derivative(int64_t k
 }
 
 template <int d>
-void MpmPotential<d>::linearise_walls(const double* y) {
-  if (!is_frozen_) return Base::linearise_walls(y);
-  for (size_t k = 0; k < held_.size(); ++k) this->wall_tangent_[k] = held_[k].free;
+void MpmPotential<d>::linearise_obstacles(const double* y) {
+  if (!is_frozen_) return Base::linearise_obstacles(y);
+  for (size_t k = 0; k < held_.size(); ++k) this->obstacle_tangent_[k] = held_[k].free;
 }
 
 template <int d>
@@ -148,7 +148,7 @@ fem::NewtonValue MpmPotential<d>::evaluate(const double* y, double* gradient) {
   // at colliders: the work of lambda, and the gradient in free directions
   double work = 0;
   for (size_t k = 0; k < held_.size(); ++k) {
-    const int64_t i = this->walls_.node(int64_t(k));
+    const int64_t i = this->obstacles_.node(int64_t(k));
     Vec3 g;
     for (size_t a = 0; a < 3; ++a) {
       work += held_[k].load[a] * y[3 * i + int64_t(a)];

@@ -31,7 +31,7 @@ class MpmPotential final : public MpmEquations<d> {
   void thaw() { is_frozen_ = false; }
 
   /// Moves y to where colliders hold it, as far as no particle inverts.
-  void meet_walls(double* y);
+  void meet_obstacles(double* y);
   /// E [J] with the bound on its rounding error. The gradient is 0 in directions that colliders
   /// hold.
   fem::NewtonValue evaluate(const double* y, double* gradient);
@@ -49,8 +49,8 @@ class MpmPotential final : public MpmEquations<d> {
   Mat3<Eight> piola(int64_t pack, const Mat3<Eight>& F) override;
   PrincipalHessian<Eight, Mat3<Eight>> piola_derivative(int64_t pack, const Svd3<Eight>& F,
                                                         Eight t[3]) override;
-  void linearise_walls(const double* y) override;
-  void freeze_walls(const double* y);
+  void linearise_obstacles(const double* y) override;
+  void freeze_obstacles(const double* y);
   Eight drag_of(int64_t pack) const;
 
   bool is_frozen_ = false, drags_ = false;

@@ -35,9 +35,9 @@ void grid_to_particles(const ParticleGrid<d>& grid, In<double> motion, In<double
   constexpr int kSize = kFour * ParticleGrid<d>::kTile;
   const bool looks = looks_back(transfer), moves = motion.rows > 0;
   run_tasks(grid.blocks(), [&](int64_t b) {
-    alignas(64) double way[kSize], now[kSize], then[kSize];
+    alignas(64) double moved[kSize], now[kSize], then[kSize];
     // values of the nodes around the block
-    if (moves) read_tile(grid, b, motion, way);
+    if (moves) read_tile(grid, b, motion, moved);
     read_tile(grid, b, after, now);
     if (looks) read_tile(grid, b, before, then);
     for (int64_t k = grid.first_pack(b); k < grid.first_pack(b + 1); ++k) {
@@ -48,7 +48,7 @@ void grid_to_particles(const ParticleGrid<d>& grid, In<double> motion, In<double
         const FieldPack<T> field = field_at<d, T>(grid, pack, begin, now);
         FieldPack<T> path = field;
         if (moves) {
-          path = field_at<d, T>(grid, pack, begin, way);
+          path = field_at<d, T>(grid, pack, begin, moved);
         } else {
           for (T& v : path.v) v *= dt;
           for (T& g : path.G.m) g *= dt;

@@ -3,8 +3,8 @@
 
 #pragma once
 
+#include "mpm_fem/mpm/obstacles.hpp"
 #include "mpm_fem/mpm/particles.hpp"
-#include "mpm_fem/mpm/walls.hpp"
 
 #include <vector>
 
@@ -28,7 +28,7 @@ struct MpmScene {
   double h = 0.01;    ///< grid spacing [m]; nodes are at the multiples of h
   Vec3 gravity = {};  ///< [m/s^2]
   std::vector<Solid> solids;
-  std::vector<Wall> walls;
+  std::vector<Obstacle> obstacles;
   double dt = 1e-3;  ///< from one transfer to the next [s]
   TransferOptions transfer = {};
 };

@@ -29,10 +29,11 @@ std::array<int32_t, 3> block_place(uint64_t key) {
   return b;
 }
 
-/// The key of the n-th block above (way = 1) or below (-1); bit a of n is the step along axis a.
-uint64_t shifted(uint64_t key, int n, int way) {
+/// The key of the n-th block above (sign = 1) or below (-1); bit a of n is the step along axis a.
+uint64_t shifted(uint64_t key, int n, int sign) {
   const std::array<int32_t, 3> at = block_place(key);
-  const int64_t to[3] = {at[0] + way * (n & 1), at[1] + way * (n >> 1 & 1), at[2] + way * (n >> 2)};
+  const int64_t to[3] = {at[0] + sign * (n & 1), at[1] + sign * (n >> 1 & 1),
+                         at[2] + sign * (n >> 2)};
   return block_key(to);
 }
 

@@ -9,14 +9,14 @@ namespace elastogen {
 
 /// Whether the motion of a collider halves its distance to some point; marks the nodes of all
 /// points that the collider may reach.
-bool Contact::crowds(const Wall& wall, double motion) {
+bool Contact::crowds(const Obstacle& obstacle, double motion) {
   bool found = false;
   std::fill(carried_.begin(), carried_.end(), uint8_t(0));
   for (int64_t p = 0; p < points_; ++p) {
     const Vec3& place = place_[size_t(p)];
-    const double before = proximity(wall.core, wall.from, place).distance;
+    const double before = proximity(obstacle.core, obstacle.from, place).distance;
     if (before >= motion + lengths_.layer) continue;
-    const double after = proximity(wall.core, wall.to, place).distance;
+    const double after = proximity(obstacle.core, obstacle.to, place).distance;
     found |= crowded(before, after, lengths_.layer);
     const int32_t* corners = scene_.grid.corners.row(scene_.surface.voxel(p));
     for (int c = 0; c < 8; ++c) carried_[size_t(corners[c])] = 1;
@@ -26,28 +26,28 @@ bool Contact::crowds(const Wall& wall, double motion) {
 
 void Contact::carry(double* u) {
   const Array<double>& X = scene_.grid.rest;
-  for (size_t w = 0; w < walls_.size(); ++w) {
-    Vec3 way;
-    for (size_t d = 0; d < 3; ++d) way[d] = walls_[w].to[d] - walls_[w].from[d];
-    const double motion = std::hypot(way[0], way[1], way[2]);
+  for (size_t w = 0; w < obstacles_.size(); ++w) {
+    Vec3 path;
+    for (size_t d = 0; d < 3; ++d) path[d] = obstacles_[w].to[d] - obstacles_[w].from[d];
+    const double motion = std::hypot(path[0], path[1], path[2]);
     if (motion == 0) continue;
     find_places(u, place_);
-    if (!crowds(walls_[w], motion)) continue;
-    const Vec3 direction = {way[0] / motion, way[1] / motion, way[2] / motion};
+    if (!crowds(obstacles_[w], motion)) continue;
+    const Vec3 direction = {path[0] / motion, path[1] / motion, path[2] / motion};
     for_each(X.rows(), [&](int64_t n) {
       if (!carried_[size_t(n)] || scene_.pinned(n)) return;
       const Vec3 place = {X(n, 0) + u[3 * n], X(n, 1) + u[3 * n + 1], X(n, 2) + u[3 * n + 2]};
-      const double share = carried_share(walls_.data(), walls_.size(), w, place, direction);
-      for (size_t d = 0; d < 3; ++d) u[3 * size_t(n) + d] += share * way[d];
+      const double share = carried_share(obstacles_.data(), obstacles_.size(), w, place, direction);
+      for (size_t d = 0; d < 3; ++d) u[3 * size_t(n) + d] += share * path[d];
     });
   }
 }
 
 const Collider* Contact::obstacle(const double* u) {
   find_places(u, place_);
-  for (size_t w = 0; w < walls_.size(); ++w)
+  for (size_t w = 0; w < obstacles_.size(); ++w)
     for (const Vec3& place : place_)
-      if (!(proximity(walls_[w].core, walls_[w].to, place).distance > 0))
+      if (!(proximity(obstacles_[w].core, obstacles_[w].to, place).distance > 0))
         return &scene_.colliders[w];
   return nullptr;
 }

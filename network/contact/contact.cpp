@@ -19,9 +19,9 @@ Contact::Contact(const Scene& scene) : scene_(scene) {
       "the surface points' arrays differ in length");
   lengths_ = contact_lengths(scene);
   for (const Collider& c : scene.colliders)
-    walls_.push_back({{offset_at(c, 0), offset_at(c, 0)}, core_of(c, lengths_.layer)});
+    obstacles_.push_back({{offset_at(c, 0), offset_at(c, 0)}, core_of(c, lengths_.layer)});
   const auto points = size_t(points_);
-  lags_.resize(walls_.size() * points);
+  lags_.resize(obstacles_.size() * points);
   for (std::vector<Vec3>* places : {&start_, &place_, &end_}) places->resize(points);
   near_.resize(points);
   boxes_.resize(size_t((points_ + kBlock - 1) / kBlock));
@@ -64,13 +64,14 @@ Contact::Ball Contact::find_places(const double* u, std::vector<Vec3>& places) {
 
 /// Whether a point of the body may be nearer to a core than `within`; distances are 1-Lipschitz, so
 /// the ball around the body decides.
-bool Contact::reaches(const Wall& wall, const Ball& body, double within) const {
-  return !(proximity(wall.core, wall.to, body.centre).distance - body.radius > within);
+bool Contact::reaches(const Obstacle& obstacle, const Ball& body, double within) const {
+  return !(proximity(obstacle.core, obstacle.to, body.centre).distance - body.radius > within);
 }
 
-void Contact::find_distances(const Wall& wall, const Vec3& offset) {
-  for_each(points_,
-           [&](int64_t p) { near_[size_t(p)] = proximity(wall.core, offset, place_[size_t(p)]); });
+void Contact::find_distances(const Obstacle& obstacle, const Vec3& offset) {
+  for_each(points_, [&](int64_t p) {
+    near_[size_t(p)] = proximity(obstacle.core, offset, place_[size_t(p)]);
+  });
 }
 
 void Contact::begin_step(const double* u, double time) {
@@ -78,17 +79,18 @@ void Contact::begin_step(const double* u, double time) {
   find_places(u, place_);
   start_ = place_;
   start_time_ = time;
-  for (size_t w = 0; w < walls_.size(); ++w) {
-    Wall& wall = walls_[w];
-    wall.from = offset_at(wall.core, time);
-    wall.to = offset_at(wall.core, time + scene_.dt);
-    find_distances(wall, wall.from);
+  for (size_t w = 0; w < obstacles_.size(); ++w) {
+    Obstacle& obstacle = obstacles_[w];
+    obstacle.from = offset_at(obstacle.core, time);
+    obstacle.to = offset_at(obstacle.core, time + scene_.dt);
+    find_distances(obstacle, obstacle.from);
     ContactLag* lags = lags_.data() + w * size_t(points_);
     for_each(points_, [&](int64_t p) {
-      lags[p] =
-          contact_lag(near_[size_t(p)], stiffness_[size_t(p)], wall.core.friction, lengths_.layer);
+      lags[p] = contact_lag(near_[size_t(p)], stiffness_[size_t(p)], obstacle.core.friction,
+                            lengths_.layer);
     });
-    wall.rubs = std::any_of(lags, lags + points_, [](const ContactLag& l) { return l.limit > 0; });
+    obstacle.rubs =
+        std::any_of(lags, lags + points_, [](const ContactLag& l) { return l.limit > 0; });
   }
 }
 
@@ -96,16 +98,16 @@ template <class T>
 double Contact::evaluate(const double* u, T* g) {
   const Ball body = find_places(u, place_);
   double energy = 0;
-  for (size_t w = 0; w < walls_.size(); ++w) {
-    const Wall& wall = walls_[w];
-    if (!wall.rubs && !reaches(wall, body, lengths_.layer)) continue;
-    find_distances(wall, wall.to);
+  for (size_t w = 0; w < obstacles_.size(); ++w) {
+    const Obstacle& obstacle = obstacles_[w];
+    if (!obstacle.rubs && !reaches(obstacle, body, lengths_.layer)) continue;
+    find_distances(obstacle, obstacle.to);
     for (int64_t p = 0; p < points_; ++p) {
       const Proximity& near = near_[size_t(p)];
       if (near.distance <= 0) return std::numeric_limits<double>::infinity();
       if (!touches(near, lag(w, p), lengths_.layer)) continue;
       Vec3 force;
-      energy += point_energy(lengths_, point(p), wall, lag(w, p), near, force);
+      energy += point_energy(lengths_, point(p), obstacle, lag(w, p), near, force);
       if (!g) continue;
       const int32_t* corners = scene_.grid.corners.row(scene_.surface.voxel(p));
       const double* weights = scene_.surface.weights.row(p);
@@ -127,14 +129,14 @@ void Contact::linearise(const double* u) {
   stiff_blocks_.clear();
   active_.clear();
   const Ball body = find_places(u, place_);
-  for (size_t w = 0; w < walls_.size(); ++w) {
-    const Wall& wall = walls_[w];
-    if (!wall.rubs && !reaches(wall, body, lengths_.layer)) continue;
-    find_distances(wall, wall.to);
+  for (size_t w = 0; w < obstacles_.size(); ++w) {
+    const Obstacle& obstacle = obstacles_[w];
+    if (!obstacle.rubs && !reaches(obstacle, body, lengths_.layer)) continue;
+    find_distances(obstacle, obstacle.to);
     for (int64_t p = 0; p < points_; ++p) {
       const Proximity& near = near_[size_t(p)];
       if (!touches(near, lag(w, p), lengths_.layer)) continue;
-      active_.push_back({p, point_stiffness(lengths_, point(p), wall, lag(w, p), near)});
+      active_.push_back({p, point_stiffness(lengths_, point(p), obstacle, lag(w, p), near)});
       add_nodal(active_.back());
     }
   }
@@ -180,14 +182,14 @@ void Contact::add_hessian_product(const float* p, float* f) const {
 double Contact::longest_step(const double* u, const double* end) {
   const Ball from = find_places(u, place_), to = find_places(end, end_);
   double longest = 1;
-  for (const Wall& wall : walls_) {
+  for (const Obstacle& obstacle : obstacles_) {
     // one ball holds all points on their paths
     const double way = std::hypot(to.centre[0] - from.centre[0], to.centre[1] - from.centre[1],
                                   to.centre[2] - from.centre[2]);
     const Ball swept = {from.centre, std::max(from.radius, way + to.radius)};
-    if (!reaches(wall, swept, 0)) continue;
+    if (!reaches(obstacle, swept, 0)) continue;
     for (size_t p = 0; p < size_t(points_); ++p)
-      longest = std::min(longest, free_share(wall.core, wall.to, place_[p], end_[p],
+      longest = std::min(longest, free_share(obstacle.core, obstacle.to, place_[p], end_[p],
                                              kLeastDistance * lengths_.layer));
   }
   return longest;
@@ -196,9 +198,9 @@ double Contact::longest_step(const double* u, const double* end) {
 double Contact::deepest_overlap(const double* u) {
   const Ball body = find_places(u, place_);
   double deepest = 0;
-  for (const Wall& wall : walls_) {
-    if (!reaches(wall, body, lengths_.layer)) continue;
-    find_distances(wall, wall.to);
+  for (const Obstacle& obstacle : obstacles_) {
+    if (!reaches(obstacle, body, lengths_.layer)) continue;
+    find_distances(obstacle, obstacle.to);
     for (const Proximity& near : near_) deepest = std::max(deepest, lengths_.layer - near.distance);
   }
   return deepest;

@@ -34,21 +34,21 @@ DeviceContact::Impl::Impl(const PotentialTerms& host)
       weights(numbers_of(scene.surface.weights)),
       position(numbers_of(scene.surface.position)),
       stiffness(host.contact().stiffness()),
-      walls(int64_t(scene.colliders.size())),
-      lags(walls.size() * stiffness.size()),
+      obstacles(int64_t(scene.colliders.size())),
+      lags(obstacles.size() * stiffness.size()),
       start(stiffness.size()),
       force(stiffness.size()),
       frozen(6 * stiffness.size()),
       touched(1),
       energy_sums(1),
-      way_sums(1),
+      sweep_sums(1),
       crowd_sums(1),
-      way(1),
+      swept(1),
       numbers(1) {
   // the cores of the colliders, which begin at rest
   for (const Collider& c : scene.colliders) {
     cores.push_back(core_of(c, lengths.layer));
-    host_walls.push_back({{}, cores.back(), c.friction});
+    host_obstacles.push_back({{}, cores.back(), c.friction});
   }
   list_entries();
   blocks = DeviceArray<double>(6 * nodes.size());
@@ -125,14 +125,14 @@ void DeviceContact::start_evaluation(const double* u, T* g) {
       [=] __device__(int64_t p, ContactSums & sum) {
         const ContactPoint point = v.point(p, u);
         Vec3 all = {};
-        for (int w = 0; w < v.wall_count; ++w) {
-          const Proximity near = proximity(v.walls[w].core, v.walls[w].to, point.place);
+        for (int w = 0; w < v.obstacle_count; ++w) {
+          const Proximity near = proximity(v.obstacles[w].core, v.obstacles[w].to, point.place);
           const ContactLag& lag = v.lag(w, p);
           if (near.distance <= 0) sum.energy = std::numeric_limits<double>::infinity();
           sum.add({0, v.lengths.layer - near.distance});
           if (!touches(near, lag, v.lengths.layer)) continue;
           Vec3 one;
-          sum.energy += point_energy(v.lengths, point, v.walls[w], lag, near, one);
+          sum.energy += point_energy(v.lengths, point, v.obstacles[w], lag, near, one);
           for (int i = 0; i < 3; ++i) all[i] += one[i];
         }
         forces[p] = all;
@@ -158,11 +158,11 @@ void DeviceContact::linearise(const double* u, bool touching) {
   cuda::for_each(v.points, [=] __device__(int64_t p) {
     const ContactPoint point = v.point(p, u);
     double sum[6] = {};
-    for (int w = 0; w < v.wall_count; ++w) {
-      const Proximity near = proximity(v.walls[w].core, v.walls[w].to, point.place);
+    for (int w = 0; w < v.obstacle_count; ++w) {
+      const Proximity near = proximity(v.obstacles[w].core, v.obstacles[w].to, point.place);
       const ContactLag& lag = v.lag(w, p);
       if (!touches(near, lag, v.lengths.layer)) continue;
-      const PointStiffness k = point_stiffness(v.lengths, point, v.walls[w], lag, near);
+      const PointStiffness k = point_stiffness(v.lengths, point, v.obstacles[w], lag, near);
       for (int i = 0; i < 3; ++i)
         for (int j = i; j < 3; ++j) sum[symmetric_place(i, j)] += k.entry(i, j);
     }

@@ -11,7 +11,7 @@
 namespace elastogen::cuda {
 
 /// A collider's core and its path through the step.
-struct DeviceWall : WallPath {
+struct DeviceObstacle : ObstaclePath {
   ColliderForm core;
   double friction = 0;
 };
@@ -20,11 +20,11 @@ struct DeviceWall : WallPath {
 struct ContactView {
   const int32_t* corners;                        ///< (points, 8)
   const double *weights, *position, *stiffness;  ///< (points, 8), (points, 3), (points)
-  const DeviceWall* walls;
-  ContactLag* lags;  ///< (walls, points)
+  const DeviceObstacle* obstacles;
+  ContactLag* lags;  ///< (obstacles, points)
   Vec3* start;       ///< (points)
   int64_t points;
-  int wall_count;
+  int obstacle_count;
   ContactLengths lengths;
 
   __device__ Vec3 place(int64_t p, const double* u) const {
@@ -37,7 +37,9 @@ struct ContactView {
     for (int i = 0; i < 3; ++i) sum[i] += position[3 * p + i];
     return sum;
   }
-  __device__ const ContactLag& lag(int wall, int64_t p) const { return lags[wall * points + p]; }
+  __device__ const ContactLag& lag(int obstacle, int64_t p) const {
+    return lags[obstacle * points + p];
+  }
   __device__ ContactPoint point(int64_t p, const double* u) const {
     return {place(p, u), start[p], stiffness[p]};
   }
@@ -61,9 +63,9 @@ struct ContactSums {
 
 /// The largest share of a path that all points allow, and the first collider whose core contains a
 /// point at its start (1e300: none).
-struct Way {
+struct Sweep {
   double share = 1, inside = 1e300;
-  __device__ void add(const Way& o) {
+  __device__ void add(const Sweep& o) {
     share = o.share < share ? o.share : share;
     inside = o.inside < inside ? o.inside : inside;
   }
@@ -72,7 +74,7 @@ struct Way {
 /// Numbers that the host reads.
 struct ContactNumbers {
   ContactSums sums;
-  Way way;
+  Sweep swept;
   double crowded = 0;  ///< points that a collider crowds
 };
 
@@ -80,33 +82,34 @@ struct DeviceContact::Impl {
   explicit Impl(const PotentialTerms& host);
 
   ContactView view() {
-    return {corners.data(), weights.data(), position.data(),  stiffness.data(),  walls.data(),
-            lags.data(),    start.data(),   stiffness.size(), int(walls.size()), lengths};
+    return {corners.data(),        weights.data(), position.data(), stiffness.data(),
+            obstacles.data(),      lags.data(),    start.data(),    stiffness.size(),
+            int(obstacles.size()), lengths};
   }
   GatherView gather() const {
     return {nodes.data(), begin.data(), point.data(), weight.data(), nodes.size()};
   }
   void list_entries();
-  void place_walls(double time);
+  void place_obstacles(double time);
   void take_lags(const double* u);
-  void find_way(const double* u, const double* end);
-  bool crowds(int wall, const double* u, double motion);
+  void sweep(const double* u, const double* end);
+  bool crowds(int obstacle, const double* u, double motion);
   void carry(double* u);
-  void carry_along(int wall, const Vec3& way, double motion, double* u);
+  void carry_along(int obstacle, const Vec3& swept, double motion, double* u);
   template <class T>
   void gather_forces(T* to) const;
 
   const Scene& scene;
   ContactLengths lengths;
   std::vector<Collider> cores;
-  std::vector<DeviceWall> host_walls;
+  std::vector<DeviceObstacle> host_obstacles;
   std::vector<int32_t> surface_nodes;
   bool moving = false;  // some collider has a path
   bool stiff = false;
 
   DeviceArray<int32_t> corners;
   DeviceArray<double> weights, position, stiffness;
-  DeviceArray<DeviceWall> walls;
+  DeviceArray<DeviceObstacle> obstacles;
   DeviceArray<ContactLag> lags;
   DeviceArray<Vec3> start, force;
   DeviceArray<int32_t> nodes, begin, point;
@@ -116,10 +119,10 @@ struct DeviceContact::Impl {
   DeviceArray<int32_t> touched;  // 1: forces are not all 0
   DeviceArray<double> rest;      // of the nodes; like the next two for moving colliders only
   DeviceArray<uint8_t> pinned, carried;
-  DeviceArray<SumRoom<ContactSums>> energy_sums;
-  DeviceArray<SumRoom<Way>> way_sums;
-  DeviceArray<SumRoom<Sums<1>>> crowd_sums;
-  DeviceArray<Way> way;
+  DeviceArray<SumScratch<ContactSums>> energy_sums;
+  DeviceArray<SumScratch<Sweep>> sweep_sums;
+  DeviceArray<SumScratch<Sums<1>>> crowd_sums;
+  DeviceArray<Sweep> swept;
   PinnedArray<ContactNumbers> numbers;
 };
 

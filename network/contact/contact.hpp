@@ -67,7 +67,7 @@ class Contact {
   double deepest_overlap(const double* u);
 
  private:
-  struct Wall : WallPath {
+  struct Obstacle : ObstaclePath {
     Collider core = {};
     bool rubs = false;  // friction acts on some point
   };
@@ -82,19 +82,19 @@ class Contact {
   };
   Vec3 place_of(int64_t p, const double* u) const;
   Ball find_places(const double* u, std::vector<Vec3>& places);
-  bool reaches(const Wall& wall, const Ball& body, double within) const;
-  void find_distances(const Wall& wall, const Vec3& offset);
-  const ContactLag& lag(size_t wall, int64_t p) const {
-    return lags_[wall * size_t(points_) + size_t(p)];
+  bool reaches(const Obstacle& obstacle, const Ball& body, double within) const;
+  void find_distances(const Obstacle& obstacle, const Vec3& offset);
+  const ContactLag& lag(size_t obstacle, int64_t p) const {
+    return lags_[obstacle * size_t(points_) + size_t(p)];
   }
   ContactPoint point(int64_t p) const {
     return {place_[size_t(p)], start_[size_t(p)], stiffness_[size_t(p)]};
   }
-  bool crowds(const Wall& wall, double motion);
+  bool crowds(const Obstacle& obstacle, double motion);
   void add_nodal(const Frozen& frozen);
 
   const Scene& scene_;
-  std::vector<Wall> walls_;
+  std::vector<Obstacle> obstacles_;
   int64_t points_ = 0;
   double start_time_ = 0;
   ContactLengths lengths_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Contact on the device: network/contact/contact.hpp with points, colliders and the data of a step's start
+// Contact on the device: contact.hpp with points, colliders and the data of a step's start
 // in device memory. One pass finds the force of each point; then each node of the surface gathers
 // the forces of its points in a fixed order, so that every run gives the same bits. Functions wait
 // for the device only where their comment says so.

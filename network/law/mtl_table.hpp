@@ -3,7 +3,7 @@
 // C2, and its gradient and Hessian are exact derivatives. D is symmetric in its three arguments;
 // its value, slope and curvature are 0 at rest, and it is 0 far from rest.
 //
-//     psi = psi_law + E D(e),      D = w (psi_theta - psi_law)/E       (network/law/learned_law.hpp)
+//     psi = psi_law + E D(e),      D = w (psi_theta - psi_law)/E       (learned_law.hpp)
 //
 // The law is the stiff part (above all in volume) and is closed form, so a coarse table is enough.
 

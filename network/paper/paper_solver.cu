@@ -76,7 +76,7 @@ struct Loops : DevicePaper::Impl {
   DeviceArray<T> lagged, force;
   DeviceArray<T> modes;  // (waves, nodes)
   DeviceArray<double> diagonal, amplitudes;
-  DeviceArray<SumRoom<Sums<3 * kBatch>>> sums;
+  DeviceArray<SumScratch<Sums<3 * kBatch>>> sums;
 };
 
 /// N and R of every voxel at u, and D.

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The tables of make_brick_rows, made on the device from masks of voxels and nodes. Kernels count
 // the entries of each brick, the host adds the counts up, then each brick writes its own entries.
-// The host uploads fill, variance weights and, if there are several, materials of all voxels, but
-// moments of the fill of border voxels alone.
+// The host uploads fill, variance weights and materials of all voxels, moments of border voxels.
 #include "core/hex8.hpp"
 #include "network/potential/brick_rows.cuh"
 
@@ -27,7 +26,7 @@ struct BorderVoxels {
           [&](int64_t b) {
             const int64_t end =
                 b + 1 < voxels.brick_count() ? voxels.first(b + 1) : voxels.point_count();
-            for (int64_t v = voxels.first(b); v < end; ++v) body(level.home[size_t(b)], v);
+            for (int64_t v = voxels.first(b); v < end; ++v) body(level.node_brick[size_t(b)], v);
           },
           1);
     };
@@ -101,8 +100,8 @@ struct VoxelLine {
   }
 };
 
-/// Sum over the threads before this one, and over all. @param room  shared memory, (kWarps)
-__device__ int sum_before(int value, int* room, int& total) {
+/// Sum over the threads before this one, and over all. @param scratch  shared memory, (kWarps)
+__device__ int sum_before(int value, int* scratch, int& total) {
   const int lane = int(threadIdx.x) % 32, warp = int(threadIdx.x) / 32;
   const int warps = int(blockDim.x) / 32;
   int sum = value;
@@ -111,13 +110,13 @@ __device__ int sum_before(int value, int* room, int& total) {
     if (lane >= step) sum += below;
   }
   __syncthreads();  // earlier sums may still be read
-  if (lane == 31) room[warp] = sum;
+  if (lane == 31) scratch[warp] = sum;
   __syncthreads();
   int before = sum - value;
   total = 0;
   for (int w = 0; w < warps; ++w) {
-    if (w < warp) before += room[w];
-    total += room[w];
+    if (w < warp) before += scratch[w];
+    total += scratch[w];
   }
   return before;
 }
@@ -159,10 +158,10 @@ __device__ int part_count(const BrickTables& g, int64_t slot) {
 /// of voxels, a thread for each place of its tile. The first 64 threads count the rows of one line
 /// of voxels each, all threads test whether their place is a corner; then the block adds up.
 __global__ void __launch_bounds__(kThreads)
-    count_kernel(BrickTables g, VoxelSource source, const int32_t* home, int32_t* counts) {
-  __shared__ int room[kWarps];
+    count_kernel(BrickTables g, VoxelSource source, const int32_t* brick_of, int32_t* counts) {
+  __shared__ int scratch[kWarps];
   begin_kernel();
-  const int64_t brick = home[blockIdx.x];
+  const int64_t brick = brick_of[blockIdx.x];
   const int t = int(threadIdx.x);
   int number[3] = {};
   if (t < kSlots / kLanes)
@@ -170,7 +169,7 @@ __global__ void __launch_bounds__(kThreads)
   number[2] = is_corner(g, brick, t);
   for (int kind = 0; kind < 3; ++kind) {
     int total;
-    sum_before(number[kind], room, total);
+    sum_before(number[kind], scratch, total);
     if (t == 0) counts[int64_t(kind) * gridDim.x + blockIdx.x] = total;
   }
 }
@@ -180,19 +179,19 @@ __global__ void __launch_bounds__(kThreads)
 /// before give where the line's rows begin. Within a line, rows are in the order of materials. The
 /// first lane of a row writes the row, each thread the data of its voxel.
 __global__ void __launch_bounds__(kSlots)
-    row_kernel(BrickTables g, VoxelSource source, const int32_t* home, const int32_t* row_begin,
+    row_kernel(BrickTables g, VoxelSource source, const int32_t* brick_of, const int32_t* row_begin,
                const int32_t* border_begin, VoxelRow* rows, double* weights, double* moments) {
   constexpr int kLinesOfBrick = kSlots / kLanes;
-  __shared__ int room[kWarps], row_of[kLinesOfBrick], border_of[kLinesOfBrick];
+  __shared__ int scratch[kWarps], row_of[kLinesOfBrick], border_of[kLinesOfBrick];
   begin_kernel();
   const int t = int(threadIdx.x), lane = t % kLanes, line = t / kLanes;
-  const int64_t first = kSlots * int64_t(home[blockIdx.x]);
+  const int64_t first = kSlots * int64_t(brick_of[blockIdx.x]);
   // first row, and first row with border voxels, of each line
   int count = 0, borders = 0, total;
   if (t < kLinesOfBrick)
     VoxelLine(g, source, first + kLanes * t).count_rows(INT_MAX, count, borders);
-  const int before = sum_before(count, room, total);
-  const int borders_before = sum_before(borders, room, total);
+  const int before = sum_before(count, scratch, total);
+  const int borders_before = sum_before(borders, scratch, total);
   if (t < kLinesOfBrick) row_of[t] = before, border_of[t] = borders_before;
   __syncthreads();
   const VoxelLine voxels(g, source, first + kLanes * line);
@@ -225,13 +224,13 @@ __global__ void __launch_bounds__(kSlots)
     shared_kernel(BrickTables g, int32_t* counts, const int32_t* shared_first,
                   const int32_t* part_first, int32_t* shared_node, int32_t* shared_begin,
                   int32_t* first_part) {
-  __shared__ int room[kWarps];
+  __shared__ int scratch[kWarps];
   begin_kernel();
   const int64_t slot = int64_t(kSlots) * blockIdx.x + threadIdx.x;
   const int parts = part_count(g, slot);
   int shared_total, part_total;
-  const int shared = sum_before(parts > 0, room, shared_total);
-  const int part = sum_before(parts, room, part_total);
+  const int shared = sum_before(parts > 0, scratch, shared_total);
+  const int part = sum_before(parts, scratch, part_total);
   if (shared_node == nullptr) {
     if (threadIdx.x == 0)
       counts[blockIdx.x] = shared_total, counts[gridDim.x + blockIdx.x] = part_total;
@@ -248,16 +247,16 @@ __global__ void __launch_bounds__(kSlots)
 /// them. A brick's partial sum of a node lies behind those of the bricks before it.
 /// @param first_part  1 + index of each node's first partial sum, 0 where there is none.
 __global__ void __launch_bounds__(kThreads)
-    tile_kernel(BrickTables g, const int32_t* home, const int32_t* tile_begin,
+    tile_kernel(BrickTables g, const int32_t* brick_of, const int32_t* tile_begin,
                 const int32_t* first_part, int32_t* tile_node, int16_t* tile_place,
                 int32_t* tile_part) {
-  __shared__ int room[kWarps];
+  __shared__ int scratch[kWarps];
   begin_kernel();
-  const int32_t brick = home[blockIdx.x];
+  const int32_t brick = brick_of[blockIdx.x];
   const int place = int(threadIdx.x);
   const bool there = is_corner(g, brick, place);
   int total;
-  const int before = sum_before(there, room, total);
+  const int before = sum_before(there, scratch, total);
   if (!there) return;
   const int64_t slot = g.slot_at(g.links[brick].neighbour, place % 9, place / 9 % 9, place / 81);
   const int32_t n = g.node(slot), entry = tile_begin[blockIdx.x] + before, first = first_part[n];
@@ -283,16 +282,16 @@ void fetch(const DeviceArray<typename Vector::value_type>& from, Vector& to) {
 
 struct DeviceRows::Bricks {
   explicit Bricks(const BrickLevel& of)
-      : level(of), on_device(of), home(of.home), nodes(of.nodes.point_count()) {}
+      : level(of), on_device(of), brick_of(of.node_brick), nodes(of.nodes.point_count()) {}
 
   const BrickLevel& level;
   DeviceBricks on_device;
-  DeviceArray<int32_t> home;
+  DeviceArray<int32_t> brick_of;
   int64_t nodes;
 };
 
 DeviceRows::DeviceRows(const Scene& scene, const BrickLevel& level) {
-  if (RoomCount::present()) {
+  if (MemoryCount::present()) {
     count(make_brick_rows(scene));
     return;
   }
@@ -331,9 +330,10 @@ void DeviceRows::make_rows(const Scene& scene, const Bricks& bricks) {
                            masks.data(),    first_border.data(), moments.data()};
   const BrickTables g = bricks.on_device.tables();
   // counts of each brick, added up
-  const int64_t count = bricks.home.size();
+  const int64_t count = bricks.brick_of.size();
   DeviceArray<int32_t> counts(3 * count);
-  launch(count_kernel, unsigned(count), kThreads, 0, g, source, bricks.home.data(), counts.data());
+  launch(count_kernel, unsigned(count), kThreads, 0, g, source, bricks.brick_of.data(),
+         counts.data());
   std::vector<int32_t> found;
   fetch(counts, found);
   const std::vector<int32_t> rows = summed(found.data(), count);
@@ -349,8 +349,8 @@ void DeviceRows::make_rows(const Scene& scene, const Bricks& bricks) {
   border_ = DeviceArray<double>(int64_t(of_border.back()) * 7 * kLanes);
   // each brick writes its rows
   const DeviceArray<int32_t> border_begin(of_border);
-  launch(row_kernel, unsigned(count), kSlots, 0, g, source, bricks.home.data(), row_begin_.data(),
-         border_begin.data(), rows_.data(), weights_.data(), border_.data());
+  launch(row_kernel, unsigned(count), kSlots, 0, g, source, bricks.brick_of.data(),
+         row_begin_.data(), border_begin.data(), rows_.data(), weights_.data(), border_.data());
   synchronise();
 }
 
@@ -376,7 +376,7 @@ void DeviceRows::make_tiles(const Bricks& bricks) {
            part_first.data(), shared_node_.data(), shared_begin_.data(), first_part.data());
     synchronise();
   }
-  launch(tile_kernel, unsigned(bricks.home.size()), kThreads, 0, g, bricks.home.data(),
+  launch(tile_kernel, unsigned(bricks.brick_of.size()), kThreads, 0, g, bricks.brick_of.data(),
          tile_begin_.data(), first_part.data(), tile_node_.data(), tile_place_.data(),
          tile_part_.data());
   synchronise();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The loop of network/potential/brick_rows.hpp on the device: one block of threads for each brick, one thread
+// The loop of brick_rows.hpp on the device: one block of threads for each brick, one thread
 // for each voxel, the tile in shared memory (core/cuda/tiles.cuh). Voxels add their results to the
 // tile corner by corner, because no two voxels have the same node as the same corner.
 
@@ -86,8 +86,8 @@ __device__ inline VoxelRow row_at(const RowsView& g, int32_t r, int32_t end) {
 template <class T, class Sums, class Read, class Voxel, class Finish>
 __global__ void __launch_bounds__(kThreads, sizeof(T) == 4 ? 2 : 1)
     voxel_kernel(RowsView g, T* parts, Sums* sums, Read read, Voxel voxel, Finish finish) {
-  extern __shared__ __align__(16) unsigned char room[];
-  T *const in = reinterpret_cast<T*>(room), *const given = in + 3 * kTile;
+  extern __shared__ __align__(16) unsigned char scratch[];
+  T *const in = reinterpret_cast<T*>(scratch), *const given = in + 3 * kTile;
   const int64_t b = blockIdx.x;
   const bool few = gridDim.x <= kFewBlocks;  // then the next kernel has few blocks too
   if (!few) let_next_start();
@@ -126,7 +126,7 @@ __global__ void __launch_bounds__(kThreads, sizeof(T) == 4 ? 2 : 1)
   }
   if constexpr (!std::is_same_v<Sums, NoSums>) {
     __syncthreads();
-    const Sums sum = block_sum(mine, reinterpret_cast<Sums*>(room));
+    const Sums sum = block_sum(mine, reinterpret_cast<Sums*>(scratch));
     if (threadIdx.x == 0) sums[b] = sum;
   }
 }

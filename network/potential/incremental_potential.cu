@@ -159,11 +159,11 @@ void DevicePotential::Impl::gradient_pass(const double* u, T* gradient, const Ne
       gradient[3 * n + i] = moves ? T(weight * away[i] + double(force[i])) : T(0);
   };
   const auto then = [=] __device__(const VoxelSums& sum) { to->voxels = sum; };
-  T* const room = reinterpret_cast<T*>(parts.data());
+  T* const scratch = reinterpret_cast<T*>(parts.data());
   if (gradient == nullptr)
-    for_each_voxel<T>(rows, room, brick_sums.data(), read, voxel, NoFinish{}, then);
+    for_each_voxel<T>(rows, scratch, brick_sums.data(), read, voxel, NoFinish{}, then);
   else
-    for_each_voxel<T>(rows, room, brick_sums.data(), read, voxel, finish, then);
+    for_each_voxel<T>(rows, scratch, brick_sums.data(), read, voxel, finish, then);
 }
 
 template <class T, bool kQuality>

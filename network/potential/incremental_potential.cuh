@@ -121,7 +121,7 @@ struct DevicePotential::Impl {
         value(kEnergies) {
     take_materials();
     if (terms.contact().exists()) contact.emplace(terms);
-    if (terms.scheme().dt > 0 && !RoomCount::present()) set_scheme(terms.scheme());
+    if (terms.scheme().dt > 0 && !MemoryCount::present()) set_scheme(terms.scheme());
   }
 
   const VoxelGrid& grid() const { return terms.scene().grid; }
@@ -183,7 +183,7 @@ struct DevicePotential::Impl {
   DeviceArray<uint8_t> pinned;
   DeviceArray<double> parts;  // for each partial sum three in double or nine in float
   DeviceArray<VoxelSums> brick_sums;
-  DeviceArray<SumRoom<Sums<1>>> inertia_sums;
+  DeviceArray<SumScratch<Sums<1>>> inertia_sums;
   PinnedArray<DeviceValue> value;
   Signal signal;
   std::vector<DeviceArray<float>> learned;  // tables, or weights of nets

@@ -39,7 +39,7 @@ inline constexpr int64_t kDenseNodes = 3072;
 class DevicePotential {
  public:
   /// Has the inertia of the terms' scheme, if they have one; the terms must outlive it.
-  /// @param dense  most nodes of a level that is solved (network/precondition/multigrid.hpp); with colliders the
+  /// @param dense  most nodes of a level that is solved (multigrid.hpp); with colliders the
   ///               limit of the host holds.
   /// @throws Error (resources) if the device has too little memory.
   explicit DevicePotential(const PotentialTerms& terms, int64_t dense = kDenseNodes);

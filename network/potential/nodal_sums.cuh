@@ -35,9 +35,9 @@ __device__ inline void gather(const T* given, int place, T sum[kCount]) {
 template <class T, int kCount, class Read, class Voxel, class Finish>
 __global__ void __launch_bounds__(kThreads)
     nodal_kernel(RowsView g, T* parts, Read read, Voxel voxel, Finish finish) {
-  extern __shared__ __align__(16) unsigned char room[];
+  extern __shared__ __align__(16) unsigned char scratch[];
   constexpr int kWidth = ::elastogen::bricks::kTileWidth;
-  T *const in = reinterpret_cast<T*>(room), *const given = in + 3 * kTile;
+  T *const in = reinterpret_cast<T*>(scratch), *const given = in + 3 * kTile;
   const int64_t b = blockIdx.x;
   const bool few = gridDim.x <= kFewBlocks;  // then the next kernel has few blocks too
   if (!few) let_next_start();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The terms of a scene's incremental potential (network/potential/incremental_potential.hpp) besides the
+// The terms of a scene's incremental potential (incremental_potential.hpp) besides the
 // tables of its voxels. Where a device makes its own tables, this is all that the host has.
 
 #pragma once

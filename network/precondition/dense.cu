@@ -99,7 +99,7 @@ struct NodeResidual {
 
 /// Shared memory of a block.
 template <class T>
-struct ProductRoom {
+struct ProductScratch {
   Columns<T> kept[kKept][kRows * kSolveThreads];
   TilePlace place[kEarly];
   T of_warps[2][kWarps][kTile];
@@ -158,7 +158,7 @@ template <class T>
 __global__ void __launch_bounds__(kSolveThreads, sizeof(T) == 4 ? 4 : 1)
     product_kernel(DenseView<T> d, StencilView<T> v) {
   extern __shared__ __align__(16) unsigned char shared[];
-  auto& room = *reinterpret_cast<ProductRoom<T>*>(shared);
+  auto& scratch = *reinterpret_cast<ProductScratch<T>*>(shared);
   constexpr int kLine = 128 / int(sizeof(Columns<T>));
   const int thread = int(threadIdx.x), count = d.tiles_in_all(), step = int(gridDim.x);
   // every block has kKept tiles; the rest go to the blocks that start first, because the last
@@ -175,7 +175,7 @@ __global__ void __launch_bounds__(kSolveThreads, sizeof(T) == 4 ? 4 : 1)
   const Streaming streaming;
   for (int k = 0; k < kKept && tile(k) < count; ++k)
     for (int m = thread; m < kRows * kSolveThreads * kParts; m += kSolveThreads)
-      streaming.copy(reinterpret_cast<int4*>(room.kept[k]) + m,
+      streaming.copy(reinterpret_cast<int4*>(scratch.kept[k]) + m,
                      reinterpret_cast<const int4*>(d.tile(tile(k))) + m);
   __pipeline_commit();
   Columns<T> entry[kRows];
@@ -195,17 +195,17 @@ __global__ void __launch_bounds__(kSolveThreads, sizeof(T) == 4 ? 4 : 1)
   const int side = thread / kTile % 2, of = thread % kTile, half = thread / (2 * kTile);
   static_assert(kSolveThreads == 4 * kTile && kEarly == 4);  // two tiles at once
   const NodeResidual<T> first(d, v, tile(half), side, of), second(d, v, tile(half + 2), side, of);
-  if (thread < kEarly) room.place[thread] = TilePlace(tile(thread), d.tile_count);
+  if (thread < kEarly) scratch.place[thread] = TilePlace(tile(thread), d.tile_count);
   wait_for_before();
-  room.r[half][side][of] = first.get();
-  room.r[half + 2][side][of] = second.get();
+  scratch.r[half][side][of] = first.get();
+  scratch.r[half + 2][side][of] = second.get();
   __pipeline_wait_prior(0);
   __syncthreads();
   int turn = 0;
   const auto run = [&](const Columns<T>* of_thread, int k) {
     if (tile(k) >= count) return;
     const int place = k < kEarly ? k : kKept;
-    multiply(d, of_thread, room.r[place], room.place[place], room.of_warps[turn++ % 2]);
+    multiply(d, of_thread, scratch.r[place], scratch.place[place], scratch.of_warps[turn++ % 2]);
   };
   run(entry, kKept);
   for (int k = kEarly;; ++k) {
@@ -213,13 +213,13 @@ __global__ void __launch_bounds__(kSolveThreads, sizeof(T) == 4 ? 4 : 1)
     load(k);
     if (half == 0) {
       const NodeResidual<T> later(d, v, tile(k), side, of);
-      room.r[kKept][side][of] = later.get();
-      if (thread == 0) room.place[kKept] = TilePlace(tile(k), d.tile_count);
+      scratch.r[kKept][side][of] = later.get();
+      if (thread == 0) scratch.place[kKept] = TilePlace(tile(k), d.tile_count);
     }
     if (k == kEarly)
       for (int m = 0; m < kKept; ++m) {
         Columns<T> kept[kRows];
-        for (int j = 0; j < kRows; ++j) kept[j] = room.kept[m][thread + kSolveThreads * j];
+        for (int j = 0; j < kRows; ++j) kept[j] = scratch.kept[m][thread + kSolveThreads * j];
         run(kept, m);
       }
     if (tile(k) >= count) return;
@@ -235,7 +235,7 @@ template <class T>
 __global__ void __launch_bounds__(kSolveThreads)
     row_sum_kernel(DenseView<T> d, StencilView<T> v, ResultOutput<T> out) {
   constexpr int kShares = kSolveThreads / kTile;
-  __shared__ T room[kShares][kTile];
+  __shared__ T scratch[kShares][kTile];
   const int row = int(threadIdx.x) % kTile, share = int(threadIdx.x) / kTile;
   const int I = int(blockIdx.x), component = int(blockIdx.y), node = kTile * I + row;
   let_next_start();
@@ -244,10 +244,10 @@ __global__ void __launch_bounds__(kSolveThreads)
   T sum = 0;
 #pragma unroll 8
   for (int J = share; J < d.tile_count; J += kShares) sum += d.sum(component, I, J)[row];
-  room[share][row] = sum;
+  scratch[share][row] = sum;
   __syncthreads();
   if (share > 0 || node >= v.nodes) return;
-  for (int k = 1; k < kShares; ++k) sum += room[k][row];
+  for (int k = 1; k < kShares; ++k) sum += scratch[k][row];
   if (out.z != nullptr)
     out.set(3 * int64_t(node) + component, sum);
   else
@@ -257,7 +257,7 @@ __global__ void __launch_bounds__(kSolveThreads)
 /// Blocks of the product that the card holds at a time.
 template <class T>
 int resident_blocks() {
-  constexpr int kBytes = sizeof(ProductRoom<T>);
+  constexpr int kBytes = sizeof(ProductScratch<T>);
   const auto kernel = product_kernel<T>;
   int device = 0, processors = 0, blocks = 0;
   check(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, kBytes));
@@ -275,16 +275,16 @@ DenseSolve<T>::DenseSolve(DeviceArray<double> operators, int64_t n) {
   tile_count_ = int(tiles);
   sums_ = DeviceArray<T>(kDenseMatrices * tiles * size);
   tiles_ = dense_inverse_tiles<T>(std::move(operators), n);
-  if (RoomCount::present()) return;
+  if (MemoryCount::present()) return;
   blocks_ = std::min(resident_blocks<T>(), int(kDenseMatrices * tile_pairs(tiles)));
 }
 
 template <class T>
 void DenseSolve<T>::run(const StencilView<T>& level, const T* partial, const ResultOutput<T>& out,
-                        const Line& line) {
+                        const LaunchOptions& options) {
   const DenseView<T> view{tiles_.data(), partial, sums_.data(), tile_count_};
-  launch_on(line, product_kernel<T>, unsigned(blocks_), kSolveThreads, sizeof(ProductRoom<T>), view,
-            level);
+  launch_on(options, product_kernel<T>, unsigned(blocks_), kSolveThreads, sizeof(ProductScratch<T>),
+            view, level);
   launch(row_sum_kernel<T>, dim3(unsigned(tile_count_), kDenseMatrices), kSolveThreads, 0, view,
          level, out);
 }

@@ -59,7 +59,7 @@ class DenseSolve {
   /// @param partial  partial sums of the finer level, from which r is made; nullptr: the level has
   ///                 r.
   void run(const StencilView<T>& level, const T* partial, const ResultOutput<T>& out,
-           const Line& line);
+           const LaunchOptions& options);
 
  private:
   DeviceArray<T> tiles_;  // (3, pairs of tiles I >= J, kDenseTile, kDenseTile)

@@ -58,13 +58,13 @@ __device__ void add_product(const double* X, const double* Y, double sum[kOf][kO
 /// Puts A_KK^-1 into `inverse`, and its negative in the place of A_KK. One block for each matrix,
 /// which holds the tile in registers (InverseTile).
 __global__ void __launch_bounds__(Pivot::kThreads) pivot_kernel(Sweep s) {
-  __shared__ Pivot::Room room;
+  __shared__ Pivot::Scratch scratch;
   begin_kernel();
   const int m = int(blockIdx.x), first = kTile * s.k;
   double* const inverse = s.inverse + m * kBlock;
   Pivot tile(kTile,
              [&](int i, int j) { return *s.entry(m, first + max(i, j), first + min(i, j)); });
-  tile.invert(room);
+  tile.invert(scratch);
   tile.for_entries([&](int i, int j, double value) {
     inverse[i * kTile + j] = value;
     *s.entry(m, first + i, first + j) = -value;
@@ -140,9 +140,9 @@ __device__ double inverse_entry(const double* swept, int64_t size, int64_t m, in
 
 /// Whether memory is only counted. The count then loses the operators, which are freed here.
 bool counts_only(const DeviceArray<double>& operators) {
-  RoomCount* const room = RoomCount::present();
-  if (room) room->take_off(size_t(operators.size()) * sizeof(double));
-  return room != nullptr;
+  MemoryCount* const count = MemoryCount::present();
+  if (count) count->take_off(size_t(operators.size()) * sizeof(double));
+  return count != nullptr;
 }
 
 }  // namespace

@@ -158,7 +158,7 @@ DeviceEncoder<T>::DeviceEncoder(DevicePotential& potential,
   partial_ = DeviceArray<T>(chunks_.size() * kSize);
   solution_ = DeviceArray<double>(piece_count() * kSize);
   corrections_ = DeviceArray<double>(piece_count() * kSize * kSize);
-  if (RoomCount::present()) return;
+  if (MemoryCount::present()) return;
   operators_ = rest_operators(potential, modes_);
   std::vector<double> corrections;
   // the operators at rest, and their corrections column by column
@@ -182,7 +182,7 @@ void DeviceEncoder<T>::apply(const T* r, T* z, cudaStream_t stream) {
   if (piece_count() == 0) return;
   const unsigned chunks = unsigned(chunks_.size()), pieces = unsigned(piece_count());
   const DeviceArray<double>& corrections = use_stiffness_ ? stiff_corrections_ : corrections_;
-  const Line first{stream, false}, next{stream};
+  const LaunchOptions first{stream, false}, next{stream};
   launch_on(first, encode_kernel<T>, chunks, dim3(kModes, kGroups), 0, chunks_.data(),
             modes_.nodes.data(), modes_.values.data(), r, partial_.data());
   launch_on(next, solve_kernel<T>, pieces, dim3(kSize, kSlices), 0, chunk_begin_.data(),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The encoder of network/precondition/encoder.hpp on the device, used beside multigrid. The device makes modes
+// The encoder of encoder.hpp on the device, used beside multigrid. The device makes modes
 // and operators, the host the corrections. apply() launches three kernels; all sums have a fixed
 // order.
 

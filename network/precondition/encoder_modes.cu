@@ -36,11 +36,11 @@ struct NodeSource {
 
 /// Extent of `count` nodes. Waits for the device.
 Extent extent_of(const NodeSource& source, const int32_t* nodes, int64_t count) {
-  DeviceArray<SumRoom<Extent>> room(1);
+  DeviceArray<SumScratch<Extent>> scratch(1);
   PinnedArray<Extent> result(1);
   Extent* const to = result.data();
   ordered_sum(
-      count, room.data(),
+      count, scratch.data(),
       [=] __device__(int64_t k, Extent & sum) {
         const int64_t n = nodes[k];
         Extent of;
@@ -109,7 +109,7 @@ PieceModesOnDevice<T> make_modes(DevicePotential& potential,
     made.first.push_back(made.first.back() + int32_t(nodes.size()));
   made.nodes = DeviceArray<int32_t>(made.first.back());
   made.values = DeviceArray<ModeNumber<T>>(made.nodes.size() * kEncoderModes);
-  if (RoomCount::present()) return made;
+  if (MemoryCount::present()) return made;
   for (size_t p = 0; p < pieces.size(); ++p)
     made.nodes.upload(pieces[p].data(), made.first[p], int64_t(pieces[p].size()));
   const DeviceArray<int32_t> coord(grid.node_coord.data(), grid.node_coord.size());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The modes of the encoder (network/precondition/encoder.hpp) at a node, and the pieces that have them.
+// The modes of the encoder (encoder.hpp) at a node, and the pieces that have them.
 
 #pragma once
 

@@ -50,7 +50,7 @@ ELASTOGEN_HD constexpr int within_sum(int i, int r, int c) {
 // fields of a voxel in shared memory; phi h and the factors of the products are in the weights
 constexpr int kMu = 0, kLambda = 1, kVariance = 2, kMoments = 6, kFields = 12;
 
-struct Room {
+struct Scratch {
   double mode[kEntries * kModes];  ///< groups go beyond the last mode of a node
   double field[kFields][kSlots];
   int32_t entry[kEntries];  ///< of the slab's nodes; -1: not in the piece
@@ -69,9 +69,9 @@ struct PieceOnDevice {
 /// All threads of the block must call this function and those below.
 template <class T>
 __device__ bool find_entries(const RowsView& g, const PieceOnDevice<T>& piece, int64_t brick,
-                             int begin, Room& room) {
+                             int begin, Scratch& work) {
   constexpr int kOfThread = (::elastogen::bricks::kTile + kThreads - 1) / kThreads;
-  for (int k = int(threadIdx.x); k < kEntries; k += kThreads) room.entry[k] = -1;
+  for (int k = int(threadIdx.x); k < kEntries; k += kThreads) work.entry[k] = -1;
   int32_t place[kOfThread], entry[kOfThread];
   const int32_t first = g.tile_begin[brick], last = g.tile_begin[brick + 1];
 #pragma unroll
@@ -85,13 +85,13 @@ __device__ bool find_entries(const RowsView& g, const PieceOnDevice<T>& piece, i
 #pragma unroll
   for (int j = 0; j < kOfThread; ++j)
     if (place[j] >= 0 && place[j] < kNodes && entry[j] >= piece.first && entry[j] < piece.end)
-      room.entry[place[j]] = entry[j], found = true;
+      work.entry[place[j]] = entry[j], found = true;
   return __syncthreads_or(found);
 }
 
 /// Copies the modes of the entries, 0 where there are none; kSide threads read an entry.
 template <class Number>
-__device__ void read_modes(const Number* modes, Room& room) {
+__device__ void read_modes(const Number* modes, Scratch& work) {
   constexpr int kAtOnce = 13, kStep = kThreads / kSide;
   const int mode = int(threadIdx.x) % kSide;
   for (int first = int(threadIdx.x) / kSide; first < kEntries; first += kAtOnce * kStep) {
@@ -99,7 +99,7 @@ __device__ void read_modes(const Number* modes, Room& room) {
     Number value[kAtOnce][kGroups];
 #pragma unroll
     for (int j = 0; j < kAtOnce; ++j) {
-      entry[j] = room.entry[min(first + j * kStep, kEntries - 1)];
+      entry[j] = work.entry[min(first + j * kStep, kEntries - 1)];
       const Number* from = modes + int64_t(max(entry[j], 0)) * kModes + mode;
       for (int g = 0; g < kGroups; ++g)
         value[j][g] = from[mode + g * kSide < kModes ? g * kSide : 0];
@@ -108,7 +108,7 @@ __device__ void read_modes(const Number* modes, Room& room) {
     for (int j = 0; j < kAtOnce; ++j)
       for (int g = 0; g < kGroups; ++g)
         if (first + j * kStep < kEntries && mode + g * kSide < kModes)
-          room.mode[(first + j * kStep) * kModes + mode + g * kSide] =
+          work.mode[(first + j * kStep) * kModes + mode + g * kSide] =
               entry[j] < 0 ? 0 : double(mode_value(value[j][g]));
   }
 }
@@ -132,7 +132,7 @@ __device__ inline void set_fields(const VoxelTables<double>& voxels, const Voxel
 
 /// Reads the slab's voxels of the piece in kRows rows; true if there are any.
 __device__ inline bool read_voxels(const RowsView& g, const VoxelTables<double>& voxels,
-                                   int32_t first_row, int32_t row_end, int begin, Room& room) {
+                                   int32_t first_row, int32_t row_end, int begin, Scratch& work) {
   bool found = false;
   for (int slot = int(threadIdx.x); slot < kSlots; slot += kThreads) {
     const int32_t r = first_row + slot / kLanes;
@@ -140,11 +140,11 @@ __device__ inline bool read_voxels(const RowsView& g, const VoxelTables<double>&
     const VoxelRow row = bricks::row_at(g, r, row_end);
     const int place = row.offset + lane - begin;
     const bool there = (row.mask >> lane & 1) != 0 && place >= 0 && place < kPlane * kLayers &&
-                       room.entry[place] >= 0;
+                       work.entry[place] >= 0;
     double field[kFields] = {};
     if (there) set_fields(voxels, row, r, lane, field);
-    for (int k = 0; k < kFields; ++k) room.field[k][slot] = field[k];
-    room.place[slot] = there ? place : -1;
+    for (int k = 0; k < kFields; ++k) work.field[k][slot] = field[k];
+    work.place[slot] = there ? place : -1;
     found |= there;
   }
   return __syncthreads_or(found);
@@ -217,9 +217,9 @@ __device__ inline void add_square(int i, double weight, const double a[kGroups],
 }
 
 /// Adds a voxel's products across components; `twisting` is 1 with the torsion term, else 0.
-__device__ inline void add_across(const VoxelModes& v, const Room& room, int slot, double twisting,
-                                  WarpSums& sum) {
-  const double mu = room.field[kMu][slot], lambda = room.field[kLambda][slot];
+__device__ inline void add_across(const VoxelModes& v, const Scratch& work, int slot,
+                                  double twisting, WarpSums& sum) {
+  const double mu = work.field[kMu][slot], lambda = work.field[kLambda][slot];
   const double torsion = twisting * mu * (1.0 / 3);
 #pragma unroll
   for (int i = 0; i < 3; ++i)
@@ -232,57 +232,57 @@ __device__ inline void add_across(const VoxelModes& v, const Room& room, int slo
 }
 
 /// Adds a voxel's products within components.
-__device__ inline void add_within(const VoxelModes& v, const Room& room, int slot, double twisting,
-                                  WarpSums& sum) {
-  const double mu = room.field[kMu][slot], both = mu + room.field[kLambda][slot];
+__device__ inline void add_within(const VoxelModes& v, const Scratch& work, int slot,
+                                  double twisting, WarpSums& sum) {
+  const double mu = work.field[kMu][slot], both = mu + work.field[kLambda][slot];
 #pragma unroll
   for (int i = 0; i < 3; ++i) {
-    const double variance = room.field[kVariance + next(i)][slot];
+    const double variance = work.field[kVariance + next(i)][slot];
     add_square(i, both, v.d[i], sum);
     add_square(kE, mu, v.d[i], sum);
     add_square(i, twisting * (mu * (2.0 / 3) - variance), v.q[next(i)], sum);
     add_square(kE, variance, v.q[next(i)], sum);
   }
-  add_square(kE, room.field[kVariance + 3][slot], v.q[3], sum);
+  add_square(kE, work.field[kVariance + 3][slot], v.q[3], sum);
 }
 
 /// Adds the voxels in shared memory that belong to a warp's stream.
-__device__ inline void add_voxels(const Room& room, double twisting, bool across, int stream,
+__device__ inline void add_voxels(const Scratch& work, double twisting, bool across, int stream,
                                   WarpSums& sum) {
   const int thread = int(threadIdx.x) % kWarp;
 #pragma unroll 1
   for (int four = 0; four < kSlots / kStreams; four += kFour) {
     const int row = four / kLanes * kStreams + stream;
     const int slot = row * kLanes + four % kLanes + thread % kFour;
-    const int place = room.place[slot];
+    const int place = work.place[slot];
     if (!__any_sync(~0u, place >= 0)) continue;
     double M[7];
-    for (int p = 1; p < 7; ++p) M[p] = room.field[kMoments + p - 1][slot];
-    const double* corner = room.mode + (place < 0 ? 0 : place) * kModes + thread / kFour;
+    for (int p = 1; p < 7; ++p) M[p] = work.field[kMoments + p - 1][slot];
+    const double* corner = work.mode + (place < 0 ? 0 : place) * kModes + thread / kFour;
     const VoxelModes v = voxel_modes(corner, M);
-    across ? add_across(v, room, slot, twisting, sum) : add_within(v, room, slot, twisting, sum);
+    across ? add_across(v, work, slot, twisting, sum) : add_within(v, work, slot, twisting, sum);
   }
 }
 
 /// Adds the inertia of the piece's nodes to E, kSlots entries at a time.
 template <class T>
-__device__ void add_inertia(const PieceOnDevice<T>& piece, const double* inertia, Room& room,
+__device__ void add_inertia(const PieceOnDevice<T>& piece, const double* inertia, Scratch& work,
                             bool across, int stream, WarpSums& sum) {
   const int thread = int(threadIdx.x) % kWarp;
   for (int64_t first = piece.first + int64_t(blockIdx.x) * kSlots; first < piece.end;
        first += int64_t(kBlocks) * kSlots) {
     for (int k = int(threadIdx.x); k < kEntries; k += kThreads) {
       const bool there = k < kSlots && first + k < piece.end;
-      room.entry[k] = there ? int32_t(first + k) : -1;
-      if (k < kSlots) room.field[kMu][k] = there ? inertia[piece.modes.nodes[first + k]] : 0;
+      work.entry[k] = there ? int32_t(first + k) : -1;
+      if (k < kSlots) work.field[kMu][k] = there ? inertia[piece.modes.nodes[first + k]] : 0;
     }
     __syncthreads();
-    read_modes(piece.modes.modes, room);
+    read_modes(piece.modes.modes, work);
     __syncthreads();
 #pragma unroll 1
     for (int four = stream * kFour; four < kSlots && !across; four += kStreams * kFour) {
-      const double weight = room.field[kMu][four + thread % kFour];
-      const double* mode = room.mode + (four + thread % kFour) * kModes + thread / kFour;
+      const double weight = work.field[kMu][four + thread % kFour];
+      const double* mode = work.mode + (four + thread % kFour) * kModes + thread / kFour;
       double b[kGroups];
       for (int g = 0; g < kGroups; ++g) b[g] = mode[g * kSide];
       add_square(kE, weight, b, sum);
@@ -292,17 +292,17 @@ __device__ void add_inertia(const PieceOnDevice<T>& piece, const double* inertia
 }
 
 /// Stores the sums of a block, adding those of the streams in order.
-__device__ inline void store_sums(const WarpSums& sum, bool across, int stream, Room& room,
+__device__ inline void store_sums(const WarpSums& sum, bool across, int stream, Scratch& work,
                                   double* partial) {
   const int thread = int(threadIdx.x) % kWarp, count = across ? kAcross : kWithin;
-  double* mine = room.mode + stream * kNumbers + (across ? 0 : kAcross * kSide * kSide);
+  double* mine = work.mode + stream * kNumbers + (across ? 0 : kAcross * kSide * kSide);
 #pragma unroll
   for (int k = 0; k < kMost; ++k)
     for (int i = 0; i < 2 && k < count; ++i) mine[k * kSide * kSide + 2 * thread + i] = sum[k][i];
   __syncthreads();
   for (int k = int(threadIdx.x); k < kNumbers; k += kThreads) {
     double total = 0;
-    for (int s = 0; s < kStreams; ++s) total += room.mode[s * kNumbers + k];
+    for (int s = 0; s < kStreams; ++s) total += work.mode[s * kNumbers + k];
     partial[int64_t(blockIdx.x) * kNumbers + k] = total;
   }
 }
@@ -317,7 +317,7 @@ __global__ void __launch_bounds__(kThreads, 2)
     rest_kernel(RowsView g, VoxelTables<double> voxels, const double* inertia,
                 PieceOnDevice<T> piece, double* partial) {
   extern __shared__ __align__(16) unsigned char bytes[];
-  Room& room = *reinterpret_cast<Room*>(bytes);
+  Scratch& work = *reinterpret_cast<Scratch*>(bytes);
   const int stream = int(threadIdx.x) / kWarp % kStreams;
   const bool across = threadIdx.x < kThreads / 2;
   const double twisting = voxels.hourglass == Hourglass::kFull ? 1 : 0;
@@ -327,18 +327,18 @@ __global__ void __launch_bounds__(kThreads, 2)
   for (int64_t slab = blockIdx.x; slab < g.bricks * kSlabs; slab += kBlocks) {
     const int64_t brick = slab / kSlabs;
     const int begin = int(slab % kSlabs) * kLayers * kPlane;
-    if (!find_entries(g, piece, brick, begin, room)) continue;
-    read_modes(piece.modes.modes, room);
+    if (!find_entries(g, piece, brick, begin, work)) continue;
+    read_modes(piece.modes.modes, work);
     const int32_t row_end = g.row_begin[brick + 1];
     for (int32_t row = g.row_begin[brick]; row < row_end; row += kRows) {
-      if (!read_voxels(g, voxels, row, row_end, begin, room)) continue;
-      add_voxels(room, twisting, across, stream, sum);
+      if (!read_voxels(g, voxels, row, row_end, begin, work)) continue;
+      add_voxels(work, twisting, across, stream, sum);
       __syncthreads();
     }
   }
   // inertia, then the block's sums
-  add_inertia(piece, inertia, room, across, stream, sum);
-  store_sums(sum, across, stream, room, partial);
+  add_inertia(piece, inertia, work, across, stream, sum);
+  store_sums(sum, across, stream, work, partial);
 }
 
 /// A_r from the sums of all blocks.
@@ -378,9 +378,9 @@ std::vector<double> reduced_rest_operator(DevicePotential& potential, const Devi
   DeviceArray<double> partial(int64_t(kBlocks) * kNumbers), total(kNumbers);
   double *const from = partial.data(), *const to = total.data();
   check(cudaFuncSetAttribute(rest_kernel<T>, cudaFuncAttributeMaxDynamicSharedMemorySize,
-                             int(sizeof(Room))));
-  launch(rest_kernel<T>, kBlocks, kThreads, sizeof(Room), impl.rows.view(), impl.voxels<double>(),
-         impl.inertia.data(), PieceOnDevice<T>{modes, first, end}, from);
+                             int(sizeof(Scratch))));
+  launch(rest_kernel<T>, kBlocks, kThreads, sizeof(Scratch), impl.rows.view(),
+         impl.voxels<double>(), impl.inertia.data(), PieceOnDevice<T>{modes, first, end}, from);
   cuda::for_each(kNumbers, [=] __device__(int64_t k) {
     double sum = 0;
     for (int64_t block = 0; block < kBlocks; ++block) sum += from[block * kNumbers + k];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The elastic operator at rest on the modes of the encoder (network/precondition/encoder_operator.hpp), made by
+// The elastic operator at rest on the modes of the encoder (encoder_operator.hpp), made by
 // the device from the tables of the potential.
 
 #pragma once
@@ -35,7 +35,7 @@ template <class T>
 std::vector<double> reduced_rest_operator(DevicePotential& potential, const DeviceModes<T>& modes,
                                           int32_t first, int32_t end);
 
-/// The modes that a DeviceEncoder makes of pieces (network/precondition/encoder_modes.cuh), piece by piece; for
+/// The modes that a DeviceEncoder makes of pieces (encoder_modes.cuh), piece by piece; for
 /// tests.
 template <class T>
 std::vector<ModeNumber<T>> modes_by_device(DevicePotential& potential,

@@ -87,7 +87,7 @@ static_assert(kWidth <= ReducedTile::kRows);
 /// part of A_r within components, then A_r, and writes the difference with the scale undone.
 __global__ void __launch_bounds__(ReducedTile::kThreads)
     correction_kernel(const double* rest, const double* sums, double* corrections) {
-  __shared__ ReducedTile::Room room;
+  __shared__ ReducedTile::Scratch scratch;
   __shared__ double scale[kWidth];
   const double* from = rest + int64_t(blockIdx.x) * kWidth * kWidth;
   const double* more = sums + int64_t(blockIdx.x) * kProducts;
@@ -104,10 +104,10 @@ __global__ void __launch_bounds__(ReducedTile::kThreads)
     return scale[a] * full(a, b) * scale[b] + (a == b ? 1e-9 : 0);
   };
   ReducedTile known(kWidth, [&](int a, int b) { return a % 3 == b % 3 ? scaled(a, b) : 0; });
-  known.invert(room);
+  known.invert(scratch);
   __syncthreads();
   ReducedTile tile(kWidth, scaled);
-  tile.invert(room);
+  tile.invert(scratch);
   double* to = corrections + int64_t(blockIdx.x) * kWidth * kWidth;
   tile.for_entries(known, [&](int a, int b, double value, double of_known) {
     if (a < kWidth && b < kWidth)

@@ -73,9 +73,9 @@ struct Multigrid<T>::Level {
   void set_diagonal() {
     const size_t size = 3 * size_t(grid.nodes);
     elastic_diagonal.resize(size);
-    BrickScratch<double> room(*grid.rows);
+    BrickScratch<double> scratch(*grid.rows);
     for_each_row(
-        *grid.rows, room, no_sums,
+        *grid.rows, scratch, no_sums,
         [](int64_t, int64_t, double value[3]) { std::fill_n(value, 3, 0.0); },
         [&](int64_t r, const Pack<double>[3][8], Pack<double> f[3][8], NoSums&) {
           corner_diagonal(r, f);

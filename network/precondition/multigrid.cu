@@ -69,9 +69,9 @@ __global__ void __launch_bounds__(stencil::kSlots / kRun,
                                   sizeof(T) == 4 && kRun > kSingleRun ? 2 * kRun : 1)
     pass_kernel(const __grid_constant__ StencilView<T> v, Pass pass, ResultOutput<T> out,
                 bool late) {
-  extern __shared__ __align__(16) unsigned char room[];
+  extern __shared__ __align__(16) unsigned char scratch[];
   if (!late) let_next_start();
-  stencil::run_pass<T, kRun, kAdded>(v, pass, blockIdx.x, reinterpret_cast<T*>(room), out,
+  stencil::run_pass<T, kRun, kAdded>(v, pass, blockIdx.x, reinterpret_cast<T*>(scratch), out,
                                      [] { wait_for_before(); });
 }
 
@@ -95,9 +95,9 @@ __device__ void share(int n, const Body& body) {
 
 template <class T, bool kAdded>
 __device__ void cluster_pass(const StencilView<T>& v, Pass pass, const ResultOutput<T>& out) {
-  extern __shared__ __align__(16) unsigned char room[];
+  extern __shared__ __align__(16) unsigned char scratch[];
   for (int32_t brick = int32_t(blockIdx.x); brick < v.bricks; brick += int32_t(gridDim.x)) {
-    stencil::run_pass<T, kSingleRun, kAdded>(v, pass, brick, reinterpret_cast<T*>(room), out,
+    stencil::run_pass<T, kSingleRun, kAdded>(v, pass, brick, reinterpret_cast<T*>(scratch), out,
                                              [] {});
     __syncthreads();
   }
@@ -140,15 +140,15 @@ __global__ void __launch_bounds__(kClusterThreads)
 
 /// A launch of the cluster kernel by `blocks` blocks.
 struct ClusterLaunch {
-  ClusterLaunch(unsigned blocks, int shared_bytes, const Line& line = {}) {
-    attributes[0] = line.attribute();
+  ClusterLaunch(unsigned blocks, int shared_bytes, const LaunchOptions& options = {}) {
+    attributes[0] = options.attribute();
     attributes[1].id = cudaLaunchAttributeClusterDimension;
     attributes[1].val.clusterDim.x = blocks;
     attributes[1].val.clusterDim.y = attributes[1].val.clusterDim.z = 1;
     config.gridDim = dim3(blocks);
     config.blockDim = dim3(kClusterThreads);
     config.dynamicSmemBytes = size_t(shared_bytes);
-    config.stream = line.stream;
+    config.stream = options.stream;
     config.attrs = attributes;
     config.numAttrs = 2;
   }

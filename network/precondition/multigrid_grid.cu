@@ -26,7 +26,7 @@ class LevelMaker {
       : bricks_(bricks), slots_(kSlots * bricks.brick_count()) {
     made.slot = DeviceArray<int32_t>(bricks.nodes.point_count());
     made.row = DeviceArray<int32_t>(slots_);
-    if (RoomCount::present()) return;
+    if (MemoryCount::present()) return;
     moduli_ = DeviceArray<double>(6 * slots_);
     inertia_ = DeviceArray<double>(slots_);
     pinned_ = DeviceArray<uint8_t>(slots_);
@@ -69,8 +69,8 @@ template <class T>
 void LevelMaker<T>::take_scene(DevicePotential::Impl& potential, const BrickLevel& bricks) {
   border_ = DeviceArray<int32_t>(slots_);
   moments_ = potential.rows.border().data();
-  const DeviceArray<int32_t> home(bricks.home);
-  const int32_t* const brick_at = home.data();
+  const DeviceArray<int32_t> node_brick(bricks.node_brick);
+  const int32_t* const brick_at = node_brick.data();
   const VoxelTables<double> of = potential.voxels<double>();
   const RowsView rows = potential.rows.view();
   const SlotTables to = tables();
@@ -153,10 +153,10 @@ void LevelMaker<T>::average(LevelMaker& finer) {
 /// Calls body(slot, maxima) for all slots, and gives the largest values. Waits for the device.
 template <class Body>
 Maxima largest_of(int64_t slots, const Body& body) {
-  DeviceArray<SumRoom<Maxima>> room(1);
+  DeviceArray<SumScratch<Maxima>> scratch(1);
   PinnedArray<Maxima> result(1);
   Maxima* const to = result.data();
-  ordered_sum(slots, room.data(), body, [=] __device__(const Maxima& found) { *to = found; });
+  ordered_sum(slots, scratch.data(), body, [=] __device__(const Maxima& found) { *to = found; });
   synchronise();
   return result[0];
 }
@@ -251,7 +251,7 @@ template <class T>
 DeviceArray<double> LevelMaker<T>::dense_operators() {
   const int64_t n = made.slot.size(), pitch = dense_pitch(n);
   DeviceArray<double> operators(3 * pitch * pitch);
-  if (RoomCount::present()) return operators;
+  if (MemoryCount::present()) return operators;
   const SlotTables level = tables();
   const int32_t *const slot_of = made.slot.data(), *const row_of = made.row.data();
   const T* const rows = made.rows.data();
@@ -295,7 +295,7 @@ template <class T>
 Hierarchy<T> make_hierarchy(DevicePotential& potential, int hash_bits) {
   const std::vector<BrickLevel>& bricks = potential.impl().levels;
   const uint64_t bits = hash_bits < 64 ? (uint64_t{1} << hash_bits) - 1 : ~uint64_t{0};
-  const bool counts = RoomCount::present() != nullptr;
+  const bool counts = MemoryCount::present() != nullptr;
   Hierarchy<T> result;
   std::unique_ptr<LevelMaker<T>> finer;
   double h = potential.terms().scene().grid.h;

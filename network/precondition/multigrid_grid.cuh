@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The levels of network/precondition/multigrid.hpp as stencils (network/precondition/stencil_bricks.hpp), made on the device
+// The levels of multigrid.hpp as stencils (stencil_bricks.hpp), made on the device
 // from the tables of a potential. Moduli, masses and pins are stored by slot and averaged from
 // level to level; nodes with equal rows share one row. The bricks of each level come from the host.
 
@@ -31,8 +31,8 @@ struct Hierarchy {
 };
 
 /// Levels for the scene and the scheme of a potential. They equal those of Multigrid to rounding,
-/// and every run gives the same bits. While memory is only counted (RoomCount) the count of rows is
-/// estimated and nothing is launched.
+/// and every run gives the same bits. While memory is only counted (MemoryCount) the count of rows
+/// is estimated and nothing is launched.
 /// @param hash_bits  bits of the hash by which rows are told apart first; with few bits, as in
 ///                   tests, number_rows needs more rounds.
 /// @throws Error (resources) if the device has too little memory.

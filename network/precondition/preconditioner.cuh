@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// RNN-2's pass on the device (network/precondition/preconditioner.hpp), B = R (V-cycle + encoder) R^T, in three
+// RNN-2's pass on the device (preconditioner.hpp), B = R (V-cycle + encoder) R^T, in three
 // parts, so that the kernels that make its argument and read its result need no pass of their own.
 
 #pragma once

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A level of network/precondition/stencil_bricks.hpp on the device, and the work of single threads on it: the
+// A level of stencil_bricks.hpp on the device, and the work of single threads on it: the
 // residual of a coarser level and, by a warp, the dense solve of the coarsest.
 //
 // Vectors of a level are (bricks, kSlots, 3). z and other have one brick more, which stands for

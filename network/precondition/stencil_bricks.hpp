@@ -3,7 +3,7 @@
 // (core/bricks/links.hpp), as the device runs them. Nodes that see the same voxels, masses and pins
 // share one row of weights, so a uniform block needs 27 rows.
 //
-// This header has the levels of a grid and the row of a node; network/precondition/multigrid_grid.cu finds the
+// This header has the levels of a grid and the row of a node; multigrid_grid.cu finds the
 // distinct rows of a scene.
 
 #pragma once

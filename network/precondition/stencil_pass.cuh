@@ -107,17 +107,17 @@ __device__ inline void store(const StencilView<T>& v, Pass pass, int64_t brick, 
 /// A pass over one brick by a block of 512 / kRun threads. Shared memory gets the values p of its
 /// nodes and those around them, and r. A thread owns kRun nodes of a column along z and keeps
 /// values and weights in registers while it goes up. Nothing is scattered; sums have a fixed order.
-/// @param room   kSharedBytes<T> of shared memory, aligned to 16.
+/// @param scratch   kSharedBytes<T> of shared memory, aligned to 16.
 /// @param out    z by node for the last pass of the finest level.
 /// @param begin  called before anything is read that kernels write.
 /// @tparam kAdded  the view has an additional stiffness.
 template <class T, int kRun, bool kAdded, class Begin>
-__device__ inline void run_pass(const StencilView<T>& v, Pass pass, int64_t brick, T* room,
+__device__ inline void run_pass(const StencilView<T>& v, Pass pass, int64_t brick, T* scratch,
                                 const ResultOutput<T>& out, const Begin& begin) {
   // all weights are loaded before the values
   constexpr bool kEarlyWeights = kRun == 1 && sizeof(T) == 4 && !kAdded;
   constexpr int kThreads = kSlots / kRun;
-  T *const own = room + kTile, *const old = own + kBrick;
+  T *const own = scratch + kTile, *const old = own + kBrick;
   T* const coarse = pass == Pass::kSecond ? old + kBrick : old;
   const bool prolongs = v.coarse_z != nullptr && (pass == Pass::kFirst || pass == Pass::kSecond);
   const int x = int(threadIdx.x) % 8, y = int(threadIdx.x) / 8 % 8;
@@ -134,7 +134,7 @@ __device__ inline void run_pass(const StencilView<T>& v, Pass pass, int64_t bric
     for (int i = 0; i < 3; ++i)
       if (any != 0) load_weights(v.rows + int64_t(any) * kRow + i * kComponent, weights[i]);
   __syncthreads();
-  load_tile<T, kThreads>(links, from_z ? v.z : v.other, room);
+  load_tile<T, kThreads>(links, from_z ? v.z : v.other, scratch);
   load_brick<T, kThreads>(v.r + brick * kBrick, own);
   if (pass == Pass::kSecond) load_brick<T, kThreads>(v.z + brick * kBrick, old);
   if (prolongs) load_coarse<T, kThreads>(links, v.coarse_z, coarse);
@@ -144,13 +144,13 @@ __device__ inline void run_pass(const StencilView<T>& v, Pass pass, int64_t bric
     __syncthreads();
     if (!prolongs) return;
     if (pass == Pass::kFirst)
-      prolong_tile<T, kThreads>(coarse, room);
+      prolong_tile<T, kThreads>(coarse, scratch);
     else
       prolong_brick<T, kThreads>(coarse, old);
     __syncthreads();
   };
   // r and the result are 0 where there is no free node
-  const T* const at = room + kPitch * (y + 10 * z) + 3 * x + 1;
+  const T* const at = scratch + kPitch * (y + 10 * z) + 3 * x + 1;
   wait();
   if constexpr (kEarlyWeights) {
     for (int i = 0; i < 3; ++i)

@@ -46,14 +46,14 @@ using SmallStiffTile = InverseTile<4>;
 template <class T, class Tile>
 __global__ void __launch_bounds__(Tile::kThreads)
     inverse_kernel(StencilView<T> v, const double* operators, T* inverses) {
-  __shared__ typename Tile::Room room;
+  __shared__ typename Tile::Scratch scratch;
   const int n = v.nodes, component = int(blockIdx.x);
   const int64_t first = int64_t(component) * v.pitch * v.pitch;
   Tile tile(n, [&](int i, int j) {
     const T more = i == j ? v.added[3 * int64_t(v.slot[i]) + component] : T(0);
     return operators[first + i * v.pitch + j] + double(more);
   });
-  tile.invert(room);
+  tile.invert(scratch);
   tile.for_entries([&](int i, int j, double value) {
     if (i < n && j < n) inverses[(int64_t(component) * n + i) * v.pitch + j] = T(value);
   });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Loads and stores of a block of threads for a brick of network/precondition/stencil_bricks.hpp: the values of
+// Loads and stores of a block of threads for a brick of stencil_bricks.hpp: the values of
 // its 8x8x8 nodes and those around them, 10x10x10, into shared memory, rows of weights into
 // registers, and the brick's share of the restricted residual to memory.
 

@@ -30,7 +30,7 @@ class CheaperOf {
   }
 
   /// @param step  from 1 on.
-  void take(int way, int64_t step, double cost) { cost_[way] = cost, step_[way] = step; }
+  void take(int choice, int64_t step, double cost) { cost_[choice] = cost, step_[choice] = step; }
 
  private:
   double enough_, cost_[2] = {0, kFailed / 2};  // what is not known is better than a failure

@@ -105,7 +105,7 @@ class StepOnDevice : public StepWork {
  private:
   int64_t size() const { return x_.size(); }
   bool touches();
-  /// u_now, in the room of a gradient.
+  /// u_now, in the scratch of a gradient.
   const double* now() {
     find_now(gradient_.data());
     return gradient_.data();
@@ -128,8 +128,8 @@ class StepOnDevice : public StepWork {
   DeviceArray<double> x_, v_, x_before_, v_before_;  // the state
   DeviceArray<double> v_next_;                       // of a scene with free pieces, in flight
   DeviceArray<double> gradient_;                     // of the certificate
-  DeviceArray<SumRoom<Largest>> largest_;
-  DeviceArray<SumRoom<Sums<2>>> pair_sums_;
+  DeviceArray<SumScratch<Largest>> largest_;
+  DeviceArray<SumScratch<Sums<2>>> pair_sums_;
   PinnedArray<StepNumbers> numbers_;
   Signal signal_;                         // of numbers_
   std::optional<PinnedChunks> chunks_;    // that arrays of the state go through, if any did

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The free pieces of a scene, which nothing holds, on the device: sums over the nodes of each piece
-// in a fixed order, and its motion as a whole (network/step/predictor.hpp, network/step/free_flight.hpp).
+// in a fixed order, and its motion as a whole (predictor.hpp, free_flight.hpp).
 
 #pragma once
 

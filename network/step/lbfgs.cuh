@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// L-BFGS on the device, by products of its vectors (network/step/lbfgs_products.hpp): the stored pairs,
+// L-BFGS on the device, by products of its vectors (lbfgs_products.hpp): the stored pairs,
 // and the numbers that an iteration finds from them and the gradient.
 
 #pragma once

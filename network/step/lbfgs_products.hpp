@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The two loops of L-BFGS (network/step/lbfgs.hpp) on the products of its vectors alone, so that all
+// The two loops of L-BFGS (lbfgs.hpp) on the products of its vectors alone, so that all
 // pairs are read once before and once after the first matrix B (Byrd, Nocedal, Schnabel 1994):
 //
 //     q = g - sum_k alpha_k y_k,     d = B q + sum_k c_k s_k,

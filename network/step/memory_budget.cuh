@@ -23,7 +23,7 @@ inline int64_t mebibytes(size_t bytes) {
 /// is more, the bytes of its result and those that the result allocates later.
 template <class Recipe>
 size_t bytes_of(const Recipe& recipe) {
-  const RoomCount count;
+  const MemoryCount count;
   const auto counted = recipe.make();
   return std::max(count.most(), count.bytes() + counted->later_bytes());
 }
@@ -32,17 +32,17 @@ size_t bytes_of(const Recipe& recipe) {
 /// @throws Error (resources) that says how many bytes are needed and how many are free.
 template <class Recipe>
 auto within_budget(const Recipe& recipe) {
-  const size_t room = free_bytes();
+  const size_t available = free_bytes();
   try {
     const PinnedUpload upload;
     auto made = recipe.make();
     if (made->later_bytes() <= free_bytes()) return made;
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::kResources) throw;
-    if (bytes_of(recipe) <= room) throw;  // memory was not the reason
+    if (bytes_of(recipe) <= available) throw;  // memory was not the reason
   }
   throw Error(concat("the scene needs ", mebibytes(bytes_of(recipe)),
-                     " MiB of the card's memory, of which ", mebibytes(room),
+                     " MiB of the card's memory, of which ", mebibytes(available),
                      " are free: a coarser grid (--voxels) needs less, and --device cpu none"),
               ErrorKind::kResources);
 }

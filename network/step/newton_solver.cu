@@ -67,8 +67,8 @@ struct DeviceNewton::Impl {
   DeviceArray<double> trial_u, gradient, trial_gradient;
   DeviceArray<float> x, r, z, p, Ap;  // x is the step
   DeviceArray<PcgScalars> pcg;
-  DeviceArray<SumRoom<Sums<1>>> sums;
-  DeviceArray<SumRoom<Sums<2>>> pair_sums;
+  DeviceArray<SumScratch<Sums<1>>> sums;
+  DeviceArray<SumScratch<Sums<2>>> pair_sums;
   PinnedArray<HostNumbers> numbers;
   Signal signal;  // of numbers
   NewtonRegion region;
@@ -265,7 +265,7 @@ IterationResult DeviceNewton::solve(double target, int max_outer, int max_inner,
 
 size_t DeviceNewton::bytes(const DevicePotential& potential) {
   return 3 * size_t(potential.nodes()) * (kDoubles * sizeof(double) + kFloats * sizeof(float)) +
-         sizeof(SumRoom<Sums<1>>) + sizeof(SumRoom<Sums<2>>) + sizeof(PcgScalars) +
+         sizeof(SumScratch<Sums<1>>) + sizeof(SumScratch<Sums<2>>) + sizeof(PcgScalars) +
          potential.tangent_bytes();
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The newton mode (newton_loop.hpp) on the device, on the potential, preconditioner and displacement
-// of a DeviceQuasi. The host decides, on a few numbers an iteration.
+// The newton mode (newton_loop.hpp) on the device, on the potential, preconditioner and
+// displacement of a DeviceQuasi. The host decides, on a few numbers an iteration.
 
 #pragma once
 

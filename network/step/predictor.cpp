@@ -67,9 +67,9 @@ void Predictor::extrapolate(const State& state, const StepScheme& scheme, int or
     if (is_left_alone_[size_t(n)]) return;
     for (int d = 0; d < 3; ++d) {
       const double v_before = order == 1 ? 0 : state.v_before(n, d);
-      const double way =
+      const double motion =
           scene_.pinned(n) ? 0 : extrapolated_motion(scheme, order, state.v(n, d), v_before);
-      u[3 * n + d] = state.x(n, d) - X(n, d) + way;
+      u[3 * n + d] = state.x(n, d) - X(n, d) + motion;
     }
   });
 }

@@ -14,11 +14,11 @@ void StepOnDevice::begin_step(const StepScheme& scheme, double time) {
     const int d = int(k % 3);
     if (d == 0) inertia[n] = m.scheme.a0 * m.mass[n] / (m.scheme.dt * m.scheme.dt);
     const double away = m.x[k] - m.rest[k];
-    const double way = m.pinned[n] ? 0
-                                   : predicted_motion(m.scheme, m.x[k], m.v[k], m.x_before[k],
-                                                      m.v_before[k], m.gravity[d]);
+    const double motion = m.pinned[n] ? 0
+                                      : predicted_motion(m.scheme, m.x[k], m.v[k], m.x_before[k],
+                                                         m.v_before[k], m.gravity[d]);
     now[k] = away;
-    predictor[k] = u[k] = away + way;
+    predictor[k] = u[k] = away + motion;
   });
   has_rotations_ = false;
   potential().freeze_rotations(now);
@@ -32,7 +32,7 @@ void StepOnDevice::find_now(double* to) {
   cuda::for_each(size(), [=] __device__(int64_t k) { to[k] = x[k] - rest[k]; });
 }
 
-/// Until iterations begin that is in the room of a trial; without contact it is u_now.
+/// Until iterations begin that is in the scratch of a trial; without contact it is u_now.
 const Collider* StepOnDevice::clear_start() {
   DeviceContact* contact = potential().contact();
   return contact ? contact->clear_start(now(), quasi_.trial_u(), quasi_.u()) : nullptr;
@@ -73,9 +73,9 @@ void StepOnDevice::extrapolate(int order, double* to) {
   const Motion m = motion();
   const double* u = quasi_.u();
   cuda::for_each(size(), [=] __device__(int64_t k) {
-    const double way =
+    const double motion =
         m.pinned[k / 3] ? 0 : extrapolated_motion(m.scheme, order, m.v[k], m.v_before[k]);
-    to[k] = m.x[k] - m.rest[k] + way;
+    to[k] = m.x[k] - m.rest[k] + motion;
   });
   if (!scene_.colliders.empty()) return;
   pieces_.for_each([=] __device__(int64_t, int64_t n) {

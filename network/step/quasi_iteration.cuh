@@ -49,9 +49,9 @@ struct Iteration {
   Pairs& pairs;
   DeviceArray<T> gradient, trial_gradient;
   DeviceArray<double> coefficients;  // c of lbfgs_products.hpp
-  DeviceArray<SumRoom<Sums<kPairs + 1>>> step_sums;
-  DeviceArray<SumRoom<Sums<kGradientSums>>> gradient_sums;
-  DeviceArray<SumRoom<Sums<kTrialSums>>> trial_sums;
+  DeviceArray<SumScratch<Sums<kPairs + 1>>> step_sums;
+  DeviceArray<SumScratch<Sums<kGradientSums>>> gradient_sums;
+  DeviceArray<SumScratch<Sums<kTrialSums>>> trial_sums;
   PinnedArray<Numbers> numbers;
   Signal signal;  // of numbers
 };

@@ -37,8 +37,9 @@ Iteration<T>& DeviceQuasi::Impl::iteration() {
     return made(precise);
 }
 
-/// QuasiWork of the card: the trial is u + p, and p is halved with the share. A kernel that measures
-/// the trial gives the slope at the start of the step as well, so that nobody waits for it before.
+/// QuasiWork of the card: the trial is u + p, and p is halved with the share. A kernel that
+/// measures the trial gives the slope at the start of the step as well, so that nobody waits for it
+/// before.
 template <class T>
 struct QuasiWorkOfCard {
   using Real = T;
@@ -120,8 +121,8 @@ size_t DeviceQuasi::later_bytes(int64_t nodes) {
   // of pairs and iterations; they are made when they come first
   constexpr size_t kPairBytes = 2 * kPairs * sizeof(PairNumber) + sizeof(float);
   return 3 * size_t(nodes) * (kPairBytes + 2 * sizeof(float) + 2 * sizeof(double)) +
-         2 * (sizeof(SumRoom<Sums<kPairs + 1>>) + sizeof(SumRoom<Sums<kGradientSums>>) +
-              sizeof(SumRoom<Sums<kTrialSums>>));
+         2 * (sizeof(SumScratch<Sums<kPairs + 1>>) + sizeof(SumScratch<Sums<kGradientSums>>) +
+              sizeof(SumScratch<Sums<kTrialSums>>));
 }
 
 DevicePotential& DeviceQuasi::potential() {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The quasi mode (quasi_loop.hpp) on the device, with all vectors in its memory. The host decides, on
-// a few numbers an iteration.
+// The quasi mode (quasi_loop.hpp) on the device, with all vectors in its memory. The host decides,
+// on a few numbers an iteration.
 
 #pragma once
 

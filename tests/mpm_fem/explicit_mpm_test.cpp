@@ -183,7 +183,7 @@ MpmScene mixed_scene(int dimension, Transfer kind) {
   MpmScene s;
   s.dimension = dimension, s.h = kEdge, s.dt = 2e-3;
   s.gravity = {1, -10, 0};
-  s.walls.push_back({half_space({0, 1, 0}, 0, 0), true});
+  s.obstacles.push_back({half_space({0, 1, 0}, 0, 0), true});
   s.transfer.kind = kind;
   Solid solid;
   solid.elastic = {"test", Law::kHencky, 1e5, 0.3, 1000};

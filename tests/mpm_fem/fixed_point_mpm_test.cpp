@@ -36,9 +36,9 @@ struct FrozenState {
   Particles particles = random_particles<d>(d == 2 ? 400 : 1500, 21);
   MpmPotential<d> potential;
   Vector y, r;
-  std::vector<uint8_t> is_at_wall;  // of each node
+  std::vector<uint8_t> is_at_obstacle;  // of each node
 
-  FrozenState(const Solid& of, bool drag) : potential(with_walls(scene, of)) {
+  FrozenState(const Solid& of, bool drag) : potential(with_obstacles(scene, of)) {
     potential.begin(particles, 0, 5e-3);
     y.resize(size_t(potential.unknowns())), r.resize(y.size());
     potential.predict(y.data());
@@ -46,14 +46,14 @@ struct FrozenState {
     potential.freeze(y.data(), drag);
     const ParticleGrid<d>& grid = potential.grid();
     for (int64_t i = 0; i < grid.nodes(); ++i)
-      is_at_wall.push_back(grid.place(i)[0] <= -3 || grid.place(i)[1] <= -3);
+      is_at_obstacle.push_back(grid.place(i)[0] <= -3 || grid.place(i)[1] <= -3);
   }
 
-  static const MpmScene& with_walls(MpmScene& s, const Solid& of) {
+  static const MpmScene& with_obstacles(MpmScene& s, const Solid& of) {
     s.solids = {of};
     s.gravity = {2, -10, 0};
-    s.walls.push_back({half_space({0, 1, 0}, -0.35, 0.2), false});
-    s.walls.push_back({half_space({1, 0, 0}, -0.35, 0.2), true});
+    s.obstacles.push_back({half_space({0, 1, 0}, -0.35, 0.2), false});
+    s.obstacles.push_back({half_space({1, 0, 0}, -0.35, 0.2), true});
     return s;
   }
   Vector gradient(const Vector& at) {
@@ -119,7 +119,7 @@ TEST(MpmPotential, GradientWhereItWasFrozenIsTheTrueResidual) {
     EXPECT_GT(norm(g.data(), int64_t(g.size())), 0.5 * size);
     double off = 0;
     for (size_t k = 0; k < g.size(); ++k)
-      if (!state.is_at_wall[k / 3]) off = std::max(off, std::abs(g[k] - state.r[k]));
+      if (!state.is_at_obstacle[k / 3]) off = std::max(off, std::abs(g[k] - state.r[k]));
     EXPECT_LT(off, 1e-11 * size);
   }
 }
@@ -170,7 +170,7 @@ TEST(FixedPointMpm, ACubeOfSandStepsAsByNewtonsMethod) {
   scene.solids = {sand(1e5)};
   scene.gravity = {0, -10, 0};
   scene.dt = 4e-3;
-  scene.walls.push_back({half_space({0, 1, 0}, -0.5, 0.3), false});
+  scene.obstacles.push_back({half_space({0, 1, 0}, -0.5, 0.3), false});
   Particles start = random_particles<3>(1000, 23);
   start.v.fill(0), start.C.fill(0);
   ImplicitMpm<3> newton(scene, {.tolerance = 1e-6});

@@ -70,7 +70,7 @@ void check_order(const Refinement& of) {
 /// A bar held at one end bends under its weight: far more slowly than waves cross a cell.
 TEST(MpmRefinement, ImplicitSubstepsOfAnElasticBarAreFirstOrder) {
   MpmScene scene = column_scene(particle_solid(2e7, 1000), 1);
-  scene.walls = {{half_space({1, 0, 0}, 0, 0), true}};
+  scene.obstacles = {{half_space({1, 0, 0}, 0, 0), true}};
   Particles bar = column(40, 2);
   for (int64_t k = 0; k < bar.count(); ++k) bar.x(k, 0) += 10 * kH;
   check_order({scene, bar, 6});

@@ -194,8 +194,8 @@ void check_jacobian() {
   MpmScene s = particle_scene(d);
   s.solids[0].yield = SandYield{.friction = 0.5, .keeps_volume = false};
   s.gravity = {2, -10, 0};
-  s.walls.push_back({half_space({0, 1, 0}, -0.35, 0.2), false});
-  s.walls.push_back({half_space({1, 0, 0}, -0.35, 0.2), true});
+  s.obstacles.push_back({half_space({0, 1, 0}, -0.35, 0.2), false});
+  s.obstacles.push_back({half_space({1, 0, 0}, -0.35, 0.2), true});
   const Particles p = random_particles<d>(d == 2 ? 400 : 1500, 14);
   MpmEquations<d> equations(s);
   equations.begin(p, 0, 5e-3);
@@ -317,7 +317,7 @@ TEST(Mpm, SlidesOnAnInclineByCoulombsLaw) {
     s.solids[0] = particle_solid(1e8, 1000);  // so stiff that it hardly oscillates
     const double angle = std::atan(0.5), g = 10;
     s.gravity = {g * std::sin(angle), -g * std::cos(angle), 0};
-    s.walls.push_back({half_space({0, 1, 0}, 0, friction), false});
+    s.obstacles.push_back({half_space({0, 1, 0}, 0, friction), false});
     Array<double> x(10 * 40, 3);
     for (int64_t k = 0; k < x.rows(); ++k)
       x(k, 0) = 0.025 + 0.05 * double(k % 40), x(k, 1) = 0.025 + 0.05 * double(k / 40);

@@ -109,7 +109,8 @@ TEST(PartedFem, WhatNeverConvergesIsADraftOfSixteenParts) {
 }
 
 TEST(PartedFem, CollidersAreWhereTheyAreAtTheEndsOfTheParts) {
-  // a plate that goes 2.5 edges in the step: three parts, and the contact of each from its own start
+  // a plate that goes 2.5 edges in the step: three parts, and the contact of each from its own
+  // start
   FemScene scene = torn_block(1e-2);
   scene.mesh = test::block(Element::kTet4, 1, 1, 1, 0.1);
   scene.fixed = Array<uint8_t>(scene.mesh.rest.rows(), 3);

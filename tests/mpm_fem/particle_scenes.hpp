@@ -63,7 +63,7 @@ inline MpmScene column_scene(const Solid& solid, double dt, double friction = -1
   s.solids = {solid};
   s.dt = dt;
   s.gravity = {0, -10, 0};
-  s.walls.push_back({half_space({0, 1, 0}, 0, std::fmax(friction, 0)), friction < 0});
+  s.obstacles.push_back({half_space({0, 1, 0}, 0, std::fmax(friction, 0)), friction < 0});
   return s;
 }
 

@@ -51,7 +51,8 @@ Sheared advanced(const Sheared& s, const Sheared& rate, double step) {
   return {s.b + step * rate.b, s.flow + step * rate.flow};
 }
 
-/// tau_12 at the end, by steps of the classical method of Runge and Kutta from the shear of yield on.
+/// tau_12 at the end, by steps of the classical method of Runge and Kutta from the shear of yield
+/// on.
 double stress_of_equations(const VonMises<double, 3>& law) {
   Sheared s;
   // up to yield the point is elastic: gamma where 2 mu |dev ln b|/2 is the radius

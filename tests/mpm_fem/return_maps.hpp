@@ -11,8 +11,8 @@
 
 namespace elastogen::test {
 
-/// E = 1 Pa, nu = 0.3; metal that yields at 0.02 Pa, sand with cohesion, snow with tips at strains of
-/// about 0.03.
+/// E = 1 Pa, nu = 0.3; metal that yields at 0.02 Pa, sand with cohesion, snow with tips at strains
+/// of about 0.03.
 inline Material plastic_solid() {
   Material m;
   m.young = 1, m.poisson = 0.3;

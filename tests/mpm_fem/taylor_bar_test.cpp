@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Taylor's bar of copper: a cylinder that hits a rigid smooth wall at 227 m/s. Published results
-// of codes 80 microseconds later: 21.4 to 21.5 mm long, its foot 7.0 to 7.1 mm in radius
-// (E 117 GPa, nu 0.35, yield 400 MPa, H 100 MPa, rho 8930 kg/m^3).
+// Taylor's bar of copper: a cylinder that hits a rigid smooth wall at 227 m/s. Published
+// results of codes 80 microseconds later: 21.4 to 21.5 mm long, its foot 7.0 to 7.1 mm in radius (E
+// 117 GPa, nu 0.35, yield 400 MPa, H 100 MPa, rho 8930 kg/m^3).
 
 #include "mpm_fem/integrators/explicit_fem.hpp"
 #include "mpm_fem/integrators/parted_fem.hpp"

@@ -50,7 +50,7 @@ TEST(BrickLinks, NeighboursAreEachOthers) {
 TEST(BrickLinks, VoxelsAreAtHomeInTheBrickOfTheirPlace) {
   for (const BrickLevel& level : bar())
     for (int64_t b = 0; b < level.voxels.brick_count(); ++b)
-      EXPECT_EQ(level.nodes.first_place(level.home[size_t(b)]), level.voxels.first_place(b));
+      EXPECT_EQ(level.nodes.first_place(level.node_brick[size_t(b)]), level.voxels.first_place(b));
 }
 
 TEST(BrickLinks, TakeNoLevels) {

@@ -185,9 +185,9 @@ TEST(Colliders, TwoPlanesThatCloseSqueezeASheetBetweenThem) {
 
 TEST(Colliders, ACarriedStartKeepsTheDistanceOfEveryPoint) {
   const double h = 0.05;
-  Collider lift = half_space({0, 1, 0}, 0, 0.5), wall = half_space({1, 0, 0}, 0, 0.5);
+  Collider lift = half_space({0, 1, 0}, 0, 0.5), obstacle = half_space({1, 0, 0}, 0, 0.5);
   lift.path = {{0, {}}, {1.0 / 60, {0, 0.3 * h, 0}}};
-  const Scene scene = box_scene(3, 6, 3, h, {0, 0, 0}, solid(1e6, 0.3), {wall, lift}, 0);
+  const Scene scene = box_scene(3, 6, 3, h, {0, 0, 0}, solid(1e6, 0.3), {obstacle, lift}, 0);
   Contact contact(scene);
   std::vector<double> u(3 * size_t(scene.grid.node_count()));
   contact.begin_step(u.data());

@@ -331,9 +331,9 @@ TEST_F(ContactOnCard, AFreeBodyFliesAsItsMassDoesOnceItHasLeft) {
 
 TEST_F(ContactOnCard, ACarriedStartIsThatOfTheHost) {
   const double h = 0.05;
-  Collider lift = half_space({0, 1, 0}, 0, 0.5), wall = half_space({1, 0, 0}, 0, 0.5);
+  Collider lift = half_space({0, 1, 0}, 0, 0.5), obstacle = half_space({1, 0, 0}, 0, 0.5);
   lift.path = {{0, {}}, {1.0 / 60, {0, 0.3 * h, 0}}};
-  const Scene scene = box_scene(3, 6, 3, h, {0, 0, 0}, solid(1e6, 0.3), {wall, lift});
+  const Scene scene = box_scene(3, 6, 3, h, {0, 0, 0}, solid(1e6, 0.3), {obstacle, lift});
   IncrementalPotential potential(scene);
   cuda::DevicePotential device(potential);
   Contact& host = potential.contact();

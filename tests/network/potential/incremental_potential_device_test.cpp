@@ -6,7 +6,7 @@
 
 #include "core/error.hpp"
 #include "network/solver.hpp"
-#include "tests/network/device_room.hpp"
+#include "tests/network/device_memory.hpp"
 #include "tests/network/device_support.hpp"
 #include "tests/network/potential/device_potential_support.hpp"
 #include "tests/support/laws.hpp"
@@ -233,7 +233,7 @@ TEST_F(OnCard, AutoGoesOnWithoutItWhereThereIsNoRoom) {
   const Scene scene = clamped_beam(48, 24, 24, kH, solid(1e5, 0.3));
   SolverOptions options;
   {
-    const AllRoom taken;
+    const AllMemory taken;
     options.device = Device::kCuda;
     try {
       Solver(scene, options);
@@ -256,13 +256,13 @@ size_t free_on_card() {
 }
 
 /// The message of a card that is full, against the memory that a step takes of an empty one.
-void expect_room_asked_for(const Scene& scene, const LearnedLaws& nets = {}) {
+void expect_memory_asked_for(const Scene& scene, const LearnedLaws& nets = {}) {
   SolverOptions options;
   options.learned = nets;
   options.device = Device::kCuda;
   double asked = 0;
   {
-    const AllRoom taken;
+    const AllMemory taken;
     try {
       Solver(scene, options);
     } catch (const Error& error) {
@@ -280,11 +280,11 @@ void expect_room_asked_for(const Scene& scene, const LearnedLaws& nets = {}) {
 
 TEST_F(OnCard, TheRoomThatIsAskedForIsWhatIsTaken) {
   Scene scene = clamped_beam(96, 48, 48, kH, solid(1e5, 0.3));
-  expect_room_asked_for(scene);
-  expect_room_asked_for(scene, {shipped_net(Law::kNeoHookean, 0.3, Evaluation::kNet)});
+  expect_memory_asked_for(scene);
+  expect_memory_asked_for(scene, {shipped_net(Law::kNeoHookean, 0.3, Evaluation::kNet)});
   scene.colliders = {half_space({0, 1, 0}, 0, 0.5)};
   scene.surface = face_points(scene.grid);
-  expect_room_asked_for(scene);
+  expect_memory_asked_for(scene);
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs on the device against those on the CPU. Nothing is here in builds without CUDA; skipped where
-// there is no device.
+// Runs on the device against those on the CPU. Nothing is here in builds without CUDA; skipped
+// where there is no device.
 
 #ifdef ELASTOGEN_CUDA
 

@@ -10,7 +10,7 @@
 #include <future>
 
 #ifdef ELASTOGEN_CUDA
-#include "tests/network/device_room.hpp"
+#include "tests/network/device_memory.hpp"
 #endif
 
 namespace elastogen::test {
@@ -206,7 +206,7 @@ TEST_F(OnCard, FramesAreMadeOnTheHostWhereTheCardHasNoRoom) {
   CarryingClip clip(scene, Device::kCuda, false, 1);
   const Embedding many = embed(scene.grid, points_around(scene, 100000));
   {
-    const AllRoom taken;
+    const AllMemory taken;
     clip.solver.carry(many, true);
   }
   clip.solver.advance();

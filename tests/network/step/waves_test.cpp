@@ -136,7 +136,7 @@ TEST(Waves, AClampedBeamVibratesAtTheFrequenciesOfTimoshenko) {
 }
 
 TEST(Waves, ABarThatHitsAWallReturnsAfterTwoLengths) {
-  // E4: contact for 2 L/c, wall stress rho c v0, rebound at -v0; the bar is linear (corotated,
+  // E4: contact for 2 L/c, obstacle stress rho c v0, rebound at -v0; the bar is linear (corotated,
   // nu = 0), c = 1, v0 = 0.1 c; the layer of the contact is h/4 deep and yields
   constexpr int kCells = 80;
   constexpr double kSpeed = 0.1, kStep = 0.2, kArea = 4;
@@ -162,7 +162,7 @@ TEST(Waves, ABarThatHitsAWallReturnsAfterTwoLengths) {
   }
   for (int64_t n = 0; n < scene.grid.node_count(); ++n)
     speed += scene.mass(n) * state.v(n, 1) / (kCells * kArea);
-  printf("impact: contact %.3f of 2 L/c, wall stress %.4f of rho c v0, rebound %.4f of v0\n",
+  printf("impact: contact %.3f of 2 L/c, obstacle stress %.4f of rho c v0, rebound %.4f of v0\n",
          (end - begin) / (2 * kCells), push / held / (kSpeed * kArea), speed / kSpeed);
   EXPECT_NEAR((end - begin) / (2 * kCells), 1, 0.02);
   EXPECT_NEAR(push / held / (kSpeed * kArea), 1, 0.02);

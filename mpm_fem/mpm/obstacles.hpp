@@ -13,24 +13,25 @@
 
 namespace elastogen::mpm {
 
-struct Wall {
+struct Obstacle {
   Collider collider;
   bool sticky = false;  ///< nodes that touch it move with it and do not come off
 };
 
 /// Contact of a node with one collider.
-struct NodeWall {
+struct NodeObstacle {
   Vec3 normal = {};
   Vec3 motion = {};  ///< of the collider in the step [m]
   double friction = 0;
   bool sticky = false;
 };
 
-class WallContact {
+class ObstacleContact {
  public:
   /// Finds the nodes inside colliders, where these are at the end of a step.
   template <int d>
-  void begin(const ParticleGrid<d>& grid, const std::vector<Wall>& walls, double time, double dt);
+  void begin(const ParticleGrid<d>& grid, const std::vector<Obstacle>& obstacles, double time,
+             double dt);
 
   int64_t count() const { return int64_t(node_.size()); }
   int64_t node(int64_t k) const { return node_[size_t(k)]; }
@@ -46,8 +47,8 @@ class WallContact {
 
  private:
   std::vector<int32_t> node_;
-  std::vector<int32_t> first_;  // first contact of each node in wall_, (count + 1)
-  std::vector<NodeWall> wall_;
+  std::vector<int32_t> first_;  // first contact of each node in obstacle_, (count + 1)
+  std::vector<NodeObstacle> obstacle_;
 };
 
 }  // namespace elastogen::mpm

@@ -10,9 +10,9 @@
 namespace elastogen::test {
 
 /// Occupies all free memory of the card.
-class AllRoom {
+class AllMemory {
  public:
-  AllRoom() {
+  AllMemory() {
     size_t free = 0, total = 0;
     cudaMemGetInfo(&free, &total);
     for (size_t size = free; size >= (1 << 20);) {
@@ -23,7 +23,7 @@ class AllRoom {
         size /= 2, cudaGetLastError();
     }
   }
-  ~AllRoom() {
+  ~AllMemory() {
     for (void* block : blocks_) cudaFree(block);
   }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mpm_fem/mpm/walls.hpp"
+#include "mpm_fem/mpm/obstacles.hpp"
 
 #include "core/parallel.hpp"
 
@@ -14,90 +14,92 @@ constexpr double kOn = 1e-9;
 enum class Touch { kNone, kSlides, kSticks };
 
 /// Removes the motion into a collider from m, and friction; D is the derivative of the result.
-Touch apply(const NodeWall& wall, Vec3& m, Mat3<double>& D) {
+Touch apply(const NodeObstacle& obstacle, Vec3& m, Mat3<double>& D) {
   D = {};
-  if (wall.sticky) {
-    m = wall.motion;
+  if (obstacle.sticky) {
+    m = obstacle.motion;
     return Touch::kSticks;
   }
   // motion into the collider, and along it
-  const Vec3 relative = minus(m, wall.motion);
-  const double into = -dot(relative, wall.normal);
+  const Vec3 relative = minus(m, obstacle.motion);
+  const double into = -dot(relative, obstacle.normal);
   if (into <= 0) {
     D = identity<double>();
     return Touch::kNone;
   }
   Vec3 along;
-  for (size_t a = 0; a < 3; ++a) along[a] = relative[a] + into * wall.normal[a];
+  for (size_t a = 0; a < 3; ++a) along[a] = relative[a] + into * obstacle.normal[a];
   // friction stops the motion along it, or shortens it
-  const double size = safe_norm(along), limit = wall.friction * into;
-  m = wall.motion;
-  if (size <= limit) return wall.friction > 0 ? Touch::kSticks : Touch::kSlides;
+  const double size = safe_norm(along), limit = obstacle.friction * into;
+  m = obstacle.motion;
+  if (size <= limit) return obstacle.friction > 0 ? Touch::kSticks : Touch::kSlides;
   const double left = 1 - limit / size;
   // the derivative of sliding
-  const Vec3& n = wall.normal;
+  const Vec3& n = obstacle.normal;
   Vec3 t;
   for (size_t a = 0; a < 3; ++a) t[a] = along[a] / size, m[a] += left * along[a];
   for (size_t a = 0; a < 3; ++a)
     for (size_t b = 0; b < 3; ++b)
-      D(int(a), int(b)) =
-          left * ((a == b) - n[a] * n[b] - t[a] * t[b]) + t[a] * t[b] + wall.friction * t[a] * n[b];
+      D(int(a), int(b)) = left * ((a == b) - n[a] * n[b] - t[a] * t[b]) + t[a] * t[b] +
+                          obstacle.friction * t[a] * n[b];
   return Touch::kSlides;
 }
 
 }  // namespace
 
 template <int d>
-void WallContact::begin(const ParticleGrid<d>& grid, const std::vector<Wall>& walls, double time,
-                        double dt) {
+void ObstacleContact::begin(const ParticleGrid<d>& grid, const std::vector<Obstacle>& obstacles,
+                            double time, double dt) {
   const double h = grid.h();
-  const auto distance = [&](const Wall& wall, int64_t i) {
+  const auto distance = [&](const Obstacle& obstacle, int64_t i) {
     const std::array<int32_t, 3>& at = grid.place(i);
-    return proximity(wall.collider, offset_at(wall.collider, time + dt),
+    return proximity(obstacle.collider, offset_at(obstacle.collider, time + dt),
                      {at[0] * h, at[1] * h, at[2] * h});
   };
   // nodes inside a collider at the end of the step
   std::vector<Vec3> motion;
-  for (const Wall& wall : walls)
-    motion.push_back(minus(offset_at(wall.collider, time + dt), offset_at(wall.collider, time)));
+  for (const Obstacle& obstacle : obstacles)
+    motion.push_back(
+        minus(offset_at(obstacle.collider, time + dt), offset_at(obstacle.collider, time)));
   node_ = filtered(grid.nodes(), [&](int64_t i) {
-    for (const Wall& wall : walls)
-      if (distance(wall, i).distance <= kOn * h) return true;
+    for (const Obstacle& obstacle : obstacles)
+      if (distance(obstacle, i).distance <= kOn * h) return true;
     return false;
   });
   // their contacts, node by node
   first_.assign(1, 0);
-  wall_.clear();
+  obstacle_.clear();
   for (const int32_t i : node_) {
-    for (size_t w = 0; w < walls.size(); ++w) {
-      const Proximity near = distance(walls[w], i);
+    for (size_t w = 0; w < obstacles.size(); ++w) {
+      const Proximity near = distance(obstacles[w], i);
       if (near.distance > kOn * h) continue;
-      wall_.push_back({near.normal, motion[w], walls[w].collider.friction, walls[w].sticky});
+      obstacle_.push_back(
+          {near.normal, motion[w], obstacles[w].collider.friction, obstacles[w].sticky});
     }
-    first_.push_back(int32_t(wall_.size()));
+    first_.push_back(int32_t(obstacle_.size()));
   }
 }
 
-Vec3 WallContact::allowed(int64_t k, const Vec3& motion, Mat3<double>* derivative) const {
+Vec3 ObstacleContact::allowed(int64_t k, const Vec3& motion, Mat3<double>* derivative) const {
   Vec3 m = motion;
   Mat3<double> all = identity<double>(), D;
   for (int32_t w = first_[size_t(k)]; w < first_[size_t(k) + 1]; ++w) {
-    apply(wall_[size_t(w)], m, D);
+    apply(obstacle_[size_t(w)], m, D);
     all = D * all;
   }
   if (derivative) *derivative = all;
   return m;
 }
 
-Mat3<double> WallContact::free_part(int64_t k, const Vec3& motion) const {
+Mat3<double> ObstacleContact::free_part(int64_t k, const Vec3& motion) const {
   constexpr double kHeld = 1e-12;  // |Q n|^2 of a normal that is held already
   Vec3 m = motion;
   Mat3<double> Q = identity<double>(), D;
   for (int32_t w = first_[size_t(k)]; w < first_[size_t(k) + 1]; ++w) {
-    const Touch touch = apply(wall_[size_t(w)], m, D);
+    const Touch touch = apply(obstacle_[size_t(w)], m, D);
     if (touch == Touch::kSticks) Q = {};
     if (touch != Touch::kSlides) continue;
-    const Vec3& n = wall_[size_t(w)].normal;
+    const Vec3& n = obstacle_[size_t(w)].normal;
     Vec3 Qn;
     for (int a = 0; a < 3; ++a) Qn[size_t(a)] = Q(a, 0) * n[0] + Q(a, 1) * n[1] + Q(a, 2) * n[2];
     const double square = dot(Qn, Qn);
@@ -108,7 +110,9 @@ Mat3<double> WallContact::free_part(int64_t k, const Vec3& motion) const {
   return Q;
 }
 
-template void WallContact::begin(const ParticleGrid<2>&, const std::vector<Wall>&, double, double);
-template void WallContact::begin(const ParticleGrid<3>&, const std::vector<Wall>&, double, double);
+template void ObstacleContact::begin(const ParticleGrid<2>&, const std::vector<Obstacle>&, double,
+                                     double);
+template void ObstacleContact::begin(const ParticleGrid<3>&, const std::vector<Obstacle>&, double,
+                                     double);
 
 }  // namespace elastogen::mpm
