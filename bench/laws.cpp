@@ -50,7 +50,7 @@ Rows gradients(int64_t rows) {
   return F;
 }
 
-/// Time for a voxel [ns] of what Newton needs: P and the projected Hessian.
+/// Time per voxel [ns] for Newton's quantities: P and the projected Hessian.
 double voxel_time(const Rows& F, const LearnedLaw* net, const LawParameters<float>& law, int runs) {
   std::vector<float> sums(F.size());
   const auto pass = [&] {

@@ -198,7 +198,7 @@ Array<T> array_of(const std::vector<T>& values, int cols) {
   return array;
 }
 
-/// Checks what types and sizes cannot tell.
+/// Checks the values, after types and sizes.
 void check_content(const WeightDataset& data, const std::vector<double>& features,
                    const std::string& place) {
   for (size_t k = 0; k < features.size(); ++k)

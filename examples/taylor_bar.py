@@ -28,7 +28,7 @@ write_rod("rod.obj")
 elastogen("simulate", "rod.obj", "--scene", SCENES / "taylor_bar.toml", "-o", "taylor_bar.ply", "-o",
           "taylor_bar.png")
 rod = vertices("taylor_bar_00008.ply")
-# particles stand a quarter of a cell inside of what they fill
+# the outer particles lie a quarter of a cell inside the body
 top = max(x[1] for x in rod) - min(x[1] for x in rod) + CELL / 2
 foot = max(math.hypot(x[0], x[2]) for x in rod) + CELL / 4
 claim("length over that of other codes", 1e3 * top / 21.45, 0.95, 1.05)

@@ -62,7 +62,8 @@ std::vector<Vec3> area_normals(const Mesh& mesh) {
   return sum;
 }
 
-/// Gives normals the length one. What a file's rounding changes is neither counted nor mended.
+/// Gives normals the length one. Deviations within a file's rounding are neither counted nor
+/// mended.
 void mend_normals(Asset& asset, Mesh& mesh) {
   constexpr double kCounted = 1e-2, kRounding = 1e-6;
   const auto length_of = [](const auto& n) {

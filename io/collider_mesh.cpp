@@ -11,7 +11,7 @@ namespace elastogen {
 namespace {
 
 constexpr int kMeridians = 48, kZones = 24;
-constexpr double kMargin = 1.5;  // edge of a plane's square over the extent of what is seen
+constexpr double kMargin = 1.5;  // edge of a plane's square over the extent of `seen`
 
 ColliderMesh empty_mesh(int64_t vertices, int64_t triangles) {
   return {Array<double>(vertices, 3), Array<double>(vertices, 3), Array<int32_t>(triangles, 3)};

@@ -17,8 +17,8 @@ struct ColliderMesh {
 
 /// The surface of a collider at its place without the offset of its path: a sphere of 48 meridians
 /// and 24 zones, a box with normals of its faces, a plane as a square.
-/// @param seen   what lies about it [m]: the square stands below its middle, and its edges are 1.5
-///               times the longest extent of the box along the plane.
+/// @param seen   box of the bodies around it [m]: the square stands below its middle, and its edges
+///               are 1.5 times the longest extent of the box along the plane.
 /// @throws Error (usage) if `seen` is empty or not finite; as check_collider.
 ColliderMesh collider_mesh(const Collider& collider, const Box& seen);
 

@@ -25,8 +25,8 @@ struct GlbDocument {
 GlbDocument gltf_document(const Asset& asset);
 
 /// A document for an asset from any other format: one mesh for each of the asset's, with its drawn
-/// vertices in order. Positions are float32. Those of a mesh that lies further from the origin than
-/// 100 times its size are relative to its centre, which goes into the node. PNG and JPEG textures
+/// vertices in order. Positions are float32. If a mesh lies further from the origin than 100
+/// times its size, they are relative to its centre, which goes into the node. PNG and JPEG textures
 /// are embedded.
 GlbDocument mesh_document(const Asset& asset);
 

@@ -9,7 +9,7 @@ namespace elastogen {
 
 /// Gives packed primitives plain accessors: 32-bit indices, attributes in the component type that
 /// their accessors state, vertices and triangles in the order of the stream. Primitives with one
-/// stream still share what they shared. The claims of a stream (triangles, vertices, attributes)
+/// stream still share their accessors. The claims of a stream (triangles, vertices, attributes)
 /// are compared with the accessors before the library allocates memory.
 /// @throws Error (asset) naming mesh and primitive.
 void decode_draco(GltfEdit& edit);

@@ -78,7 +78,7 @@ class NormalMender {
       }
       for (int d = 0; d < 3; ++d) rows(v, d) = n[size_t(d)] / length;
     }
-    // count, and store only what rounding cannot explain
+    // faults are counted; normals are stored only if they are off by more than rounding
     say(zero, zero_, zero_place_, place);
     say(counted, long_, long_place_, place);
     const int result = off > 0 ? int(add(rows, place)) : -1;
@@ -119,7 +119,7 @@ class NormalMender {
       const Vec3 n = cross(minus(row_of(x, index[b]), p), minus(row_of(x, index[c]), p));
       for (const size_t k : {a, b, c}) sum[index[k]] = plus(sum[index[k]], n);
     };
-    // every second triangle of a strip runs the other way
+    // every second triangle of a strip has the opposite winding
     const int mode = primitive.mode;
     for (size_t i = 0; i + 2 < index.size(); i += mode == TINYGLTF_MODE_TRIANGLES ? 3 : 1) {
       if (mode == TINYGLTF_MODE_TRIANGLES) add_face(i, i + 1, i + 2);

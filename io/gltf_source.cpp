@@ -155,7 +155,7 @@ void check_extensions(const json& document, const std::string& path) {
   }
 }
 
-/// Whether a buffer only stands in for what EXT_meshopt_compression holds; it may lack bytes.
+/// Whether a buffer only stands in for data of EXT_meshopt_compression; it may lack bytes.
 bool is_fallback(const json& buffer) {
   const json::json_pointer flag("/extensions/EXT_meshopt_compression/fallback");
   return buffer.is_object() && buffer.contains(flag) && buffer[flag] == true;

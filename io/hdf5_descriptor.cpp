@@ -119,7 +119,7 @@ H5FD_class_t driver_class() {
 }  // namespace
 
 Handle create_file(int descriptor, const std::string& path) {
-  // else the library writes at exit what a full disk has refused, and crashes
+  // else the library tries at exit to write data that a full disk has refused, and crashes
   H5dont_atexit();
   // errors are reported as exceptions, not on stderr
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);

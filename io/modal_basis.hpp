@@ -62,9 +62,9 @@ inline constexpr int kMaxSnapshots = 256;
 /// The carrier is the mean with c_t = 1, or, where few modes are needed and that saves a target,
 /// the first mode about the rest pose with its own weight, if that never changes sign.
 ///
-/// The error is measured with targets and weights rounded to float32. Of more than 256 moving
-/// frames 256 evenly spaced ones are the snapshots; the weights fit every frame. Memory does not
-/// grow with frames times vertices. Every run gives the same bits.
+/// The error is measured with targets and weights rounded to float32. The snapshots
+/// are the moving frames, or 256 evenly spaced ones if there are more; the weights fit every frame.
+/// Memory does not grow with frames times vertices. Every run gives the same bits.
 ModalBasis modal_basis(const Motion& motion, const FrameRange& frames, double tolerance,
                        int max_targets);
 

@@ -132,7 +132,7 @@ bool seem_linear(const SplatCloud& raw, bool has_opacity) {
   return std::isfinite(spacing) && std::abs(linear - spacing) < std::abs(logarithmic - spacing);
 }
 
-/// Standard deviations and opacities of what the file has.
+/// Converts the file's sizes and opacities to standard deviations and opacities.
 void convert(SplatCloud& splats, const SplatColumns& c, SplatScales scales, Asset& asset) {
   const int64_t count = int64_t(splats.position.size());
   const bool is_auto = scales == SplatScales::kAuto;
@@ -160,7 +160,7 @@ float first_harmonic(const PlyProperty& property, bool is_rgb, double value) {
 SplatCloud read_plain(const PlyElement& vertex, PlyValues& values, SplatScales scales,
                       Asset& asset) {
   SplatCloud splats;
-  // which columns hold what
+  // the meaning of each column
   splats.degree = degree_of(vertex, asset.path);
   const SplatColumns c = columns_of(vertex, splats.degree, asset);
   for (const size_t k : c.own)

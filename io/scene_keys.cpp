@@ -102,7 +102,7 @@ Keys floor_keys() {
        Q::kLength,
        {},
        {"auto"}},
-      // how it holds what slides on it
+      // contact with the floor
       {"floor",
        "friction",
        T::kNumber,

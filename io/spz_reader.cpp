@@ -24,7 +24,7 @@ int32_t read_int24(ByteReader& reader) {
   return int32_t((high << 16 | low) << 8) >> 8;
 }
 
-/// Version 2: x y z as bytes; w >= 0 is what a unit quaternion has left.
+/// Version 2: x y z as bytes; w >= 0 follows from the length one of the quaternion.
 std::array<float, 4> read_rotation2(ByteReader& reader) {
   std::array<float, 4> q = {};
   float rest = 1;

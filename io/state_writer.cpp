@@ -186,7 +186,7 @@ void write_names(hid_t group, const std::vector<Collider>& colliders) {
   hdf5::check(H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, rows.data()), "name");
 }
 
-/// Writes what does not change of the colliders.
+/// Writes the properties of the colliders that do not change.
 void write_colliders(hid_t group, const std::vector<Collider>& colliders) {
   const auto count = int64_t(colliders.size());
   Array<uint8_t> shape(count);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Surfaces with every vertex and every triangle once, and what their edges tell: closed or open,
-// wound well or badly. The asset check and the voxeliser use it for their decisions.
+// Surfaces with every vertex and every triangle once, and the findings from their edges: closed or
+// open, wound well or badly. The asset check and the voxeliser use it for their decisions.
 
 #pragma once
 
@@ -14,10 +14,10 @@ namespace elastogen {
 inline constexpr double kWeldTolerance = 1e-6;
 
 /// A surface in which vertices closer than the tolerance are one. Triangles with fewer than three
-/// different welded vertices are left out. Of several triangles on the same three vertices the
-/// first one of the winding that prevails stays. If as many run one way as the other (a leaf drawn
-/// from both sides, two solids that touch, a face and its turned copy), one stays or a pair stays,
-/// whichever leaves fewer unbalanced edges in the whole surface.
+/// different welded vertices are left out. If several triangles have the same three vertices,
+/// the first one of the winding that prevails stays. If both windings are equally frequent (a leaf
+/// drawn from both sides, two solids that touch, a face and its turned copy), one stays or a pair
+/// stays, whichever leaves fewer unbalanced edges in the whole surface.
 struct WeldedMesh {
   // filled by weld: vertices and triangles
   std::vector<int32_t> welded_of;  ///< welded vertex of each surface vertex, -1 where none uses it
@@ -45,8 +45,9 @@ struct WeldedMesh {
   bool balanced() const { return triangles.rows() > 0 && unbalanced_edges == 0; }
 };
 
-/// Joins vertices, drops what is no face, counts edges. A vertex joins the nearest earlier one
-/// within the tolerance, so chains of close vertices do not collapse. Repeats to the bit.
+/// Joins vertices, drops degenerate triangles and copies, counts edges. A vertex joins the nearest
+/// earlier one within the tolerance, so chains of close vertices do not collapse. Repeats to the
+/// bit.
 /// @param tolerance  share of the longest edge, see kWeldTolerance.
 WeldedMesh weld(const Surface& surface, double tolerance = kWeldTolerance);
 

@@ -84,7 +84,7 @@ void add_sphere(const BodyShape& s, Mesh& mesh) {
     }
     return entry->second;
   };
-  // each octant is a face of an octahedron; mirrored ones are wound the other way
+  // each octant is a face of an octahedron; mirrored ones have the opposite winding
   for (int octant = 0; octant < 8; ++octant) {
     const int x = octant & 1 ? -1 : 1, y = octant & 2 ? -1 : 1, z = octant & 4 ? -1 : 1;
     const auto at = [&](int i, int j) { return vertex({x * i, y * j, z * (kParts - i - j)}); };

@@ -43,7 +43,7 @@ class StaticStepper : public HostStepper {
 
 StepReport StaticStepper::advance() {
   const Stopwatch watch;
-  // the equilibrium, or the last one found on the way to the full load
+  // the equilibrium, or the last one found under a part of the load
   fem::StaticResult result = fem::solve_static(scene_, {.tolerance = fem_tolerance(setup_, run_)});
   for (int64_t k = 0; k < state_.x.size(); ++k)
     state_.x.data()[k] = scene_.mesh.rest.data()[k] + result.u.data()[k];

@@ -22,7 +22,7 @@ set(may_include_scene core io voxelize network mpm_fem scene)
 set(may_include_examples ${may_include_scene} examples)
 set(may_include_python ${may_include_scene} python)
 
-# libraries: what an include of them looks like, and the files that may have it
+# libraries: the pattern of their includes, and the files that may have them
 set(libraries assimp openvdb json cli11 hdf5 tinygltf draco meshopt eigen tbb toml torch cholmod umfpack spectra images cub)
 set(assimp_include "<assimp/")
 set(assimp_files "^(reader/[^/]+\\.cpp|tests/round_trip\\.cpp)$")

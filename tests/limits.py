@@ -22,7 +22,7 @@ NO_CODE = re.compile(
     r'//[^\n]*|/\*.*?\*/|R"([^\s()\\]{0,16})\(.*?\)\1"|"(?:\\.|[^"\\\n])*"'
     r"|(?<![0-9a-zA-Z_])'(?:\\.|[^'\\\n])+'|^[ \t]*#(?:[^\n]*\\\n)*[^\n]*", re.DOTALL | re.MULTILINE)
 ANGLES = r"<(?:[^<>(){};]|<(?:[^<>(){};]|<[^<>(){};]*>)*>)*>"
-# what may stand before the first word of a declaration
+# words and signs that may precede the first word of a declaration
 BEFORE = re.compile(rf"(?:\s+|template\s*{ANGLES}|requires\s+\w+{ANGLES}|(?:public|private|protected)\s*:"
                     r"|\[\[.*?\]\])*", re.DOTALL)
 ATTRIBUTE = re.compile(r"\b(?:alignas|__launch_bounds__|decltype)\s*\((?:[^()]|\([^()]*\))*\)")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# Installs a build below FOLDER, builds tests/package against it, and runs what came out.
+# Installs a build below FOLDER, builds tests/package against it, and runs the result.
 #   cmake -DBUILD=<build> -DFOLDER=<scratch> -DASSET=<mesh> -DPYTHON=<python with numpy> -P tests/package_test.cmake
 file(REMOVE_RECURSE ${FOLDER})
 

@@ -17,7 +17,7 @@ std::vector<CutBody> cut_parts(const CutBody& whole, const Parts& parts,
 /// @throws Error (resources) if the lattice is too short for them.
 std::vector<int32_t> shifts_apart(const std::vector<CutBody>& bodies);
 
-/// Sets parts, shifts and rest positions of nodes in a grid of bodies that were moved this way.
+/// Sets parts, shifts and rest positions of nodes in a grid of bodies that were moved by `shift`.
 void set_parts(const std::vector<CutBody>& bodies, std::vector<int32_t> shift, VoxelGrid& grid);
 
 /// Part of each triangle of the surface, -1 if none of its vertices has one, (triangles).

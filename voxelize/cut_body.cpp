@@ -182,7 +182,7 @@ CutBody cut_body(const Surface& surface, const VoxelizeOptions& options,
     box.add({welded.vertices(v, 0), welded.vertices(v, 1), welded.vertices(v, 2)});
   body.lattice = lattice ? *lattice : choose_lattice(box, options);
   check_budget(welded, body.lattice.h, options);
-  // triangles on the lattice, solids wound one way, sheets found
+  // triangles on the lattice, solids wound consistently, sheets found
   body.closed = welded.closed();
   body.balanced = welded.balanced();
   body.mesh = make_lattice_mesh(welded, body.lattice);

@@ -13,8 +13,8 @@ namespace {
 
 constexpr double kSnap = 1e-9;  // coordinates as near to a lattice plane are on it [voxel edges]
 
-/// Turns triangles so that each piece is wound one way. Where that is impossible, faces that the
-/// file winds alike stay alike. @return triangles at edges where it is impossible.
+/// Turns triangles so that each piece is wound consistently. Where that is impossible, faces that
+/// the file winds alike stay alike. @return triangles at edges where it is impossible.
 std::vector<int32_t> orient(LatticeMesh& mesh, const Edges& edges) {
   const size_t n = mesh.triangles.size();
   OrientedSets sets(n);
@@ -89,7 +89,7 @@ LatticeMesh make_lattice_mesh(const WeldedMesh& welded, const Lattice& lattice) 
     for (int k = 0; k < 3; ++k) mesh.triangles[t][k] = welded.triangles(t, k);
   mesh.role.assign(mesh.triangles.size(), Role::kSolid);
 
-  // a closed mesh that is wound one way needs no repair
+  // a closed mesh that is wound consistently needs no repair
   if (welded.closed() && welded.turned_edges == 0) return mesh;
   const Edges edges = find_edges(mesh.triangles);
   const std::vector<int32_t> conflicts = orient(mesh, edges);

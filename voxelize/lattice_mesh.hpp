@@ -29,7 +29,7 @@ enum class Role : uint8_t {
   kScrap,  ///< it bounds nothing and is too small for a layer, or lies inside
 };
 
-/// Welded triangles, each piece wound one way.
+/// Welded triangles, each piece wound consistently.
 struct LatticeMesh {
   std::vector<Vec3> vertices;    ///< lattice coordinates
   std::vector<Coord> triangles;  ///< vertices of each

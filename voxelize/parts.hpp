@@ -21,8 +21,8 @@ struct Parts {
 };
 
 /// Triangles that share a vertex belong to one part. So do triangles that meet or come closer than
-/// the weld tolerance, triangles that bound a solid only together, and a solid and what lies within
-/// it (a cavity).
+/// the weld tolerance, triangles that bound a solid only together, and a solid and triangles
+/// within it (a cavity).
 /// @param all  also checks whether parts that share no node lie within each other.
 Parts find_parts(const CutBody& body, bool all);
 

@@ -35,8 +35,8 @@ def make_model(newton, device: str, size: float):  # noqa: ANN001, ANN201
     mass[nodes[:, 0] < 1e-9] = 0  # a node without mass is held
     builder = newton.ModelBuilder(gravity=(0.0, 0.0, -GRAVITY))
     builder.add_particles(nodes.tolist(), np.zeros_like(nodes).tolist(), mass.tolist())
-    # what add_soft_mesh fills in a loop over the tetrahedra, without triangles of the surface: they
-    # carry contact and nothing else
+    # the arrays that add_soft_mesh fills in a loop over the tetrahedra, without triangles of the
+    # surface: they carry contact and nothing else
     lame = YOUNG / (2 * (1 + POISSON)), YOUNG * POISSON / ((1 + POISSON) * (1 - 2 * POISSON))
     builder.tet_indices = tets
     builder.tet_poses = np.linalg.inv(edges).astype(np.float32)

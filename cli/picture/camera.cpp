@@ -7,7 +7,7 @@
 namespace elastogen {
 namespace {
 
-constexpr double kMargin = 1.15;  // size of the picture over that of what it shows
+constexpr double kMargin = 1.15;  // size of the picture over the size of its contents
 // directions towards the viewer in the asset's right, up and front; slightly from above, so that
 // the floor is seen as a surface
 constexpr Vec3 kTowards[] = {{0.6, 0.45, 1}, {0, 0.18, 1}, {0, 0.18, -1}, {-1, 0.18, 0},

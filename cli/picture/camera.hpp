@@ -26,7 +26,7 @@ struct Camera {
 };
 
 /// A camera for a view, without its scale.
-/// @param turned  share of the way around, 0 ... 1, of the turntable.
+/// @param turned  share of a full turn of the turntable, 0 ... 1.
 Camera camera_of(View view, const UpAxis& up, const Vec3& pivot, double turned = 0);
 
 /// A camera that looks down along up, for shadows of a light from there.

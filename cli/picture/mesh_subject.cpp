@@ -198,7 +198,7 @@ Patch MeshSubject::patch_of(int64_t t, double twice_area) const {
   return patch;
 }
 
-/// @tparam solid  draws opaque samples; else those that are blended with what is behind them.
+/// @tparam solid  draws opaque samples; else those that are blended with the samples behind them.
 template <bool solid>
 void MeshSubject::draw_triangle(int64_t t, Canvas& canvas) const {
   const Vec3 p = corner(t, 0), q = corner(t, 1), r = corner(t, 2);

@@ -63,7 +63,7 @@ class Joining {
 
   void join(const Edge& a, const Edge& b) {
     if (a.turned == b.turned || !is_smooth(a, b)) return;
-    // the triangles run opposite ways: where a begins, b ends
+    // the triangles use the edge in opposite directions: where a begins, b ends
     unite(a.corner, next_corner(b.corner));
     unite(next_corner(a.corner), b.corner);
   }

@@ -69,7 +69,7 @@ const char* name_of_type(int64_t type) {
   }
 }
 
-/// Numbers of things in a file and what belongs to them, ascending.
+/// Values by their number in a file (of a node or an entity), in ascending order.
 template <class T>
 class Numbering {
  public:
@@ -158,7 +158,7 @@ class MshParser {
     order_ = other_order();
   }
 
-  /// If the file is binary, what follows the end of this line is.
+  /// Switches to binary data behind the end of this line, if the file is binary.
   void begin_data() {
     if (!is_binary_) return;
     source_.line();

@@ -103,7 +103,7 @@ class VtkParser {
     return true;
   }
 
-  /// If the file is binary, what follows the end of this line is.
+  /// Switches to binary data behind the end of this line, if the file is binary.
   void begin_data() {
     if (!is_binary_) return;
     source_.line();

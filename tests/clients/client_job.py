@@ -27,7 +27,7 @@ class Job:
 
     glb: str  # animated GLB
     pc2: str  # point cache of the same run
-    source: str  # what was animated
+    source: str  # the asset that was animated
     fps: int
     frames: list[int]  # to be compared
     baked: dict[str, str]  # by frame: a GLB without animation in the pose of that frame

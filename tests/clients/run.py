@@ -30,7 +30,7 @@ from inputs import INPUTS, PROFILES, Input, animate  # noqa: E402
 
 TOLERANCE = 1e-3  # of positions, as a share of the longest edge
 SHADING = 5.0  # of pictures: the difference in 0..255 that 99 % of the pixels do not exceed
-OUTLINE = 5e-3  # share of pixels: half a pixel around a body, which is what the tolerance is there
+OUTLINE = 5e-3  # share of pixels: half a pixel around a body, the tolerance there
 LIMITS = {"f3d": 4, "filament": 256, "three r111": 4}  # targets that a client plays
 SECONDS = 240  # for one client and one output
 

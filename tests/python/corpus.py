@@ -16,8 +16,8 @@ from command import BINARY
 
 LONG = 100_000_000  # bytes that `fill` is repeated to
 CUTS = 32  # of a file, evenly over its bytes
-# What a file may cost. Seconds of CPU: the worst, 100 MB of base64, takes 8 to 14 by the machine;
-# what grows faster than the file takes minutes.
+# Limits of a file's cost. Seconds of CPU: the worst, 100 MB of base64, takes 8 to 14 by the
+# machine; a cost that grows faster than the file takes minutes.
 SECONDS, MEBIBYTES = 60.0, 1024.0
 
 
@@ -27,7 +27,7 @@ class Case:
 
     name: str
     content: bytes  # @FOLDER@ in it becomes the folder above that of the file
-    words: str = ""  # in the message, or in what is printed of a file that is read
+    words: str = ""  # in the message, or in the output for a file that is read
     codes: tuple[int, ...] = (3,)
     fill: bytes = b""  # repeated behind the content up to LONG bytes
     tail: bytes = b""  # behind that

@@ -74,7 +74,7 @@ def dae_cases() -> Iterator[Case]:
             ("negative", INDICES, b"-1" + INDICES[1:]),
             ("wrapped", INDICES, b"4294967295" + INDICES[1:]),
             ("no_mesh", b"<mesh>", b"<mess>")):
-        # assimp takes 0 for an index that is no int
+        # assimp uses 0 in place of an index that is no int
         codes = (0, 3) if name in ("negative", "wrapped") else (3,)
         yield Case(f"{name}.dae", DAE.replace(old, new), "", codes)
     for count in (b"2147483648", b"4294967295", b"18446744073709551616", b"-1"):
@@ -119,7 +119,7 @@ def three_ds_cases() -> Iterator[Case]:
                           ("wrapped", three_ds(face=(0, 2, 65535, 0))),
                           ("nan", three_ds(first=float("nan"))),
                           ("inf", three_ds(first=float("inf")))):
-        # assimp takes the last vertex for one that is not there
+        # assimp uses the last vertex in place of a missing one
         codes = (0, 3) if name in ("past", "wrapped") else (3,)
         yield Case(f"{name}.3ds", content, "", codes)
     for size in (0, 5, 2**31, 2**32 - 1):

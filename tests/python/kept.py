@@ -106,7 +106,7 @@ def check_kept_lists(source: Document, document: Document) -> None:
     """Of any glTF source: materials, images, names and transforms stand where they stood."""
     for name in MATERIAL_LISTS:
         before, after = source.items(name), document.items(name)
-        # a default material may be added, which is what a primitive without one has anyway
+        # a default material may be added, as a primitive without one has it anyway
         added = [{}] if name == "materials" and len(after) > len(before) else []
         require([*before, *added] == after, name, " differ from the source's")
     for k, image in enumerate(source.items("images")):

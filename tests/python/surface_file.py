@@ -26,7 +26,7 @@ Values = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 UNPACKED = {"KHR_draco_mesh_compression", "EXT_meshopt_compression"}  # not read here
-BLOCK_TRIANGLES, BLOCK_POINTS = 1024, 64  # of one step of the sum: what a cache holds
+BLOCK_TRIANGLES, BLOCK_POINTS = 1024, 64  # of one step of the sum: as many as a cache holds
 
 
 class NotRead(Exception):

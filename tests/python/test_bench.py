@@ -130,7 +130,7 @@ class Parts(Bench):
         for row, voxels in zip(rows, (1000, 8000), strict=True):
             self.assertTrue(0.7 < row["voxels"] / voxels < 1.4, row["voxels"])
             self.assertGreater(row["seconds"], row["stage_seconds"]["steps"])
-            # of the program itself, not of what measures it
+            # of the program itself, not of the tool that measures it
             self.assertTrue(1e3 < row["bytes_a_voxel"] * row["voxels"] / 1e4 < 3e4)
 
     def test_a_card_that_is_asked_for_must_be_there(self) -> None:
@@ -188,7 +188,7 @@ class Baseline(Bench):
         for run_name in ("numpy-library", "numpy-jacobi"):
             row = rows[f"paper in PyTorch, {run_name}"]
             self.assertEqual(row["dtype"], "float32")
-            # the same iterate: what float32 adds is far below its error
+            # one iterate: the rounding of float32 is far below its error
             self.assertAlmostEqual(row["error"] / paper["error"], 1, 3)
             self.assertAlmostEqual(row["residual"] / paper["residual"], 1, 2)
 

@@ -175,7 +175,7 @@ class Meshes(unittest.TestCase):
         wanted = {(*map(float, BOX[v]), u, 1 - t) for f, face in enumerate(FACES)
                   for v, (u, t) in ((v, corner_uv(f, c)) for c, v in enumerate(face))}
         self.assertEqual(found, wanted)
-        # what was written can be animated again, and says the same
+        # the written file can be animated again, with equal output
         again = self.animated(self.folder / "out_00000.ply", "again.glb", "again.ply")
         self.assertNotIn("missing-", again.err)
         self.assertEqual((self.folder / "out_00000.ply").read_bytes(),

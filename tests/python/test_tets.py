@@ -175,7 +175,7 @@ class Outputs(Tets):
             self.assertGreater((self.folder / name).stat().st_size, 100)
         frame = (self.folder / "out_00004.vtu").read_bytes()
         self.assertIn(b'NumberOfPoints="45" NumberOfCells="96"', frame)
-        # what was written is read again, as tetrahedra
+        # the written file is read again, as tetrahedra
         done = self.simulate(self.folder / "out_00004.vtu", "--static", "--pin", "x<0%",
                              output="again.glb")
         self.assertEqual(done.code, 0, done.err)
