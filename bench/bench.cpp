@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/bench.hpp"
 
+#include "core/cuda/card.hpp"
 #include "core/error.hpp"
-#include "network/step/step_work.hpp"
 
 #include <nlohmann/json.hpp>
 

@@ -4,8 +4,8 @@
 #include "bench/bench.hpp"
 #include "bench/card.hpp"
 #include "bench/timing.hpp"
+#include "core/cuda/card.hpp"
 #include "core/parallel.hpp"
-#include "network/step/step_work.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

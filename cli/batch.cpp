@@ -5,9 +5,9 @@
 #include "cli/signals.hpp"
 #include "cli/typed.hpp"
 #include "cli/verbs.hpp"
+#include "core/cuda/card.hpp"
 #include "core/parallel.hpp"
 #include "core/stopwatch.hpp"
-#include "network/step/step_work.hpp"
 #include "scene/asset_stages.hpp"
 
 #include <fmt/format.h>

@@ -4,9 +4,9 @@
 #include "cli/exit_code.hpp"
 #include "cli/study_machine.hpp"
 #include "cli/verbs.hpp"
+#include "core/cuda/card.hpp"
 #include "core/parallel.hpp"
 #include "io/safe_file.hpp"
-#include "network/step/step_work.hpp"
 #include "scene/version.hpp"
 
 #include <fmt/format.h>
