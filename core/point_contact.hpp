@@ -9,7 +9,6 @@
 #include "core/collider_form.hpp"
 
 namespace elastogen {
-
 /// Offsets of a collider at the start and at the end of a step [m].
 struct ObstaclePath {
   Vec3 from = {}, to = {};

@@ -97,6 +97,7 @@ void PaperSolver::freeze(const double* u) {
         for (int i = 0; i < 3; ++i) value[i] = u[3 * n + i] - u[3 * reference + i];
       },
       [&](int64_t r, Pack<double> corner[3][8], Pack<double> f[3][8], NoSums&) {
+        // F of a row of voxels
         VoxelData<Pack<double>> data;
         potential_.read_voxel_data<double>(r, data);
         for (int i = 0; i < 3; ++i) {
@@ -106,6 +107,7 @@ void PaperSolver::freeze(const double* u) {
         const Mat3<Pack<double>> F = rows.rows[size_t(r)].border >= 0
                                          ? deformation_gradient<true>(data, corner)
                                          : deformation_gradient<false>(data, corner);
+        // the target of the lagged quadratic, N and R
         const auto respond = [&](const Pack<double> sigma[3], Pack<double>& outside) {
           return material_response<false>(data.learned, data.law, sigma, outside);
         };
@@ -169,6 +171,7 @@ void PaperSolver::apply(const double* p, double* f) {
     else
       hessian_product<false>(data, stress, corner, force);
   };
+  // voxels give elastic forces, nodes add their inertia
   const Zeroed<double>& predictor = potential_.predictor();
   for_each_row(
       rows, scratch_, sums_,

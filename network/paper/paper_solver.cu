@@ -94,6 +94,7 @@ void Loops<T>::freeze_pass(const Nets& nets) {
       },
       [=] __device__(const VoxelRow& row, int64_t r, int lane, double corner[3][8], double f[3][8],
                      NoSums&) {
+        // F of a voxel, the target of its lagged quadratic, and its share in D
         const VoxelData<double> data = table.data(row, r, lane);
         const auto respond = response_of<false>(data.law, nets(row, r, lane));
         for (int i = 0; i < 3; ++i) hex8::to_patterns(corner[i]);

@@ -93,12 +93,14 @@ __global__ void __launch_bounds__(kThreads, sizeof(T) == 4 ? 2 : 1)
   if (!few) let_next_start();
   const int32_t begin = read_early(g.tile_begin + b), end = read_early(g.tile_begin + b + 1),
                 row_begin = read_early(g.row_begin + b), row_end = read_early(g.row_begin + b + 1);
+  // values of the tile's nodes
   const int lane = int(threadIdx.x) % kLanes;
   int32_t r = row_begin + int32_t(threadIdx.x) / kLanes;
   VoxelRow next = row_at(g, r, row_end);
   if constexpr (kGives<Finish>) clear_tile(given);
   read_tile(g, begin, end, read, in, [] { wait_for_before(); });
   __syncthreads();
+  // voxels, eight threads a row
   Sums mine;
   for (int32_t first = row_begin; first < row_end; first += kThreads / kLanes) {
     const VoxelRow row = next;
@@ -119,6 +121,7 @@ __global__ void __launch_bounds__(kThreads, sizeof(T) == 4 ? 2 : 1)
         for (int i = 0; i < 3; ++i) given[i * kTile + place + corner_offset(c)] += f[i][c];
     }
   }
+  // sums of nodes and of the brick
   if (few) let_next_start();
   if constexpr (kGives<Finish>) {
     __syncthreads();

@@ -41,7 +41,7 @@ __global__ void __launch_bounds__(kThreads)
   const int64_t b = blockIdx.x;
   const bool few = gridDim.x <= kFewBlocks;  // then the next kernel has few blocks too
   if (!few) let_next_start();
-
+  // numbers of voxels, then their sums at nodes
   const int32_t begin = read_early(g.tile_begin + b), end = read_early(g.tile_begin + b + 1);
   const int lane = int(threadIdx.x) % kLanes;
   for (int k = int(threadIdx.x); k < kCount * kVoxels; k += kThreads) given[k] = 0;

@@ -211,9 +211,11 @@ void LevelMaker<T>::number_rows(double h, double unit, uint64_t hash_bits) {
     check(cudaMemsetAsync(keys.data(), 0, size_t(entries) * sizeof(uint64_t), cudaStreamPerThread));
     check(cudaMemsetAsync(first.data(), 0x7f, size_t(entries) * sizeof(int32_t),
                           cudaStreamPerThread));
+    // the first slot of each hash among those that have no row yet
     cuda::for_each(slots_, [=] __device__(int64_t slot) {
       if (is_pending(slot)) entry_of[slot] = of.take(source.hash(slot, hash_bits), int32_t(slot));
     });
+    // these get new rows, numbered brick by brick
     launch(number_kernel<T>, unsigned(bricks), kSlots, 0, source, of, entry_of,
            static_cast<const int32_t*>(nullptr), counts.data(), row, static_cast<T*>(nullptr));
     counts.download(number.data());
@@ -226,6 +228,7 @@ void LevelMaker<T>::number_rows(double h, double unit, uint64_t hash_bits) {
     launch(number_kernel<T>, unsigned(bricks), kSlots, 0, source, of, entry_of, base.data(),
            counts.data(), row, rows.data());
     made.rows = std::move(rows);
+    // slots of the same hash and numbers share them; the others wait for the next turn
     const T* const all = made.rows.data();
     left[0] = 0;
     cuda::for_each(slots_, [=] __device__(int64_t slot) {

@@ -35,6 +35,7 @@ DevicePieces::DevicePieces(const Scene& scene) {
       chunks.push_back({piece, entries, std::min(entries + kChunk, end)});
   }
   chunk_begin.push_back(int32_t(chunks.size()));
+  // nodes, masses and centres at rest, piece by piece
   nodes_ = DeviceArray<int32_t>(entries);
   std::vector<double> rest_centre, per_mass;
   entries = 0;

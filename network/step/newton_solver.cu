@@ -123,6 +123,7 @@ void DeviceNewton::Impl::find_direction() {
     for (int i = 0; i < 3; ++i) v[i] = residual[3 * n + i];
   });
   B.cycle();
+  // z and r . z, from which beta follows
   const UnturnedResult result = B.result();
   PcgScalars* of = pcg.data();
   ordered_sum(

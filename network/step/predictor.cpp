@@ -79,6 +79,7 @@ void Predictor::start(const State& state, const Zeroed<double>& predictor, doubl
   std::copy(predictor.begin(), predictor.end(), u);
   Array<double> predicted = X;
   for (int64_t k = 0; k < X.size(); ++k) predicted.data()[k] += predictor[size_t(k)];
+  // free pieces that turn are predicted in their own frames
   const Array<double>& x_before = state.x_before.empty() ? state.x : state.x_before;
   for_each(
       int64_t(free_pieces_.size()),

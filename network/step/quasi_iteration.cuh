@@ -103,6 +103,7 @@ void Iteration<T>::second_loop(const UnturnedResult& result, const FirstLoop& lo
         for (int k = 0; k < kPairs; ++k)
           for (int i = 0; i < 3; ++i) y[k][i] = k < list.count ? float(list.y[k][3 * n + i]) : 0;
         for (int i = 0; i < 3; ++i) force[i] = g[3 * n + i];
+        // p = -B q, its slope and the products with the pairs
         result.at(n, v);
         for (int i = 0; i < 3; ++i) {
           p[3 * n + i] = -v[i];
@@ -138,6 +139,7 @@ void Iteration<T>::take_step(const double* u, double* trial_u) {
 #pragma unroll
     for (int k = 0; k < kPairs; ++k)
       if (k < list.count) at.load(list.s[k], s[k]);
+    // p - sum c_k s_k in double
     for (int j = 0; j < kCount; ++j) found[j] = double(step[j]);
 #pragma unroll
     for (int k = 0; k < kPairs; ++k)
@@ -215,6 +217,7 @@ void Iteration<T>::measure_trial(const double* trial_u, const InertiaTerms& iner
 #pragma unroll
         for (int k = 0; k < kOlder; ++k)
           if (k < older) at.load(list.s[k], s[k]);
+        // the new pair, and its products with the gradient and with itself
         for (int j = 0; j < kCount; ++j) {
           taken[j] = step[j], change[j] = float(force[j] - before[j]);
           const double f = double(force[j]), a = double(float(taken[j]));
@@ -224,6 +227,7 @@ void Iteration<T>::measure_trial(const double* trial_u, const InertiaTerms& iner
         }
         sum.value[6] += inertia.energy<kCount>(at.first, place, aim);
         at.store(taken, to_s), at.store(change, to_y);
+    // its products with the older pairs
 #pragma unroll
         for (int k = 0; k < kOlder; ++k) {
           if (k >= older) continue;

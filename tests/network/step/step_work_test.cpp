@@ -145,6 +145,7 @@ End plain_end(Begun& b, std::vector<double> u) {
   const Zeroed<double>& aim = b.potential.predictor();
   if (b.flight.exists())
     b.flight.match_means(u.data(), [&](size_t n, size_t d) { return aim[3 * n + d]; });
+  // positions, and velocities of the scheme
   State next = b.state;
   std::swap(next.x_before, next.x), std::swap(next.v_before, next.v);
   for (int64_t n = 0; n < scene.grid.node_count(); ++n)
@@ -160,6 +161,7 @@ End plain_end(Begun& b, std::vector<double> u) {
       return free_velocity(b.scheme, b.state.v(node, int(d)), b.state.v_before(node, int(d)),
                            scene.gravity[d]);
     });
+  // energies of the motion
   MotionEnergy energy;
   for (int64_t n = 0; n < scene.grid.node_count(); ++n)
     for (int d = 0; d < 3; ++d) {
@@ -180,6 +182,7 @@ void expect_end(Machine machine) {
     const Certificate found = b.work->certify();
     const MotionEnergy energy = b.work->finish();
     const End end = plain_end(b, u);
+    // the certificate is of the rounded positions
     std::vector<double> expected(u.size()), gradient(u.size());
     const PotentialValue value =
         b.potential.residual(displacement(scene, end.state).data(), expected.data());
