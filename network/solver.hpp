@@ -16,10 +16,10 @@
 namespace elastogen {
 
 /// quasi: L-BFGS whose first matrix is one V-cycle with encoder. newton: projected Hessian, PCG
-/// with the same preconditioner; where that creeps the true Hessian, in a trust region. auto:
-/// newton above Courant number 100 or Poisson ratio 0.47; else quasi, and where a step takes it
-/// more than 40 evaluations (contact, buckling) the cheaper of the two by their own counts. paper:
-/// the published algorithm with fixed loops, for study.
+/// with one V-cycle and encoder as preconditioner; where that creeps, the true Hessian in a trust
+/// region. auto: newton above Courant number 100 or Poisson ratio 0.47; else quasi, and where a step
+/// takes it more than 20 evaluations (contact, buckling) the cheaper of the two by their own counts.
+/// paper: the published algorithm with fixed loops, for study.
 enum class SolverMode { kAuto, kQuasi, kNewton, kPaper };
 
 std::string_view solver_name(SolverMode mode);
@@ -33,7 +33,8 @@ struct PaperLoops {
   int modes = 54;  ///< latent size, three times the cosines; 0: no encoder
 };
 
-/// What iterations run on. auto: the CUDA device where there is one that can, else the CPU.
+/// The machine that iterations run on. auto: the CUDA device if there is one and it has memory for
+/// the scene, else the CPU.
 enum class Device { kAuto, kCpu, kCuda };
 
 struct SolverOptions {
@@ -86,8 +87,9 @@ class Solver {
   /// @throws Error if the state is not one of this scene or holds a number that is not finite.
   StepReport step(State& state);
 
-  /// The same for a clip, whose state stays where the steps run: begin takes it, advance() makes a
-  /// step, read() fills it, or its positions, with time and steps. step() ends the clip.
+  /// Steps of a clip, whose state stays on the machine where they run: begin() copies it there,
+  /// advance() makes a step as step() does, read() fills a state or its positions, with time and
+  /// step count. step() ends the clip.
   /// @throws Error as step; advance() and read() without begin().
   void begin(const State& state);
   StepReport advance();

@@ -12,7 +12,7 @@ namespace elastogen::cuda {
 
 class DevicePaper {
  public:
-  /// @throws Error (usage) as check_paper_scene, (resources) where the device has no room.
+  /// @throws Error (usage) as check_paper_scene, (resources) where the device has too little memory.
   DevicePaper(DeviceQuasi& quasi, const PaperLoops& loops, bool float64 = false);
   ~DevicePaper();
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Of two ways to do something once a step, the one that was cheaper when both were done last.
+// Chooses between two methods for a task of every step: the one that cost less when both were tried
+// last.
 
 #pragma once
 
@@ -7,20 +8,20 @@
 
 namespace elastogen {
 
-inline constexpr int kRetry = 10;      // steps after which the other way is tried again,
+inline constexpr int kRetry = 10;      // steps after which the other one is tried again,
 inline constexpr int kLateRetry = 40;  // or, where that cost this much more,
 inline constexpr double kMuchDearer = 1.3;
-inline constexpr double kFailed = 1e300;  // cost of a way that did not get there
+inline constexpr double kFailed = 1e300;  // cost of a method that did not converge
 
 class CheaperOf {
  public:
-  /// @param enough  what a way may cost without the other being tried.
+  /// @param enough  cost up to which the other method is not tried.
   explicit CheaperOf(double enough) : enough_(enough) {}
 
-  /// Way 1 where neither got there.
+  /// The cheaper one, 0 or 1; 1 where neither converged.
   int better() const { return cost_[1] <= cost_[0] ? 1 : 0; }
 
-  /// The way of a step: 0 at first, 1 no earlier than kRetry steps in unless 0 has failed.
+  /// The method of a step: 0 at first, 1 no earlier than after kRetry steps unless 0 has failed.
   int choose(int64_t step) const {
     const int best = better(), other = 1 - best;
     if (cost_[best] <= enough_) return best;

@@ -246,7 +246,7 @@ void StepOnDevice::start_frame(int slot) {
 
 namespace {
 
-/// What a step is made of.
+/// The arguments of a step, to make it once or twice (memory_budget.cuh).
 struct Recipe {
   const PotentialTerms& terms;
   const EncoderChoice* encoder;

@@ -17,7 +17,7 @@
 
 namespace elastogen::cuda {
 
-/// What a step reads of the state and of its scene.
+/// The arrays of the state and of the scene that a step reads.
 struct Motion {
   const double *x, *v, *x_before, *v_before;  ///< those before are those now in an Euler step
   const double *rest, *mass;
@@ -32,7 +32,7 @@ struct Largest {
   __device__ void add(const Largest& o) { value = o.value > value ? o.value : value; }
 };
 
-/// Where kernels leave what the host asks for.
+/// Numbers that kernels leave for the host.
 struct StepNumbers {
   double farthest, reach, square, not_finite;
   MotionEnergy energy;
@@ -86,7 +86,7 @@ class StepOnDevice : public StepWork {
     return frames_ ? frames_->take(slot) : host_frames_->get(slot);
   }
 
-  /// What steps take beyond what the constructor does, at most.
+  /// Most bytes that steps allocate beyond those of the constructor.
   size_t later_bytes() {
     if (paper_) return 0;
     return DeviceQuasi::later_bytes(size() / 3) + DeviceNewton::bytes(potential());

@@ -13,7 +13,7 @@ namespace {
 
 constexpr size_t kDoubles = 3, kFloats = 5;  // vectors
 
-/// What the host asks for.
+/// Numbers that kernels leave for the host.
 struct HostNumbers {
   double square;   ///< |g|^2 or |r|^2
   double slope;    ///< g . step

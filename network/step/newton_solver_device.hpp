@@ -10,7 +10,7 @@ namespace elastogen::cuda {
 
 class DeviceNewton {
  public:
-  /// @throws Error (resources) where the device has no room.
+  /// @throws Error (resources) where the device has too little memory.
   explicit DeviceNewton(DeviceQuasi& quasi);
   ~DeviceNewton();
 
@@ -18,7 +18,7 @@ class DeviceNewton {
   IterationResult solve(double target, int max_outer, int max_inner,
                         const Interrupted& interrupted);
 
-  /// What it takes of the device's memory, with the tangents of the potential.
+  /// Bytes of the device's memory that it needs, with the tangents of the potential.
   static size_t bytes(const DevicePotential& potential);
 
   struct Impl;

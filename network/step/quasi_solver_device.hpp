@@ -18,13 +18,13 @@ class DevicePreconditioner;
 class DeviceQuasi {
  public:
   /// The terms must outlive it, and have the scheme that will be used.
-  /// @throws Error (resources) where the device has no room.
+  /// @throws Error (resources) where the device has too little memory.
   DeviceQuasi(const PotentialTerms& terms, const EncoderChoice& encoder);
   /// Without a first matrix there are no iterations: for the displacement and the potential.
   explicit DeviceQuasi(const PotentialTerms& terms);
   ~DeviceQuasi();
 
-  /// What steps of that many nodes take beyond what the constructor does, at most.
+  /// Most bytes that steps of that many nodes allocate beyond those of the constructor.
   static size_t later_bytes(int64_t nodes);
 
   DevicePotential& potential();
@@ -32,9 +32,9 @@ class DeviceQuasi {
 
   /// The displacement that is iterated on, (nodes, 3), on the device; solve() may move it.
   double* u();
-  /// Room of its size for the next one; accept_trial() makes that u().
+  /// An array of its size for the next one; accept_trial() makes it u().
   double* trial_u();
-  /// The array of trial_u(), for who takes it and leaves another one.
+  /// The array of trial_u(), for a caller that exchanges it for another one.
   DeviceArray<double>& trial();
   void accept_trial();
   /// Nodal rotations of the preconditioner from u().
@@ -45,7 +45,7 @@ class DeviceQuasi {
   IterationResult solve(double target, int max_outer, double precise_below,
                         const Interrupted& interrupted);
 
-  // the same with arrays of the host, for tests and benchmarks
+  // with arrays of the host, for tests and benchmarks
   void begin_step(const IncrementalPotential& host);  ///< takes the step that it has begun
   void set_nodal_rotations(const double* u);
   void update_contact(bool touching);  ///< freezes its stiffness at u(); false: there is none
