@@ -112,6 +112,7 @@ inline std::string msh2_file(const TetCells& mesh, bool binary,
                              std::endian order = std::endian::little) {
   NumberWriter out(binary, order);
   msh_head("2.2", binary, out);
+  // nodes, then elements
   out.text("$Nodes\n" + std::to_string(mesh.points.size()) + '\n');
   for (size_t p = 0; p < mesh.points.size(); ++p) {
     out.put(int32_t(msh_number(p)));
@@ -162,6 +163,7 @@ inline std::string msh4_file(const TetCells& mesh, bool binary,
   NumberWriter out(binary, order);
   msh_head("4.1", binary, out);
   put_msh4_entities(mesh, out);
+  // nodes in two blocks, with and without parameters
   out.text("$Nodes\n");
   for (const size_t value : {size_t(2), mesh.points.size(), size_t(1), size_t(46)})
     out.put(uint64_t(value));
@@ -179,6 +181,7 @@ inline std::string msh4_file(const TetCells& mesh, bool binary,
       out.end_line();
     }
   }
+  // a block for each element
   out.text("\n$EndNodes\n$Elements\n");
   for (const size_t value : {mesh.cells.size(), mesh.cells.size(), size_t(100), size_t(999)})
     out.put(uint64_t(value));
@@ -324,6 +327,7 @@ class VtuBuilder {
 };
 
 inline std::string vtu_file(const TetCells& mesh, const VtuOptions& options) {
+  // points and cells as flat lists
   std::vector<double> x;
   for (const Vec3& point : mesh.points) x.insert(x.end(), point.begin(), point.end());
   std::vector<int32_t> corners;
@@ -332,6 +336,7 @@ inline std::string vtu_file(const TetCells& mesh, const VtuOptions& options) {
     corners.insert(corners.end(), cell.begin(), cell.end());
     ends.push_back(int64_t(corners.size()));
   }
+  // data of points and cells, then cells, then points
   VtuBuilder out(options);
   out.xml("<UnstructuredGrid>\n<FieldData/>\n<Piece NumberOfPoints=\"" +
           std::to_string(mesh.points.size()) + "\" NumberOfCells=\"" +

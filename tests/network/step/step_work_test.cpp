@@ -145,6 +145,7 @@ End plain_end(Begun& b, std::vector<double> u) {
   const Zeroed<double>& aim = b.potential.predictor();
   if (b.flight.exists())
     b.flight.match_means(u.data(), [&](size_t n, size_t d) { return aim[3 * n + d]; });
+  // x = X + u and the velocity of the scheme; pinned nodes rest
   State next = b.state;
   std::swap(next.x_before, next.x), std::swap(next.v_before, next.v);
   for (int64_t n = 0; n < scene.grid.node_count(); ++n)
@@ -160,6 +161,7 @@ End plain_end(Begun& b, std::vector<double> u) {
       return free_velocity(b.scheme, b.state.v(node, int(d)), b.state.v_before(node, int(d)),
                            scene.gravity[d]);
     });
+  // energies of the new state
   MotionEnergy energy;
   for (int64_t n = 0; n < scene.grid.node_count(); ++n)
     for (int d = 0; d < 3; ++d) {
@@ -173,6 +175,7 @@ void expect_end(Machine machine) {
   for (const Scene& scene : scenes()) {
     SCOPED_TRACE(concat(scene.grid.voxel_count(), " voxels, scheme ", int(scene.scheme)));
     Begun b(scene, machine);
+    // end the step at its start plus a random displacement
     std::vector<double> u = b.start();
     const std::vector<double> shake = random_field(scene, 0.02 * scene.grid.h, 8);
     for (size_t k = 0; k < u.size(); ++k) u[k] += shake[k];
@@ -180,6 +183,7 @@ void expect_end(Machine machine) {
     const Certificate found = b.work->certify();
     const MotionEnergy energy = b.work->finish();
     const End end = plain_end(b, u);
+    // certificate and energies
     std::vector<double> expected(u.size()), gradient(u.size());
     const PotentialValue value =
         b.potential.residual(displacement(scene, end.state).data(), expected.data());
@@ -191,6 +195,7 @@ void expect_end(Machine machine) {
     EXPECT_NEAR(found.value.min_corner_j, value.min_corner_j, 1e-11);
     EXPECT_NEAR(energy.kinetic, end.energy.kinetic, 1e-11 * energy.kinetic);
     EXPECT_NEAR(energy.gravity, end.energy.gravity, 1e-11 * std::abs(energy.gravity));
+    // the new state
     State read;
     b.work->download(read, StateParts::kAll);
     EXPECT_LT(relative_difference(read.x, end.state.x), 1e-14);
