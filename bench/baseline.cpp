@@ -87,6 +87,7 @@ Json solver_row(const Case& c, const BenchTask& task, SolverMode mode) {
 /// The script in one of its modes; null members where it failed.
 Json script_row(const Case& c, const BenchTask& task, const std::string& run,
                 const std::string& folder) {
+  // a run is named MODE-SVD
   const size_t dash = run.find('-');
   const std::string out = folder + "/" + run;
   const bool card = resolved(task.device) == Device::kCuda;
@@ -97,11 +98,13 @@ Json script_row(const Case& c, const BenchTask& task, const std::string& run,
   ELASTOGEN_CHECK(code != kNotStarted, task.python, ": cannot be started; name one with --python");
   ELASTOGEN_CHECK(code != kNoTorch, task.python,
                   " has no PyTorch; name one that has with --python");
+  // a run that failed has its exit code in place of numbers
   Json row = {{"run", "paper in PyTorch, " + run}, {"device", card ? "cuda" : "cpu"}};
   if (code != 0) {
     row["exit_code"] = code;
     return row;
   }
+  // residual and error of the positions that the script wrote
   const Json result = Json::parse(read_file(out + "/result.json"));
   const Array<double> x = read_baseline_positions(out, c.scene);
   row["ms"] = spread_of(result["ms"].get<std::vector<double>>()).median;

@@ -48,6 +48,7 @@ void RecomputedHessian::Impl::hessian_product(const float* p, float* product) {
       [=] __device__(int64_t n, int64_t, float v[3]) {
         for (int i = 0; i < 3; ++i) v[i] = p[3 * n + i];
       },
+      // decompose the stored F again and apply the positive part of its Hessian
       [=] __device__(const VoxelRow& row, int64_t r, int lane, const float corner[3][8],
                      float f[3][8], NoSums&) {
         const VoxelData<float> data = table.data(row, r, lane);
@@ -64,6 +65,7 @@ void RecomputedHessian::Impl::hessian_product(const float* p, float* product) {
         };
         elastogen::hessian_product<true>(data, stress, corner, f);
       },
+      // add inertia; rows of pinned nodes are 0
       [=] __device__(int64_t n, const cuda::NodeSum<float>& given) {
         float force[3];
         given.get(force);

@@ -39,6 +39,7 @@ Json json(const std::string& name, const Scene& scene, double fill, const Solver
           const Timing& t) {
   const StepReport& r = t.report;
   const bool paper = s.mode == SolverMode::kPaper;
+  // print the result
   fmt::print(
       "{} {} C {:.4g} nu {} fill {}: {:6} {:>7}: {:9.2f} ms, residual {:.1e}, error {:.1e}\n", name,
       scene.grid.voxel_count(), courant_number(scene), scene.materials[0].poisson, fill,
@@ -47,6 +48,7 @@ Json json(const std::string& name, const Scene& scene, double fill, const Solver
             : fmt::format("{:.0e}", s.tolerance),
       t.ms, r.residual, t.error);
   std::fflush(stdout);
+  // null where there is no tolerance or no finite number
   return {{"scene", name},
           {"voxels", scene.grid.voxel_count()},
           {"courant", courant_number(scene)},

@@ -89,6 +89,7 @@ std::vector<KernelRow> host_kernels(const Scene& scene) {
 
 Json measure_kernels(const BenchTask& task, const CopyRates& rates) {
   const bool card = resolved(task.device) == Device::kCuda;
+  // sizes, and the rate of a copy on the chosen machine
   const double copy = card ? rates.card : rates.host;
   std::vector<double> sizes = task.sizes;
   if (sizes.empty()) sizes = card ? std::vector{3.2e4, 2.56e5, 1e6, 1e7} : std::vector{1e5};
@@ -98,6 +99,7 @@ Json measure_kernels(const BenchTask& task, const CopyRates& rates) {
       const Scene scene = step_scene(
           name, {.voxels = size, .courant = task.courants[0], .poisson = task.poissons[0]}, 1);
       const auto V = double(scene.grid.voxel_count());
+      // time each kernel and compare its rate with that of a copy
       for (const KernelRow& k : card ? card_kernels(scene) : host_kernels(scene)) {
         const double rate = 1e3 * k.bytes / k.ms;
         fmt::print("{} {:.0f}: {:32} {:9.3f} ms {:7.1f} GB/s {:4.0f} % of a copy\n", name, V,

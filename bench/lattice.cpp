@@ -37,6 +37,7 @@ Scene lattice(const SceneOptions& options, double fill) {
   ELASTOGEN_CHECK(fill >= 0.01 && fill <= 1, "the fill must lie in 0.01 ... 1, got ", fill);
   if (fill == 1) return cantilever(options);
   const Struts struts = struts_of(fill);
+  // a box of 4n x n x n voxels; a voxel is in a strut where two coordinates are within its width
   const int n = std::max(1, int(std::lround(std::cbrt(options.voxels / (4 * struts.fill())))));
   std::vector<int32_t> coords;
   for (int z = 0; z < n; ++z)
@@ -46,6 +47,7 @@ Scene lattice(const SceneOptions& options, double fill) {
   Array<int32_t> voxels(int64_t(coords.size()) / 3, 3);
   std::copy(coords.begin(), coords.end(), voxels.data());
 
+  // a small cantilever with its grid replaced
   SceneOptions smallest = options;
   smallest.voxels = 4;
   Scene scene = cantilever(smallest);

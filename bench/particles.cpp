@@ -100,6 +100,7 @@ Measured measure_one(bool implicit, int64_t count, int repeats) {
 Json row_of(bool implicit, int64_t count, int threads, const Measured& m, const CopyRates& rates) {
   const double updates = 1e3 * double(count) / m.ms.median;
   const double share = kBytes * updates / rates.host;
+  // print the result
   fmt::print("{} {:8} particles, {} threads: {:9.2f} ms, {:5.2f} million updates/s",
              implicit ? "implicit" : "explicit", count, threads, m.ms.median, 1e-6 * updates);
   if (implicit)
@@ -109,6 +110,7 @@ Json row_of(bool implicit, int64_t count, int threads, const Measured& m, const 
     fmt::print(", {:.0f} % of a copy", 100 * share);
   fmt::print(", {:.0f} B a particle\n", m.bytes / double(count));
   std::fflush(stdout);
+  // members of both integrators, then those of one
   Json row = {{"integrator", implicit ? "implicit" : "explicit"},
               {"particles", count},
               {"threads", threads},

@@ -56,6 +56,7 @@ std::vector<Run> runs_of(const BenchTask& task) {
 }
 
 Json row_of(const Run& run, const BenchTask& task, const std::string& folder) {
+  // time a new process that makes one step
   const std::string report = folder + "/report.json";
   const auto begin = std::chrono::steady_clock::now();
   const int code = run_program(std::filesystem::read_symlink("/proc/self/exe").string(),

@@ -51,6 +51,7 @@ Row run(const BenchTask& task, Row row) {
   row.voxels = scene.grid.voxel_count();
   row.filled_share = filled_share(scene.grid);
   row.courant = courant_number(scene);
+  // time the set-up
   const auto begin = std::chrono::steady_clock::now();
   Solver solver(scene, {.mode = SolverMode::kQuasi,
                         .device = card ? Device::kCuda : Device::kCpu,
@@ -58,6 +59,7 @@ Row run(const BenchTask& task, Row row) {
   row.setup_seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   row.device = solver.device();
+  // time the step after the first ones, always from one state
   State start = initial_state(scene);
   for (int k = 0; k < kStepsBefore; ++k) {
     const StepReport report = solver.step(start);
@@ -79,6 +81,7 @@ Row run(const BenchTask& task, Row row) {
 Json json(const Row& row, double copy) {
   const auto V = double(row.voxels);
   const StepReport& r = row.report;
+  // copied_bytes_a_voxel: bytes that a copy moves in the median time
   return {{"scene", row.scene},
           {"voxels", row.voxels},
           {"courant", row.courant},

@@ -77,14 +77,32 @@ void Study::take_energies(const Trajectory& trajectory, StudyRun& run) const {
 
 /// Runs the scene of a stage and times it, after one run to warm up if it is repeated. Finite
 /// elements run once: they need minutes, and nobody chooses them for their speed.
+namespace {
+
+/// Solver, element and size of a run.
+void describe(const Stepper& stepper, const Scene& scene, StudyRun& run) {
+  StateHeader header;
+  stepper.describe(header);
+  run.solver = header.solver;
+  run.element = header.element;
+  run.h = scene.grid.h;
+  run.dt = scene.dt;
+  run.voxels = scene.grid.voxel_count();
+  run.elements = header.mesh ? header.mesh->corners.rows() : run.voxels;
+  const Array<uint8_t>& pinned = header.mesh ? header.mesh->pinned : scene.pinned;
+  run.dofs = 3 * std::count(pinned.data(), pinned.data() + pinned.size(), uint8_t(0));
+}
+
+}  // namespace
+
 StudyRun& Study::add_run(const std::string& name, const StudyStage& stage,
                          const AnimateOptions& options, Trajectory* kept) {
   if (!options.quiet) fmt::print("{} ...\n", name);
   std::fflush(stdout);
-  const Scene& scene = stage.setup.scene;
   std::vector<std::string> notes;  // stays empty, as energy is never auto here
   const std::unique_ptr<Stepper> stepper =
       make_stepper(stage.setup, options, {[] { return pending_signal() != 0; }, make_net}, notes);
+  // several runs are timed; the first is not
   Trajectory trajectory;
   std::vector<double> ms;
   const int repeats = options.fem ? 1 : task_.repeats;
@@ -94,17 +112,8 @@ StudyRun& Study::add_run(const std::string& name, const StudyStage& stage,
     if (pending_signal() != 0) throw StudyInterrupted();
   }
   StudyRun& run = result_.runs.emplace_back();
-  StateHeader header;
-  stepper->describe(header);
   run.name = name;
-  run.solver = header.solver;
-  run.element = header.element;
-  run.h = scene.grid.h;
-  run.dt = scene.dt;
-  run.voxels = scene.grid.voxel_count();
-  run.elements = header.mesh ? header.mesh->corners.rows() : run.voxels;
-  const Array<uint8_t>& pinned = header.mesh ? header.mesh->pinned : scene.pinned;
-  run.dofs = 3 * std::count(pinned.data(), pinned.data() + pinned.size(), uint8_t(0));
+  describe(*stepper, stage.setup.scene, run);
   run.step_ms = quartiles(ms);
   run.state_bytes = 2 * int64_t(sizeof(double)) * trajectory.states[0].x.size();
   run.state_copies_per_second = copies_per_second(run.state_bytes);

@@ -141,26 +141,8 @@ void resolve_particles(const Typed& t, AnimateOptions& o) {
                   p.passes);
 }
 
-void convert(const Typed& t, AnimateOptions& o) {
-  resolve_material(t, o);
-  convert_lists(t, o);
-  resolve_particles(t, o);
-  o.friction = parse_friction(t.friction);
-  resolve_method(t, o);
-  if (t.gravity != "auto") o.gravity = parse_vec3(t.gravity, Quantity::kAcceleration);
-  if (!t.velocity.empty()) copy(parse_vec3(t.velocity, Quantity::kSpeed), o.motion.velocity);
-  if (!t.spin.empty()) copy(parse_vec3(t.spin, Quantity::kSpin), o.motion.spin);
-  if (t.has_floor) o.floor = resolve_floor(t.floor);
-  if (t.h != "auto") o.h = parse_length(t.h);
-  if (t.size != "auto") o.size = parse_length(t.size);
-  if (t.thickness != "auto") o.thickness = parse_length(t.thickness);
-  if (t.max_memory != "none") o.max_memory = parse_memory(t.max_memory);
-  if (t.max_time != "none") o.max_time = parse_time(t.max_time);
-  o.up = up_from_name(t.up);
-  o.read.splat_scales = splat_scales_from_name(t.splat_scales);
-  o.read.grid = t.grid == "auto" ? "" : t.grid;
-  o.substeps = resolve_substeps(t.substeps);
-  resolve_scheme(t, o);
+/// Solver, its hourglass term and the source of its energy.
+void resolve_solver(const Typed& t, AnimateOptions& o) {
   o.solver.mode = solver_from_name(t.solver);
   o.solver.skip = !t.no_skip;
   const bool paper = o.solver.mode == SolverMode::kPaper;
@@ -171,6 +153,31 @@ void convert(const Typed& t, AnimateOptions& o) {
   o.energy = EnergySource(choice("--energy", t.energy, {"auto", "analytic", "neural"}));
   ELASTOGEN_CHECK(o.energy != EnergySource::kNeural || !o.fem,
                   "simulate has the laws themselves: leave out --energy neural");
+}
+
+void convert(const Typed& t, AnimateOptions& o) {
+  resolve_material(t, o);
+  convert_lists(t, o);
+  resolve_particles(t, o);
+  o.friction = parse_friction(t.friction);
+  resolve_method(t, o);
+  if (t.gravity != "auto") o.gravity = parse_vec3(t.gravity, Quantity::kAcceleration);
+  if (!t.velocity.empty()) copy(parse_vec3(t.velocity, Quantity::kSpeed), o.motion.velocity);
+  if (!t.spin.empty()) copy(parse_vec3(t.spin, Quantity::kSpin), o.motion.spin);
+  if (t.has_floor) o.floor = resolve_floor(t.floor);
+  // sizes and budgets
+  if (t.h != "auto") o.h = parse_length(t.h);
+  if (t.size != "auto") o.size = parse_length(t.size);
+  if (t.thickness != "auto") o.thickness = parse_length(t.thickness);
+  if (t.max_memory != "none") o.max_memory = parse_memory(t.max_memory);
+  if (t.max_time != "none") o.max_time = parse_time(t.max_time);
+  o.up = up_from_name(t.up);
+  o.read.splat_scales = splat_scales_from_name(t.splat_scales);
+  o.read.grid = t.grid == "auto" ? "" : t.grid;
+  o.substeps = resolve_substeps(t.substeps);
+  resolve_scheme(t, o);
+  resolve_solver(t, o);
+  // outputs
   o.keyframe = choice("--glb-profile", t.profile, {"modal", "keyframe"}) == 1;
   ELASTOGEN_CHECK(o.glb_targets >= 4 && o.glb_targets <= 65536,
                   "--glb-targets must lie in 4 ... 65536, got ", o.glb_targets);

@@ -24,6 +24,7 @@ SceneRange whole(double least, double most) {
 }
 
 Keys asset_keys() {
+  // members in the order of SceneKey
   return {
       {"asset", "file", T::kText, "", "INPUT", "the asset, from the folder of the scene file"},
       {"asset",
@@ -181,6 +182,7 @@ Keys time_keys() {
 }
 
 Keys solver_keys() {
+  // method, tolerance, strain-variance term and source of the stress
   return {
       {"solver",
        "mode",

@@ -19,6 +19,7 @@ constexpr double kDegree = std::numbers::pi / 180;
 
 /// Known units of a quantity, the SI unit first.
 const std::vector<Unit>& units_of(Quantity quantity) {
+  // one list for each Quantity, in the order of its enumerators
   static const std::vector<Unit> units[] = {
       {},
       {{"m", 1},

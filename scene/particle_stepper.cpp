@@ -131,6 +131,20 @@ mpm::MpmStepReport ParticleStepper::take_part(double shortest, double& part) {
   }
 }
 
+namespace {
+
+/// Adds a part to the report of its step.
+void add_part(const mpm::MpmStepReport& part, StepReport& all) {
+  all.outer += part.outer;
+  all.inner += part.inner;
+  all.fallbacks += part.fallbacks;
+  all.converged &= part.converged;
+  all.residual = std::max(all.residual, part.residual);
+  all.finite = part.finite;
+}
+
+}  // namespace
+
 StepReport ParticleStepper::advance() {
   const Stopwatch watch;
   const mpm::Particles before = particles_;
@@ -148,16 +162,12 @@ StepReport ParticleStepper::advance() {
     const double shortest = kShortest * std::min(longest, setup_.scene.dt);
     const mpm::MpmStepReport r = take_part(shortest, part);
     before_it = part;
-    all.outer += r.outer;
-    all.inner += r.inner;
-    all.fallbacks += r.fallbacks;
-    all.converged &= r.converged;
-    all.residual = std::max(all.residual, r.residual);
-    all.finite = r.finite;
+    add_part(r, all);
     if (!r.finite) break;
     state_.time += part;
     left -= part;
   }
+  // a step that was given up leaves the state as it was
   if (all.interrupted || !all.finite) {
     particles_ = before;
     state_ = state_before;

@@ -15,6 +15,7 @@ bool is_skipped(int64_t type) {
 }
 
 const char* cell_name(int64_t type) {
+  // numbers of vtkCellType.h; linear and quadratic cells of one shape share a name
   switch (type) {
     case 11:
       return "a voxel";

@@ -114,6 +114,7 @@ quiet = true
 TEST(Options, ASceneSetsEveryOption) {
   const TempFolder folder;
   const AnimateOptions o = simulate_options({"--scene", folder.write("s.toml", kScene)});
+  // the values of kScene, in SI units
   EXPECT_EQ(o.input, folder.path("bunny.obj"));
   EXPECT_EQ(o.h, 0.005);
   ASSERT_TRUE(o.up);
@@ -193,7 +194,6 @@ TEST(Options, TheResolvedSceneIsAFixedPoint) {
   for (const std::string& text : {std::string(kScene), std::string()}) {
     const std::string first = resolved(folder.write("s.toml", text));
     EXPECT_EQ(resolved(folder.write("again.json", first)), first);
-    // the same keys in JSON
     const std::string json = scene_json(check_scene(text, folder.path("s.toml")));
     EXPECT_EQ(resolved(folder.write("s.json", json)), first);
   }
@@ -207,8 +207,7 @@ TEST(Options, TheResolvedSceneHasEveryKey) {
     if (key.table == "shape") continue;  // there is none
     const std::vector<std::string> yields = {"yield", "hardening", "friction_angle", "cohesion",
                                              "keeps_volume"};
-    if (std::find(yields.begin(), yields.end(), key.name) != yields.end())
-      continue;  // not of rubber
+    if (std::find(yields.begin(), yields.end(), key.name) != yields.end()) continue;  // no yielding
     const SceneValue* home = table ? scene.find(key.table) : &scene;
     ASSERT_TRUE(home) << key.table;
     EXPECT_TRUE(home->find(key.name)) << key.path();
@@ -235,6 +234,7 @@ TEST(Options, TheDefaultsAreThoseOfTheTable) {
     const std::string name = text.substr(dot + 1);
     const SceneValue* home = table.empty() ? &scene : scene.find(table);
     const SceneValue& value = *home->find(name);
+    // the value as the table writes it
     const std::string shown =
         value.kind == SceneValue::Kind::kNumber ? concat(int64_t(value.number)) : value.text;
     const bool whole = value.number == double(int64_t(value.number));

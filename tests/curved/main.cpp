@@ -51,12 +51,14 @@ nlohmann::json own_error(const std::vector<TetSolution>& references, const Point
 nlohmann::json study(const CurvedScene& scene, const std::vector<int>& voxels) {
   std::vector<TetSolution> references;
   nlohmann::json tets = nlohmann::json::array();
+  // references on three meshes; each has twice as many cells along an edge as the one before
   for (const int n : {scene.tets, 2 * scene.tets, 4 * scene.tets}) {
     references.push_back(solve_tets(scene, n, references.empty() ? nullptr : &references.back()));
     tets.push_back(references.back().mesh.elements.rows());
   }
   const TetSolution& truth = references.back();
   const Points surface = points_on_surface(scene, references[0], truth);
+  // errors of each grid; the first one chooses the points inside
   Points inside;
   nlohmann::json grids = nlohmann::json::array();
   for (const int count : voxels) {

@@ -72,6 +72,7 @@ fem::ElementMesh mapped_tets(const MappedBody& body, int n, bool octant) {
   linear.element = fem::Element::kTet4;
   linear.rest = lattice_nodes(lattice, {});
   const int64_t cells = int64_t(lattice.count[0]) * lattice.count[1] * lattice.count[2];
+  // mirror the cells below the middle planes, so that the tetrahedra are symmetric about them
   Array<int32_t> hexahedra(cells, 8);
   std::vector<uint8_t> odd;  // mirrored an odd number of times
   BoxLattice::for_each_place(lattice.count, [&](const Place& cell) {
@@ -82,11 +83,13 @@ fem::ElementMesh mapped_tets(const MappedBody& body, int n, bool octant) {
     odd.push_back(std::popcount(unsigned(flip)) & 1);
   });
   linear.elements = fem::kuhn_tets(hexahedra);
+  // a mirrored tetrahedron is inside out: swap two of its corners
   for (int64_t e = 0; e < linear.elements.rows(); ++e)
     if (odd[size_t(e / 6)]) std::swap(linear.elements(e, 2), linear.elements(e, 3));
   linear.material = Array<int32_t>(linear.elements.rows());
 
   ElementMesh mesh = fem::quadratic(linear);
+  // map all nodes, so that edges are curved
   for (int64_t node = 0; node < mesh.rest.rows(); ++node) {
     double* X = mesh.rest.row(node);
     const Vec3 x = body.map({X[0], X[1], X[2]});

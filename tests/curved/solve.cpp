@@ -102,6 +102,7 @@ Array<double> interpolated(const TetSolution& coarse, const ElementMesh& mesh) {
 
 /// The voxels of a mesh at positive coordinates, with their nodes; node_of are those in the whole.
 ElementMesh octant_of(const ElementMesh& mesh, std::vector<int32_t>& node_of) {
+  // number the nodes in the order in which the voxels of the octant name them
   std::vector<int32_t> number(size_t(mesh.rest.rows()), -1);
   std::vector<int64_t> voxels;
   for (int64_t v = 0; v < mesh.elements.rows(); ++v) {
@@ -115,6 +116,7 @@ ElementMesh octant_of(const ElementMesh& mesh, std::vector<int32_t>& node_of) {
       node_of.push_back(node);
     }
   }
+  // copy the rows of its nodes and voxels
   ElementMesh part = mesh;
   const auto count = int64_t(voxels.size());
   part.rest = Array<double>(int64_t(node_of.size()), 3);

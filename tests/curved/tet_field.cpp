@@ -30,6 +30,7 @@ Box box_of(const fem::ElementMesh& mesh, int64_t element) {
 }  // namespace
 
 TetField::TetField(const fem::ElementMesh& mesh) : mesh_(mesh) {
+  // the edge of a bucket is the mean edge of the elements' boxes
   Box whole;
   double sum = 0;
   for (int64_t e = 0; e < mesh.elements.rows(); ++e) {
@@ -42,6 +43,7 @@ TetField::TetField(const fem::ElementMesh& mesh) : mesh_(mesh) {
   edge_ = sum / double(mesh.elements.rows());
   for (int d = 0; d < 3; ++d) count_[d] = int(whole.extent(d) / edge_) + 1;
   buckets_.resize(size_t(count_[0]) * size_t(count_[1]) * size_t(count_[2]));
+  // list each element in the buckets that its box touches
   for (int64_t e = 0; e < mesh.elements.rows(); ++e) {
     const Box box = box_of(mesh, e);
     int first[3], last[3];
@@ -61,10 +63,12 @@ TetField::TetField(const fem::ElementMesh& mesh) : mesh_(mesh) {
 double TetField::inside(int64_t element, const Vec3& X, double* N) const {
   double nodes[30], dN[30];
   fem::element_nodes(mesh_, element, nodes);
+  // `nodes` are relative to the first one; the size is the largest component of a corner
   const double* origin = mesh_.rest.row(mesh_.elements(element, 0));
   double size = 0;
   for (int k = 3; k < 12; ++k) size = std::max(size, std::abs(nodes[k]));
   Vec3 xi = {0.25, 0.25, 0.25};
+  // Newton's method for the local coordinates xi
   for (int iteration = 0; iteration < 20; ++iteration) {
     fem::shape_functions(Element::kTet10, xi, N);
     Mat3<double> J;

@@ -172,6 +172,7 @@ TEST(AssetCheck, TexturesWithoutCoordinatesAreDroppedAndSaid) {
 }
 
 TEST(AssetCheck, CountsWhatIsWrong) {
+  // each block damages a new cube
   Asset asset = cube();
   corners(asset).insert(corners(asset).end(), {0, 0, 1, 5, 5, 5});
   EXPECT_EQ(count_after_check(asset, "zero-area"), 2);
@@ -266,6 +267,7 @@ TEST(AssetCheck, FindsWhatIsWrongInRealFiles) {
   Asset mixed = read_obj(folder + "broken/spot_mixed_winding.obj");
   check_asset(mixed);
   EXPECT_GT(count_of(mixed, "mixed-winding"), 1000);
+  // cube of the scale, and the volume over it: far from the origin, micrometres, parsecs
   const double volumes[][2] = {{1, 0.718}, {1e-18, 0.718}, {27e48, 0.718}};
   const char* names[] = {"spot_far_1e7", "spot_micrometres", "spot_parsec"};
   for (int k = 0; k < 3; ++k) {

@@ -168,11 +168,13 @@ TEST(PlyWriter, ACloudMovesWithItsNormalsAndColours) {
   ASSERT_TRUE(writer->needs_gradient());
   Array<double> displacement(2, 3), F = still(2);
   writer->frame({.displacement = displacement, .gradient = F});
+  // the second frame moves the first point and has a shear and a stretch
   displacement(0, 0) = 0.5;
   F(0, 2) = 1;  // x moves by z: F^-T turns (0, 0, 1) into itself
   F(1, 0) = 2;  // (0.6, 0.8, 0) becomes (0.3, 0.8, 0)
   writer->frame({.displacement = displacement, .gradient = F});
   writer->finish();
+  // values of both frames
   const Ply rest(folder.path("out_00000.ply")), ply(folder.path("out_00001.ply"));
   ASSERT_EQ(rest.body.size(), 2u * 28);
   EXPECT_EQ(values_at<float>(rest.body, 0, 6), (std::vector<float>{1, 2, 3, 0, 0, 1}));
@@ -227,6 +229,7 @@ TEST(PlyWriter, SplatsHaveTheLayoutOfTheirTrainer) {
   writer->frame({.displacement = Array<double>(2, 3), .gradient = still(2)});
   writer->finish();
   const Ply ply(folder.path("out_00000.ply"));
+  // order of the properties
   size_t at = 0;
   for (const char* name : {"x", "y", "z", "nx", "ny", "nz", "f_dc_0", "f_dc_2", "f_rest_0",
                            "f_rest_8", "opacity", "scale_0", "scale_2", "rot_0", "rot_3"}) {
@@ -235,6 +238,7 @@ TEST(PlyWriter, SplatsHaveTheLayoutOfTheirTrainer) {
     EXPECT_GT(next, at) << name;
     at = next;
   }
+  // values of the first splat, then opacity 1 and a small scale of the second
   ASSERT_EQ(ply.body.size(), 2u * 26 * 4);
   const std::vector<float> v = values_at<float>(ply.body, 0, 52);
   const float expected[18] = {0.1f, -2, 3, 0, 0, 0, 0, 1, 2, 3, 6, 9, 4, 7, 10, 5, 8, 11};
@@ -431,6 +435,7 @@ TEST(FrameWriters, RefuseWhatTheyCannotWrite) {
         [&] { AnimationWriter::create(folder.path(name), asset, kUnitScale)->frame(frame); },
         ErrorKind::kUsage);
   };
+  // frames of a wrong shape or with numbers that are not finite
   const Array<double> none(2, 3), F = still(2);
   Array<double> bad(2, 3), bad_F = F;
   bad(1, 1) = NAN, bad_F(0, 0) = HUGE_VAL;
@@ -443,6 +448,7 @@ TEST(FrameWriters, RefuseWhatTheyCannotWrite) {
   expect_says(refused("out.ply", {.displacement = none, .gradient = bad_F}), "finite");
   asset.path = folder.path("out_00000.ply");
   expect_says(refused("out.ply", {.displacement = none, .gradient = F}), "input");
+  // folders that do not exist, then animations without a frame
   for (const char* name : {"out.ply", "out.pc2", "out.pvd"}) {
     expect_says(error_of(
                     [&] {

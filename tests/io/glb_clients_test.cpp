@@ -127,6 +127,7 @@ TEST_F(GlbClients, MeshesThatTouchStayTogether) {
 TEST_F(GlbClients, CollidersStandAndMoveInTheAssetsNumbers) {
   const Asset asset = read(instances());
   const Surface surface = pose_surface(asset, 0.5);
+  // a floor at rest and a ball that moves
   Scene scene;
   scene.colliders = {half_space({0, 1, 0}, -0.25, 0.5), Collider{}};
   Collider& ball = scene.colliders[1];
@@ -160,6 +161,7 @@ TEST_F(GlbClients, CollidersStandAndMoveInTheAssetsNumbers) {
     EXPECT_NEAR(box["ball"].lower[d], ball.centre[d] - 0.05, 1e-3);
     EXPECT_NEAR(box["ball"].upper[d], ball.centre[d] + 0.05, 1e-3);
   }
+  // only the ball moves
   int moving = 0;
   for (const Json& channel : file.document["animations"][0]["channels"]) {
     if (channel["target"]["path"] != "translation") continue;

@@ -21,6 +21,19 @@ struct Packed {
   size_t vertices = 0, triangles = 0;
 };
 
+/// A mesh as Draco packs it. @param bits  of positions and UVs; 0: whole floats.
+Packed packed(const draco::Mesh& mesh, int method, int bits) {
+  draco::Encoder encoder;
+  encoder.SetEncodingMethod(method);
+  if (bits > 0) {
+    encoder.SetAttributeQuantization(draco::GeometryAttribute::POSITION, bits);
+    encoder.SetAttributeQuantization(draco::GeometryAttribute::TEX_COORD, bits);
+  }
+  draco::EncoderBuffer buffer;
+  EXPECT_TRUE(encoder.EncodeMeshToBuffer(mesh, &buffer).ok());
+  return {std::string(buffer.data(), buffer.size()), mesh.num_points(), mesh.num_faces()};
+}
+
 /// @param bits  of quantized positions and UVs, 0 for floats.
 /// @param spare  bytes of one more attribute of each vertex, all zero.
 Packed packed_square(int n, int method = draco::MESH_EDGEBREAKER_ENCODING, int8_t spare = 0,
@@ -34,6 +47,7 @@ Packed packed_square(int n, int method = draco::MESH_EDGEBREAKER_ENCODING, int8_
       spare == 0 ? -1
                  : builder.AddAttribute(draco::GeometryAttribute::GENERIC, spare, draco::DT_UINT8);
   const std::vector<uint8_t> zeros(size_t(spare), 0);
+  // two triangles a cell
   int face = 0;
   for (int i = 0; i < n; ++i) {
     for (int j = 0; j < n; ++j) {
@@ -51,16 +65,7 @@ Packed packed_square(int n, int method = draco::MESH_EDGEBREAKER_ENCODING, int8_
       }
     }
   }
-  const std::unique_ptr<draco::Mesh> mesh = builder.Finalize();
-  draco::Encoder encoder;
-  encoder.SetEncodingMethod(method);
-  if (bits > 0) {
-    encoder.SetAttributeQuantization(draco::GeometryAttribute::POSITION, bits);
-    encoder.SetAttributeQuantization(draco::GeometryAttribute::TEX_COORD, bits);
-  }
-  draco::EncoderBuffer buffer;
-  EXPECT_TRUE(encoder.EncodeMeshToBuffer(*mesh, &buffer).ok());
-  return {std::string(buffer.data(), buffer.size()), mesh->num_points(), mesh->num_faces()};
+  return packed(*builder.Finalize(), method, bits);
 }
 
 /// A document whose only primitive is packed; accessors 0 and 1 are POSITION and TEXCOORD_0, 2 are

@@ -206,6 +206,7 @@ struct Damage {
 
 TEST_F(GltfReader, RefusesNumbersThatLeaveTheirBytes) {
   const uint64_t huge = UINT64_MAX - 7;
+  // accessors, buffer views, meshes, nodes, scenes and images in turn
   const std::vector<Damage> damages = {
       {"/accessors/0/byteOffset", huge, "byteOffset"},
       {"/accessors/0/byteOffset", 4, "leave the buffer view"},

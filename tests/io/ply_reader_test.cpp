@@ -14,7 +14,6 @@ Asset parsed_ply(std::string_view bytes) {
   return parse_ply(bytes, "file.ply");
 }
 
-/// Bytes of a value in an order.
 template <class T>
 std::string bytes_of(T value, std::endian order) {
   std::string raw(sizeof(T), '\0');
@@ -106,6 +105,7 @@ TEST(PlyReader, WithoutFacesItIsACloud) {
       "property uchar red\nproperty uchar green\nproperty uchar blue\n";
   const std::string rows = "0 0 0 0 0 1 255 0 0\n1 nan 0 1 0 0 0 255 0\n2 0 5 0 1 0 0 0 255\n";
   const std::string faces = "element face 0\nproperty list uchar int vertex_indices\n";
+  // no element of faces, or one with no rows
   for (const std::string& between : {std::string(), faces}) {
     const Asset asset = test::checked(parse_ply, head + between + "end_header\n" + rows);
     EXPECT_TRUE(asset.meshes.empty() && asset.nodes.empty() && !asset.splats);
@@ -128,8 +128,7 @@ TEST(PlyReader, WithoutFacesItIsACloud) {
               "triangle strips are not read");
 }
 
-/// Polygons over a row of squares, each with uv and a colour of its own at every corner and face;
-/// the values follow from the numbers of face and corner.
+/// A row of squares; the numbers of face and corner give the uvs and the colours of faces.
 struct CornerFile {
   std::string text;
   static double u(int face, int corner) { return 0.125 * face + 0.25 * (corner % 2); }
@@ -273,6 +272,7 @@ TEST(PlyReader, RefusesHeadersThatCannotBe) {
   const auto header = [&](const std::string& count, const std::string& rest) {
     return "ply\nformat ascii 1.0\nelement vertex " + count + "\n" + vertex + face + rest;
   };
+  // lines of the header, counts, rows of text, and elements without what a mesh needs
   const std::pair<std::string, std::string> cases[] = {
       {"", "file.ply:0: the header has no end"},
       {"ply\n", "file.ply:1: the header has no end"},

@@ -318,10 +318,12 @@ TEST(PackedSplats, LeavesFurtherHarmonicsOutWithAFinding) {
 
 TEST(PackedSplats, RefusesWhatCannotBe) {
   const std::array<uint32_t, 4> words = {kPosition, 0, kScale, kColour};
+  // files in which a property has another name
   std::string no_range = packed_file(1, 1, words, true);
   no_range.replace(no_range.find("max_y"), 5, "may_y");
   std::string no_colour = packed_file(1, 1, words, true);
   no_colour.replace(no_colour.find("packed_color"), 12, "packed_other");
+  // headers of elements, for files that have them in either order
   const std::string vertex =
       "element vertex 1\nproperty uint packed_position\nproperty uint packed_rotation\n"
       "property uint packed_scale\nproperty uint packed_color\n";
@@ -386,6 +388,7 @@ SplatCloud read(const std::string& path, Asset (*reader)(const std::string&)) {
 TEST(PlySplats, RealFilesOfOneSceneAgreeToTheirQuantisation) {
   const std::string folder = test::assets_folder();
   if (folder.empty()) GTEST_SKIP();
+  // one scene in three formats
   const SplatCloud packed = read(folder + "splats/guitar.compressed.ply", read_ply);
   const SplatCloud plain = read(folder + "splats/guitar_3dgs.ply", read_ply);
   const SplatCloud bytes = read(folder + "splats/guitar.splat", read_splat);
@@ -403,6 +406,7 @@ TEST(PlySplats, RealFilesOfOneSceneAgreeToTheirQuantisation) {
   EXPECT_LT(b.colour, 0.51 / 255);
   EXPECT_LT(b.rotation, 4. / (2 * 128 * 128) * 1.1);  // each component rounded down, 1/128
 
+  // another scene in two formats
   const SplatCloud spot = read(folder + "splats/spot_3dgs.ply", read_ply);
   const SplatCloud spz = read(folder + "splats/spot.spz", read_spz);
   for (const SplatCloud* s : {&spot, &spz}) EXPECT_EQ(s->position.size(), 20000u);

@@ -29,6 +29,7 @@ Json written(const RunReport& report) {
 }
 
 TEST(ReportFile, HasEveryFieldOfTheDocumentation) {
+  // a report, then the JSON that it gives
   RunReport report;
   report.asset = {"cat.obj",
                   "obj",

@@ -24,14 +24,16 @@ TEST_F(StateWriterTest, RootSaysWhatTheRunWas) {
   EXPECT_EQ(attribute("/", "gravity", 3), (std::vector<double>{0.5, -9.81, 0.25}));
 }
 
+struct Row {
+  const char* name;
+  hid_t type;
+  std::vector<hsize_t> extents;
+};
+
 TEST_F(StateWriterTest, HasTheShapesAndTypesOfTheDocumentation) {
   write(two_voxels());
   open();
-  struct Row {
-    const char* name;
-    hid_t type;
-    std::vector<hsize_t> extents;
-  };
+  // docs/formats.md, section of state files
   const hid_t f64 = H5T_IEEE_F64LE, i32 = H5T_STD_I32LE, u8 = H5T_STD_U8LE;
   const Row rows[] = {
       {"/grid/rest", f64, {kNodes, 3}},

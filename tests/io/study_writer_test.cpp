@@ -235,6 +235,7 @@ std::map<std::string, std::string> csv_row(const StudyRun& run) {
 
 /// Numbers of the small study's run by their heads; h is set to 0.1.
 std::map<std::string, double> small_study_numbers() {
+  // settings and sizes, then times, convergence and errors
   return {{"h [m]", 0.1},
           {"dt [s]", 0.5},
           {"tolerance [-]", 0.0078125},

@@ -96,6 +96,7 @@ inline ElementMesh block(Element element, int nx, int ny, int nz, double h, doub
   std::vector<int32_t> nodes;
   for (int32_t n = 0; n < mesh.rest.rows(); ++n) {
     const int at[3] = {n % (nx + 1), n / (nx + 1) % (ny + 1), n / (nx + 1) / (ny + 1)};
+    // a node inside moves; a cube starts at each node but those of the upper faces
     bool inner = true, starts = true;
     for (int d = 0; d < 3; ++d) {
       inner &= at[d] > 0 && at[d] < size[d];

@@ -200,6 +200,7 @@ inline SurfacePoints face_points(const VoxelGrid& grid) {
     int32_t voxel;
     int axis, side;
   };
+  // faces that no other voxel shares
   std::vector<Point> points;
   for (int64_t v = 0; v < grid.voxel_count(); ++v)
     for (int d = 0; d < 3; ++d)
@@ -208,6 +209,7 @@ inline SurfacePoints face_points(const VoxelGrid& grid) {
         const int32_t corner = grid.corners(v, side ? bit : 0);
         if (grid.voxels(corner, side ? 0 : bit) < 0) points.push_back({int32_t(v), d, side});
       }
+  // a point at the centre of each, with equal weights of its four corners
   SurfacePoints s;
   const int64_t count = int64_t(points.size());
   s.voxel = Array<int32_t>(count);

@@ -61,6 +61,7 @@ TEST(Boundary, WhatCannotBeReadIsRefusedWithItsText) {
   struct Row {
     const char *option, *text, *word;
   };
+  // `word` stands in the message
   const Row rows[] = {
       {"--hold", "x<1%", "colon"},
       {"--hold", "x<1%:", "no axis"},

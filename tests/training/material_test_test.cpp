@@ -311,16 +311,19 @@ TEST(MaterialTest, TakesTwentyThousandPointsAndNoMore) {
   EXPECT_THROW(read_material_test(text + "1.5,2\n", "t.csv"), Error);
 }
 
+/// The message with which a test is refused.
+std::string message(const std::string& text) {
+  try {
+    read_material_test(text, "t.csv");
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kAsset);
+    return error.what();
+  }
+  return "accepted";
+}
+
 TEST(MaterialTest, NamesLineAndColumnOfAnError) {
-  const auto message = [](const std::string& text) {
-    try {
-      read_material_test(text, "t.csv");
-    } catch (const Error& error) {
-      EXPECT_EQ(error.kind(), ErrorKind::kAsset);
-      return std::string(error.what());
-    }
-    return std::string("accepted");
-  };
+  // one fault each
   struct {
     const char *text, *place, *reason;
   } const kCases[] = {

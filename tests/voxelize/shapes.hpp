@@ -75,6 +75,7 @@ inline Soup sphere(double radius, const Vec3& centre, int level) {
   soup.vertices = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
   soup.triangles = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4},
                     {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
+  // cut each triangle into four; the middles of its edges move onto the sphere
   for (int l = 0; l < level; ++l) {
     std::map<std::pair<int, int>, int> middle;
     const auto halve = [&](int a, int b) {

@@ -137,6 +137,7 @@ inline SliverCounts expect_sliver_rules(const Surface& surface, const VoxelizeOp
   EXPECT_EQ(result.grid.voxel_count(), whole.voxel_count() - counts.dropped);
 
   const BrickIndex index(result.grid.voxel_coord);
+  // filled share of each voxel of the whole grid; 1 where no surface cuts it
   Fills all;
   for (int64_t v = 0; v < whole.voxel_count(); ++v) {
     const int32_t* at = whole.voxel_coord.row(v);
@@ -144,6 +145,7 @@ inline SliverCounts expect_sliver_rules(const Surface& surface, const VoxelizeOp
   }
   for (int64_t c = 0; c < body.cells.count(); ++c)
     if (body.kept[c]) all[body.cells.coord[c]] = body.share(c);
+  // missing voxels are thin, and slivers that are left may not go
   Fills left = all;
   for (const auto& [coord, fill] : all)
     if (index.find(coord) < 0) {

@@ -48,6 +48,7 @@ TEST(MshReader, LeavesOutSectionsThatItDoesNotKnow) {
 
 TEST(MshReader, RefusesBrokenText) {
   const std::string one = elements2("1", "1 4 2 0 1 1 2 3 4\n");
+  // sections, then nodes and elements of version 2.2, then blocks of version 4.1
   const std::pair<std::string, std::string> cases[] = {
       {"$MeshFormat\n4.0 0 8\n", "file:2: version \"4.0\" is not read; save it as 4.1 or 2.2"},
       {"$MeshFormat\n2.2 2 8\n", "file:2: the kind of file must be from 0 to 1"},

@@ -112,6 +112,7 @@ inline std::string msh2_file(const TetCells& mesh, bool binary,
                              std::endian order = std::endian::little) {
   NumberWriter out(binary, order);
   msh_head("2.2", binary, out);
+  // nodes, then elements
   out.text("$Nodes\n" + std::to_string(mesh.points.size()) + '\n');
   for (size_t p = 0; p < mesh.points.size(); ++p) {
     out.put(int32_t(msh_number(p)));
@@ -162,6 +163,7 @@ inline std::string msh4_file(const TetCells& mesh, bool binary,
   NumberWriter out(binary, order);
   msh_head("4.1", binary, out);
   put_msh4_entities(mesh, out);
+  // nodes in two blocks, with and without parameters
   out.text("$Nodes\n");
   for (const size_t value : {size_t(2), mesh.points.size(), size_t(1), size_t(46)})
     out.put(uint64_t(value));
@@ -179,6 +181,7 @@ inline std::string msh4_file(const TetCells& mesh, bool binary,
       out.end_line();
     }
   }
+  // a block for each element
   out.text("\n$EndNodes\n$Elements\n");
   for (const size_t value : {mesh.cells.size(), mesh.cells.size(), size_t(100), size_t(999)})
     out.put(uint64_t(value));
@@ -194,21 +197,11 @@ inline std::string msh4_file(const TetCells& mesh, bool binary,
   return out.str();
 }
 
-inline std::string vtk_file(const TetCells& mesh, bool binary, int version) {
-  NumberWriter out(binary, std::endian::big);
-  std::ostringstream head;
-  head << "# vtk DataFile Version " << version << ".1\na title\n"
-       << (binary ? "BINARY" : "ASCII") << "\nDATASET UNSTRUCTURED_GRID\n"
-       << "FIELD FieldData 1\nTimeValue 1 1 double\n";
-  out.text(head.str());
-  out.put(0.5);
-  out.text("\nPOINTS " + std::to_string(mesh.points.size()) + " float\n");
-  for (const Vec3& point : mesh.points)
-    for (const double x : point) out.put(float(x));
+/// CELLS, since version 5 as OFFSETS and CONNECTIVITY.
+inline void put_vtk_cells(const TetCells& mesh, int version, NumberWriter& out) {
   const size_t count = mesh.cells.size();
   size_t corners = 0;
   for (const std::vector<int>& cell : mesh.cells) corners += cell.size();
-  out.text("\nMETADATA\nINFORMATION 0\n\n");
   if (version < 5) {
     out.text("CELLS " + std::to_string(count) + ' ' + std::to_string(count + corners) + '\n');
   } else {
@@ -223,6 +216,23 @@ inline std::string vtk_file(const TetCells& mesh, bool binary, int version) {
     if (version < 5) out.put(int32_t(cell.size()));
     for (const int c : cell) version < 5 ? out.put(int32_t(c)) : out.put(int64_t(c));
   }
+}
+
+inline std::string vtk_file(const TetCells& mesh, bool binary, int version) {
+  NumberWriter out(binary, std::endian::big);
+  std::ostringstream head;
+  head << "# vtk DataFile Version " << version << ".1\na title\n"
+       << (binary ? "BINARY" : "ASCII") << "\nDATASET UNSTRUCTURED_GRID\n"
+       << "FIELD FieldData 1\nTimeValue 1 1 double\n";
+  out.text(head.str());
+  out.put(0.5);
+  out.text("\nPOINTS " + std::to_string(mesh.points.size()) + " float\n");
+  for (const Vec3& point : mesh.points)
+    for (const double x : point) out.put(float(x));
+  out.text("\nMETADATA\nINFORMATION 0\n\n");
+  put_vtk_cells(mesh, version, out);
+  // types and fields of cells
+  const size_t count = mesh.cells.size();
   out.text("\nCELL_TYPES " + std::to_string(count) + '\n');
   for (const int type : mesh.types) out.put(int32_t(type));
   out.text("\nCELL_DATA " + std::to_string(count) +
@@ -324,6 +334,7 @@ class VtuBuilder {
 };
 
 inline std::string vtu_file(const TetCells& mesh, const VtuOptions& options) {
+  // points and cells as flat lists
   std::vector<double> x;
   for (const Vec3& point : mesh.points) x.insert(x.end(), point.begin(), point.end());
   std::vector<int32_t> corners;
@@ -332,6 +343,7 @@ inline std::string vtu_file(const TetCells& mesh, const VtuOptions& options) {
     corners.insert(corners.end(), cell.begin(), cell.end());
     ends.push_back(int64_t(corners.size()));
   }
+  // data of points and cells, then cells, then points
   VtuBuilder out(options);
   out.xml("<UnstructuredGrid>\n<FieldData/>\n<Piece NumberOfPoints=\"" +
           std::to_string(mesh.points.size()) + "\" NumberOfCells=\"" +

@@ -35,6 +35,7 @@ TEST(VtkReader, RegionsAreAnArrayOfOneIntegerACell) {
 }
 
 TEST(VtkReader, RefusesBrokenText) {
+  // head, sections, points, cells, types and data of cells, then offsets of version 5
   const std::pair<std::string, std::string> cases[] = {
       {"# vtk DataFile Version 6.0\n", "file:1: version \"6.0\" is not read"},
       {"# vtk DataFile Version x\n", "file:1: version \"x\" is not read"},

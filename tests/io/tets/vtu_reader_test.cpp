@@ -177,6 +177,7 @@ TEST(VtuReader, ReadsOneArrayOfEachEncoding) {
       with_types("", outer, "", raw + "x" + header + "\n</AppendedData>")};
   for (const std::string& file : good) EXPECT_EQ(parse_tets(file, "f").elements.rows(), 1);
 
+  // damaged base64, headers, offsets and packed blocks
   const std::pair<std::string, std::string> cases[] = {
       {with_types("", inner, test::base64(header)), "fewer bytes are there than its header claims"},
       {with_types("", inner, ""), "file:10: the array types: fewer bytes"},

@@ -97,6 +97,7 @@ TEST(ShippedWeights, TaylorRemaindersFallWithOrderTwo) {
         Mat3<double> F = gaussian(random);
         const Mat3<double> dF = gaussian(random);
         for (int m = 0; m < 9; ++m) F.m[m] = (m % 4 == 0) + 0.15 * F.m[m];
+        // stress and Hessian at F give the linear terms along dF
         double outside;
         const Svd3<double> s = svd3(F);
         const Response<double> r = learned_response<true>(*net, p, s.sigma, outside);
@@ -104,6 +105,7 @@ TEST(ShippedWeights, TaylorRemaindersFallWithOrderTwo) {
                            dP = apply(principal_hessian(s.sigma, r), s, dF);
         double slope = 0, of_psi[2], of_P[2];
         for (int m = 0; m < 9; ++m) slope += P.m[m] * dF.m[m];
+        // remainders at two step sizes
         const double steps[2] = {1e-3, 1e-5};
         for (int n = 0; n < 2; ++n) {
           Mat3<double> moved, linear;

@@ -55,6 +55,7 @@ struct Fixture {
         [&](int64_t n, int64_t, double value[3]) {
           for (int i = 0; i < 3; ++i) value[i] = field[size_t(3 * n + i)];
         },
+        // forces of a row of voxels; lanes without a voxel have weight 0
         [&](int64_t r, const Pack<double> u[3][8], Pack<double> f[3][8], NoSums&) {
           Pack<double> w{};
           for (int lane = 0; lane < kLanes; ++lane) {

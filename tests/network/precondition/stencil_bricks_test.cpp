@@ -163,7 +163,8 @@ TEST(StencilBricks, LinksOfTwoLevelsAreEachOthers) {
       const Coord at = coarse.nodes.first_place(b), child = fine.nodes.first_place(below);
       for (size_t d = 0; d < 3; ++d) ASSERT_EQ(child[d], 2 * at[d] + 8 * offset[d]);
       if (offset[0] < 0 || offset[1] < 0 || offset[2] < 0) continue;
-      // one before half the coordinate where that is even: what lies before the brick has it too
+      // coarse links of a brick count from (coordinate - 1) / 2, rounded down: brick b has offset 1
+      // on axes where the coordinate of `below` is even, and offset 0 where it is odd
       int place = 0;
       for (int d = 0; d < 3; ++d) place |= (offset[d] == 0) << d;
       ASSERT_EQ(fine.links[size_t(below)].coarse[place], int32_t(b));
