@@ -4,6 +4,7 @@
 
 #pragma once
 
+#include "core/cuda/card.hpp"
 #include "core/cuda/signal.cuh"
 #include "network/paper/paper_solver_device.hpp"
 #include "network/step/frames.cuh"

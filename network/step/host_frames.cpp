@@ -12,7 +12,7 @@ HostFrames::HostFrames(const VoxelGrid& grid, const Embedding& embedding, bool w
   }
 }
 
-void HostFrames::make(int slot, In<double> x) {
+void HostFrames::make(int slot, const Array<double>& x) {
   deform_asset(grid_, embedding_, x, slots_[slot].displacement);
   if (!slots_[slot].gradient.empty())
     deformation_gradient(grid_, embedding_, x, slots_[slot].gradient);

@@ -15,7 +15,7 @@ class HostFrames {
 
   /// Makes a frame of positions x [m], (nodes, 3).
   /// @param slot  0 or 1; the frame that was there is gone.
-  void make(int slot, In<double> x);
+  void make(int slot, const Array<double>& x);
   CarriedFrame get(int slot) const;
 
  private:

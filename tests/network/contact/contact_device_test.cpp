@@ -6,6 +6,7 @@
 
 #include "network/contact/contact_device.hpp"
 
+#include "core/error.hpp"
 #include "network/solver.hpp"
 #include "network/step/quasi_solver_device.hpp"
 #include "tests/network/contact/contact_scenes.hpp"

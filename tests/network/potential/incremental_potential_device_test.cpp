@@ -6,6 +6,7 @@
 
 #include "core/error.hpp"
 #include "network/solver.hpp"
+#include "network/step/quasi_solver.hpp"
 #include "tests/network/device_memory.hpp"
 #include "tests/network/device_support.hpp"
 #include "tests/network/potential/device_potential_support.hpp"

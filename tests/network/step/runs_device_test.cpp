@@ -4,6 +4,7 @@
 
 #ifdef ELASTOGEN_CUDA
 
+#include "core/error.hpp"
 #include "network/solver.hpp"
 #include "tests/network/step/moving_scenes.hpp"
 
