@@ -111,12 +111,20 @@ void add_scene_options(CLI::App& app, AnimateOptions& o, Typed& t) {
       ->capture_default_str();
 }
 
-void add_run_options(CLI::App& app, AnimateOptions& o, Typed& t) {
-  // time, solver, energy, hardware, budgets
+/// Length and rate of the clip, and its time steps.
+void add_time_options(CLI::App& app, AnimateOptions& o, Typed& t) {
   app.add_option("--frames", o.frames, "frames after the first")->capture_default_str();
   app.add_option("--fps", o.fps, "frames a second")->capture_default_str();
   app.add_option("--substeps", t.substeps, "time steps a frame, or auto")->capture_default_str();
-  app.add_option("--time-scheme", t.scheme, "euler or bdf2")->capture_default_str();
+  app.add_option("--time-scheme", t.scheme, "euler, bdf2, sdirk2 or auto")->capture_default_str();
+  app.add_option("--time-error", t.time_error,
+                 "time scheme auto: share of a frame's motion that its steps may be off, e.g. 0.2%")
+      ->capture_default_str();
+}
+
+void add_run_options(CLI::App& app, AnimateOptions& o, Typed& t) {
+  // time, solver, energy, hardware, budgets
+  add_time_options(app, o, t);
   app.add_option("--solver", t.solver, "auto, quasi, newton or paper")->capture_default_str();
   app.add_option("--tolerance", o.solver.tolerance, "of the residual |grad E|/|M g|")
       ->capture_default_str();

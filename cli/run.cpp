@@ -26,6 +26,7 @@ namespace {
 /// Prints the numerical damping; for particles that of Euler's scheme alone, not of transfers.
 void print_damping(const Setup& setup, const ParticleOptions& options) {
   const bool parts = setup.particles.has_value();
+  if (setup.scene.scheme == TimeScheme::kAuto) return;  // the time error says more
   if (parts && options.integrator == Integrator::kExplicit) return;
   double dt = setup.scene.dt;
   if (parts) dt = options.dt > 0 ? std::min(options.dt, dt) : longest_part(dt);
@@ -64,6 +65,20 @@ void print_materials(const Setup& setup) {
   }
 }
 
+/// Prints how frames are divided into steps.
+void print_steps(const Setup& setup, const AnimateOptions& o) {
+  const Scene& scene = setup.scene;
+  if (scene.scheme == TimeScheme::kAuto)
+    fmt::print(
+        "{} frames at {:.4g} fps, steps for a time error of {:.3g} %, Courant number of a "
+        "frame {:.3g}\n",
+        o.frames, o.fps, 100 * o.solver.time_error, courant_number(scene));
+  else
+    fmt::print("{} frames at {:.4g} fps, {} step{} a frame of {:.4g} s, Courant number {:.3g}\n",
+               o.frames, o.fps, setup.substeps, setup.substeps == 1 ? "" : "s", scene.dt,
+               courant_number(scene));
+}
+
 /// Prints in a few lines what will be computed: size, up, grid, material, time step, damping.
 void print_setup(const Setup& setup, const AnimateOptions& o) {
   const Scene& scene = setup.scene;
@@ -94,9 +109,7 @@ void print_setup(const Setup& setup, const AnimateOptions& o) {
     std::fflush(stdout);
     return;
   }
-  fmt::print("{} frames at {:.4g} fps, {} step{} a frame of {:.4g} s, Courant number {:.3g}\n",
-             o.frames, o.fps, setup.substeps, setup.substeps == 1 ? "" : "s", scene.dt,
-             courant_number(scene));
+  print_steps(setup, o);
   print_damping(setup, o.particles);
   std::fflush(stdout);
 }
@@ -104,6 +117,12 @@ void print_setup(const Setup& setup, const AnimateOptions& o) {
 void print_summary(const RunReport& r) {
   fmt::print("{} of {} steps converged, worst residual {:.2e}, min J {:.3f}\n",
              std::llround(r.converged_share * double(r.steps)), r.steps, r.worst_residual, r.min_j);
+  if (r.time_error > 0)
+    fmt::print(
+        "time error: {:.2g} m in all, {:.2g} m in a frame at most (estimates); {:.2f} "
+        "solves a frame, {} of {} steps made again\n",
+        r.time_error, r.largest_time_error,
+        double(r.solves) / double(std::max<int64_t>(r.frames, 1)), r.rejected_steps, r.steps);
   fmt::print("{:.1f} ms a step (median), {:.2f} s in all\n", quantile(r.step_ms, 0.5),
              r.stage_seconds.read + r.stage_seconds.voxelize + r.stage_seconds.setup +
                  r.stage_seconds.steps + r.stage_seconds.write);

@@ -236,6 +236,7 @@ SceneValue time_table(const AnimateOptions& o) {
   t.set("fps", scene_number(o.fps));
   t.set("substeps", quantity(o.substeps, "auto"));
   t.set("scheme", scene_text(find_scene_key("time", "scheme")->words[size_t(o.scheme)]));
+  t.set("error", scene_number(o.solver.time_error));
   return t;
 }
 

@@ -91,10 +91,21 @@ void copy(const Vec3& from, double to[3]) {
   std::copy(from.begin(), from.end(), to);
 }
 
+/// A share, as a number or in per cent.
+double resolve_share(const char* option, const std::string& text) {
+  const bool percent = !text.empty() && text.back() == '%';
+  const double share = parse_number(text.substr(0, text.size() - percent)) / (percent ? 100 : 1);
+  ELASTOGEN_CHECK(share > 0 && share < 1, option, " '", text, "': expected more than 0 and less ",
+                  "than 100 %");
+  return share;
+}
+
 /// Finite elements have one scheme more than the network.
 void resolve_scheme(const Typed& t, AnimateOptions& o) {
   if (!o.fem) {
-    o.scheme = TimeScheme(choice("--time-scheme", t.scheme, {"euler", "bdf2"}));
+    o.scheme = TimeScheme(choice("--time-scheme", t.scheme, {"euler", "bdf2", "sdirk2", "auto"}));
+    ELASTOGEN_CHECK(o.scheme != TimeScheme::kAuto || t.substeps == "auto",
+                    "--time-scheme auto finds its own steps: leave out --substeps");
     return;
   }
   const int scheme = choice("--time-scheme", t.scheme, {"euler", "bdf2", "newmark"});
@@ -175,6 +186,7 @@ void convert(const Typed& t, AnimateOptions& o) {
   o.read.splat_scales = splat_scales_from_name(t.splat_scales);
   o.read.grid = t.grid == "auto" ? "" : t.grid;
   o.substeps = resolve_substeps(t.substeps);
+  o.solver.time_error = resolve_share("--time-error", t.time_error);
   resolve_scheme(t, o);
   resolve_solver(t, o);
   // outputs

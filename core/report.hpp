@@ -16,9 +16,15 @@ struct EnergyParts {
 };
 
 struct StepReport {
-  int64_t step = 0;  ///< counted from 1
-  double time = 0;   ///< at the end of the step [s]
+  int64_t step = 0;   ///< counted from 1
+  double time = 0;    ///< at the end of the step [s]
+  double length = 0;  ///< of the step [s]
   TimeScheme scheme = TimeScheme::kEuler;
+  bool completes = true;     ///< it ends an interval dt of the scene; shorter steps make it up
+  int solves = 1;            ///< minimisations of Phi: stages, those of rejected steps included
+  int rejected = 0;          ///< steps that were tried before and had too large a time error
+  double time_error = 0;     ///< estimate of what the step adds to the time error [m]; 0: none made
+  double time_ratio = 0;     ///< that over its tolerance, of the piece where it is largest
   bool converged = false;    ///< residual <= tolerance
   double residual = 0;       ///< |grad Phi| / |M g_ref| in float64 on the state that is written
   int outer = 0;             ///< quasi: L-BFGS iterations; newton: Newton steps

@@ -19,6 +19,7 @@ struct State {
   // the step before, for BDF2; filled by step
   Array<double> x_before;  ///< (nodes, 3); empty: the next step is implicit Euler
   Array<double> v_before;  ///< (nodes, 3)
+  double h_before = 0;     ///< its length [s]; 0: the dt of the scene
 };
 
 /// Parts to read of a state that is stepped elsewhere: the positions alone, or all.

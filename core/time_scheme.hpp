@@ -5,15 +5,29 @@
 
 #include "core/scene.hpp"
 #include "core/state.hpp"
+#include "core/time_stage.hpp"
 
 namespace elastogen {
 
-/// The scheme of one step: Phi contains a0/(2 dt^2) m |x - xhat|^2.
+/// The scheme of one step, or of a stage of it: Phi contains a0/(2 dt^2) m |x - xhat|^2.
 struct StepScheme {
   TimeScheme scheme = TimeScheme::kEuler;
-  double dt = 0;  ///< [s]
-  double a0 = 1;  ///< 1 for Euler, 9/4 for BDF2
+  double dt = 0;         ///< [s]
+  double a0 = 1;         ///< 1 for Euler, 9/4 for BDF2
+  TimeStage stage = {};  ///< where it stands for one (is_stage)
+  bool is_stage = false;
+
+  StepScheme() = default;
+  StepScheme(TimeScheme s, double step, double factor) : scheme(s), dt(step), a0(factor) {}
+  /// Of a stage: dt = k, a0 = 1.
+  StepScheme(TimeScheme s, const TimeStage& of) : scheme(s), dt(of.k), stage(of), is_stage(true) {}
+
+  /// Time of its end after the start of the step [s].
+  double end() const { return is_stage ? stage.t : dt; }
 };
+
+/// "euler", "bdf2", "sdirk2", "auto".
+const char* scheme_name(TimeScheme scheme);
 
 /// BDF2 where the scene asks for it and there is a step before; else implicit Euler.
 StepScheme step_scheme(const Scene& scene, bool has_before);

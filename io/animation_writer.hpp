@@ -18,8 +18,9 @@ namespace elastogen {
 /// What the solver certifies about one frame; the rest pose is converged with residual 0.
 struct FrameCertificate {
   bool converged = false;
-  double residual = 0;  ///< |grad E| / |M g_ref| of the true equations [-]
-  double min_j = 1;     ///< smallest det F [-]
+  double residual = 0;    ///< |grad E| / |M g_ref| of the true equations [-]
+  double min_j = 1;       ///< smallest det F [-]
+  double time_error = 0;  ///< estimate of what its steps add to the time error [m]; 0: none made
 };
 
 /// One frame as writers see it. The carried points are the vertices of the surface, or the asset's

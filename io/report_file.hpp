@@ -40,6 +40,10 @@ struct RunReport {
   double converged_share = 0;     ///< share of the steps, 0 ... 1
   double worst_residual = 0;      ///< largest of all steps
   double min_j = 1;               ///< smallest det F of all steps
+  double time_error = 0;          ///< estimates of the time error, summed over the steps [m]
+  double largest_time_error = 0;  ///< of a frame [m]
+  int64_t solves = 0;             ///< minimisations: stages, those of rejected steps included
+  int64_t rejected_steps = 0;     ///< that were made again for their time error
   int64_t outside_fit = 0;        ///< voxels outside the box of their nets, summed over the steps
   std::vector<int64_t> long_steps;  ///< steps (from 1) of far more iterations than the median
   StageSeconds stage_seconds;

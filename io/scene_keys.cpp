@@ -174,10 +174,18 @@ Keys time_keys() {
        T::kText,
        "euler",
        "--time-scheme",
-       "implicit Euler or BDF2",
+       "implicit Euler, BDF2 or SDIRK2 of fixed steps, or steps by their time error",
        Q::kNumber,
        {},
-       {"euler", "bdf2"}},
+       {"euler", "bdf2", "sdirk2", "auto"}},
+      {"time",
+       "error",
+       T::kNumber,
+       "0.005",
+       "--time-error",
+       "scheme auto: error of a frame's steps in time, as a share of the motion in it",
+       Q::kNumber,
+       {.least = 0, .most = 1, .above = true, .below = true}},
   };
 }
 

@@ -4,6 +4,7 @@
 #include "core/constants.hpp"
 #include "core/error.hpp"
 #include "core/scene.hpp"
+#include "core/time_scheme.hpp"
 #include "io/hdf5_file.hpp"
 #include "io/safe_file.hpp"
 
@@ -18,10 +19,6 @@
 namespace elastogen {
 
 namespace {
-
-std::string scheme_name(TimeScheme scheme) {
-  return scheme == TimeScheme::kBdf2 ? "bdf2" : "euler";
-}
 
 const char* hourglass_name(Hourglass hourglass) {
   switch (hourglass) {

@@ -2,14 +2,29 @@
 #include "io/step_log.hpp"
 
 #include "core/error.hpp"
+#include "core/time_scheme.hpp"
 
 #include <nlohmann/json.hpp>
 
 namespace elastogen {
 
+namespace {
+
+nlohmann::ordered_json energies(const StepReport& report) {
+  const EnergyParts& energy = report.energy;
+  nlohmann::ordered_json json = {{"kinetic", energy.kinetic},
+                                 {"elastic", energy.elastic},
+                                 {"hourglass", energy.hourglass},
+                                 {"gravity", energy.gravity},
+                                 {"contact", energy.contact}};
+  if (report.yields) json["plastic"] = energy.plastic;
+  return json;
+}
+
+}  // namespace
+
 std::string step_log_line(int64_t frame, const StepReport& report,
                           const std::optional<CloudReport>& cloud) {
-  const EnergyParts& energy = report.energy;
   // what every step has
   nlohmann::ordered_json line = {
       {"frame", frame},
@@ -19,24 +34,25 @@ std::string step_log_line(int64_t frame, const StepReport& report,
       {"residual", report.residual},
       {"outer", report.outer},
       {"inner", report.inner},
-      {"scheme", report.scheme == TimeScheme::kBdf2 ? "bdf2" : "euler"},
+      {"scheme", scheme_name(report.scheme)},
       {"float64", report.float64},
       {"finite", report.finite},
       {"min_j", report.min_j},
       {"min_corner_j", report.min_corner_j},
       {"outside_fit", report.outside_fit},
-      {"energies",
-       {{"kinetic", energy.kinetic},
-        {"elastic", energy.elastic},
-        {"hourglass", energy.hourglass},
-        {"gravity", energy.gravity},
-        {"contact", energy.contact}}},
+      {"energies", energies(report)},
       {"active_share", report.active_share},
       {"deepest_overlap", report.deepest_overlap},
       {"ms", report.ms},
   };
+  // what only steps of the network have
+  if (report.length > 0) {
+    line["length"] = report.length;
+    line["solves"] = report.solves;
+    line["rejected"] = report.rejected;
+    line["time_error"] = report.time_error;
+  }
   // what only bodies that yield and particles have
-  if (report.yields) line["energies"]["plastic"] = energy.plastic;
   if (report.yields || cloud) line["fallbacks"] = report.fallbacks;
   if (cloud)
     line["particles"] = {

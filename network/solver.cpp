@@ -22,13 +22,18 @@ constexpr double kEncoderSoftness = 5;  // and below it too: beams and balls tak
 void check_options(const SolverOptions& o) {
   ELASTOGEN_CHECK(o.tolerance > 0 && std::isfinite(o.tolerance),
                   "the tolerance must be positive, got ", o.tolerance);
+  ELASTOGEN_CHECK(o.time_error > 0 && std::isfinite(o.time_error),
+                  "the time error must be positive, got ", o.time_error);
   ELASTOGEN_CHECK(o.max_outer >= 0 && o.max_inner >= 0, "iteration limits must not be negative, ",
                   "got ", o.max_outer, " and ", o.max_inner);
 }
 
 /// Tables are built for the scheme of the run.
 StepScheme scheme_of_run(const Scene& scene) {
-  return {scene.scheme, scene.dt, scene.scheme == TimeScheme::kBdf2 ? 2.25 : 1};
+  double a0 = 1;
+  if (scene.scheme == TimeScheme::kBdf2 || scene.scheme == TimeScheme::kAuto) a0 = 2.25;
+  if (scene.scheme == TimeScheme::kSdirk2) a0 = 1 / (kSdirkStage * kSdirkStage);
+  return {scene.scheme, scene.dt, a0};
 }
 
 }  // namespace
@@ -48,6 +53,8 @@ Solver::Impl::Impl(const Scene& s, const SolverOptions& o)
   std::fill(std::begin(last_step), std::end(last_step), -kRetry);
   if (mode == SolverMode::kAuto) mode = is_stiff() ? SolverMode::kNewton : SolverMode::kQuasi;
 
+  ELASTOGEN_CHECK(mode != SolverMode::kPaper || !has_stages(s.scheme),
+                  "the paper's algorithm has no steps of stages: --time-scheme euler or bdf2");
   if (mode == SolverMode::kPaper) {
     check_paper_scene(*terms, o.paper);
     in_float = true;
@@ -64,8 +71,12 @@ Solver::Impl::Impl(const Scene& s, const SolverOptions& o)
 
 /// On the card where it is asked for or chosen, else on the host.
 void Solver::Impl::make_work(const EncoderChoice* encoder) {
-  const bool asked = options.device == Device::kCuda;
-  const bool wanted = asked || (options.device == Device::kAuto && in_float && cuda::has_device());
+  const bool asked = options.device == Device::kCuda, stages = has_stages(scene.scheme);
+  ELASTOGEN_CHECK(
+      !asked || !stages,
+      "the time schemes sdirk2 and auto run on the CPU: --device cpu, or euler or bdf2");
+  const bool wanted =
+      asked || (!stages && options.device == Device::kAuto && in_float && cuda::has_device());
   if (asked && !cuda::has_device())
     throw Error("there is no CUDA device, or none that this build can use: leave out --device cuda",
                 ErrorKind::kDevice);

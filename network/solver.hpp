@@ -40,10 +40,12 @@ enum class Device { kAuto, kCpu, kCuda };
 struct SolverOptions {
   SolverMode mode = SolverMode::kAuto;
   Device device = Device::kCpu;
-  double tolerance = 1e-3;   ///< of |grad Phi| / |M g_ref|
-  int max_outer = 400;       ///< L-BFGS iterations; a quarter of it for projected Newton steps
-  int max_inner = 400;       ///< PCG iterations of one Newton step
-  PaperLoops paper = {};     ///< loops and modes of the paper mode
+  double tolerance = 1e-3;  ///< of |grad Phi| / |M g_ref|
+  double time_error =
+      5e-3;               ///< of steps of TimeScheme::kAuto, of the motion in dt (time_error.hpp)
+  int max_outer = 400;    ///< L-BFGS iterations; a quarter of it for projected Newton steps
+  int max_inner = 400;    ///< PCG iterations of one Newton step
+  PaperLoops paper = {};  ///< loops and modes of the paper mode
   LearnedLaws learned = {};  ///< nets of the scene's materials; missing or null: analytic
   bool skip = true;          ///< false: float64 and encoder always, whatever the scene needs
   /// Polled once an iteration; where it says true the step is given up and the state stays.
@@ -82,7 +84,8 @@ class Solver {
   Solver(const Scene& scene, const SolverOptions& options);
   ~Solver();
 
-  /// Advances the state by dt. If the result is not finite the state stays as it was and the report
+  /// Advances the state by dt; with TimeScheme::kAuto by a step within dt, of which the report tells
+  /// the length and whether dt is complete. If the result is not finite the state stays as it was and the report
   /// says so. Same bits on every run and any number of threads.
   /// @throws Error if the state is not one of this scene or holds a number that is not finite.
   StepReport step(State& state);

@@ -129,7 +129,7 @@ class Clip {
 
   /// @return false if the clip ends here; end_ and a warning then say why.
   bool step_frame(int64_t frame, FrameCertificate& certificate) {
-    for (int k = 0; k < setup_.substeps; ++k) {
+    for (int k = 0; k < setup_.substeps;) {
       StepReport r;
       r.interrupted = stopped();
       if (!r.interrupted) r = stepper_->advance();
@@ -147,7 +147,9 @@ class Clip {
         return false;
       }
       take(frame, r, certificate);
+      k += r.completes;
     }
+    report_.largest_time_error = std::max(report_.largest_time_error, certificate.time_error);
     return true;
   }
 
@@ -155,6 +157,10 @@ class Clip {
     certificate.converged &= r.converged;
     certificate.residual = std::max(certificate.residual, r.residual);
     certificate.min_j = std::min(certificate.min_j, r.min_j);
+    certificate.time_error += r.time_error;
+    report_.time_error += r.time_error;
+    report_.solves += r.solves;
+    report_.rejected_steps += r.rejected;
     ++report_.steps;
     converged_ += r.converged;
     report_.worst_residual = std::max(report_.worst_residual, r.residual);

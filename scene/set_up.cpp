@@ -210,7 +210,8 @@ void add_time(const RunDescription& run, Setup& setup) {
   Vec3 down = {};
   down[size_t(setup.up.axis)] = -kReferenceGravity * setup.up.sign;
   scene.gravity = run.gravity.value_or(down);
-  setup.substeps = run.substeps > 0 ? run.substeps : automatic_substeps(run, setup);
+  const bool is_auto = run.scheme == TimeScheme::kAuto;  // its steps are within one of a frame
+  setup.substeps = run.substeps > 0 ? run.substeps : is_auto ? 1 : automatic_substeps(run, setup);
   scene.dt = 1 / (run.fps * setup.substeps);
   scene.scheme = run.scheme;
   scene.hourglass = run.hourglass;

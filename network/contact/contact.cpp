@@ -17,7 +17,9 @@ Contact::Contact(const Scene& scene) : scene_(scene) {
   ELASTOGEN_CHECK(
       s.weights.rows() == points_ && s.area.rows() == points_ && s.position.rows() == points_,
       "the surface points' arrays differ in length");
+  // lengths and obstacles, then arrays and stiffness of the points
   lengths_ = contact_lengths(scene);
+  slip_range_ = lengths_.slip_range;
   for (const Collider& c : scene.colliders)
     obstacles_.push_back({{offset_at(c, 0), offset_at(c, 0)}, core_of(c, lengths_.layer)});
   const auto points = size_t(points_);
@@ -34,13 +36,19 @@ Contact::Contact(const Scene& scene) : scene_(scene) {
   carried_.resize(size_t(scene.grid.node_count()));
 }
 
-/// Position of a point [m].
-Vec3 Contact::place_of(int64_t p, const double* u) const {
+/// Value at a point of a field of the nodes, (nodes, 3).
+Vec3 Contact::carried(int64_t p, const double* values) const {
   const int32_t* corners = scene_.grid.corners.row(scene_.surface.voxel(p));
   const double* w = scene_.surface.weights.row(p);
-  Vec3 place = {};
+  Vec3 sum = {};
   for (int c = 0; c < 8; ++c)
-    for (size_t i = 0; i < 3; ++i) place[i] += w[c] * u[3 * size_t(corners[c]) + i];
+    for (size_t i = 0; i < 3; ++i) sum[i] += w[c] * values[3 * size_t(corners[c]) + i];
+  return sum;
+}
+
+/// Position of a point [m].
+Vec3 Contact::place_of(int64_t p, const double* u) const {
+  Vec3 place = carried(p, u);
   for (size_t i = 0; i < 3; ++i) place[i] += scene_.surface.position(p, int(i));
   return place;
 }
@@ -74,15 +82,17 @@ void Contact::find_distances(const Obstacle& obstacle, const Vec3& offset) {
   });
 }
 
-void Contact::begin_step(const double* u, double time) {
+void Contact::begin_step(const double* u, double time, double dt) {
   if (!exists()) return;
+  lengths_.slip_range = slip_range_ * (dt / scene_.dt);
+  dt_ = dt;
   find_places(u, place_);
   start_ = place_;
   start_time_ = time;
   for (size_t w = 0; w < obstacles_.size(); ++w) {
     Obstacle& obstacle = obstacles_[w];
     obstacle.from = offset_at(obstacle.core, time);
-    obstacle.to = offset_at(obstacle.core, time + scene_.dt);
+    obstacle.to = offset_at(obstacle.core, time + dt);
     find_distances(obstacle, obstacle.from);
     ContactLag* lags = lags_.data() + w * size_t(points_);
     for_each(points_, [&](int64_t p) {
@@ -122,6 +132,36 @@ double Contact::evaluate(const double* u, T* g) {
 
 template double Contact::evaluate(const double*, float*);
 template double Contact::evaluate(const double*, double*);
+
+double Contact::act(const double* u, const double* v, const std::vector<Vec3>& about,
+                    std::vector<ContactAction>& pieces) {
+  pieces.assign(about.size(), {});
+  const Ball body = find_places(u, place_);
+  double energy = 0;
+  for (size_t w = 0; w < obstacles_.size(); ++w) {
+    const Obstacle& obstacle = obstacles_[w];
+    if (!obstacle.rubs && !reaches(obstacle, body, lengths_.layer)) continue;
+    const Vec3 speed = scaled(minus(obstacle.to, obstacle.from), 1 / dt_);
+    find_distances(obstacle, obstacle.to);
+    for (int64_t p = 0; p < points_; ++p) {
+      const Proximity& near = near_[size_t(p)];
+      if (!touches(near, lag(w, p), lengths_.layer)) continue;
+      const auto piece = size_t(scene_.grid.piece(scene_.grid.corners(scene_.surface.voxel(p), 0)));
+      // the force on the body is against the gradient
+      Vec3 gradient;
+      point_energy(lengths_, point(p), obstacle, lag(w, p), near, gradient);
+      ContactAction& sum = pieces[piece];
+      sum.force = minus(sum.force, gradient);
+      sum.torque = minus(sum.torque, cross(minus(place_[size_t(p)], about[piece]), gradient));
+      const Curve b = barrier(near.distance / lengths_.layer);
+      const double normal = -stiffness_[size_t(p)] * b.first / lengths_.layer;
+      energy += stiffness_[size_t(p)] * b.value;
+      sum.normal += normal;
+      sum.power += normal * dot(near.normal, minus(carried(p, v), speed));
+    }
+  }
+  return energy;
+}
 
 void Contact::linearise(const double* u) {
   for (const int32_t node : stiff_nodes_) stiff_place_[size_t(node)] = -1;

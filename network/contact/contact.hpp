@@ -20,6 +20,14 @@
 
 namespace elastogen {
 
+/// What colliders do to a piece of the body.
+struct ContactAction {
+  Vec3 force = {};    ///< [N]
+  Vec3 torque = {};   ///< about the point asked for [N m]
+  double normal = 0;  ///< sum of the sizes of the normal forces [N]
+  double power = 0;   ///< of the normal forces [W], relative to the colliders
+};
+
 class Contact {
  public:
   explicit Contact(const Scene& scene);
@@ -31,9 +39,11 @@ class Contact {
   /// Time at the start of the step [s].
   double start_time() const { return start_time_; }
 
-  /// Moves the colliders to the end of a step that starts at `time`. Finds the normals, the normal
-  /// forces and the start of the slip from the displacement u at the start of the step, (nodes, 3).
-  void begin_step(const double* u, double time = 0);
+  /// Moves the colliders to the end of a step of length dt that starts at `time`. Finds the normals,
+  /// the normal forces and the start of the slip from the displacement u at the start of the step,
+  /// (nodes, 3).
+  void begin_step(const double* u, double time, double dt);
+  void begin_step(const double* u, double time = 0) { begin_step(u, time, scene_.dt); }
 
   /// If a collider comes closer to the body than half its distance at the start, moves the nodes
   /// that it can reach along with it, so that they keep their distance. Nodes ahead of which
@@ -48,6 +58,12 @@ class Contact {
   /// core of a collider.
   template <class T>
   double evaluate(const double* u, T* g);
+
+  /// Adds up what colliders do at u to each piece, (pieces), with torques about the pieces' points.
+  /// @param v  velocities of the nodes for the power, (nodes, 3).
+  /// @return the energy of the normal forces [J].
+  double act(const double* u, const double* v, const std::vector<Vec3>& about,
+             std::vector<ContactAction>& pieces);
 
   /// Freezes the stiffness at u, along the normal of each point and collider and across it [N/m].
   /// It stays positive, because the rotation of the normal, which lowers it, is left out.
@@ -81,6 +97,7 @@ class Contact {
     double radius = 0;
   };
   Vec3 place_of(int64_t p, const double* u) const;
+  Vec3 carried(int64_t p, const double* values) const;
   Ball find_places(const double* u, std::vector<Vec3>& places);
   bool reaches(const Obstacle& obstacle, const Ball& body, double within) const;
   void find_distances(const Obstacle& obstacle, const Vec3& offset);
@@ -96,8 +113,9 @@ class Contact {
   const Scene& scene_;
   std::vector<Obstacle> obstacles_;
   int64_t points_ = 0;
-  double start_time_ = 0;
+  double start_time_ = 0, dt_ = 0;
   ContactLengths lengths_;
+  double slip_range_ = 0;                  // in a step of the scene's dt
   std::vector<double> stiffness_;          // of each point [J]
   std::vector<ContactLag> lags_;           // collider by collider
   std::vector<Vec3> start_, place_, end_;  // of each point [m]

@@ -118,24 +118,35 @@ void IncrementalPotential::set_scheme(const StepScheme& scheme) {
   });
 }
 
-void IncrementalPotential::begin_step(const State& state, const StepScheme& scheme) {
-  set_scheme(scheme);
+/// @param motion  of the predictor from x on, by node and component.
+template <class Motion>
+void IncrementalPotential::begin(const State& state, const Motion& motion) {
   const Array<double>& X = scene_.grid.rest;
   for_each(X.rows(), [&](int64_t n) {
     for (int d = 0; d < 3; ++d) {
       const double x = state.x(n, d);
-      const bool has_before = !state.x_before.empty();
       now_[size_t(3 * n + d)] = x - X(n, d);
-      const double motion =
-          scene_.pinned(n)
-              ? 0
-              : predicted_motion(scheme, x, state.v(n, d), has_before ? state.x_before(n, d) : x,
-                                 has_before ? state.v_before(n, d) : 0, scene_.gravity[size_t(d)]);
-      predictor_[size_t(3 * n + d)] = x - X(n, d) + motion;
+      predictor_[size_t(3 * n + d)] = x - X(n, d) + (scene_.pinned(n) ? 0 : motion(n, d));
     }
   });
   freeze_rotations();
-  contact_.begin_step(now_.data(), state.time);
+  contact_.begin_step(now_.data(), state.time, scheme_.end());
+}
+
+void IncrementalPotential::begin_step(const State& state, const StepScheme& scheme) {
+  set_scheme(scheme);
+  const bool has_before = !state.x_before.empty();
+  begin(state, [&](int64_t n, int d) {
+    const double x = state.x(n, d);
+    return predicted_motion(scheme, x, state.v(n, d), has_before ? state.x_before(n, d) : x,
+                            has_before ? state.v_before(n, d) : 0, scene_.gravity[size_t(d)]);
+  });
+}
+
+void IncrementalPotential::begin_stage(const State& state, const StepScheme& scheme,
+                                       const double* motion) {
+  set_scheme(scheme);
+  begin(state, [&](int64_t n, int d) { return motion[3 * n + d]; });
 }
 
 /// R_v of every row at now_.

@@ -33,6 +33,8 @@ class IncrementalPotential : public PotentialTerms {
   /// Sets the predictor, the frozen voxel rotations and the lagged normal forces of friction, all
   /// from the state at the start of the step.
   void begin_step(const State& state, const StepScheme& scheme);
+  /// Of a stage, whose predictor is x + motion on free nodes; motion is (nodes, 3) [m].
+  void begin_stage(const State& state, const StepScheme& scheme, const double* motion);
 
   /// Sets the nodal rotations of the preconditioner, polar factors of the fill-weighted sum of F_v,
   /// from the start value of the iteration.
@@ -81,6 +83,8 @@ class IncrementalPotential : public PotentialTerms {
     Pack<double> outside = {};
   };
   void fill_weights();
+  template <class Motion>
+  void begin(const State& state, const Motion& motion);
   void freeze_rotations();
   uint32_t full_lanes(int64_t row) const;
   template <class T, bool kQuality>

@@ -116,10 +116,10 @@ double Encoder<T>::softness() const {
   return softest;
 }
 
+/// A of the pieces += B^T K B, K the blocks of the nodes.
 template <class T>
-void Encoder<T>::set_nodal_stiffness(const std::vector<int32_t>& nodes,
-                                     const std::vector<double>& blocks) {
-  std::vector<std::vector<double>> A(pieces_.size());
+void Encoder<T>::add_nodal(const std::vector<int32_t>& nodes, const std::vector<double>& blocks,
+                           std::vector<std::vector<double>>& A) const {
   for (size_t s = 0; s < nodes.size(); ++s) {
     const auto [piece, local] = place_[size_t(nodes[s])];
     if (piece < 0) continue;
@@ -134,8 +134,40 @@ void Encoder<T>::set_nodal_stiffness(const std::vector<int32_t>& nodes,
             row[3 * n + j] += double(mode[m]) * double(mode[n]) * blocks[9 * s + 3 * i + j];
       }
   }
+}
+
+template <class T>
+void Encoder<T>::set_nodal_stiffness(const std::vector<int32_t>& nodes,
+                                     const std::vector<double>& blocks) {
+  std::vector<std::vector<double>> A(pieces_.size());
+  add_nodal(nodes, blocks, A);
   for (size_t p = 0; p < pieces_.size(); ++p)
     pieces_[p].invert(A[p].empty() ? pieces_[p].rest : A[p]);
+}
+
+template <class T>
+void Encoder<T>::set_inertia(const Scene& scene, double built, double wanted) {
+  const size_t square = size_t(kSize) * size_t(kSize);
+  if (inertia_.empty()) {  // what A_r was built with: B^T (a0 m / dt^2) B, and the rest of it
+    std::vector<int32_t> nodes;
+    std::vector<double> blocks;
+    for (int64_t n = 0; n < scene.grid.node_count(); ++n) {
+      if (scene.pinned(n)) continue;
+      nodes.push_back(int32_t(n));
+      for (int k = 0; k < 9; ++k) blocks.push_back(k % 4 == 0 ? built * scene.mass(n) : 0);
+    }
+    inertia_.assign(pieces_.size(), std::vector<double>(square));
+    add_nodal(nodes, blocks, inertia_);
+    for (size_t p = 0; p < pieces_.size(); ++p) {
+      elastic_.push_back(pieces_[p].rest);
+      for (size_t k = 0; k < square; ++k) elastic_[p][k] -= inertia_[p][k];
+    }
+  }
+  for (size_t p = 0; p < pieces_.size(); ++p) {
+    for (size_t k = 0; k < square; ++k)
+      pieces_[p].rest[k] = elastic_[p][k] + wanted / built * inertia_[p][k];
+    pieces_[p].invert(pieces_[p].rest);
+  }
 }
 
 /// The modes of node k in packs; the last pack runs on into the next node, or into zeros.

@@ -65,6 +65,10 @@ class Encoder {
   /// operator, in place of the one added before.
   void set_nodal_stiffness(const std::vector<int32_t>& nodes, const std::vector<double>& blocks);
 
+  /// Changes the inertia in A_r for steps of another length; removes a nodal stiffness.
+  /// @param built, wanted  a0 / dt^2 that it was built with, and that is wanted [1/s^2].
+  void set_inertia(const Scene& scene, double built, double wanted);
+
   /// The modes alone: y = B^T r and z += B y, 3 kModes numbers a piece; for tests.
   void encode(const T* r, double* y) const;
   void decode(const double* y, T* z) const;
@@ -79,12 +83,17 @@ class Encoder {
   std::vector<std::vector<double>> rest_operators(const IncrementalPotential& potential,
                                                   int64_t stride) const;
   void take_operators(std::vector<std::vector<double>>&& operators);
+  void add_nodal(const std::vector<int32_t>& nodes, const std::vector<double>& blocks,
+                 std::vector<std::vector<double>>& A) const;
   static void load_modes(const Piece& piece, int64_t k, Pack<T> mode[kPacks]);
   void add(std::vector<double> ReducedOperator::*matrix, const T* r, T* z);
 
   std::vector<Piece> pieces_;
   Zeroed<EncoderPlace> place_;  // of each node
   std::vector<double> reduced_, solution_;
+  // kReducedSize squared of each piece, once another inertia was asked for: the elastic part of A_r
+  // and that of the inertia it was built with
+  std::vector<std::vector<double>> elastic_, inertia_;
 };
 
 }  // namespace elastogen

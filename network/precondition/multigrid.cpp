@@ -10,10 +10,14 @@
 #include <Eigen/Cholesky>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 
 namespace elastogen {
 namespace {
+
+constexpr size_t kMostInverses = 16;
 
 /// Largest eigenvalue of D^-1 K over the voxels, a bound for the whole.
 double largest_eigenvalue(const LevelGrid& level) {
@@ -123,7 +127,7 @@ struct Multigrid<T>::Level {
     added = std::move(stiffness);
     for_each(3 * grid.nodes, [&](int64_t i) {
       const size_t k = size_t(i);
-      added[k] += T(grid.inertia[k / 3] / grid.unit);
+      added[k] += T(inertia_factor * grid.inertia[k / 3] / grid.unit);
       const T sum = elastic_diagonal[k] + added[k];
       inverse_diagonal[k] = grid.pinned[k / 3] || sum <= 0 ? T(0) : 1 / sum;
     });
@@ -131,8 +135,9 @@ struct Multigrid<T>::Level {
 
   /// Computes the dense inverses of the three operators.
   void invert() {
-    run_tasks(
-        3, [&](int64_t i) { inverse[i] = inverse_of(dense_operator(int(i))).template cast<T>(); });
+    run_tasks(3, [&](int64_t i) {
+      inverse[size_t(i)] = inverse_of(dense_operator(int(i))).template cast<T>();
+    });
   }
 
   /// The operator of a component, 1 on the diagonal of pinned nodes.
@@ -171,10 +176,13 @@ struct Multigrid<T>::Level {
   BrickScratch<T> scratch;
   std::vector<NoSums> no_sums;
   double lambda_max;
+  double inertia_factor = 1;  // of what the grid has
   Zeroed<T> moduli, elastic_diagonal, added, inverse_diagonal;
   Zeroed<T> r, z, d;           // use no memory until a cycle runs here
   Eigen::MatrixXd elastic[3];  // coarsest level only, as its inverse
-  Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic> inverse[3];
+  using Inverse = std::array<Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>, 3>;
+  Inverse inverse;
+  std::map<double, Inverse> inverses;  // by the factor of the inertia
 };
 
 template <class T>
@@ -209,6 +217,25 @@ void Multigrid<T>::set_nodal_stiffness(const std::vector<double>& stiffness) {
     level.set_added(std::move(added));
   }
   if (levels_.back()->inverse[0].size() > 0) levels_.back()->invert();
+}
+
+/// Inverses of the coarsest level are kept, because steps of few lengths take turns.
+template <class T>
+void Multigrid<T>::scale_inertia(double factor) {
+  Level& last = *levels_.back();
+  const bool is_dense = last.inverse[0].size() > 0;
+  for (const auto& level : levels_) {
+    level->inertia_factor = factor;
+    level->set_added(Zeroed<T>(3 * size_t(level->grid.nodes)));
+  }
+  if (!is_dense) return;
+  auto known = last.inverses.find(factor);
+  if (known == last.inverses.end()) {
+    if (last.inverses.size() >= kMostInverses) last.inverses.clear();
+    last.invert();
+    known = last.inverses.emplace(factor, last.inverse).first;
+  }
+  last.inverse = known->second;
 }
 
 template <class T>
@@ -256,7 +283,7 @@ void Multigrid<T>::cycle(size_t l) {
     const Eigen::Index n = level.grid.nodes;
     const Eigen::Map<const Vectors> r(level.r.data(), 3, n);
     Eigen::Map<Vectors> z(level.z.data(), 3, n);
-    for (int i = 0; i < 3; ++i) z.row(i).noalias() = r.row(i) * level.inverse[i];
+    for (int i = 0; i < 3; ++i) z.row(i).noalias() = r.row(i) * level.inverse[size_t(i)];
     return;
   }
   smooth_from_zero(level);

@@ -58,6 +58,10 @@ class Multigrid {
   /// coarser levels get P^T of it, lumped like the mass. An empty vector removes it.
   void set_nodal_stiffness(const std::vector<double>& stiffness);
 
+  /// Multiplies the inertia that the hierarchy was built with, for steps of another length; removes
+  /// a nodal stiffness.
+  void scale_inertia(double factor);
+
  private:
   struct Level;
   void smooth_from_zero(Level& level);

@@ -3,14 +3,25 @@
 
 #include "core/reduce.hpp"
 
+#include <cmath>
+
 namespace elastogen {
+namespace {
+
+double inertia_of(const StepScheme& scheme) {
+  return scheme.a0 / (scheme.dt * scheme.dt);
+}
+
+}  // namespace
 
 template <class T>
 Preconditioner<T>::Preconditioner(IncrementalPotential& potential, const EncoderChoice& encoder,
                                   std::optional<int64_t> dense)
     : potential_(potential),
       multigrid_(potential.scene(), potential.scheme().a0, potential.shared_rows(), dense),
-      encoder_(encoder.make<T>(potential)) {
+      encoder_(encoder.make<T>(potential)),
+      built_with_(inertia_of(potential.scheme())),
+      used_(built_with_) {
   const size_t size = 3 * size_t(potential.scene().grid.node_count());
   r_.resize(size);
   z_.resize(size);
@@ -37,6 +48,16 @@ void Preconditioner<T>::update_contact() {
   }
   multigrid_.set_nodal_stiffness(diagonal);
   if (encoder_) encoder_->set_nodal_stiffness(nodes, blocks);
+}
+
+template <class T>
+void Preconditioner<T>::update_inertia() {
+  const double wanted = inertia_of(potential_.scheme());
+  if (std::abs(wanted / used_ - 1) < 0.1) return;  // near enough for a preconditioner
+  used_ = wanted;
+  in_contact_ = false;
+  multigrid_.scale_inertia(wanted / built_with_);
+  if (encoder_) encoder_->set_inertia(potential_.scene(), built_with_, wanted);
 }
 
 template <class T>

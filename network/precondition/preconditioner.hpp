@@ -44,6 +44,10 @@ class Preconditioner {
   /// Uses the frozen contact stiffness of the potential.
   void update_contact();
 
+  /// Uses the inertia of the potential's present scheme, without contact. It was built with that of
+  /// the first one.
+  void update_inertia();
+
   const Encoder<T>* encoder() const { return encoder_ ? &*encoder_ : nullptr; }
 
  private:
@@ -51,6 +55,7 @@ class Preconditioner {
   Multigrid<T> multigrid_;
   std::optional<Encoder<T>> encoder_;
   Zeroed<T> r_, z_;
+  double built_with_, used_;  // a0 / dt^2 [1/s^2]
   bool in_contact_ = false;
 };
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "network/step/host_step.hpp"
 
+#include "core/pcg.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -14,12 +16,23 @@ HostStep::HostStep(PotentialTerms&& terms, const EncoderChoice* encoder, const P
       flight_(scene_),
       u_(3 * size_t(scene_.grid.node_count())),
       gradient_(u_.size()) {
+  if (has_stages(scene_.scheme)) stages_.emplace(potential_);
   if (!encoder)
     paper_.emplace(potential_, loops);
   else if (in_float)
     single_.emplace(potential_, *encoder);
   else
     precise_.emplace(potential_, *encoder);
+}
+
+void HostStep::upload(const State& state) {
+  own_ = state, state_ = &own_;
+  if (stages_) stages_->forget();
+}
+
+void HostStep::borrow(State& state) {
+  state_ = &state;
+  if (stages_ && state.time != known_time_) stages_->forget();
 }
 
 void HostStep::download(State& state, StateParts parts) {
@@ -50,8 +63,16 @@ double HostStep::rough_phi(const Zeroed<double>& u) {
 void HostStep::begin_step(const StepScheme& scheme, double time) {
   scheme_ = scheme;
   state_->time = time;
+  if (scheme.is_stage) return begin_stage();
   potential_.begin_step(*state_, scheme);
   if (!paper_) predictor_.start(*state_, potential_.predictor(), u_.data());
+}
+
+void HostStep::begin_stage() {
+  stages_.value().begin(*state_, scheme_);
+  potential_.begin_stage(*state_, scheme_, stages_->motion());
+  precise_ ? precise_->update_inertia() : single_.value().update_inertia();
+  stages_->start(0, u_.data());
 }
 
 void HostStep::evaluate_starts(int count, double* phi) {
@@ -59,7 +80,8 @@ void HostStep::evaluate_starts(int count, double* phi) {
   starts_.clear();
   for (int order = 1; order < count; ++order) {
     Zeroed<double>& start = starts_.emplace_back(u_);
-    predictor_.extrapolate(*state_, scheme_, order, start.data());
+    scheme_.is_stage ? stages_.value().start(order, start.data())
+                     : predictor_.extrapolate(*state_, scheme_, order, start.data());
     phi[order] = rough_phi(start);
   }
 }
@@ -144,6 +166,7 @@ Certificate HostStep::certify() {
   in_flight_ = balance();
   round_positions();
   Certificate result{potential_.residual(u_.data(), gradient_.data())};
+  voxel_energy_ = result.value.elastic + result.value.hourglass;
   result.size = norm(gradient_.data(), int64_t(gradient_.size()));
   result.finite = std::isfinite(result.value.total()) && std::isfinite(result.size) &&
                   all_finite(u_.data(), int64_t(u_.size()));
@@ -172,9 +195,55 @@ Array<double> HostStep::next_velocities() const {
   return v;
 }
 
+/// filtered = S y, S of time_error.hpp, by PCG to a twentieth.
+template <class P>
+void HostStep::filter(Preconditioner<P>& first, double interval, const double* y,
+                      double* filtered) {
+  constexpr double kLoose = 0.05;
+  constexpr int kMost = 30;
+  const auto size = int64_t(u_.size());
+  potential_.set_scheme({TimeScheme::kEuler, interval, 1});
+  potential_.linearise(u_.data());
+  first.update_inertia();
+  first.update_contact();
+  std::vector<float> right(u_.size()), solution(u_.size());
+  // scaled to 1, so that float holds it
+  double most =
+      largest(size, [&](int64_t k) { return std::abs(potential_.inertia(k / 3) * y[k]); });
+  if (most == 0) most = 1;
+  for_each(size,
+           [&](int64_t k) { right[size_t(k)] = float(potential_.inertia(k / 3) * y[k] / most); });
+  PcgWork<float> work(size);
+  pcg(
+      right.data(), solution.data(), size, kLoose, kMost, work,
+      [&](const float* p, float* Ap) { potential_.hessian_product(p, Ap); },
+      [&](const float* r, float* z) { first.apply(r, z); });
+  for_each(size, [&](int64_t k) { filtered[k] = most * double(solution[size_t(k)]); });
+}
+
+void HostStep::filter(double interval, const double* y, double* filtered) {
+  precise_ ? filter(*precise_, interval, y, filtered) : filter(*single_, interval, y, filtered);
+}
+
+StageEnd HostStep::end_step(const TimeErrorOptions* options) {
+  StageEnd end;
+  end.keeps_energy = stages_.value().end_step(x_, u_.data(), voxel_energy_, v_);
+  if (options)
+    end.error = stages_->error(v_, *options, [&](const double* y, double* filtered) {
+      filter(options->interval, y, filtered);
+    });
+  return end;
+}
+
 MotionEnergy HostStep::finish() {
-  Array<double> v = next_velocities();
-  if (in_flight_) conserve_momentum(v);
+  Array<double> v = scheme_.is_stage ? std::move(v_) : next_velocities();
+  if (scheme_.is_stage) {
+    stages_->accept();
+    state_->h_before = scheme_.end();
+    known_time_ = state_->time + scheme_.end();
+  } else if (in_flight_) {
+    conserve_momentum(v);
+  }
   MotionEnergy energy;
   for (int64_t n = 0; n < x_.rows(); ++n)
     for (int d = 0; d < 3; ++d) {

@@ -6,6 +6,7 @@
 #include "network/paper/paper_solver.hpp"
 #include "network/step/free_flight.hpp"
 #include "network/step/host_frames.hpp"
+#include "network/step/host_stages.hpp"
 #include "network/step/newton_solver.hpp"
 #include "network/step/predictor.hpp"
 #include "network/step/quasi_solver.hpp"
@@ -22,9 +23,9 @@ class HostStep : public StepWork {
            bool in_float);
 
   std::string machine() const override { return "cpu"; }
-  void upload(const State& state) override { own_ = state, state_ = &own_; }
+  void upload(const State& state) override;
   void download(State& state, StateParts parts) override;
-  void borrow(State& state) override { state_ = &state; }
+  void borrow(State& state) override;
   void give_back(State&) override { state_ = &own_; }
   double reach() override;
 
@@ -49,6 +50,9 @@ class HostStep : public StepWork {
   void return_to_now() override { u_ = potential_.now(); }
 
   Certificate certify() override;
+  bool makes_stages() const override { return true; }
+  void keep_stage() override { stages_.value().keep_stage(u_.data()); }
+  StageEnd end_step(const TimeErrorOptions* options) override;
   MotionEnergy finish() override;
   void download_gradient(double* gradient) const override {
     std::copy(gradient_.begin(), gradient_.end(), gradient);
@@ -74,6 +78,10 @@ class HostStep : public StepWork {
   void round_positions();
   void conserve_momentum(Array<double>& v);
   Array<double> next_velocities() const;
+  void begin_stage();
+  void filter(double interval, const double* y, double* filtered);
+  template <class P>
+  void filter(Preconditioner<P>& first, double interval, const double* y, double* filtered);
 
   const Scene& scene_;
   IncrementalPotential potential_;
@@ -86,7 +94,10 @@ class HostStep : public StepWork {
   Zeroed<double> clear_;                // the clear start
   std::vector<Zeroed<double>> starts_;  // extrapolations, from order 1 on
   Zeroed<double> u_before_shift_;       // by balance
-  Array<double> x_;                     // of the new state
+  Array<double> x_, v_;                 // of the new state; v_ of steps of stages
+  std::optional<HostStages> stages_;    // where the scene's scheme has some
+  double voxel_energy_ = 0;             // of the last certificate [J]
+  double known_time_ = -1;              // of the state that the stages know [s]
   bool in_flight_ = false;              // free pieces are there, and nothing touches
 
   // where float has too few digits for the scene, the preconditioner in double; else that in float

@@ -7,6 +7,7 @@
 #include "network/solver.hpp"
 #include "network/step/cheaper_of.hpp"
 #include "network/step/step_work.hpp"
+#include "network/step/time_control.hpp"
 
 #include <atomic>
 #include <limits>
@@ -33,13 +34,21 @@ struct Solver::Impl {
   // the parts of a step
   void begin(const State& state);
   StepReport advance();
-  const Collider* start(int64_t step);
+  bool start(StepReport& report);
   bool begins_by_extrapolation(int64_t step);
   void choose_start();
   IterationResult retreat(double target);
   bool solve(StepReport& report);
   void certify(StepReport& report);
   void finish(StepReport& report);
+
+  // steps of stages (stage_step.cpp)
+  StepReport advance_stages();
+  bool make_stage(const TimeStage& stage, StepReport& report);
+  bool make_step(TimeScheme kind, double h, StepReport& report);
+  bool judge(StepReport& report);
+  void complete(StepReport& report, double end);
+  double interval_end() const;
 
   const Scene& scene;
   SolverOptions options;
@@ -55,6 +64,9 @@ struct Solver::Impl {
   double last_cost[4] = {};  // of each mode
   int64_t last_step[4];      // that it took
   StepScheme scheme;
+  TimeControl control;
+  double h_before = 0;  // of the step before [s]
+  bool between_intervals = true;
   mutable Zeroed<double> gradient;  // of the last certificate, once it was asked for
   mutable bool has_gradient = true;
 

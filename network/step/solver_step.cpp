@@ -12,6 +12,7 @@ namespace elastogen {
 /// Takes the time, the steps and the order of a state that the work has got.
 void Solver::Impl::begin(const State& state) {
   has_before = !state.x_before.empty();
+  h_before = state.h_before > 0 ? state.h_before : scene.dt;
   time = state.time;
   steps = state.steps;
 }
@@ -19,7 +20,7 @@ void Solver::Impl::begin(const State& state) {
 /// Extrapolations save iterations where forces go on as they were; where waves run through a body
 /// the predictor, far away as it is, can do with fewer: it leaves errors that iterations find soon.
 bool Solver::Impl::begins_by_extrapolation(int64_t step) {
-  if (!extrapolates) return false;
+  if (!extrapolates && !scheme.is_stage) return false;
   start_kind = starts[size_t(mode)].choose(step);
   return start_kind == 0;
 }
@@ -27,7 +28,8 @@ bool Solver::Impl::begins_by_extrapolation(int64_t step) {
 /// The start of lowest Phi among the predictor's and the extrapolations.
 void Solver::Impl::choose_start() {
   double phi[3];
-  const int count = 1 + Predictor::orders(has_before);
+  const int orders = scheme.is_stage ? 1 + (scheme.stage.t_b != 0) : Predictor::orders(has_before);
+  const int count = 1 + orders;
   work->evaluate_starts(count, phi);
   int best = 0;
   for (int k = 1; k < count; ++k)
@@ -38,16 +40,21 @@ void Solver::Impl::choose_start() {
 /// Predictor, inertia and rotations of the step, and u where it starts: the chosen start, cut where
 /// it would carry a surface point into a collider, or the clear start where u leaves that by more
 /// than a voxel and has the higher potential (a small pinned body falls many times its size in a
-/// step). Gives the collider that a point lies in all the same, else null.
-const Collider* Solver::Impl::start(int64_t step) {
+/// step). False, with the refusal, where a point lies in a collider all the same.
+bool Solver::Impl::start(StepReport& report) {
   work->begin_step(scheme, time);
-  if (mode == SolverMode::kPaper) return nullptr;  // it starts at the predictor itself
-  if (begins_by_extrapolation(step)) choose_start();
+  if (mode == SolverMode::kPaper) return true;  // it starts at the predictor itself
+  if (begins_by_extrapolation(report.step)) choose_start();
   const bool is_far = pinned && work->farthest() >= scene.grid.h;
-  if (const Collider* inside = work->clear_start()) return inside;
+  if (const Collider* inside = work->clear_start()) {
+    report.finite = false;
+    report.refusal = concat("collider '", inside->name, "' runs into a part that cannot give way (",
+                            "pinned, or held by another collider)");
+    return false;
+  }
   if (is_far && !work->is_below_clear_start()) work->return_to_clear_start();
   work->set_nodal_rotations();
-  return nullptr;
+  return true;
 }
 
 /// Where the iterations ended above the potential of the state before, they begin there once more:
@@ -103,23 +110,20 @@ void Solver::Impl::finish(StepReport& report) {
   report.energy.kinetic = energy.kinetic;
   report.energy.gravity = energy.gravity;
   has_before = true;
-  time = double(++steps) * scene.dt;
+  ++steps;
+  if (!scheme.is_stage) time = double(steps) * scene.dt;
 }
 
 StepReport Solver::Impl::advance() {
+  if (has_stages(scene.scheme)) return advance_stages();
   const Stopwatch watch;
   StepReport report;
   scheme = step_scheme(scene, has_before);
   report.scheme = scheme.scheme;
   report.step = steps + 1;
+  report.length = scene.dt;
   report.time = double(report.step) * scene.dt;
-  if (const Collider* inside = start(report.step)) {
-    report.finite = false;
-    report.refusal = concat("collider '", inside->name, "' runs into a part that cannot give way (",
-                            "pinned, or held by another collider)");
-    return report;
-  }
-  if (!solve(report)) return report;
+  if (!start(report) || !solve(report)) return report;
   if (report.finite) finish(report);
   report.ms = watch.milliseconds();
   return report;

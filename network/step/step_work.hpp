@@ -9,6 +9,7 @@
 #include "network/precondition/preconditioner.hpp"
 #include "network/solver.hpp"
 #include "network/step/iteration.hpp"
+#include "network/step/time_error.hpp"
 
 #include <memory>
 #include <string>
@@ -25,6 +26,12 @@ struct Certificate {
 /// Energies that a step has beside the potential [J].
 struct MotionEnergy {
   double kinetic = 0, gravity = 0;
+};
+
+/// The end of a step of stages.
+struct StageEnd {
+  bool keeps_energy = true;  ///< false: contact brought more than velocities can make good
+  TimeError error;           ///< where it was asked for
 };
 
 class StepWork {
@@ -94,6 +101,13 @@ class StepWork {
   /// flight get the mean motion of their predictor (free_flight.hpp), unless something touches a
   /// collider or the step is the paper's.
   virtual Certificate certify() = 0;
+  /// Whether it makes steps of stages (StepScheme::is_stage), for which the next two are.
+  virtual bool makes_stages() const { return false; }
+  /// Keeps the positions of the certificate as those of the first stage of a step.
+  virtual void keep_stage();
+  /// Velocities of a step whose last stage has its certificate, which finish() takes, and what the
+  /// step adds to the time error; null: not asked for.
+  virtual StageEnd end_step(const TimeErrorOptions* options);
   /// The positions of the certificate and the velocities to them become the state.
   virtual MotionEnergy finish() = 0;
   /// The gradient of the last certificate, (nodes, 3).

@@ -87,6 +87,7 @@ frames = 7
 fps = 24
 substeps = 3
 scheme = "bdf2"
+error = 0.002
 [solver]
 mode = "newton"
 hourglass = "variance"
@@ -145,6 +146,7 @@ TEST(Options, ASceneSetsEveryOption) {
   EXPECT_EQ(o.fps, 24);
   EXPECT_EQ(o.substeps, 3);
   EXPECT_EQ(o.scheme, TimeScheme::kBdf2);
+  EXPECT_EQ(o.solver.time_error, 0.002);
   EXPECT_EQ(o.solver.mode, SolverMode::kNewton);
   EXPECT_EQ(o.hourglass, Hourglass::kVariance);
   EXPECT_EQ(o.solver.paper.outer * 100 + o.solver.paper.inner * 10 + o.solver.paper.modes, 456);
@@ -227,7 +229,8 @@ TEST(Options, TheDefaultsAreThoseOfTheTable) {
                            "particles.jitter",  "particles.transfer", "particles.blend_time",
                            "particles.flip",    "particles.passes",   "solver.device",
                            "limits.max_voxels", "limits.max_memory",  "limits.max_time",
-                           "output.camera",     "output.image_size",  "output.glb_profile"}) {
+                           "output.camera",     "output.image_size",  "output.glb_profile",
+                           "time.error",        "solver.energy",      "solver.method"}) {
     const std::string text = path;
     const size_t dot = text.find('.');
     const std::string table = dot == std::string::npos ? "" : text.substr(0, dot);

@@ -3,7 +3,7 @@
 
 #include "core/error.hpp"
 #include "network/solver.hpp"
-#include "tests/network/scenes.hpp"
+#include "tests/network/contact/contact_scenes.hpp"
 
 #include <gtest/gtest.h>
 
@@ -202,6 +202,45 @@ TEST(Contact, ABlockHoldsWhereFrictionSufficesAndCreepsBelowTheSmoothingSpeed) {
   printf("mu 0.51: creep %.3e m/s, predicted %.3e\n", speed.back(), r * limit);
   EXPECT_LT(speed.back(), limit);
   EXPECT_NEAR(speed.back(), r * limit, 0.05 * limit);
+}
+
+TEST(Contact, ActsOnAPieceWithTheSumOfItsNodalForces) {
+  const double h = 0.05, layer = h / 4;
+  const Scene scene =
+      box_scene(4, 3, 5, h, {0, 0, 0}, solid(1e5, 0.3), {half_space({0, 1, 0}, 0.4 * layer, 0.5)});
+  Contact contact(scene);
+  std::vector<double> u = random_field(scene, 0.02 * h, 3), v = random_field(scene, 1, 5);
+  contact.begin_step(u.data());
+  const std::vector<double> away = random_field(scene, 0.02 * h, 4);
+  for (size_t k = 0; k < u.size(); ++k) u[k] += away[k];
+  std::vector<double> g(u.size());
+  const double energy = contact.evaluate(u.data(), g.data());
+  const Vec3 about = {0.3, -0.2, 0.1};
+  std::vector<ContactAction> pieces;
+  const double normal_energy = contact.act(u.data(), v.data(), {about}, pieces);
+  ASSERT_EQ(pieces.size(), 1u);
+
+  Vec3 force = {}, torque = {};
+  for (int64_t n = 0; n < scene.grid.node_count(); ++n) {
+    Vec3 f = {}, x = {};
+    for (size_t d = 0; d < 3; ++d) {
+      f[d] = -g[3 * size_t(n) + d];
+      x[d] = scene.grid.rest(n, int64_t(d)) + u[3 * size_t(n) + d];
+    }
+    force = plus(force, f);
+    torque = plus(torque, cross(minus(x, about), f));
+  }
+  const ContactAction& action = pieces[0];
+  EXPECT_LT(safe_norm(minus(action.force, force)), 1e-12 * safe_norm(force));
+  EXPECT_LT(safe_norm(minus(action.torque, torque)), 1e-12 * safe_norm(force));
+  // the floor's normal is y: its forces are all along it, and friction has energy of its own
+  EXPECT_NEAR(action.normal, force[1], 1e-12 * action.normal);
+  EXPECT_GT(action.normal, 0);
+  EXPECT_LT(normal_energy, energy);
+  // a body that sinks at 2 m/s gives the floor that power
+  for (size_t k = 0; k < v.size(); ++k) v[k] = k % 3 == 1 ? -2 : 0;
+  contact.act(u.data(), v.data(), {about}, pieces);
+  EXPECT_NEAR(pieces[0].power, -2 * action.normal, 1e-12 * action.normal);
 }
 
 }  // namespace

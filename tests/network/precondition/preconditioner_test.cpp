@@ -206,5 +206,35 @@ TEST(Preconditioner, IsAsGoodWithTheEncoderAsWithoutInItsWorstDirection) {
       }
 }
 
+TEST(Preconditioner, AnotherInertiaIsThatOfOneBuiltWithIt) {
+  // a step of a tenth of the length, and back
+  Scene scene = clamped_beam(12, 4, 4, 0.05, solid(2e5, 0.3));
+  Scene shorter = scene;
+  shorter.dt = scene.dt / 10;
+  finish_scene(shorter);
+  const auto built = [](const Scene& of) {
+    auto potential = std::make_unique<IncrementalPotential>(of);
+    potential->begin_step(initial_state(of), {TimeScheme::kEuler, of.dt, 1});
+    return potential;
+  };
+  const auto potential = built(scene), other = built(shorter), same = built(scene);
+  Preconditioner<double> changed(*potential, {}), wanted(*other, {}), first(*same, {});
+  const std::vector<double> r = random_field(scene, 1, 3);
+  std::vector<double> z(r.size()), expected(r.size());
+  const auto expect_same = [&](Preconditioner<double>& to) {
+    changed.apply(r.data(), z.data());
+    to.apply(r.data(), expected.data());
+    EXPECT_LT(relative_difference(z, expected), 1e-9);
+  };
+  for (int turn = 0; turn < 2; ++turn) {  // the second time what was found is used again
+    potential->set_scheme({TimeScheme::kEuler, shorter.dt, 1});
+    changed.update_inertia();
+    expect_same(wanted);
+    potential->set_scheme({TimeScheme::kEuler, scene.dt, 1});
+    changed.update_inertia();
+    expect_same(first);
+  }
+}
+
 }  // namespace
 }  // namespace elastogen::test

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "network/step/piece_sums.hpp"
+
+#include "network/step/free_flight.hpp"
+
+#include <algorithm>
+
+namespace elastogen {
+
+Pieces::Pieces(const Scene& scene) : scene_(scene), held_(held_pieces(scene)) {
+  nodes_ = grouped(scene.grid.node_count(), size_t(scene.grid.pieces),
+                   [&](int64_t n) { return scene.grid.piece(n); });
+  mass_.resize(count());
+  size_.resize(count());
+  for (size_t p = 0; p < count(); ++p) {
+    mass_[p] = sum<1>(p, [&](int64_t n, auto& s) { s[0] += scene.mass(n); })[0];
+    const auto rest = [&](int64_t n) -> Vec3 {
+      return {scene.grid.rest(n, 0), scene.grid.rest(n, 1), scene.grid.rest(n, 2)};
+    };
+    const Mat3<double> I = state(p, rest, [](int64_t) { return Vec3{}; }).inertia;
+    // the trace is twice sum m r^2
+    size_[p] = 2 * std::sqrt((I(0, 0) + I(1, 1) + I(2, 2)) / (2 * mass_[p]));
+  }
+}
+
+bool Pieces::any_free() const {
+  return std::find(held_.begin(), held_.end(), 0) != held_.end();
+}
+
+RigidMotion rigid_motion(const PieceState& state) {
+  RigidMotion motion{state.centre, state.velocity, state.spin, inverse(state.inertia)};
+  for (const double value : motion.per_inertia.m)
+    if (!std::isfinite(value)) motion.per_inertia = {}, motion.spin = {};
+  return motion;
+}
+
+}  // namespace elastogen

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+// Sums over the pieces of a body on the host: mass, centre, momentum of each, and its motion as a
+// rigid body.
+
+#pragma once
+
+#include "core/parallel.hpp"
+#include "core/rigid_motion.hpp"
+#include "core/scene.hpp"
+
+#include <array>
+#include <vector>
+
+namespace elastogen {
+
+/// A piece at one time.
+struct PieceState {
+  Vec3 centre = {};           ///< of mass [m]
+  Vec3 velocity = {};         ///< of it [m/s]
+  Vec3 spin = {};             ///< angular momentum about the centre [kg m^2/s]
+  Mat3<double> inertia = {};  ///< moments about it [kg m^2]
+};
+
+class Pieces {
+ public:
+  explicit Pieces(const Scene& scene);
+
+  size_t count() const { return nodes_.size(); }
+  /// No node of the piece is pinned.
+  bool is_free(size_t piece) const { return !held_[piece]; }
+  bool any_free() const;
+  double mass(size_t piece) const { return mass_[piece]; }  ///< [kg]
+  /// Twice the rms distance of its nodes from the centre at rest [m], weighted with mass.
+  double size(size_t piece) const { return size_[piece]; }
+
+  /// Adds value(node, sum) over the nodes of a piece in a fixed order.
+  template <size_t kCount, class Value>
+  std::array<double, kCount> sum(size_t piece, const Value& value) const {
+    const std::vector<int32_t>& nodes = nodes_[piece];
+    const auto n = int64_t(nodes.size());
+    std::vector<std::array<double, kCount>> parts(size_t((n + kBlock - 1) / kBlock));
+    for_blocks(n, [&](int64_t begin, int64_t end) {
+      std::array<double, kCount>& part = parts[size_t(begin / kBlock)] = {};
+      for (int64_t k = begin; k < end; ++k) value(int64_t(nodes[size_t(k)]), part);
+    });
+    std::array<double, kCount> total = {};
+    for (const auto& part : parts)
+      for (size_t k = 0; k < kCount; ++k) total[k] += part[k];
+    return total;
+  }
+
+  /// Calls body(node) for the nodes of a piece.
+  template <class Body>
+  void for_each(size_t piece, const Body& body) const {
+    const std::vector<int32_t>& nodes = nodes_[piece];
+    elastogen::for_each(int64_t(nodes.size()), [&](int64_t k) { body(int64_t(nodes[size_t(k)])); });
+  }
+
+  /// x(node), v(node) give position and velocity.
+  template <class X, class V>
+  PieceState state(size_t piece, const X& x, const V& v) const {
+    const Vec3 origin = x(int64_t(nodes_[piece][0]));  // so that no digits are lost far away
+    // centre and velocity, then what is about them
+    const std::array<double, 6> first = sum<6>(piece, [&](int64_t n, auto& sums) {
+      const Vec3 r = minus(x(n), origin), speed = v(n);
+      for (size_t i = 0; i < 3; ++i)
+        sums[i] += scene_.mass(n) * r[i], sums[3 + i] += scene_.mass(n) * speed[i];
+    });
+    PieceState s;
+    for (size_t i = 0; i < 3; ++i) {
+      s.centre[i] = origin[i] + first[i] / mass_[piece];
+      s.velocity[i] = first[3 + i] / mass_[piece];
+    }
+    const std::array<double, 9> second = sum<9>(piece, [&](int64_t n, auto& sums) {
+      const Vec3 r = minus(x(n), s.centre), L = cross(r, minus(v(n), s.velocity));
+      for (size_t i = 0; i < 3; ++i) {
+        sums[i] += scene_.mass(n) * L[i];
+        sums[3 + i] += scene_.mass(n) * r[i] * r[i];
+        sums[6 + i] += scene_.mass(n) * r[i] * r[(i + 1) % 3];
+      }
+    });
+    for (size_t i = 0; i < 3; ++i) {
+      s.spin[i] = second[i];
+      const auto a = int(i), b = int((i + 1) % 3);
+      s.inertia(a, a) = second[3 + (i + 1) % 3] + second[3 + (i + 2) % 3];
+      s.inertia(a, b) = s.inertia(b, a) = -second[6 + i];
+    }
+    return s;
+  }
+
+ private:
+  const Scene& scene_;
+  std::vector<std::vector<int32_t>> nodes_;
+  std::vector<uint8_t> held_;
+  std::vector<double> mass_, size_;
+};
+
+/// The motion of a free piece without forces from there on.
+RigidMotion rigid_motion(const PieceState& state);
+
+}  // namespace elastogen

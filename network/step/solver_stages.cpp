@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+// Steps of stages: SDIRK2 at a fixed length, and `auto`, whose steps follow their time error.
+#include "core/error.hpp"
+#include "core/stopwatch.hpp"
+#include "network/step/solver_impl.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace elastogen {
+namespace {
+
+constexpr double kMostGrowth = 2 + 1e-6;  // of BDF2's step over the one before
+
+}  // namespace
+
+void StepWork::keep_stage() {
+  ELASTOGEN_CHECK(false, "this machine makes no stages");
+}
+
+StageEnd StepWork::end_step(const TimeErrorOptions*) {
+  ELASTOGEN_CHECK(false, "this machine makes no stages");
+  return {};
+}
+
+/// The end of the interval dt of the scene that the present time lies in, or a break of a
+/// collider's path before it: no step goes across one.
+double Solver::Impl::interval_end() const {
+  const double dt = scene.dt;
+  double end = (std::floor(time / dt + 1e-9) + 1) * dt;
+  for (const Collider& collider : scene.colliders)
+    for (const PathKey& key : collider.path)
+      if (key.time > time + 1e-6 * dt && key.time < end - 1e-6 * dt) end = key.time;
+  return end;
+}
+
+/// Solves a stage and adds it to the report of the step, which keeps the worst of all stages.
+/// False where it was interrupted or refused.
+bool Solver::Impl::make_stage(const TimeStage& stage, StepReport& report) {
+  StepReport own;
+  own.step = report.step;
+  scheme = StepScheme(report.scheme, stage);
+  ++report.solves;
+  const bool solved = start(own) && solve(own);
+  // counts add up, of the certificates the worst
+  report.outer += own.outer;
+  report.inner += own.inner;
+  report.converged = report.converged && own.converged;
+  report.residual = std::max(report.residual, own.residual);
+  report.float64 = report.float64 || own.float64;
+  report.finite = report.finite && own.finite;
+  report.min_j = std::min(report.min_j, own.min_j);
+  report.min_corner_j = std::min(report.min_corner_j, own.min_corner_j);
+  report.deepest_overlap = std::max(report.deepest_overlap, own.deepest_overlap);
+  report.outside_fit = std::max(report.outside_fit, own.outside_fit);
+  report.energy = own.energy;
+  if (!own.refusal.empty()) report.refusal = own.refusal;
+  report.interrupted = own.interrupted;
+  return solved && own.finite;
+}
+
+/// All stages of a step of length h.
+bool Solver::Impl::make_step(TimeScheme kind, double h, StepReport& report) {
+  // what earlier trials of the step have found counts no more, but for the work they took
+  const StepReport trials = report;
+  report = {};
+  report.step = steps + 1;
+  report.solves = trials.solves;
+  report.rejected = trials.rejected;
+  report.outer = trials.outer;
+  report.inner = trials.inner;
+  report.scheme = kind;
+  report.length = h;
+  report.converged = true;
+  report.min_j = report.min_corner_j = 1e300;
+  if (kind == TimeScheme::kEuler) return make_stage(euler_stage(h), report);
+  if (kind == TimeScheme::kBdf2) return make_stage(bdf2_stage(h, h_before), report);
+  if (!make_stage(sdirk2_stage(0, h), report)) return false;
+  work->keep_stage();
+  return make_stage(sdirk2_stage(1, h), report);
+}
+
+/// Ends a step and judges it. False: to be made again, on another level or by implicit Euler.
+bool Solver::Impl::judge(StepReport& report) {
+  if (scene.scheme == TimeScheme::kSdirk2) {
+    work->end_step(nullptr);
+    return true;
+  }
+  const TimeErrorOptions of_error{scene.dt, options.time_error};
+  const StageEnd end = work->end_step(&of_error);
+  report.time_error = end.error.estimate;
+  report.time_ratio = end.error.ratio;
+  return control.accepts(end.error.ratio) && end.keeps_energy;
+}
+
+/// Makes the end of an accepted step the state, and its time the present.
+/// @param end  of the interval that the step lies in [s].
+void Solver::Impl::complete(StepReport& report, double end) {
+  finish(report);
+  h_before = report.length;
+  const bool is_last = report.length > (end - time) * (1 - 1e-9);
+  time = is_last ? end : time + report.length;
+  report.completes = is_last && std::abs(end / scene.dt - std::round(end / scene.dt)) < 1e-6;
+  between_intervals = report.completes;
+  report.time = time;
+}
+
+StepReport Solver::Impl::advance_stages() {
+  const Stopwatch watch;
+  const double end = interval_end(), left = end - time;
+  const bool is_auto = scene.scheme == TimeScheme::kAuto;
+  if (between_intervals && is_auto) control.begin_interval();
+  between_intervals = false;
+  StepReport report;
+  report.solves = 0;
+  bool by_euler = false;
+  while (true) {
+    // the kind of step of the present level; BDF2 needs a step before that is long enough
+    const int level = control.level();
+    const double h = is_auto ? control.step(left, scene.dt) : left;
+    const bool by_bdf2 = is_auto && level == 0 && has_before && h < kMostGrowth * h_before;
+    const TimeScheme kind = by_euler  ? TimeScheme::kEuler
+                            : by_bdf2 ? TimeScheme::kBdf2
+                                      : TimeScheme::kSdirk2;
+    if (!make_step(kind, h, report)) {
+      // shorter steps may be finite
+      const bool may_retry = !report.interrupted && is_auto && level < TimeControl::kMostLevel;
+      if (!may_retry) return report;
+      control.accepts(kAlways);
+      ++report.rejected;
+      continue;
+    }
+    if (judge(report) || by_euler) break;
+    by_euler = control.level() == level;  // the error was accepted, the energy not
+    ++report.rejected;
+  }
+
+  complete(report, end);
+  report.ms = watch.milliseconds();
+  return report;
+}
+
+}  // namespace elastogen
