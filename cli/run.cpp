@@ -117,6 +117,11 @@ void print_setup(const Setup& setup, const AnimateOptions& o) {
 void print_summary(const RunReport& r) {
   fmt::print("{} of {} steps converged, worst residual {:.2e}, min J {:.3f}\n",
              std::llround(r.converged_share * double(r.steps)), r.steps, r.worst_residual, r.min_j);
+  if (r.loosest_tolerance > SolverOptions{}.tolerance)
+    fmt::print(
+        "short steps were solved to a hundredth of their time error, to a residual of {:.2g} "
+        "at most\n",
+        r.loosest_tolerance);
   if (r.time_error > 0)
     fmt::print(
         "time error: {:.2g} m in all, {:.2g} m in a frame at most (estimates); {:.2f} "

@@ -187,6 +187,7 @@ void convert(const Typed& t, AnimateOptions& o) {
   o.read.grid = t.grid == "auto" ? "" : t.grid;
   o.substeps = resolve_substeps(t.substeps);
   o.solver.time_error = resolve_share("--time-error", t.time_error);
+  o.solver.follows_time_error = o.solver.tolerance == SolverOptions{}.tolerance;
   resolve_scheme(t, o);
   resolve_solver(t, o);
   // outputs

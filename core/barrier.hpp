@@ -43,18 +43,25 @@ ELASTOGEN_HD inline Curve barrier(double s) {
   return {cut.value + d * (cut.first + d / 2 * cut.second), cut.first + d * cut.second, cut.second};
 }
 
-/// Smoothed length f0(y) of a slip y >= 0, as force and stiffness need it: f0, f0'/y (finite at
-/// y = 0) and f0'',
-///
-///     f0 = -y^3/(3 e^2) + y^2/e + e/3,   f0' = 2 y/e - y^2/e^2   (y < e);      f0 = y beyond.
+/// Length f0(y) of a slip y >= 0, as force and stiffness need it: f0, f0'/y (finite at y = 0) and
+/// f0''.
 struct SmoothedSlip {
   double value, first_over_y, second;
 };
 
+///     f0 = -y^3/(3 e^2) + y^2/e + e/3,   f0' = 2 y/e - y^2/e^2   (y < e);      f0 = y beyond.
 ELASTOGEN_HD inline SmoothedSlip smoothed_slip(double y, double e) {
   if (y >= e) return {y, 1 / y, 0};
   return {-y * y * y / (3 * e * e) + y * y / e + e / 3, 2 / e - y / (e * e),
           2 / e - 2 * y / (e * e)};
+}
+
+/// That of an elastic, ideally plastic bond which gives way at the slip e:
+///
+///     f0 = y^2/(2 e)   (y < e);      f0 = y - e/2 beyond.
+ELASTOGEN_HD inline SmoothedSlip elastic_slip(double y, double e) {
+  if (y >= e) return {y - e / 2, 1 / y, 0};
+  return {y * y / (2 * e), 1 / e, 1 / e};
 }
 
 }  // namespace elastogen

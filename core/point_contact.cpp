@@ -23,7 +23,7 @@ double slip_range(const Scene& scene) {
 }
 
 ContactLengths contact_lengths(const Scene& scene) {
-  return {contact_layer(scene), slip_range(scene)};
+  return {.layer = contact_layer(scene), .slip_range = slip_range(scene)};
 }
 
 }  // namespace elastogen

@@ -24,7 +24,12 @@ struct ContactLag {
 struct ContactLengths {
   double layer = 0;       ///< dhat
   double slip_range = 0;  ///< e of smoothed_slip
+  /// Stiffness of friction that holds, over A kappa [1/m^2]; 0: friction is smoothed_slip.
+  double bond = 0;
 };
+
+/// Stiffness of friction that holds, in units of A E / h.
+inline constexpr double kBond = 10;
 
 struct Scene;
 
@@ -87,6 +92,13 @@ ELASTOGEN_HD inline Vec3 slip_of(const ContactPoint& point, const ObstaclePath& 
   return slip;
 }
 
+/// f0 of a point's friction. A bond of stiffness k_t gives way at the slip limit / k_t.
+ELASTOGEN_HD inline SmoothedSlip friction_of(const ContactLengths& of, const ContactPoint& point,
+                                             double limit, double slip) {
+  if (of.bond == 0) return smoothed_slip(slip, of.slip_range);
+  return elastic_slip(slip, limit / (of.bond * point.stiffness));
+}
+
 /// Energy of a point that feels a collider [J], and its derivative in the point's motion [N].
 ELASTOGEN_HD inline double point_energy(const ContactLengths& of, const ContactPoint& point,
                                         const ObstaclePath& path, const ContactLag& lag,
@@ -96,7 +108,7 @@ ELASTOGEN_HD inline double point_energy(const ContactLengths& of, const ContactP
   for (size_t i = 0; i < 3; ++i) force[i] = point.stiffness * b.first / of.layer * near.normal[i];
   if (!(lag.limit > 0)) return energy;
   const Vec3 slip = slip_of(point, path, lag);
-  const SmoothedSlip f = smoothed_slip(safe_norm(slip), of.slip_range);
+  const SmoothedSlip f = friction_of(of, point, lag.limit, safe_norm(slip));
   for (size_t i = 0; i < 3; ++i) force[i] += lag.limit * f.first_over_y * slip[i];
   return energy + lag.limit * f.value;
 }
@@ -111,7 +123,7 @@ ELASTOGEN_HD inline PointStiffness point_stiffness(const ContactLengths& of,
   if (!(lag.limit > 0)) return k;
   k.direction = slip_of(point, path, lag);
   const double size = safe_norm(k.direction);
-  const SmoothedSlip f = smoothed_slip(size, of.slip_range);
+  const SmoothedSlip f = friction_of(of, point, lag.limit, size);
   k.across = lag.limit * f.first_over_y;
   // a tenth of the secant is added: without it a sliding point would have no stiffness at all, and
   // Newton's step would carry it through the whole range where it sticks

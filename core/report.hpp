@@ -26,6 +26,7 @@ struct StepReport {
   double time_error = 0;     ///< estimate of what the step adds to the time error [m]; 0: none made
   double time_ratio = 0;     ///< that over its tolerance, of the piece where it is largest
   bool converged = false;    ///< residual <= tolerance
+  double tolerance = 0;      ///< of the residual, in this step; 0: that of the run
   double residual = 0;       ///< |grad Phi| / |M g_ref| in float64 on the state that is written
   int outer = 0;             ///< quasi: L-BFGS iterations; newton: Newton steps
   int inner = 0;             ///< quasi: evaluations of the potential; newton: PCG iterations

@@ -90,6 +90,24 @@ ELASTOGEN_HD inline RigidPose pose_at(const RigidMotion& m, double t) {
   return pose;
 }
 
+/// The pose at time t of a piece that turns about a fixed point, by w t + gain t^2 / 2 about the axis
+/// of w; the gain is a change of |w| [rad/s^2]. The reference of a piece with pins: any will do.
+ELASTOGEN_HD inline RigidPose turned_about(const Vec3& centre, const Vec3& w, double gain,
+                                           double t) {
+  RigidPose pose;
+  pose.start = centre;
+  const double rate = safe_norm(w), angle = rate * t + gain * t * t / 2;
+  if (!(rate > 0)) return pose;
+  const Vec3 axis = scaled(w, 1 / rate);
+  const double s = sin(angle / 2);
+  pose.turn =
+      rotation_matrix(Quaternion<double>{cos(angle / 2), s * axis[0], s * axis[1], s * axis[2]});
+  for (int i = 0; i < 3; ++i) pose.turn(i, i) -= 1;
+  pose.w = scaled(axis, rate + gain * t);
+  pose.w_change = scaled(axis, gain);
+  return pose;
+}
+
 /// z(t) - x0 of a node.
 ELASTOGEN_HD inline Vec3 reference_motion(const RigidPose& p, const Vec3& x0) {
   return plus(p.shift, times(p.turn, minus(x0, p.start)));

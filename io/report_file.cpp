@@ -93,6 +93,7 @@ void write_report(const std::string& path, const RunReport& report) {
       {"time_error",
        {{"sum", report.time_error},
         {"largest_of_a_frame", report.largest_time_error},
+        {"loosest_tolerance", report.loosest_tolerance},
         {"solves", report.solves},
         {"rejected", report.rejected_steps}}},
       {"outside_fit", report.outside_fit},

@@ -41,6 +41,7 @@ struct RunReport {
   double worst_residual = 0;      ///< largest of all steps
   double min_j = 1;               ///< smallest det F of all steps
   double time_error = 0;          ///< estimates of the time error, summed over the steps [m]
+  double loosest_tolerance = 0;   ///< of a step's residual, where it follows the time error
   double largest_time_error = 0;  ///< of a frame [m]
   int64_t solves = 0;             ///< minimisations: stages, those of rejected steps included
   int64_t rejected_steps = 0;     ///< that were made again for their time error

@@ -50,6 +50,7 @@ std::string step_log_line(int64_t frame, const StepReport& report,
     line["length"] = report.length;
     line["solves"] = report.solves;
     line["rejected"] = report.rejected;
+    line["tolerance"] = report.tolerance;
     line["time_error"] = report.time_error;
   }
   // what only bodies that yield and particles have

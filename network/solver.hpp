@@ -41,11 +41,14 @@ struct SolverOptions {
   SolverMode mode = SolverMode::kAuto;
   Device device = Device::kCpu;
   double tolerance = 1e-3;  ///< of |grad Phi| / |M g_ref|
-  double time_error =
-      5e-3;               ///< of steps of TimeScheme::kAuto, of the motion in dt (time_error.hpp)
-  int max_outer = 400;    ///< L-BFGS iterations; a quarter of it for projected Newton steps
-  int max_inner = 400;    ///< PCG iterations of one Newton step
-  PaperLoops paper = {};  ///< loops and modes of the paper mode
+  /// Of steps of TimeScheme::kAuto, of the motion in dt (network/step/time_error.hpp).
+  double time_error = 5e-3;
+  /// Steps of kAuto far shorter than dt are solved to what their time error needs, where that is more
+  /// than the tolerance: an equal residual moves a node by less the shorter the step.
+  bool follows_time_error = true;
+  int max_outer = 400;       ///< L-BFGS iterations; a quarter of it for projected Newton steps
+  int max_inner = 400;       ///< PCG iterations of one Newton step
+  PaperLoops paper = {};     ///< loops and modes of the paper mode
   LearnedLaws learned = {};  ///< nets of the scene's materials; missing or null: analytic
   bool skip = true;          ///< false: float64 and encoder always, whatever the scene needs
   /// Polled once an iteration; where it says true the step is given up and the state stays.

@@ -159,6 +159,7 @@ class Clip {
     certificate.min_j = std::min(certificate.min_j, r.min_j);
     certificate.time_error += r.time_error;
     report_.time_error += r.time_error;
+    report_.loosest_tolerance = std::max(report_.loosest_tolerance, r.tolerance);
     report_.solves += r.solves;
     report_.rejected_steps += r.rejected;
     ++report_.steps;

@@ -85,6 +85,7 @@ void Contact::find_distances(const Obstacle& obstacle, const Vec3& offset) {
 void Contact::begin_step(const double* u, double time, double dt) {
   if (!exists()) return;
   lengths_.slip_range = slip_range_ * (dt / scene_.dt);
+  lengths_.bond = 0;
   dt_ = dt;
   find_places(u, place_);
   start_ = place_;
@@ -117,7 +118,7 @@ double Contact::evaluate(const double* u, T* g) {
       if (near.distance <= 0) return std::numeric_limits<double>::infinity();
       if (!touches(near, lag(w, p), lengths_.layer)) continue;
       Vec3 force;
-      energy += point_energy(lengths_, point(p), obstacle, lag(w, p), near, force);
+      energy += point_energy(lengths_, point(w, p), obstacle, lag(w, p), near, force);
       if (!g) continue;
       const int32_t* corners = scene_.grid.corners.row(scene_.surface.voxel(p));
       const double* weights = scene_.surface.weights.row(p);
@@ -149,7 +150,7 @@ double Contact::act(const double* u, const double* v, const std::vector<Vec3>& a
       const auto piece = size_t(scene_.grid.piece(scene_.grid.corners(scene_.surface.voxel(p), 0)));
       // the force on the body is against the gradient
       Vec3 gradient;
-      point_energy(lengths_, point(p), obstacle, lag(w, p), near, gradient);
+      point_energy(lengths_, point(w, p), obstacle, lag(w, p), near, gradient);
       ContactAction& sum = pieces[piece];
       sum.force = minus(sum.force, gradient);
       sum.torque = minus(sum.torque, cross(minus(place_[size_t(p)], about[piece]), gradient));
@@ -176,7 +177,7 @@ void Contact::linearise(const double* u) {
     for (int64_t p = 0; p < points_; ++p) {
       const Proximity& near = near_[size_t(p)];
       if (!touches(near, lag(w, p), lengths_.layer)) continue;
-      active_.push_back({p, point_stiffness(lengths_, point(p), obstacle, lag(w, p), near)});
+      active_.push_back({p, point_stiffness(lengths_, point(w, p), obstacle, lag(w, p), near)});
       add_nodal(active_.back());
     }
   }

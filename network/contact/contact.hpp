@@ -45,6 +45,17 @@ class Contact {
   void begin_step(const double* u, double time, double dt);
   void begin_step(const double* u, double time = 0) { begin_step(u, time, scene_.dt); }
 
+  /// begin_step of a stage, with friction as a bond (friction.cpp): slip is measured from where each
+  /// point would hold without force, which it keeps from step to step.
+  /// @param of_lag  displacement at the time of the lag, which gives normals and normal forces.
+  void begin_stage(const double* u, double time, double dt, const double* of_lag, double lag_time);
+  /// Takes normals and normal forces of friction from u, at the end of the stage.
+  /// @return whether any point rubs, or did before.
+  bool renew_lag(const double* u);
+  /// Keeps the slip of the bonds at u, the end of a step, as far as they hold.
+  void keep_bonds(const double* u);
+  void forget_bonds() { held_.clear(); }
+
   /// If a collider comes closer to the body than half its distance at the start, moves the nodes
   /// that it can reach along with it, so that they keep their distance. Nodes ahead of which
   /// another collider lies move by the share w = d_other / (d_other + a d), which closes the gap
@@ -104,9 +115,16 @@ class Contact {
   const ContactLag& lag(size_t obstacle, int64_t p) const {
     return lags_[obstacle * size_t(points_) + size_t(p)];
   }
-  ContactPoint point(int64_t p) const {
-    return {place_[size_t(p)], start_[size_t(p)], stiffness_[size_t(p)]};
+  /// A point at an obstacle; the slip of its bond counts as slip of the step.
+  ContactPoint point(size_t obstacle, int64_t p) const {
+    ContactPoint result = {place_[size_t(p)], start_[size_t(p)], stiffness_[size_t(p)]};
+    if (lengths_.bond == 0) return result;
+    const Vec3& slip = slip_[obstacle * size_t(points_) + size_t(p)];
+    for (size_t d = 0; d < 3; ++d) result.start[d] -= slip[d];
+    return result;
   }
+  void set_lag(const double* u, double time);
+  Vec3 bonded(const Vec3& slip, const ContactLag& lag, int64_t p) const;
   bool crowds(const Obstacle& obstacle, double motion);
   void add_nodal(const Frozen& frozen);
 
@@ -118,6 +136,7 @@ class Contact {
   double slip_range_ = 0;                  // in a step of the scene's dt
   std::vector<double> stiffness_;          // of each point [J]
   std::vector<ContactLag> lags_;           // collider by collider
+  std::vector<Vec3> held_, slip_;          // of the bonds, kept and in the present step
   std::vector<Vec3> start_, place_, end_;  // of each point [m]
   std::vector<Box> boxes_;                 // of blocks of points
   std::vector<Proximity> near_;            // of each point, to the core of one collider at a time

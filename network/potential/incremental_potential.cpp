@@ -130,7 +130,6 @@ void IncrementalPotential::begin(const State& state, const Motion& motion) {
     }
   });
   freeze_rotations();
-  contact_.begin_step(now_.data(), state.time, scheme_.end());
 }
 
 void IncrementalPotential::begin_step(const State& state, const StepScheme& scheme) {
@@ -141,12 +140,16 @@ void IncrementalPotential::begin_step(const State& state, const StepScheme& sche
     return predicted_motion(scheme, x, state.v(n, d), has_before ? state.x_before(n, d) : x,
                             has_before ? state.v_before(n, d) : 0, scene_.gravity[size_t(d)]);
   });
+  contact_.begin_step(now_.data(), state.time, scheme.end());
 }
 
 void IncrementalPotential::begin_stage(const State& state, const StepScheme& scheme,
-                                       const double* motion) {
+                                       const double* motion, const double* stage_before) {
   set_scheme(scheme);
   begin(state, [&](int64_t n, int d) { return motion[3 * n + d]; });
+  const double lag_time = state.time + (stage_before ? scheme.stage.t_b : 0);
+  contact_.begin_stage(now_.data(), state.time, scheme.end(),
+                       stage_before ? stage_before : now_.data(), lag_time);
 }
 
 /// R_v of every row at now_.

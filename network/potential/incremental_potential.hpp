@@ -33,8 +33,10 @@ class IncrementalPotential : public PotentialTerms {
   /// Sets the predictor, the frozen voxel rotations and the lagged normal forces of friction, all
   /// from the state at the start of the step.
   void begin_step(const State& state, const StepScheme& scheme);
-  /// Of a stage, whose predictor is x + motion on free nodes; motion is (nodes, 3) [m].
-  void begin_stage(const State& state, const StepScheme& scheme, const double* motion);
+  /// Of a stage, whose predictor is x + motion on free nodes; motion is (nodes, 3) [m]. The lag of
+  /// friction is from the state, or from the displacement of the stage before.
+  void begin_stage(const State& state, const StepScheme& scheme, const double* motion,
+                   const double* stage_before);
 
   /// Sets the nodal rotations of the preconditioner, polar factors of the fill-weighted sum of F_v,
   /// from the start value of the iteration.

@@ -19,6 +19,10 @@ void HostStages::forget() {
   at_start_ = at_before_ = {};
   speed_.assign(pieces_.count(), 0);
   closing_.assign(pieces_.count(), 0);
+  turn_.assign(pieces_.count(), {});
+  turn_last_ = turn_;
+  gain_.assign(pieces_.count(), 0);
+  h_last_ = 0;
 }
 
 Vec3 HostStages::d_b(int64_t n) const {
@@ -33,7 +37,18 @@ Vec3 HostStages::e_b(int64_t n) const {
 
 void HostStages::set_poses(double t, std::vector<RigidPose>& poses) const {
   poses.resize(pieces_.count());
-  for (size_t p = 0; p < pieces_.count(); ++p) poses[p] = pose_at(motions_[p], t);
+  for (size_t p = 0; p < pieces_.count(); ++p)
+    poses[p] = pieces_.is_free(p) ? pose_at(motions_[p], t)
+                                  : turned_about(pieces_.pins(p), turn_[p], gain_[p], t);
+}
+
+/// The turn of a piece about its pins, which goes on as it changed in the last step.
+void HostStages::turn_about_pins(size_t p) {
+  turn_[p] = spin_about(now_[p], pieces_.mass(p), pieces_.pins(p));
+  const double rate = safe_norm(turn_[p]);
+  gain_[p] = 0;
+  if (h_last_ > 0 && rate > 0)
+    gain_[p] = dot(minus(turn_[p], turn_last_[p]), turn_[p]) / (rate * h_last_);
 }
 
 /// xhat - x0.
@@ -62,7 +77,10 @@ void HostStages::begin(const State& state, const StepScheme& scheme) {
     for (size_t p = 0; p < pieces_.count(); ++p) {
       now_[p] = pieces_.state(
           p, [&](int64_t n) { return x0(n); }, [&](int64_t n) { return v0(n); });
-      if (!pieces_.is_free(p)) continue;
+      if (!pieces_.is_free(p)) {
+        turn_about_pins(p);
+        continue;
+      }
       motions_[p] = rigid_motion(now_[p]);
       if (t_b < 0)
         before_[p] = pieces_.state(
@@ -193,46 +211,59 @@ bool HostStages::touched() const {
   return false;
 }
 
-/// Where contact lets the energy of the body rise, q D is taken from the velocities, D the rigid
-/// part of those relative to the references and q of [0, 1] the least share that restores it.
-bool HostStages::guard(const Array<double>& x, double energy, Array<double>& v) {
-  voxels_end_ = energy;
-  if (!at_start_.known || moving_colliders_ || !touched()) return true;
-  double allowed = 0, mass = 0;
-  for (size_t p = 0; p < pieces_.count(); ++p) {
-    allowed += 1e-4 * pieces_.mass(p) * safe_norm(scene_.gravity) * pieces_.size(p);
-    mass += pieces_.mass(p);
-  }
-  const double rise = mechanical_energy(x, v) + voxels_end_ + at_end_.energy -
-                      mechanical_energy(state_->x, state_->v) - voxels_start_ - at_start_.energy;
-  if (!(rise > allowed)) return true;
-
-  // the change of the kinetic energy by -q D is q^2 a - q b
+/// The rigid part of the velocities of free pieces relative to their references, or what is left of
+/// them without it, by node; 0 for the others.
+Array<double> HostStages::relative_velocities(const Array<double>& x, const Array<double>& v,
+                                              bool rigid) const {
   Array<double> D(x.rows(), 3);
-  double a = 0, b = 0, kinetic = 0;
   for (size_t p = 0; p < pieces_.count(); ++p) {
     if (!pieces_.is_free(p)) continue;
     const PieceState relative = pieces_.state(
         p, [&](int64_t n) { return vector(x, n); }, [&](int64_t n) { return e1(n, v); });
     const Vec3 w = times(rigid_motion(relative).per_inertia, relative.spin);
     pieces_.for_each(p, [&](int64_t n) {
-      const Vec3 rigid = plus(relative.velocity, cross(w, minus(vector(x, n), relative.centre)));
-      for (int d = 0; d < 3; ++d) D(n, d) = rigid[size_t(d)];
+      Vec3 part = plus(relative.velocity, cross(w, minus(vector(x, n), relative.centre)));
+      if (!rigid) part = minus(e1(n, v), part);
+      for (int d = 0; d < 3; ++d) D(n, d) = part[size_t(d)];
     });
-    const auto sums = pieces_.sum<3>(p, [&](int64_t n, auto& sum) {
-      const Vec3 speed = vector(v, n), rigid = vector(D, n);
-      sum[0] += scene_.mass(n) / 2 * dot(rigid, rigid);
-      sum[1] += scene_.mass(n) * dot(rigid, speed);
-      sum[2] += scene_.mass(n) / 2 * dot(speed, speed);
-    });
-    a += sums[0], b += sums[1], kinetic += sums[2];
   }
-  if (!(a > 0)) return false;
-  const double best = std::clamp(b / (2 * a), 0.0, 1.0), most = best * (b - best * a);
+  return D;
+}
+
+/// Takes q D from the velocities, q of [0, 1] the least share that takes the energy `rise` from
+/// them. @return what is left of it.
+double HostStages::take_energy(const Array<double>& D, double rise, Array<double>& v) const {
+  // the energy taken is q b - q^2 a
+  double a = 0, b = 0;
+  for (int64_t n = 0; n < v.rows(); ++n) {
+    const Vec3 part = vector(D, n);
+    a += scene_.mass(n) / 2 * dot(part, part);
+    b += scene_.mass(n) * dot(part, vector(v, n));
+  }
+  if (!(a > 0 && b > 0)) return rise;
+  const double best = std::min(b / (2 * a), 1.0), most = best * (b - best * a);
   const double q =
       most > rise ? (b - std::sqrt(std::max(0.0, b * b - 4 * a * rise))) / (2 * a) : best;
   add_scaled(-q, D.data(), v.data(), v.size());
-  return rise - most <= 0.01 * kinetic;
+  return most > rise ? 0 : rise - most;
+}
+
+/// Where contact lets the energy of the body rise, it is taken from the rigid part of the velocities
+/// relative to the references, the change that contact brought; where that does not suffice (it
+/// slows the body down) from the rest, the vibrations, which leaves momentum as it is.
+bool HostStages::guard(const Array<double>& x, double energy, Array<double>& v) {
+  voxels_end_ = energy;
+  if (!at_start_.known || moving_colliders_ || !touched()) return true;
+  double allowed = 0;
+  for (size_t p = 0; p < pieces_.count(); ++p)
+    allowed += 1e-4 * pieces_.mass(p) * safe_norm(scene_.gravity) * pieces_.size(p);
+  const double end = mechanical_energy(x, v) + voxels_end_ + at_end_.energy;
+  const double rise =
+      end - mechanical_energy(state_->x, state_->v) - voxels_start_ - at_start_.energy;
+  if (!(rise > allowed)) return true;
+  double left = take_energy(relative_velocities(x, v, true), rise, v);
+  if (left > allowed) left = take_energy(relative_velocities(x, v, false), left, v);
+  return left <= allowed;
 }
 
 bool HostStages::end_step(const Array<double>& x, const double* u, double energy,
@@ -262,6 +293,8 @@ void HostStages::accept() {
   at_before_ = std::move(at_start_);
   at_start_ = std::move(at_end_);
   voxels_start_ = voxels_end_;
+  turn_last_ = turn_;
+  h_last_ = scheme_.end();
   speed_ = speed_next_;
   closing_ = closing_next_;
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Stages of a time step on the host (core/time_stage.hpp): predictor, velocities, momentum, energy
-// and time error. Free pieces are referred to their own rigid motion from the start of the step;
-// pieces with a pin are not, z = x0. Nothing but the state goes from a step to the next; what else
+// and time error. Free pieces are referred to their own rigid motion from the start of the step,
+// pieces with pins to a turn about these. Nothing but the state goes from a step to the next; what else
 // is kept, forces and energy at its ends, may be missing.
 //
 // Momentum. A scheme conserves linear momentum and loses angular momentum. Both of a free piece are
@@ -52,6 +52,8 @@ class HostStages {
   bool end_step(const Array<double>& x, const double* u, double energy, Array<double>& v);
   /// What the step adds to the time error; after end_step().
   TimeError error(const Array<double>& v, const TimeErrorOptions& options, const Filter& filter);
+  /// The least of max(T v, 0.04 size) of the pieces in a state [m].
+  double least_motion(const State& state, double interval) const;
   /// The step was accepted.
   void accept();
 
@@ -76,6 +78,7 @@ class HostStages {
   Vec3 e1(int64_t n, const Array<double>& v) const {
     return minus(vector(v, n), reference_velocity(end_[piece(n)], x0(n)));
   }
+  void turn_about_pins(size_t piece);
   void set_poses(double t, std::vector<RigidPose>& poses) const;
   Vec3 predicted(int64_t n) const;
   Forces forces(const double* u, const std::vector<PieceState>& pieces);
@@ -83,6 +86,9 @@ class HostStages {
   void correct_momentum(const Array<double>& x, Array<double>& v);
   double mechanical_energy(const Array<double>& x, const Array<double>& v) const;
   bool guard(const Array<double>& x, double energy, Array<double>& v);
+  Array<double> relative_velocities(const Array<double>& x, const Array<double>& v,
+                                    bool rigid) const;
+  double take_energy(const Array<double>& D, double rise, Array<double>& v) const;
   bool touched() const;
   double contact_error(size_t piece, const StepWeights& weights, const TimeErrorOptions& options);
   void note_speeds(const Array<double>& v, double share);
@@ -94,6 +100,10 @@ class HostStages {
   StepScheme scheme_;
   std::vector<PieceState> now_, before_, last_;  // at the start, the step before, the end
   std::vector<RigidMotion> motions_;
+  std::vector<Vec3> turn_,
+      turn_last_;             // of pieces with pins at the start, and a step before [rad/s]
+  std::vector<double> gain_;  // of those [rad/s^2]
+  double h_last_ = 0;         // of the step before [s], 0: not known
   std::vector<RigidPose> start_, other_, end_;  // of the start, the other point, the stage
   Zeroed<double> motion_, y_, filtered_;
   Array<double> x_a_;  // of the first stage of SDIRK2

@@ -27,12 +27,19 @@ HostStep::HostStep(PotentialTerms&& terms, const EncoderChoice* encoder, const P
 
 void HostStep::upload(const State& state) {
   own_ = state, state_ = &own_;
-  if (stages_) stages_->forget();
+  forget();
+}
+
+/// Of another state nothing is known but itself.
+void HostStep::forget() {
+  if (!stages_) return;
+  stages_->forget();
+  potential_.contact().forget_bonds();
 }
 
 void HostStep::borrow(State& state) {
   state_ = &state;
-  if (stages_ && state.time != known_time_) stages_->forget();
+  if (state.time != known_time_) forget();
 }
 
 void HostStep::download(State& state, StateParts parts) {
@@ -70,7 +77,9 @@ void HostStep::begin_step(const StepScheme& scheme, double time) {
 
 void HostStep::begin_stage() {
   stages_.value().begin(*state_, scheme_);
-  potential_.begin_stage(*state_, scheme_, stages_->motion());
+  // u_ is still that of the first stage where this is the second one
+  const double* stage_before = scheme_.stage.t_b > 0 ? u_.data() : nullptr;
+  potential_.begin_stage(*state_, scheme_, stages_->motion(), stage_before);
   precise_ ? precise_->update_inertia() : single_.value().update_inertia();
   stages_->start(0, u_.data());
 }
@@ -239,6 +248,7 @@ MotionEnergy HostStep::finish() {
   Array<double> v = scheme_.is_stage ? std::move(v_) : next_velocities();
   if (scheme_.is_stage) {
     stages_->accept();
+    potential_.contact().keep_bonds(u_.data());
     state_->h_before = scheme_.end();
     known_time_ = state_->time + scheme_.end();
   } else if (in_flight_) {

@@ -51,6 +51,12 @@ class HostStep : public StepWork {
 
   Certificate certify() override;
   bool makes_stages() const override { return true; }
+  double least_motion(double interval) const override {
+    return stages_.value().least_motion(*state_, interval);
+  }
+  bool renew_friction() override {
+    return potential_.contact().exists() && potential_.contact().renew_lag(u_.data());
+  }
   void keep_stage() override { stages_.value().keep_stage(u_.data()); }
   StageEnd end_step(const TimeErrorOptions* options) override;
   MotionEnergy finish() override;
@@ -79,6 +85,7 @@ class HostStep : public StepWork {
   void conserve_momentum(Array<double>& v);
   Array<double> next_velocities() const;
   void begin_stage();
+  void forget();
   void filter(double interval, const double* y, double* filtered);
   template <class P>
   void filter(Preconditioner<P>& first, double interval, const double* y, double* filtered);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The estimate of time_error.hpp on the host.
+// The estimate of time_error.hpp on the host, and the scale of motion it is held against.
 #include "network/step/host_stages.hpp"
 
 #include <algorithm>
@@ -33,6 +33,19 @@ void HostStages::note_speeds(const Array<double>& v, double share) {
         closing_next_[p] =
             std::max(closing_next_[p], std::abs(f->pieces[p].power) / f->pieces[p].normal);
   }
+}
+
+double HostStages::least_motion(const State& state, double interval) const {
+  double least = 1e300;
+  for (size_t p = 0; p < pieces_.count(); ++p) {
+    const double square = pieces_.sum<1>(p, [&](int64_t n, auto& sum) {
+      const Vec3 v = vector(state.v, n);
+      sum[0] += scene_.mass(n) * dot(v, v);
+    })[0];
+    const double speed = std::max(std::sqrt(square / pieces_.mass(p)), speed_[p]);
+    least = std::min(least, std::max(interval * speed, kFloor * pieces_.size(p)));
+  }
+  return least;
 }
 
 /// W rms(u) of a piece [m].

@@ -12,19 +12,22 @@ Pieces::Pieces(const Scene& scene) : scene_(scene), held_(held_pieces(scene)) {
                    [&](int64_t n) { return scene.grid.piece(n); });
   mass_.resize(count());
   size_.resize(count());
+  pins_.resize(count());
   for (size_t p = 0; p < count(); ++p) {
     mass_[p] = sum<1>(p, [&](int64_t n, auto& s) { s[0] += scene.mass(n); })[0];
     const auto rest = [&](int64_t n) -> Vec3 {
       return {scene.grid.rest(n, 0), scene.grid.rest(n, 1), scene.grid.rest(n, 2)};
     };
+    const auto pinned = sum<4>(p, [&](int64_t n, auto& s) {
+      if (!scene.pinned(n)) return;
+      for (size_t i = 0; i < 3; ++i) s[i] += scene.grid.rest(n, int64_t(i));
+      s[3] += 1;
+    });
+    for (size_t i = 0; i < 3 && pinned[3] > 0; ++i) pins_[p][i] = pinned[i] / pinned[3];
     const Mat3<double> I = state(p, rest, [](int64_t) { return Vec3{}; }).inertia;
     // the trace is twice sum m r^2
     size_[p] = 2 * std::sqrt((I(0, 0) + I(1, 1) + I(2, 2)) / (2 * mass_[p]));
   }
-}
-
-bool Pieces::any_free() const {
-  return std::find(held_.begin(), held_.end(), 0) != held_.end();
 }
 
 RigidMotion rigid_motion(const PieceState& state) {
@@ -32,6 +35,18 @@ RigidMotion rigid_motion(const PieceState& state) {
   for (const double value : motion.per_inertia.m)
     if (!std::isfinite(value)) motion.per_inertia = {}, motion.spin = {};
   return motion;
+}
+
+Vec3 spin_about(const PieceState& state, double mass, const Vec3& point) {
+  const Vec3 arm = minus(state.centre, point);
+  PieceState about = state;  // moments of the mass in the centre are added
+  about.spin = plus(state.spin, scaled(cross(arm, state.velocity), mass));
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      about.inertia(i, j) +=
+          mass * ((i == j ? dot(arm, arm) : 0) - arm[size_t(i)] * arm[size_t(j)]);
+  const RigidMotion motion = rigid_motion(about);
+  return times(motion.per_inertia, motion.spin);
 }
 
 }  // namespace elastogen

@@ -28,7 +28,8 @@ class Pieces {
   size_t count() const { return nodes_.size(); }
   /// No node of the piece is pinned.
   bool is_free(size_t piece) const { return !held_[piece]; }
-  bool any_free() const;
+  /// Mean place of a piece's pinned nodes at rest, where they stay [m].
+  const Vec3& pins(size_t piece) const { return pins_[piece]; }
   double mass(size_t piece) const { return mass_[piece]; }  ///< [kg]
   /// Twice the rms distance of its nodes from the centre at rest [m], weighted with mass.
   double size(size_t piece) const { return size_[piece]; }
@@ -93,9 +94,13 @@ class Pieces {
   std::vector<std::vector<int32_t>> nodes_;
   std::vector<uint8_t> held_;
   std::vector<double> mass_, size_;
+  std::vector<Vec3> pins_;
 };
 
 /// The motion of a free piece without forces from there on.
 RigidMotion rigid_motion(const PieceState& state);
+
+/// Angular velocity of a piece about a point, weighted with mass [rad/s].
+Vec3 spin_about(const PieceState& state, double mass, const Vec3& point);
 
 }  // namespace elastogen

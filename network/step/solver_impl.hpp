@@ -46,9 +46,11 @@ struct Solver::Impl {
   StepReport advance_stages();
   bool make_stage(const TimeStage& stage, StepReport& report);
   bool make_step(TimeScheme kind, double h, StepReport& report);
+  bool settle_friction(StepReport& report);
   bool judge(StepReport& report);
   void complete(StepReport& report, double end);
   double interval_end() const;
+  double tolerance_of(const TimeStage& stage, double h);
 
   const Scene& scene;
   SolverOptions options;
@@ -65,7 +67,8 @@ struct Solver::Impl {
   int64_t last_step[4];      // that it took
   StepScheme scheme;
   TimeControl control;
-  double h_before = 0;  // of the step before [s]
+  double h_before = 0;   // of the step before [s]
+  double tolerance = 0;  // of the present step
   bool between_intervals = true;
   mutable Zeroed<double> gradient;  // of the last certificate, once it was asked for
   mutable bool has_gradient = true;

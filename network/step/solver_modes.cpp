@@ -34,7 +34,7 @@ IterationResult Solver::Impl::iterate(double target) {
   if (mode == SolverMode::kPaper) return work->paper(options.interrupted);
   if (mode == SolverMode::kNewton) return newton(target);
   const double float_serves = options.skip ? 3 * float_floor(scene) : kAlways;
-  const bool float_reaches = in_float && float_serves < options.tolerance;
+  const bool float_reaches = in_float && float_serves < tolerance;
   const IterationResult result = quasi(target, float_reaches ? 0 : float_serves * force);
   if (result.converged || !float_reaches) return result;
   return sum(result, quasi(target, kAlways));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Steps of stages: SDIRK2 at a fixed length, and `auto`, whose steps follow their time error.
+#include "core/constants.hpp"
 #include "core/error.hpp"
 #include "core/stopwatch.hpp"
 #include "network/step/solver_impl.hpp"
@@ -10,12 +11,25 @@
 namespace elastogen {
 namespace {
 
+constexpr double kOfTimeError = 0.01;     // that the solver may leave
+constexpr double kLoosest = 0.3;          // residual
+constexpr int kMostFriction = 10;         // solves of a stage for its friction
 constexpr double kMostGrowth = 2 + 1e-6;  // of BDF2's step over the one before
 
 }  // namespace
 
 void StepWork::keep_stage() {
   ELASTOGEN_CHECK(false, "this machine makes no stages");
+}
+
+bool StepWork::renew_friction() {
+  ELASTOGEN_CHECK(false, "this machine makes no stages");
+  return false;
+}
+
+double StepWork::least_motion(double) const {
+  ELASTOGEN_CHECK(false, "this machine makes no stages");
+  return 0;
 }
 
 StageEnd StepWork::end_step(const TimeErrorOptions*) {
@@ -34,19 +48,44 @@ double Solver::Impl::interval_end() const {
   return end;
 }
 
+/// Tolerance of a stage of a step of length h. A residual r moves nodes by about r g k^2: a hundredth
+/// of the time error that the step may add is no loss.
+double Solver::Impl::tolerance_of(const TimeStage& stage, double h) {
+  if (scene.scheme != TimeScheme::kAuto || !options.follows_time_error) return options.tolerance;
+  const double may_add = h / scene.dt * options.time_error * work->least_motion(scene.dt);
+  const double enough = kOfTimeError * may_add / (kReferenceGravity * stage.k * stage.k);
+  return std::max(options.tolerance, std::min(enough, kLoosest));
+}
+
+/// Friction depends on normal forces and normals that a solve takes as given. Solves again until it
+/// has those of the positions that it ends with. False where a solve was interrupted.
+bool Solver::Impl::settle_friction(StepReport& report) {
+  for (int pass = 0; pass < kMostFriction && report.finite && work->renew_friction(); ++pass) {
+    certify(report);
+    if (report.converged) break;
+    const int outer = report.outer, inner = report.inner;
+    if (!solve(report)) return false;
+    report.outer += outer;
+    report.inner += inner;
+  }
+  return true;
+}
+
 /// Solves a stage and adds it to the report of the step, which keeps the worst of all stages.
 /// False where it was interrupted or refused.
 bool Solver::Impl::make_stage(const TimeStage& stage, StepReport& report) {
   StepReport own;
   own.step = report.step;
   scheme = StepScheme(report.scheme, stage);
+  tolerance = tolerance_of(stage, report.length);
   ++report.solves;
-  const bool solved = start(own) && solve(own);
+  const bool solved = start(own) && solve(own) && settle_friction(own);
   // counts add up, of the certificates the worst
   report.outer += own.outer;
   report.inner += own.inner;
   report.converged = report.converged && own.converged;
   report.residual = std::max(report.residual, own.residual);
+  report.tolerance = std::max(report.tolerance, own.tolerance);
   report.float64 = report.float64 || own.float64;
   report.finite = report.finite && own.finite;
   report.min_j = std::min(report.min_j, own.min_j);

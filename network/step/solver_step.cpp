@@ -71,7 +71,8 @@ void Solver::Impl::certify(StepReport& report) {
   has_gradient = false;
   const PotentialValue& value = certificate.value;
   report.residual = force > 0 ? certificate.size / force : 0;
-  report.converged = report.residual <= options.tolerance;
+  report.converged = report.residual <= tolerance;
+  report.tolerance = tolerance;
   report.finite = certificate.finite;
   report.min_j = value.min_j;
   report.min_corner_j = value.min_corner_j;
@@ -85,7 +86,7 @@ void Solver::Impl::certify(StepReport& report) {
 /// Iterates and certifies; false where the step was given up on request.
 bool Solver::Impl::solve(StepReport& report) {
   // a margin, because the state that is written is rounded once more
-  const double target = 0.95 * options.tolerance * force;
+  const double target = 0.95 * tolerance * force;
   const bool is_paper = mode == SolverMode::kPaper;
   IterationResult result = choose(target, report.step);
   if (!result.converged && !is_paper && !options.interrupted())
@@ -119,6 +120,7 @@ StepReport Solver::Impl::advance() {
   const Stopwatch watch;
   StepReport report;
   scheme = step_scheme(scene, has_before);
+  tolerance = options.tolerance;
   report.scheme = scheme.scheme;
   report.step = steps + 1;
   report.length = scene.dt;

@@ -28,12 +28,6 @@ struct MotionEnergy {
   double kinetic = 0, gravity = 0;
 };
 
-/// The end of a step of stages.
-struct StageEnd {
-  bool keeps_energy = true;  ///< false: contact brought more than velocities can make good
-  TimeError error;           ///< where it was asked for
-};
-
 class StepWork {
  public:
   virtual ~StepWork() = default;
@@ -103,6 +97,12 @@ class StepWork {
   virtual Certificate certify() = 0;
   /// Whether it makes steps of stages (StepScheme::is_stage), for which the next two are.
   virtual bool makes_stages() const { return false; }
+  /// The least motion that counts in an interval, of all pieces [m]: that at their present speed, or
+  /// a share of their size.
+  virtual double least_motion(double interval) const;
+  /// Takes the normal forces and normals of friction from the positions of the certificate, which has
+  /// to be made again. False: there is no friction.
+  virtual bool renew_friction();
   /// Keeps the positions of the certificate as those of the first stage of a step.
   virtual void keep_stage();
   /// Velocities of a step whose last stage has its certificate, which finish() takes, and what the

@@ -28,6 +28,12 @@ struct TimeError {
   double ratio = 0;     ///< to what is accepted, of the piece where that is largest
 };
 
+/// The end of a step of stages.
+struct StageEnd {
+  bool keeps_energy = true;  ///< false: contact brought more than velocities can make good
+  TimeError error;           ///< where it was asked for
+};
+
 /// Weights a_1, a_0, a_b of y [s].
 struct StepWeights {
   double end = 0, start = 0, other = 0;

@@ -62,6 +62,16 @@ TEST(SmoothedSlip, ForceOverSlipIsTheDerivativeOverTheSlip) {
   EXPECT_EQ(smoothed_slip(0, e).first_over_y, 2 / e);
 }
 
+TEST(ElasticSlip, IsASpringThatGivesWayAtCoulombsLimit) {
+  constexpr double e = 0.3, d = 1e-6;
+  for (const double y : {0.01, 0.1, 0.29, 0.31, 2.0}) {
+    const double slope = (elastic_slip(y + d, e).value - elastic_slip(y - d, e).value) / (2 * d);
+    EXPECT_NEAR(elastic_slip(y, e).first_over_y * y, slope, 1e-9);
+    EXPECT_NEAR(slope, std::min(y / e, 1.0), 1e-9);
+  }
+  EXPECT_EQ(elastic_slip(0, e).first_over_y, 1 / e);
+}
+
 TEST(SmoothedSlip, MeetsCoulombsLawSmoothly) {
   constexpr double e = 0.3;
   const SmoothedSlip below = smoothed_slip(e * (1 - 1e-9), e), beyond = smoothed_slip(e, e);

@@ -70,6 +70,23 @@ TEST(RigidMotion, VelocityAndAccelerationAreItsDerivatives) {
   }
 }
 
+TEST(RigidMotion, ATurnAboutAPointHasItsDerivatives) {
+  const Vec3 centre = {1, 2, 3}, w = {0.3, -4, 1}, x0 = {1.4, 1.1, 3.9};
+  const double gain = 2.5, t = 0.2, e = 1e-4;
+  const RigidPose before = turned_about(centre, w, gain, t - e),
+                  after = turned_about(centre, w, gain, t + e),
+                  now = turned_about(centre, w, gain, t);
+  const Vec3 v = reference_velocity(now, x0), a = reference_acceleration(now, x0);
+  const Vec3 moved = minus(reference_motion(after, x0), reference_motion(before, x0));
+  const Vec3 changed = minus(reference_velocity(after, x0), reference_velocity(before, x0));
+  for (size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(moved[i] / (2 * e), v[i], 1e-6 * safe_norm(v));
+    EXPECT_NEAR(changed[i] / (2 * e), a[i], 1e-6 * safe_norm(a));
+  }
+  EXPECT_EQ(reference_motion(now, centre), (Vec3{}));
+  EXPECT_EQ(reference_motion(turned_about(centre, {}, gain, t), x0), (Vec3{}));
+}
+
 TEST(RigidMotion, WhatIsHeldStays) {
   const RigidPose p = pose_at(RigidMotion{}, 0.5);
   EXPECT_EQ(reference_motion(p, {1, 2, 3}), (Vec3{}));

@@ -243,5 +243,80 @@ TEST(Contact, ActsOnAPieceWithTheSumOfItsNodalForces) {
   EXPECT_NEAR(pieces[0].power, -2 * action.normal, 1e-12 * action.normal);
 }
 
+/// A block that lies in the layer of a floor, which its points are bonded to, and is pushed along x.
+struct Bonded {
+  static constexpr double kFriction = 0.5, kH = 0.05;
+  Scene scene = box_scene(4, 3, 5, kH, {0, 0, 0}, solid(1e5, 0.3),
+                          {half_space({0, 1, 0}, 0.1 * kH, kFriction)});
+  Contact contact{scene};
+  std::vector<double> u = std::vector<double>(3 * size_t(scene.grid.node_count()));
+  std::vector<double> g = u;
+
+  void begin(const std::vector<double>& from, double time) {
+    u = from;
+    contact.begin_stage(u.data(), time, 0.01, u.data(), time);
+  }
+  std::vector<double> pushed(double way) const {
+    std::vector<double> moved = u;
+    for (size_t k = 0; k < u.size(); k += 3) moved[k] += way;
+    return moved;
+  }
+  double energy(const std::vector<double>& at) {
+    std::fill(g.begin(), g.end(), 0.0);
+    return contact.evaluate(at.data(), g.data());
+  }
+  /// The forces along x and against the floor.
+  std::pair<double, double> pull(const std::vector<double>& at) {
+    energy(at);
+    std::pair<double, double> sums;
+    for (size_t k = 0; k < g.size(); k += 3) sums.first += g[k], sums.second -= g[k + 1];
+    return sums;
+  }
+};
+
+TEST(Contact, BondsPullByTheDerivativeOfTheirEnergy) {
+  Bonded b;
+  b.begin(b.u, 0);
+  const double normal = b.pull(b.u).second;
+  ASSERT_GT(normal, 0);
+  const double holds = 1e-7 * Bonded::kFriction * normal / b.pull(b.pushed(1e-7)).first;
+  for (const double share : {0.6, 3.0}) {
+    std::vector<double> at = b.pushed(share * holds);
+    EXPECT_NEAR(b.pull(at).first, std::min(share, 1.0) * Bonded::kFriction * normal, 1e-6 * normal);
+    const std::vector<double> p = random_field(b.scene, 1, 5),
+                              away = random_field(b.scene, 1e-7, 4);
+    for (size_t k = 0; k < at.size(); ++k) at[k] += away[k];
+    b.energy(at);
+    const std::vector<double> gradient = b.g;
+    std::vector<double> plus = at, minus = at;
+    const double e = 1e-9;
+    for (size_t k = 0; k < at.size(); ++k) plus[k] += e * p[k], minus[k] -= e * p[k];
+    EXPECT_NEAR((b.energy(plus) - b.energy(minus)) / (2 * e), dot(gradient, p),
+                1e-5 * norm(gradient) * norm(p));
+  }
+}
+
+TEST(Contact, BondsKeepTheirForceFromStepToStepAsFarAsTheyHold) {
+  Bonded b;
+  b.begin(b.u, 0);
+  const double normal = b.pull(b.u).second, most = Bonded::kFriction * normal;
+  const double holds = 1e-7 * most / b.pull(b.pushed(1e-7)).first;
+  const auto next = [&](double way, double time) {
+    const std::vector<double> end = b.pushed(way);
+    b.contact.keep_bonds(end.data());
+    b.begin(end, time);
+  };
+  next(0.6 * holds, 0.01);
+  EXPECT_NEAR(b.pull(b.u).first, 0.6 * most, 1e-6 * most);
+  EXPECT_NEAR(b.pull(b.pushed(10 * holds)).first, most, 1e-6 * most);
+  // what slid is let go: turning back by what a bond holds takes the force off
+  next(10 * holds, 0.02);
+  EXPECT_NEAR(b.pull(b.u).first, most, 1e-6 * most);
+  EXPECT_NEAR(b.pull(b.pushed(-holds)).first, 0, 1e-6 * most);
+  b.contact.forget_bonds();
+  b.begin(b.u, 0.03);
+  EXPECT_EQ(b.pull(b.u).first, 0);
+}
+
 }  // namespace
 }  // namespace elastogen::test

@@ -27,6 +27,7 @@ struct MotionFrame {
   double kinetic = 0;         ///< [J]
   double estimate = 0;        ///< sum of the estimates of its steps [m]
   int steps = 0, solves = 0;  ///< those of rejected steps included
+  int outer = 0, inner = 0;   ///< iterations
 };
 
 /// Runs a scene at dt = 1/30 s divided by `parts`; `auto` has no parts.
@@ -48,6 +49,8 @@ inline std::vector<MotionFrame> play(const MovingScene& from, TimeScheme scheme,
       if (!r.finite) return result;
       ++f.steps;
       f.solves += r.solves;
+      f.outer += r.outer;
+      f.inner += r.inner;
       f.estimate += r.time_error;
       const EnergyParts& e = r.energy;
       f.kinetic = e.kinetic;
@@ -207,6 +210,25 @@ inline MovingScene block_on_floor(double young, double height) {
   m.scene.surface = face_points(m.scene.grid);
   m.scene.colliders = {half_space({0, 1, 0}, -height, 0.5)};
   m.scene.gravity = {0, -9.81, 0};
+  finish_scene(m.scene);
+  m.start = initial_state(m.scene);
+  return m;
+}
+
+/// A block that lies on a slope, its weight carried: gravity is turned by the angle.
+inline MovingScene block_on_slope(double young, double angle, double friction) {
+  MovingScene m = block_on_floor(young, 0);
+  m.scene.colliders[0].friction = friction;
+  m.scene.gravity = {9.81 * std::sin(angle), -9.81 * std::cos(angle), 0};
+  finish_scene(m.scene);
+  m.start = initial_state(m.scene);
+  return m;
+}
+
+/// A ball on a slope.
+inline MovingScene ball_on_slope(double young, double angle, double friction) {
+  MovingScene m = dropped_ball(young, 0, friction);
+  m.scene.gravity = {9.81 * std::sin(angle), -9.81 * std::cos(angle), 0};
   finish_scene(m.scene);
   m.start = initial_state(m.scene);
   return m;

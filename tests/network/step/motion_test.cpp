@@ -51,7 +51,7 @@ TEST(Motion, ASpinKeepsItsMomentumAndItsAngle) {
   };
   for (const Case& c : {Case{5, 0.02, 2.2}, Case{50, 1e-3, 1.1}}) {
     const MovingScene m = spinning_ball(c.courant, 10);
-    const std::vector<MotionFrame> run = play(m, kAuto, 60), fine = play(m, kSdirk2, 60, 16);
+    const std::vector<MotionFrame> run = play(m, kAuto, 60), fine = play(m, kSdirk2, 60, 8);
     const Vec3 before = mean_motion(m.scene, m.start).spin,
                after = mean_motion(m.scene, run.back().state).spin;
     EXPECT_LT(size_of(minus(after, before)), 1e-12 * size_of(before));
@@ -155,7 +155,7 @@ TEST(Motion, ACantileverAndAPendulumSwingAsFineStepsSay) {
     MovingScene m;
     double error, solves;  // of the centre over its range
   };
-  for (const Case& c : {Case{released_cantilever(3e5), 0.04, 3}, Case{pendulum(1.2), 0.04, 2.4}}) {
+  for (const Case& c : {Case{released_cantilever(3e5), 0.04, 3}, Case{pendulum(1.2), 0.02, 2.4}}) {
     const std::vector<MotionFrame> run = play(c.m, kAuto, 60), fine = play(c.m, kSdirk2, 60, 16);
     double error = 0, low = 1e300, high = -1e300;
     for (size_t k = 0; k < run.size(); ++k) {
@@ -201,6 +201,50 @@ TEST(Motion, WhatLiesStaysAtOneSolveAFrame) {
   const double mass = mean_motion(m.scene, m.start).mass;
   EXPECT_LE(solves_a_frame(run), 1.1);
   EXPECT_LT(std::sqrt(2 * run.back().kinetic / mass), 1e-4);
+}
+
+/// Way of the centre of mass along x after each frame.
+std::vector<double> way_along_x(const Scene& scene, const State& start,
+                                const std::vector<MotionFrame>& run) {
+  std::vector<double> way;
+  const double begin = mean_motion(scene, start).centre[0];
+  for (const MotionFrame& f : run) way.push_back(mean_motion(scene, f.state).centre[0] - begin);
+  return way;
+}
+
+TEST(Motion, ABlockHoldsOnASlopeAndSlidesAsCoulombSays) {
+  const double degree = std::numbers::pi / 180, friction = 0.5;
+  // holds: it slips while it lands, then not at all
+  const MovingScene holds = block_on_slope(1e6, 20 * degree, friction);
+  std::vector<MotionFrame> run = play(holds, kAuto, 45);
+  std::vector<double> way = way_along_x(holds.scene, holds.start, run);
+  printf("slope of 20 degrees: slips %.2f mm, then %.1e m/s\n", 1e3 * way.back(),
+         mean_motion(holds.scene, run.back().state).velocity[0]);
+  EXPECT_LT(std::abs(way.back()), 1.2e-3);
+  EXPECT_LT(std::abs(way.back() - way[14]), 3e-5);
+  EXPECT_LT(std::abs(mean_motion(holds.scene, run.back().state).velocity[0]), 1e-5);
+  // slides by g (sin - mu cos) t^2 / 2
+  const MovingScene slides = block_on_slope(1e6, 45 * degree, friction);
+  way = way_along_x(slides.scene, slides.start, play(slides, kAuto, 45));
+  const double exact = 9.81 * std::sqrt(0.5) * (1 - friction) / 2 * 1.5 * 1.5;
+  printf("slope of 45 degrees: %.4f m, exact %.4f\n", way.back(), exact);
+  EXPECT_NEAR(way.back(), exact, 0.01 * exact);
+}
+
+TEST(Motion, ASlidingBlockStopsAndABallRollsAsRigidOnesDo) {
+  // from 1 m/s to rest: v^2 / (2 mu g)
+  MovingScene stops = block_on_slope(1e6, 0, 0.3);
+  for (int64_t n = 0; n < stops.start.v.rows(); ++n) stops.start.v(n, 0) = 1;
+  std::vector<double> way = way_along_x(stops.scene, stops.start, play(stops, kAuto, 30));
+  printf("stops after %.4f m, exact %.4f\n", way.back(), 1 / (0.6 * 9.81));
+  EXPECT_NEAR(way.back(), 1 / (0.6 * 9.81), 0.01 / (0.6 * 9.81));
+  // rolls by 5/7 g sin t^2 / 2
+  const double slope = std::numbers::pi / 18;
+  const MovingScene rolls = ball_on_slope(1e6, slope, 0.5);
+  way = way_along_x(rolls.scene, rolls.start, play(rolls, kAuto, 45));
+  const double exact = 5.0 / 7 * 9.81 * std::sin(slope) / 2 * 1.5 * 1.5;
+  printf("rolls %.4f m, exact %.4f\n", way.back(), exact);
+  EXPECT_NEAR(way.back(), exact, 0.03 * exact);
 }
 
 TEST(Motion, TheEstimateIsTheLocalErrorWithinAFactor) {
