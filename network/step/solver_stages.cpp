@@ -170,7 +170,8 @@ StepReport Solver::Impl::advance_stages() {
       continue;
     }
     if (judge(report) || by_euler) break;
-    by_euler = control.level() == level;  // the error was accepted, the energy not
+    // the error was accepted, so it was the energy that was not
+    by_euler = report.time_ratio <= 1 || level == TimeControl::kMostLevel;
     ++report.rejected;
   }
 

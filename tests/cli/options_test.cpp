@@ -389,12 +389,8 @@ TEST(Options, RefusesWhatIsMissing) {
   expect_says(refusal({"a.obj", "-o", "a.glb", "--up", "w"}), "--up");
   expect_says(refusal({"a.ply", "-o", "a.glb", "--splat-scales", "ln"}), "--splat-scales");
   expect_says(refusal({"a.obj", "-o", "a.glb", "--modes", "4"}), "--modes");
-  expect_says(error_of(
-                  [] {
-                    parsed_words({"voxelize", "a.obj", "-o", "a.glb"});
-                  },
-                  ErrorKind::kUsage),
-              ".vdb");
+  const auto voxelize = [] { parsed_words({"voxelize", "a.obj", "-o", "a.glb"}); };
+  expect_says(error_of(voxelize, ErrorKind::kUsage), ".vdb");
   expect_says(error_of([] { parsed_words({"inspect"}); }, ErrorKind::kUsage), "FILE");
 }
 

@@ -181,7 +181,7 @@ TEST(Motion, ABallHopsAsHighAsWithFineSteps) {
       if (y < low) low = y, high = y;
       high = std::max(high, y);
     }
-    return high + 0.2 - m.scene.colliders[0].centre[1] * m.scene.colliders[0].normal[1];
+    return high - 0.2 - m.scene.colliders[0].centre[1];  // of its lowest point above the floor
   };
   printf("hop %.4f m, fine %.4f m, %.2f solves a frame\n", hop(run), hop(fine),
          solves_a_frame(run));
