@@ -56,6 +56,10 @@ Json to_json(const SolidPreset& preset) {
                {"shear_wave", d.shear_wave},
                {"kind", preset.kind},
                {"source", preset.source}};
+  if (m.usual_loss > 0)
+    json.update({{"loss_factor", m.usual_loss},
+                 {"loss_frequency", m.loss_frequency},
+                 {"loss_source", preset.loss_source}});
   if (!preset.solid.is_plastic()) return json;
   json["yields_as"] = yield_name(preset.solid.yield);
   json.update(yield_json(preset.solid.yield));
@@ -76,6 +80,10 @@ void print_all(const SolidPreset& preset) {
   fmt::print("  mu {:.4g} Pa, lambda {:.4g} Pa, K {:.4g} Pa\n", d.mu, d.lambda, d.bulk);
   fmt::print("  waves: {:.4g} m/s in pressure, {:.4g} m/s in shear\n", d.pressure_wave,
              d.shear_wave);
+  const Material& m = preset.solid.elastic;
+  if (m.usual_loss > 0)
+    fmt::print("  loss factor {:.3g} at {:.3g} Hz: {}\n", m.usual_loss, m.loss_frequency,
+               preset.loss_source);
   const Json yield = yield_json(preset.solid.yield);
   for (const auto& [key, value] : yield.items())
     fmt::print("  {} {:.4g}\n", key, value.get<double>());

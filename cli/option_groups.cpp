@@ -19,19 +19,8 @@ void add_body_options(CLI::App& app, AnimateOptions& o, Typed& t) {
   app.add_option("--grid", t.grid, "grid of a .vdb by its name")->group("Scene");
 }
 
-void add_material_options(CLI::App& app, Typed& t) {
-  // law and its numbers
-  app.add_option("--material", t.material,
-                 "preset: rubber, soft-rubber, jelly, foam, steel, clay, snow, ...")
-      ->group("Material");
-  app.add_option("--law", t.law,
-                 "fixed-corotated, neo-hookean, stable-neo-hookean, stvk, hencky, ogden=EXPONENT, "
-                 "mooney-rivlin=SHARE or gent=LIMIT")
-      ->group("Material");
-  app.add_option("--young", t.young, "Young's modulus, e.g. 1e6 or '1 MPa'")->group("Material");
-  app.add_option("--poisson", t.poisson, "Poisson's ratio, 0 <= nu < 0.5")->group("Material");
-  app.add_option("--density", t.density, "density, e.g. 1100 or '1.1 g/cm3'")->group("Material");
-  // yielding
+/// Options of materials that yield.
+void add_yield_options(CLI::App& app, Typed& t) {
   app.add_option("--yield", t.yield,
                  "metal and clay: stress at which a bar flows, e.g. '250 MPa'; snow: pressure p0")
       ->group("Material");
@@ -46,6 +35,29 @@ void add_material_options(CLI::App& app, Typed& t) {
   app.add_option("--keeps-volume", t.keeps_volume,
                  "sand: true or false; true: what opens has to close before it bears again")
       ->group("Material");
+}
+
+void add_material_options(CLI::App& app, Typed& t) {
+  // law and its numbers
+  app.add_option("--material", t.material,
+                 "preset: rubber, soft-rubber, jelly, foam, steel, clay, snow, ...")
+      ->group("Material");
+  app.add_option("--law", t.law,
+                 "fixed-corotated, neo-hookean, stable-neo-hookean, stvk, hencky, ogden=EXPONENT, "
+                 "mooney-rivlin=SHARE or gent=LIMIT")
+      ->group("Material");
+  app.add_option("--young", t.young, "Young's modulus, e.g. 1e6 or '1 MPa'")->group("Material");
+  app.add_option("--poisson", t.poisson, "Poisson's ratio, 0 <= nu < 0.5")->group("Material");
+  app.add_option("--density", t.density, "density, e.g. 1100 or '1.1 g/cm3'")->group("Material");
+  app.add_option(
+         "--damping", t.damping,
+         "loss factor tan(delta), 0 for none; auto: that of the preset, and none with euler "
+         "and bdf2, which damp by themselves")
+      ->group("Material");
+  app.add_option("--damping-frequency", t.damping_frequency,
+                 "at which the loss factor holds, e.g. '10 Hz'; it is in proportion to frequency")
+      ->group("Material");
+  add_yield_options(app, t);
   // other materials in parts of the body
   app.add_option("--region", t.regions,
                  "part of another material: 'y>80%: foam,young=1e5'; repeatable")

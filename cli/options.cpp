@@ -63,8 +63,8 @@ void fill_from_scene(Verb& verb) {
     if (option->count() > 0) taken.insert(option->get_name());
   if (taken.contains("--voxels")) taken.insert("--h");
   if (taken.contains("--material"))
-    taken.insert({"--law", "--young", "--poisson", "--density", "--yield", "--hardening",
-                  "--friction-angle", "--cohesion", "--keeps-volume"});
+    taken.insert({"--law", "--young", "--poisson", "--density", "--damping", "--damping-frequency",
+                  "--yield", "--hardening", "--friction-angle", "--cohesion", "--keeps-volume"});
   if (!verb.scene.input.empty()) taken.insert("--shape");
   if (taken.contains("--analytic")) taken.insert("--energy");
   for (const SceneOption& scene : scene_options(read_scene(verb.scene_file))) {

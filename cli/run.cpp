@@ -23,10 +23,25 @@
 namespace elastogen {
 namespace {
 
+/// Prints a line for each material that is damped. False where none is.
+bool print_loss_factors(const Scene& scene) {
+  bool any = false;
+  for (const Material& m : scene.materials) {
+    const double loss = m.loss_factor.value_or(0);
+    if (!(loss > 0)) continue;
+    fmt::print(
+        "damping of {}: loss factor {:.3g} at {:.3g} Hz (a vibration keeps {:.0f} % of its "
+        "amplitude a period), in proportion to frequency\n",
+        m.name, loss, m.loss_frequency, 100 * std::exp(-std::numbers::pi * loss));
+    any = true;
+  }
+  return any;
+}
+
 /// Prints the numerical damping; for particles that of Euler's scheme alone, not of transfers.
 void print_damping(const Setup& setup, const ParticleOptions& options) {
   const bool parts = setup.particles.has_value();
-  if (setup.scene.scheme == TimeScheme::kAuto) return;  // the time error says more
+  if (print_loss_factors(setup.scene) || has_stages(setup.scene.scheme)) return;
   if (parts && options.integrator == Integrator::kExplicit) return;
   double dt = setup.scene.dt;
   if (parts) dt = options.dt > 0 ? std::min(options.dt, dt) : longest_part(dt);

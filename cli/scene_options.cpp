@@ -47,6 +47,8 @@ std::string region_text(const SceneValue& region, const std::string& preset) {
                                   {"young", "young"},
                                   {"poisson", "poisson"},
                                   {"density", "density"},
+                                  {"damping", "damping"},
+                                  {"damping_frequency", "damping-frequency"},
                                   {"yield", "yield"},
                                   {"hardening", "hardening"},
                                   {"cohesion", "cohesion"},
@@ -209,6 +211,8 @@ SceneValue material_table(const Material& m, const Yield& yield) {
   t.set("young", scene_number(m.young));
   t.set("poisson", scene_number(m.poisson));
   t.set("density", scene_number(m.density));
+  if (m.loss_factor) t.set("damping", scene_number(*m.loss_factor));
+  t.set("damping_frequency", scene_number(m.loss_frequency));
   set_yield(yield, t);
   return t;
 }

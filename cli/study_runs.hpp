@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include "cli/options.hpp"
 #include "cli/study_compare.hpp"
 #include "scene/set_up.hpp"
 

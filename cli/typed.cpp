@@ -29,6 +29,7 @@ int choice(const char* option, const std::string& value, const std::vector<std::
 }
 
 void resolve_material(const Typed& t, AnimateOptions& o) {
+  // the preset, changed by what was typed
   Solid solid = solid_preset(t.material).solid;
   const Material preset = solid.elastic;
   const Yield yield = solid.yield;
@@ -36,6 +37,8 @@ void resolve_material(const Typed& t, AnimateOptions& o) {
                                   {"young", &t.young},
                                   {"poisson", &t.poisson},
                                   {"density", &t.density},
+                                  {"damping", &t.damping},
+                                  {"damping-frequency", &t.damping_frequency},
                                   {"yield", &t.yield},
                                   {"hardening", &t.hardening},
                                   {"friction-angle", &t.friction_angle},
@@ -44,6 +47,7 @@ void resolve_material(const Typed& t, AnimateOptions& o) {
     if (!text->empty()) change_solid(key, *text, solid);
   }
   check_solid(solid);
+  // what it is called
   const Material& m = solid.elastic;
   const bool same = m.law == preset.law && m.young == preset.young && m.poisson == preset.poisson &&
                     m.density == preset.density && solid.yield == yield;

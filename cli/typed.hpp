@@ -9,7 +9,7 @@ namespace elastogen {
 
 /// Values as they were typed; empty means not given.
 struct Typed {
-  std::string material = "rubber", law, young, poisson, density;
+  std::string material = "rubber", law, young, poisson, density, damping, damping_frequency;
   std::string yield, hardening, friction_angle, cohesion, keeps_volume, method = "auto";
   std::string shape, friction = "0.5", integrator = "implicit", dt = "auto";
   std::string transfer = "apic", blend_time = "0.01";

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -58,6 +59,11 @@ struct Material {
   double poisson = 0.45;  ///< nu [-], 0 <= nu < 0.5
   double density = 1100;  ///< rho [kg/m^3], > 0
 
+  // damping (core/viscous.hpp)
+  std::optional<double> loss_factor = {};  ///< tan(delta) at loss_frequency; none: no damping
+  double loss_frequency = 10;              ///< [Hz], > 0
+  double usual_loss = 0;  ///< loss factor of the preset, for scenes that choose none
+
   double mu() const { return young / (2 * (1 + poisson)); }  ///< shear modulus [Pa]
   double lambda() const {                                    ///< [Pa]
     return young * poisson / ((1 + poisson) * (1 - 2 * poisson));
@@ -69,6 +75,11 @@ struct MaterialPreset {
   Material material;
   const char* kind;    ///< "measured", "literature" or "look"
   const char* source;  ///< where the numbers come from
+
+  // damping, for time schemes that have hardly any of their own
+  double loss_factor = 0;        ///< tan(delta) at loss_frequency; 0: none
+  double loss_frequency = 10;    ///< [Hz]
+  const char* loss_source = "";  ///< where these come from
 };
 
 std::span<const MaterialPreset> material_presets();

@@ -103,6 +103,14 @@ ELASTOGEN_HD inline T energy_and_stress(const LawParameters<Scalar<T>>& p, const
 
 }  // namespace strain
 
+/// F = I + H.
+template <class T>
+ELASTOGEN_HD inline Mat3<T> plus_identity(const Mat3<T>& H) {
+  Mat3<T> F = H;
+  for (int i = 0; i < 3; ++i) F(i, i) = F(i, i) + 1;
+  return F;
+}
+
 /// Response of a law of strain to F = I + H; false where a stretch is outside 0.4 ... 3, or det F
 /// not positive: there the strain has lost digits, or the law is continued in its stretches.
 /// @param add  add(E, psi, S) adds to energy and stress what the material has besides its law.
@@ -111,8 +119,7 @@ ELASTOGEN_HD inline bool strain_response(const LawParameters<Scalar<T>>& law, co
                                          const Add& add, StrainResponse<T>& r) {
   using S = Scalar<T>;
   constexpr S kMostSquares = 9, kMostInverseSquares = 6;  // sums of s^2 and of 1/s^2
-  Mat3<T> F = H;
-  for (int i = 0; i < 3; ++i) F(i, i) = F(i, i) + 1;
+  const Mat3<T> F = plus_identity(H);
   strain::Strain<T> s;
   s.E = strain::green(H);
   const T* E = s.E.m;

@@ -45,7 +45,9 @@ Json to_json(const std::vector<Material>& materials, const std::vector<std::stri
                     {"law", law_name(material.law)},
                     {"young", material.young},
                     {"poisson", material.poisson},
-                    {"density", material.density}});
+                    {"density", material.density},
+                    {"loss_factor", material.loss_factor.value_or(0)},
+                    {"loss_frequency", material.loss_frequency}});
     if (m < nets.size() && !nets[m].empty()) list.back()["net"] = nets[m];
   }
   return list;
@@ -96,6 +98,7 @@ void write_report(const std::string& path, const RunReport& report) {
         {"loosest_tolerance", report.loosest_tolerance},
         {"solves", report.solves},
         {"rejected", report.rejected_steps}}},
+      {"damped", report.damped},
       {"outside_fit", report.outside_fit},
       {"long_steps", report.long_steps},
       {"stage_seconds", to_json(report.stage_seconds)},

@@ -48,6 +48,24 @@ Keys yield_keys(const std::string& table) {
   };
 }
 
+/// The keys of damping.
+Keys damping_keys(const std::string& table) {
+  const bool main = table == "material";
+  return {
+      {table,
+       "damping",
+       T::kNumber,
+       "that of the preset; none with euler and bdf2",
+       main ? "--damping" : "",
+       "loss factor, tan(delta) at damping_frequency",
+       Q::kNumber,
+       {.least = 0, .most = 10}},
+      {table, "damping_frequency", T::kNumber, "that of the preset",
+       main ? "--damping-frequency" : "", "frequency of the loss factor", Q::kFrequency,
+       kAboveZero},
+  };
+}
+
 /// The keys that choose and change a material.
 Keys material_keys(const std::string& table) {
   // [material] has options of the command, a region has none
@@ -93,6 +111,7 @@ Keys material_keys(const std::string& table) {
 
 std::vector<SceneKey> main_material_keys() {
   Keys keys = material_keys("material");
+  for (SceneKey& key : damping_keys("material")) keys.push_back(std::move(key));
   for (SceneKey& key : yield_keys("material")) keys.push_back(std::move(key));
   return keys;
 }
@@ -104,6 +123,7 @@ std::vector<SceneKey> region_keys() {
       {"region", "gltf_material", T::kText, "", "", "name of a material of the asset"},
   };
   for (SceneKey& key : material_keys("region")) keys.push_back(std::move(key));
+  for (SceneKey& key : damping_keys("region")) keys.push_back(std::move(key));
   for (SceneKey& key : yield_keys("region")) keys.push_back(std::move(key));
   return keys;
 }

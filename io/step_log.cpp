@@ -52,6 +52,7 @@ std::string step_log_line(int64_t frame, const StepReport& report,
     line["rejected"] = report.rejected;
     line["tolerance"] = report.tolerance;
     line["time_error"] = report.time_error;
+    line["damped"] = report.damped;
   }
   // what only bodies that yield and particles have
   if (report.yields || cloud) line["fallbacks"] = report.fallbacks;

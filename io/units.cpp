@@ -49,6 +49,7 @@ const std::vector<Unit>& units_of(Quantity quantity) {
       {{"rad", 1}, {"deg", kDegree}},
       {{"rad/s", 1}, {"deg/s", kDegree}, {"rpm", std::numbers::pi / 30}},
       {{"N", 1}, {"mN", 1e-3}, {"kN", 1e3}, {"MN", 1e6}, {"lbf", kPound * kStandardGravity}},
+      {{"Hz", 1}, {"kHz", 1e3}},
       {{"B", 1},
        {"kB", 1e3},
        {"MB", 1e6},

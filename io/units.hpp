@@ -20,6 +20,7 @@ enum class Quantity {
   kAngle,         ///< rad: rad deg
   kSpin,          ///< rad/s: rad/s deg/s rpm
   kForce,         ///< N: N mN kN MN lbf
+  kFrequency,     ///< Hz: Hz kHz
   kMemory,        ///< bytes: B kB MB GB TB KiB MiB GiB TiB
 };
 

@@ -55,6 +55,8 @@ Solver::Impl::Impl(const Scene& s, const SolverOptions& o)
 
   ELASTOGEN_CHECK(mode != SolverMode::kPaper || !has_stages(s.scheme),
                   "the paper's algorithm has no steps of stages: --time-scheme euler or bdf2");
+  ELASTOGEN_CHECK(mode != SolverMode::kPaper || !terms->has_damping(),
+                  "the paper's algorithm has no damping: --damping 0");
   if (mode == SolverMode::kPaper) {
     check_paper_scene(*terms, o.paper);
     in_float = true;
@@ -71,10 +73,11 @@ Solver::Impl::Impl(const Scene& s, const SolverOptions& o)
 
 /// On the card where it is asked for or chosen, else on the host.
 void Solver::Impl::make_work(const EncoderChoice* encoder) {
-  const bool asked = options.device == Device::kCuda, stages = has_stages(scene.scheme);
-  ELASTOGEN_CHECK(
-      !asked || !stages,
-      "the time schemes sdirk2 and auto run on the CPU: --device cpu, or euler or bdf2");
+  const bool asked = options.device == Device::kCuda;
+  const bool stages = has_stages(scene.scheme) || terms->has_damping();
+  ELASTOGEN_CHECK(!asked || !stages,
+                  "damping and the time schemes sdirk2 and auto run on the CPU: --device cpu, or "
+                  "euler or bdf2");
   const bool wanted =
       asked || (!stages && options.device == Device::kAuto && in_float && cuda::has_device());
   if (asked && !cuda::has_device())

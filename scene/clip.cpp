@@ -160,6 +160,7 @@ class Clip {
     certificate.time_error += r.time_error;
     report_.time_error += r.time_error;
     report_.loosest_tolerance = std::max(report_.loosest_tolerance, r.tolerance);
+    report_.damped += r.damped;
     report_.solves += r.solves;
     report_.rejected_steps += r.rejected;
     ++report_.steps;

@@ -60,10 +60,14 @@ void change_solid(std::string_view key, std::string_view value, Solid& solid) {
     m.density = parse_density(value);
   else if (key == "law")
     m.law = law_from_name(value);
+  else if (key == "damping")
+    m.loss_factor = parse_number(value);
+  else if (key == "damping-frequency")
+    m.loss_frequency = parse_quantity(value, Quantity::kFrequency);
   else if (!change_yield(key, value, solid.yield))
     throw Error(is_of_yield(key)
                     ? concat("'", m.name, "' is ", yield_name(solid.yield), ": it has no ", key)
-                    : concat("'", key, "' is none of young, poisson, density, law"));
+                    : concat("'", key, "' is none of young, poisson, density, law, damping"));
 }
 
 void check_solid(const Solid& solid) {

@@ -32,7 +32,12 @@ const std::pair<std::string_view, Yield> kYields[] = {
 SolidPreset solid_preset(std::string_view name) {
   std::string known;
   for (const MaterialPreset& preset : material_presets()) {
-    if (preset.material.name == name) return {{preset.material, {}}, preset.kind, preset.source};
+    if (preset.material.name == name) {
+      Material material = preset.material;
+      material.usual_loss = preset.loss_factor;
+      material.loss_frequency = preset.loss_frequency;
+      return {{std::move(material), {}}, preset.kind, preset.source, preset.loss_source};
+    }
     known += (known.empty() ? "" : ", ") + preset.material.name;
   }
   for (const MaterialPreset& preset : yielding_presets()) {

@@ -12,8 +12,9 @@ namespace elastogen {
 
 struct SolidPreset {
   Solid solid;
-  const char* kind;    ///< as in MaterialPreset
-  const char* source;  ///< where the numbers come from
+  const char* kind;              ///< as in MaterialPreset
+  const char* source;            ///< where the numbers come from
+  const char* loss_source = "";  ///< where the loss factor comes from
 };
 
 /// The preset of that name. @throws Error naming the known ones.

@@ -49,6 +49,7 @@ PotentialValue total(const std::vector<Sums>& sums) {
   for (const Sums& s : sums) {
     value.elastic += lane_sum(s.elastic);
     value.hourglass += lane_sum(s.hourglass);
+    value.viscous += lane_sum(s.viscous);
     value.min_j = std::min(value.min_j, lane_min(s.min_j));
     value.min_corner_j = std::min(value.min_corner_j, lane_min(s.min_corner_j));
     value.outside += int64_t(lane_sum(s.outside));
@@ -140,6 +141,7 @@ void IncrementalPotential::begin_step(const State& state, const StepScheme& sche
     return predicted_motion(scheme, x, state.v(n, d), has_before ? state.x_before(n, d) : x,
                             has_before ? state.v_before(n, d) : 0, scene_.gravity[size_t(d)]);
   });
+  begin_damping(state, scheme.scheme == TimeScheme::kBdf2 ? -1.0 / 3 : 0, nullptr);
   contact_.begin_step(now_.data(), state.time, scheme.end());
 }
 
@@ -147,6 +149,7 @@ void IncrementalPotential::begin_stage(const State& state, const StepScheme& sch
                                        const double* motion, const double* stage_before) {
   set_scheme(scheme);
   begin(state, [&](int64_t n, int d) { return motion[3 * n + d]; });
+  begin_damping(state, scheme.stage.w_v, stage_before);
   const double lag_time = state.time + (stage_before ? scheme.stage.t_b : 0);
   contact_.begin_stage(now_.data(), state.time, scheme.end(),
                        stage_before ? stage_before : now_.data(), lag_time);
@@ -214,6 +217,18 @@ uint32_t IncrementalPotential::full_lanes(int64_t row) const {
   return mask;
 }
 
+/// Adds the energies of a row; lanes without a voxel have no fill.
+template <class T>
+void IncrementalPotential::add_energy(const VoxelEnergy<Pack<T>>& e, const Pack<T>& fill,
+                                      Sums& sums) {
+  sums.elastic += in_double(e.elastic);
+  sums.hourglass += in_double(e.hourglass);
+  sums.viscous += in_double(e.viscous);
+  const auto there = in_double(fill) > 0;
+  sums.outside += there ? in_double(e.outside) : Pack<double>{};
+  sums.min_j = smaller(sums.min_j, there ? in_double(e.J) : constant<Pack<double>>(1e300));
+}
+
 template <class T, bool kQuality>
 PotentialValue IncrementalPotential::evaluate_all(const double* u, T* gradient) {
   BrickScratch<T>* scratch;
@@ -227,14 +242,12 @@ PotentialValue IncrementalPotential::evaluate_all(const double* u, T* gradient) 
   const auto row = [&](int64_t r, const Pack<T> corner[3][8], Pack<T> f[3][8], Sums& sums) {
     VoxelData<Pack<T>> data;
     read_voxel_data<T>(r, data);
+    VoxelDamping<Pack<T>> of_row;
+    const VoxelDamping<Pack<T>>* damping = read_damping<T>(r, of_row) ? &of_row : nullptr;
     const VoxelEnergy<Pack<T>> e = rows_->rows[size_t(r)].border >= 0
-                                       ? voxel_energy<true>(data, corner, f)
-                                       : voxel_energy<false>(data, corner, f);
-    sums.elastic += in_double(e.elastic);
-    sums.hourglass += in_double(e.hourglass);
-    sums.outside += in_double(data.phi) > 0 ? in_double(e.outside) : Pack<double>{};
-    sums.min_j = smaller(sums.min_j,
-                         in_double(data.phi) > 0 ? in_double(e.J) : constant<Pack<double>>(1e300));
+                                       ? voxel_energy<true>(data, corner, f, damping)
+                                       : voxel_energy<false>(data, corner, f, damping);
+    add_energy<T>(e, data.phi, sums);
     if constexpr (kQuality)  // corners of border voxels may lie outside the body
       sums.min_corner_j =
           smaller(sums.min_corner_j, in_mask(corner_jacobian(corner, data.h), full_lanes(r)));
@@ -303,9 +316,12 @@ void IncrementalPotential::linearise(const double* u, TangentKind kind) {
       [&](int64_t r, const Pack<float> corner[3][8], Pack<float> f[3][8], NoSums&) {
         VoxelData<Pack<float>> data;
         read_voxel_data<float>(r, data);
+        VoxelDamping<Pack<float>> of_row;
+        const VoxelDamping<Pack<float>>* damping =
+            read_damping<float>(r, of_row) ? &of_row : nullptr;
         const Tangent<Pack<float>> t = rows_->rows[size_t(r)].border >= 0
-                                           ? voxel_tangent<true>(data, corner, kind)
-                                           : voxel_tangent<false>(data, corner, kind);
+                                           ? voxel_tangent<true>(data, corner, kind, damping)
+                                           : voxel_tangent<false>(data, corner, kind, damping);
         for (int k = 0; k < 45; ++k) store(tangent_.data() + (r * 45 + k) * kLanes, t.m[k]);
         for (int i = 0; i < 3; ++i)
           for (int c = 0; c < 8; ++c) f[i][c] = Pack<float>{};
@@ -325,10 +341,11 @@ void IncrementalPotential::hessian_product(const float* p, float* product) {
         read_voxel_data<float>(r, data);
         Tangent<Pack<float>> t;
         for (int k = 0; k < 45; ++k) t.m[k] = load(tangent_.data() + (r * 45 + k) * kLanes);
+        const float beta = float(beta_of(rows_->rows[size_t(r)].material));
         if (rows_->rows[size_t(r)].border >= 0)
-          voxel_hessian<true>(data, t, corner, f);
+          voxel_hessian<true>(data, t, corner, f, beta);
         else
-          voxel_hessian<false>(data, t, corner, f);
+          voxel_hessian<false>(data, t, corner, f, beta);
       },
       [&](int64_t n, const float force[3]) {
         for (int i = 0; i < 3; ++i)

@@ -2,7 +2,7 @@
 // The incremental potential of a step, whose minimum is the next state:
 //
 //     Phi(u) = a0/(2 dt^2) sum_c m_c |u_c - uhat_c|^2 + sum_v W_v psi(F_v)
-//              + E_hourglass + E_contact,
+//              + E_hourglass + E_viscous + E_contact,
 //
 // u = x - X, and its gradient and Hessian products. The state is float64; the maths of the voxels
 // runs in T = float or double on displacements relative to a node of the voxel's brick, so that
@@ -80,7 +80,7 @@ class IncrementalPotential : public PotentialTerms {
 
  private:
   struct Sums {
-    Pack<double> elastic = {}, hourglass = {};
+    Pack<double> elastic = {}, hourglass = {}, viscous = {};
     Pack<double> min_j = Pack<double>{} + 1e300, min_corner_j = min_j;
     Pack<double> outside = {};
   };
@@ -88,7 +88,17 @@ class IncrementalPotential : public PotentialTerms {
   template <class Motion>
   void begin(const State& state, const Motion& motion);
   void freeze_rotations();
+  void find_strains(const double* u, Zeroed<double>& strains);
+  void begin_damping(const State& state, double weight, const double* other);
+  /// beta of the damping of a material in the present step.
+  double beta_of(int32_t material) const {
+    return has_damping() ? viscous_time(scene_.materials[size_t(material)]) * rate() : 0;
+  }
+  template <class T>
+  bool read_damping(int64_t row, VoxelDamping<Pack<T>>& damping) const;
   uint32_t full_lanes(int64_t row) const;
+  template <class T>
+  static void add_energy(const VoxelEnergy<Pack<T>>& e, const Pack<T>& fill, Sums& sums);
   template <class T, bool kQuality>
   PotentialValue evaluate_all(const double* u, T* gradient);
   double inertial_energy(const double* u) const;
@@ -100,7 +110,8 @@ class IncrementalPotential : public PotentialTerms {
   Zeroed<double> gradients_;  ///< F_v of set_nodal_rotations, [row][9][lane]
   Zeroed<float> nodal_rotation_;
   Zeroed<double> predictor_, inertia_, now_;
-  Zeroed<float> tangent_;  ///< [row][45][lane]; filled by linearise
+  Zeroed<float> tangent_;                   ///< [row][45][lane]; filled by linearise
+  Zeroed<double> strain_before_, strains_;  ///< E_b, A_b and scratch, [row][18][lane]
   BrickScratch<float> scratch_float_;
   BrickScratch<double> scratch_double_;
   std::vector<Sums> sums_;

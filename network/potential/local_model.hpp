@@ -4,53 +4,12 @@
 
 #pragma once
 
-#include "core/hex8.hpp"
 #include "core/principal.hpp"
-#include "core/scene.hpp"
 #include "core/strain_law.hpp"
 #include "core/tangent.hpp"
-#include "network/law/learned_law.hpp"
+#include "network/potential/voxel_damping.hpp"
 
 namespace elastogen {
-
-/// Data of a voxel besides its displacement.
-template <class T>
-struct VoxelData {
-  LawParameters<Scalar<T>> law;
-  const LearnedLaw* learned = nullptr;  ///< null: the law itself
-  Scalar<T> h;                          ///< edge [m]
-  Hourglass hourglass = Hourglass::kFull;
-  T phi;   ///< fill
-  T c[4];  ///< variance weights [Pa]
-  T M[7];  ///< moments of the fill; unused where the voxel is full
-  T R[9];  ///< rotation at the start of the step
-};
-
-/// H = du/dX, the mean over the fill, from pattern sums.
-template <bool kBorder, class T>
-ELASTOGEN_HD inline Mat3<T> displacement_gradient(const VoxelData<T>& v, const T g[3][8]) {
-  const Scalar<T> scale = 1 / (4 * v.h);
-  Mat3<T> H;
-  for (int i = 0; i < 3; ++i) {
-    T d[3];
-    hex8::gradient<kBorder>(g[i], v.M, d);
-    for (int j = 0; j < 3; ++j) H(i, j) = d[j] * scale;
-  }
-  return H;
-}
-
-/// F = I + H.
-template <class T>
-ELASTOGEN_HD inline Mat3<T> plus_identity(const Mat3<T>& H) {
-  Mat3<T> F = H;
-  for (int i = 0; i < 3; ++i) F(i, i) = F(i, i) + 1;
-  return F;
-}
-
-template <bool kBorder, class T>
-ELASTOGEN_HD inline Mat3<T> deformation_gradient(const VoxelData<T>& v, const T g[3][8]) {
-  return plus_identity(displacement_gradient<kBorder>(v, g));
-}
 
 /// Energy of the strain-variance and torsion terms [J]; adds its derivative in the pattern sums to
 /// slope. Quadratic: with g the pattern sums of a direction, slope is the product with its Hessian.
@@ -75,7 +34,7 @@ ELASTOGEN_HD inline T hourglass_energy(const VoxelData<T>& v, const T g[3][8], T
 /// Energies of a voxel [J] and its det F; outside: 1 where F is out of the box of a net.
 template <class T>
 struct VoxelEnergy {
-  T elastic, hourglass, J, outside;
+  T elastic, hourglass, viscous, J, outside;
 };
 
 /// psi, P and det F at F = I + H by stretches.
@@ -104,9 +63,11 @@ struct MaterialResponse {
 /// Energy of a voxel and its derivative f [N] in corner displacements u [m] (component, corner).
 /// `respond(sigma, outside)` is the response of its material to stretches. A law of strains needs
 /// no stretches; respond.difference(e) then gives the correction by its net, if it has_net().
+/// @param damping  null: none.
 template <bool kBorder, class T, class Respond>
 ELASTOGEN_HD inline VoxelEnergy<T> voxel_energy(const VoxelData<T>& v, const Respond& respond,
-                                                const T u[3][8], T f[3][8]) {
+                                                const T u[3][8], T f[3][8],
+                                                const VoxelDamping<T>* damping = nullptr) {
   using S = Scalar<T>;
   T g[3][8];
   for (int i = 0; i < 3; ++i) {
@@ -126,6 +87,8 @@ ELASTOGEN_HD inline VoxelEnergy<T> voxel_energy(const VoxelData<T>& v, const Res
     r = stress_by_stretches(respond, H, energy.outside);
 
   // energies, and forces at the corners
+  energy.viscous = T{};
+  if (damping) energy.viscous = damping_energy<kBorder>(v, *damping, g, H, r.P, f);
   energy.elastic = v.phi * (v.h * v.h * v.h) * r.psi;
   energy.J = r.J;
   const T weight = v.phi * (v.h * v.h * S(0.25));  // phi h^3 / (4 h)
@@ -140,8 +103,9 @@ ELASTOGEN_HD inline VoxelEnergy<T> voxel_energy(const VoxelData<T>& v, const Res
 
 /// voxel_energy with the voxel's own material.
 template <bool kBorder, class T>
-inline VoxelEnergy<T> voxel_energy(const VoxelData<T>& v, const T u[3][8], T f[3][8]) {
-  return voxel_energy<kBorder>(v, MaterialResponse<T>{v.learned, v.law}, u, f);
+inline VoxelEnergy<T> voxel_energy(const VoxelData<T>& v, const T u[3][8], T f[3][8],
+                                   const VoxelDamping<T>* damping = nullptr) {
+  return voxel_energy<kBorder>(v, MaterialResponse<T>{v.learned, v.law}, u, f, damping);
 }
 
 /// Smallest det F over the corners of a voxel: there the gradient is the difference along edges.
@@ -172,13 +136,16 @@ struct Tangent {
 template <bool kBorder, class T, class Respond>
 ELASTOGEN_HD inline Tangent<T> voxel_tangent(const VoxelData<T>& v, const Respond& respond,
                                              const T u[3][8],
-                                             TangentKind kind = TangentKind::kProjected) {
+                                             TangentKind kind = TangentKind::kProjected,
+                                             const VoxelDamping<T>* damping = nullptr) {
   T g[3][8];
   for (int i = 0; i < 3; ++i) {
     for (int c = 0; c < 8; ++c) g[i][c] = u[i][c];
     hex8::to_patterns(g[i]);
   }
-  const Svd3<T> F = svd3(deformation_gradient<kBorder>(v, g));
+  // by stretches, then column by column
+  const Mat3<T> gradient = displacement_gradient<kBorder>(v, g);
+  const Svd3<T> F = svd3(plus_identity(gradient));
   T outside;
   const Response<T> r = respond(F.sigma, outside);
   PrincipalHessian<T> H = principal_hessian(F.sigma, r);
@@ -187,7 +154,9 @@ ELASTOGEN_HD inline Tangent<T> voxel_tangent(const VoxelData<T>& v, const Respon
   for (int row = 0, k = 0; row < 9; ++row) {
     Mat3<T> unit{};
     unit.m[row] = constant<T>(1);
-    const Mat3<T> column = apply(H, F, unit);
+    Mat3<T> column = apply(H, F, unit);
+    if (damping)
+      add_viscous_tangent(damping->moduli(v), gradient, damping->before.E, kind, unit, column);
     for (int col = row; col < 9; ++col) result.m[k++] = column.m[col];
   }
   return result;
@@ -196,17 +165,19 @@ ELASTOGEN_HD inline Tangent<T> voxel_tangent(const VoxelData<T>& v, const Respon
 /// voxel_tangent with the voxel's own material.
 template <bool kBorder, class T>
 inline Tangent<T> voxel_tangent(const VoxelData<T>& v, const T u[3][8],
-                                TangentKind kind = TangentKind::kProjected) {
+                                TangentKind kind = TangentKind::kProjected,
+                                const VoxelDamping<T>* damping = nullptr) {
   const auto respond = [&](const T sigma[3], T& outside) {
     return material_response<true>(v.learned, v.law, sigma, outside);
   };
-  return voxel_tangent<kBorder>(v, respond, u, kind);
+  return voxel_tangent<kBorder>(v, respond, u, kind, damping);
 }
 
 /// Product f of a voxel's Hessian with the direction p; `stress(dF, dP)` applies the tangent.
+/// @param beta  of the voxel's damping.
 template <bool kBorder, class T, class Stress>
 ELASTOGEN_HD inline void hessian_product(const VoxelData<T>& v, const Stress& stress,
-                                         const T p[3][8], T f[3][8]) {
+                                         const T p[3][8], T f[3][8], Scalar<T> beta = 0) {
   using S = Scalar<T>;
   T g[3][8], dF[9], dP[9];
   for (int i = 0; i < 3; ++i) {
@@ -221,13 +192,14 @@ ELASTOGEN_HD inline void hessian_product(const VoxelData<T>& v, const Stress& st
     hex8::add_gradient_transposed<kBorder>(d, v.M, f[i]);
   }
   hourglass_energy<kBorder>(v, g, f);
+  if (beta > 0) add_variance_product<kBorder>(v, beta, g, f);
   for (int i = 0; i < 3; ++i) hex8::to_corners(f[i]);
 }
 
 /// Product with the Hessian, by a tangent.
 template <bool kBorder, class T>
 ELASTOGEN_HD inline void voxel_hessian(const VoxelData<T>& v, const Tangent<T>& tangent,
-                                       const T p[3][8], T f[3][8]) {
+                                       const T p[3][8], T f[3][8], Scalar<T> beta = 0) {
   const auto stress = [&](const T dF[9], T dP[9]) {
     for (int k = 0; k < 9; ++k) dP[k] = T{};
     for (int row = 0, k = 0; row < 9; ++row) {
@@ -238,7 +210,7 @@ ELASTOGEN_HD inline void voxel_hessian(const VoxelData<T>& v, const Tangent<T>& 
       }
     }
   };
-  hessian_product<kBorder>(v, stress, p, f);
+  hessian_product<kBorder>(v, stress, p, f, beta);
 }
 
 /// Product with the Hessian at rest, which all laws share: dP = mu (dF + dF^T) + lambda tr(dF) I.

@@ -14,12 +14,12 @@ namespace elastogen {
 
 /// Value of the potential in its parts [J].
 struct PotentialValue {
-  double inertia = 0, elastic = 0, hourglass = 0, contact = 0;
+  double inertia = 0, elastic = 0, hourglass = 0, viscous = 0, contact = 0;
   double min_j = 1e300;         ///< smallest det F of a voxel
   double min_corner_j = 1e300;  ///< smallest det F at a corner; only from residual()
   double deepest_overlap = 0;   ///< of a surface point with a collider [m]
   int64_t outside = 0;          ///< voxels with a net at strains outside its box
-  double total() const { return inertia + elastic + hourglass + contact; }
+  double total() const { return inertia + elastic + hourglass + viscous + contact; }
 };
 
 class PotentialTerms {
@@ -38,24 +38,35 @@ class PotentialTerms {
 
   /// Bound on the rounding error of a value of Phi [J], for line searches,
   ///
-  ///     32 eps sum |part| + 4 eps sqrt(2 S |Phi_elastic|),   S = sum_v W_v (2 mu + lambda):
+  ///     32 eps sum |part| + 4 eps (sqrt(2 S |Phi_elastic|) + sqrt(2 beta S Phi_viscous)),
+  ///     S = sum_v W_v (2 mu + lambda):
   ///
   /// stretches are rounded by eps, which changes the elastic energy by a share eps/strain. The
   /// energy of a net may be below 0 at rest by some digits of its table.
   double noise(const PotentialValue& value, double epsilon) const {
     const double elastic = std::abs(value.elastic);
     const double parts = value.total() - value.elastic + elastic;
-    return epsilon * (32 * parts + 4 * std::sqrt(2 * stiffness_ * elastic));
+    return epsilon * (32 * parts + 4 * (std::sqrt(2 * stiffness_ * elastic) +
+                                        std::sqrt(2 * beta() * stiffness_ * value.viscous)));
   }
 
+  bool has_damping() const { return viscous_time_ > 0; }
+  /// beta of core/viscous.hpp in the present step, the mean over the stiffness of the materials:
+  /// damping makes the body 1 + beta times as stiff.
+  double beta() const { return has_damping() ? viscous_time_ * rate() : 0; }
+
  protected:
+  /// 1/k of the present step or stage [1/s].
+  double rate() const { return std::sqrt(scheme_.a0) / scheme_.dt; }
+
   const Scene& scene_;
   LearnedLaws learned_;
   Contact contact_;
   StepScheme scheme_;
 
  private:
-  double stiffness_;  // S of noise() [J]
+  double stiffness_;     // S of noise() [J]
+  double viscous_time_;  // of the materials, the mean over their stiffness [s]
 };
 
 }  // namespace elastogen

@@ -42,7 +42,8 @@ void Preconditioner<T>::update_contact() {
       R.m[k] = double(potential_.nodal_rotation()[9 * size_t(nodes[s]) + k]);
       K.m[k] = contact.stiff_blocks()[9 * s + k];
     }
-    const Mat3<double> turned = transposed_times(R, K * R);
+    Mat3<double> turned = transposed_times(R, K * R);
+    for (double& entry : turned.m) entry *= scale_;
     std::copy(turned.m, turned.m + 9, blocks.begin() + int64_t(9 * s));
     for (size_t i = 0; i < 3; ++i) diagonal[3 * size_t(nodes[s]) + i] = turned.m[4 * i];
   }
@@ -52,7 +53,10 @@ void Preconditioner<T>::update_contact() {
 
 template <class T>
 void Preconditioner<T>::update_inertia() {
-  const double wanted = inertia_of(potential_.scheme());
+  // damping: the inverse of M + (1 + beta) K is that of M / (1 + beta) + K over 1 + beta
+  const double stiffer = 1 + potential_.beta();
+  scale_ = 1 / stiffer;
+  const double wanted = inertia_of(potential_.scheme()) / stiffer;
   if (std::abs(wanted / used_ - 1) < 0.1) return;  // near enough for a preconditioner
   used_ = wanted;
   in_contact_ = false;
@@ -65,6 +69,7 @@ template <class In>
 void Preconditioner<T>::apply(const In* r, In* z) {
   const int64_t nodes = potential_.scene().grid.node_count();
   const float* rotation = potential_.nodal_rotation().data();
+  const T scale = T(scale_);
   for_each(nodes, [&](int64_t n) {
     const float* R = rotation + 9 * n;
     const In* v = r + 3 * n;
@@ -77,9 +82,10 @@ void Preconditioner<T>::apply(const In* r, In* z) {
     const float* R = rotation + 9 * n;
     const T* w = z_.data() + 3 * n;
     for (int i = 0; i < 3; ++i)
-      z[3 * n + i] = potential_.scene().pinned(n)
-                         ? In(0)
-                         : In(T(R[3 * i]) * w[0] + T(R[3 * i + 1]) * w[1] + T(R[3 * i + 2]) * w[2]);
+      z[3 * n + i] =
+          potential_.scene().pinned(n)
+              ? In(0)
+              : In(scale * (T(R[3 * i]) * w[0] + T(R[3 * i + 1]) * w[1] + T(R[3 * i + 2]) * w[2]));
   });
 }
 

@@ -44,8 +44,8 @@ class Preconditioner {
   /// Uses the frozen contact stiffness of the potential.
   void update_contact();
 
-  /// Uses the inertia of the potential's present scheme, without contact. It was built with that of
-  /// the first one.
+  /// Uses inertia and damping of the potential's present scheme, without contact. It was built with
+  /// the inertia of the first one.
   void update_inertia();
 
   const Encoder<T>* encoder() const { return encoder_ ? &*encoder_ : nullptr; }
@@ -56,6 +56,7 @@ class Preconditioner {
   std::optional<Encoder<T>> encoder_;
   Zeroed<T> r_, z_;
   double built_with_, used_;  // a0 / dt^2 [1/s^2]
+  double scale_ = 1;          // of the inverse
   bool in_contact_ = false;
 };
 

@@ -93,6 +93,7 @@ bool Solver::Impl::make_stage(const TimeStage& stage, StepReport& report) {
   report.deepest_overlap = std::max(report.deepest_overlap, own.deepest_overlap);
   report.outside_fit = std::max(report.outside_fit, own.outside_fit);
   report.energy = own.energy;
+  report.damped += own.damped;
   if (!own.refusal.empty()) report.refusal = own.refusal;
   report.interrupted = own.interrupted;
   return solved && own.finite;

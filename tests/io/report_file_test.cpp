@@ -43,12 +43,15 @@ TEST(ReportFile, HasEveryFieldOfTheDocumentation) {
   report.nodes = 30;
   report.h = 0.125;
   report.materials = {{"foam", Law::kHencky, 2e4, 0.25, 30}, {"band", Law::gent(8), 1, 0, 1}};
+  report.materials[0].loss_factor = 0.2;
+  report.materials[1].loss_frequency = 5;
   report.nets = {"0123abcd", ""};
   report.steps = 4;
   report.frames = 2;
   report.converged_share = 0.75;
   report.worst_residual = 2e-3;
   report.min_j = 0.5;
+  report.damped = 3.5;
   report.time_error = 1e-3;
   report.largest_time_error = 2e-4;
   report.loosest_tolerance = 0.1;
@@ -69,13 +72,15 @@ TEST(ReportFile, HasEveryFieldOfTheDocumentation) {
       "up": {"axis": "-z", "guessed": false, "reason": "asked for"}, "findings": [
         {"what": "zero-area", "severity": "note", "count": 2, "text": "2 triangles dropped"}]},
       "voxels": 10, "nodes": 30, "h": 0.125, "materials": [{"name": "foam", "law": "hencky",
-        "young": 2e4, "poisson": 0.25, "density": 30.0, "net": "0123abcd"},
-        {"name": "band", "law": "gent=8", "young": 1.0, "poisson": 0.0, "density": 1.0}], "device": "cpu",
+        "young": 2e4, "poisson": 0.25, "density": 30.0, "loss_factor": 0.2,
+        "loss_frequency": 10.0, "net": "0123abcd"},
+        {"name": "band", "law": "gent=8", "young": 1.0, "poisson": 0.0, "density": 1.0, "loss_factor": 0.0,
+        "loss_frequency": 5.0}], "device": "cpu",
       "steps": 4, "frames": 2,
       "converged_share": 0.75, "worst_residual": 2e-3, "min_j": 0.5,
       "time_error": {"sum": 1e-3, "largest_of_a_frame": 2e-4, "loosest_tolerance": 0.1,
         "solves": 9, "rejected": 1},
-      "outside_fit": 12,
+      "damped": 3.5, "outside_fit": 12,
       "long_steps": [3, 7],
       "stage_seconds": {"read": 1, "voxelize": 2, "setup": 3, "steps": 4, "write": 5},
       "ms_per_step": {"median": 3, "p95": 4.8}, "peak_memory_bytes": 123456789012,
