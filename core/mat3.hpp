@@ -91,4 +91,12 @@ ELASTOGEN_HD inline void store_matrix(const Mat3<T>& A, T* to) {
   for (int k = 0; k < 9; ++k) to[k] = A.m[k];
 }
 
+/// F = I + H.
+template <class T>
+ELASTOGEN_HD inline Mat3<T> plus_identity(const Mat3<T>& H) {
+  Mat3<T> F = H;
+  for (int i = 0; i < 3; ++i) F(i, i) = F(i, i) + 1;
+  return F;
+}
+
 }  // namespace elastogen

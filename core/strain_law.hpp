@@ -103,14 +103,6 @@ ELASTOGEN_HD inline T energy_and_stress(const LawParameters<Scalar<T>>& p, const
 
 }  // namespace strain
 
-/// F = I + H.
-template <class T>
-ELASTOGEN_HD inline Mat3<T> plus_identity(const Mat3<T>& H) {
-  Mat3<T> F = H;
-  for (int i = 0; i < 3; ++i) F(i, i) = F(i, i) + 1;
-  return F;
-}
-
 /// Response of a law of strain to F = I + H; false where a stretch is outside 0.4 ... 3, or det F
 /// not positive: there the strain has lost digits, or the law is continued in its stretches.
 /// @param add  add(E, psi, S) adds to energy and stress what the material has besides its law.
