@@ -17,7 +17,7 @@
 #include "core/state.hpp"
 #include "network/potential/incremental_potential.hpp"
 #include "network/step/piece_sums.hpp"
-#include "network/step/time_error.hpp"
+#include "core/time_error.hpp"
 
 #include <functional>
 #include <optional>

@@ -7,7 +7,7 @@
 #include "network/solver.hpp"
 #include "network/step/cheaper_of.hpp"
 #include "network/step/step_work.hpp"
-#include "network/step/time_control.hpp"
+#include "core/time_control.hpp"
 
 #include <atomic>
 #include <limits>

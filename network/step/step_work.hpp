@@ -9,7 +9,7 @@
 #include "network/precondition/preconditioner.hpp"
 #include "network/solver.hpp"
 #include "network/step/iteration.hpp"
-#include "network/step/time_error.hpp"
+#include "core/time_error.hpp"
 
 #include <memory>
 #include <string>
