@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scene/particle_stepper.hpp"
 
+#include "core/error.hpp"
 #include "core/reduce.hpp"
 #include "core/stopwatch.hpp"
 #include "core/vec3.hpp"

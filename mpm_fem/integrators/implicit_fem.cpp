@@ -16,7 +16,10 @@ ImplicitFem::ImplicitFem(const FemScene& scene, const ImplicitOptions& options)
       solve_(scene, options),
       terms_(solve_.terms()),
       potential_(terms_.potential),
-      predictor_(scene.mesh.rest.rows(), 3) {}
+      predictor_(scene.mesh.rest.rows(), 3) {
+  ELASTOGEN_CHECK(scene.scheme != Scheme::kSdirk2 && scene.scheme != Scheme::kAuto,
+                  "steps of stages are made by StageFem");
+}
 
 StepScheme ImplicitFem::scheme_of(const FemState& state) const {
   if (scene_.scheme == Scheme::kNewmark) return {TimeScheme::kEuler, period_.dt, 4};

@@ -25,7 +25,7 @@ namespace elastogen::fem {
 class ImplicitFem {
  public:
   /// The scene must outlive the integrator.
-  /// @throws Error as FemPotential and on a tolerance or dt that is not positive.
+  /// @throws Error as StepSolve, and where the scheme of the scene has stages (stage_fem.hpp).
   explicit ImplicitFem(const FemScene& scene, const ImplicitOptions& options = {});
 
   /// Advances the state by dt. If the result is not finite the state stays as it was and the report
