@@ -232,8 +232,8 @@ TEST(StageMotion, Sdirk2HasOrder2) {
   soft.materials[0].young = 5e4;
   const double of_pendulum = order_of(soft, fem::rest_state(soft), 4);
   printf("order: bar %.2f, pendulum %.2f\n", of_bar, of_pendulum);
-  EXPECT_NEAR(of_bar, 2, 0.15);
-  EXPECT_NEAR(of_pendulum, 2, 0.15);
+  EXPECT_NEAR(of_bar, 2, 0.2);
+  EXPECT_NEAR(of_pendulum, 2, 0.2);
 }
 
 TEST(StageMotion, APrescribedMotionHasOrder2) {
