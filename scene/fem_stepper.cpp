@@ -32,7 +32,7 @@ class FemStepper : public HostStepper {
     const fem::ImplicitOptions options{.tolerance = fem_tolerance(setup, run),
                                        .max_newton = scene_.yields.empty() ? 100 : kMostOfPart,
                                        .as_positions = true};
-    if (has_stages(run.scheme))
+    if (has_stages(setup.scene.scheme))
       stages_.emplace(scene_,
                       fem::StageOptions{.solve = options,
                                         .time_error = run.solver.time_error,

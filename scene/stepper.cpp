@@ -11,7 +11,7 @@ namespace elastogen {
 
 std::unique_ptr<Stepper> make_stepper(const Setup& setup, const RunDescription& run,
                                       const StepperHooks& hooks, std::vector<std::string>& notes) {
-  const bool stages = has_stages(run.scheme), statics = run.fem && run.fem->statics;
+  const bool stages = has_stages(setup.scene.scheme), statics = run.fem && run.fem->statics;
   ELASTOGEN_CHECK(
       !stages || (!setup.particles && !statics),
       "particles and statics have no time schemes sdirk2 and auto: ", "--time-scheme euler");

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kOfTimeError = 0.01;     // that a residual may leave
 constexpr double kLoosest = 0.3;          // residual
-constexpr int kMostFriction = 10;         // solves of a stage for its friction
+constexpr int kMostFriction = 20;         // solves of a stage for its friction
 constexpr double kMostGrowth = 2 + 1e-6;  // of a step of BDF2 over the one before
 constexpr double kNever = std::numeric_limits<double>::infinity();
 

@@ -89,6 +89,7 @@ inline std::vector<MotionFrame> play(fem::FemScene scene, fem::FemState& state, 
   scene.scheme = scheme;
   scene.dt = kFrame / parts;
   fem::StageFem solver(scene, stage_options(tolerance));
+  // frame by frame, each of as many steps as it takes
   std::vector<MotionFrame> result;
   for (int frame = 0; frame < frames; ++frame) {
     MotionFrame& f = result.emplace_back();
