@@ -106,15 +106,15 @@ double resolve_share(const char* option, const std::string& text) {
 
 /// Finite elements have one scheme more than the network.
 void resolve_scheme(const Typed& t, AnimateOptions& o) {
-  if (!o.fem) {
-    o.scheme = TimeScheme(choice("--time-scheme", t.scheme, {"euler", "bdf2", "sdirk2", "auto"}));
-    ELASTOGEN_CHECK(o.scheme != TimeScheme::kAuto || t.substeps == "auto",
-                    "--time-scheme auto finds its own steps: leave out --substeps");
-    return;
-  }
-  const int scheme = choice("--time-scheme", t.scheme, {"euler", "bdf2", "newmark"});
-  o.fem->newmark = scheme == 2;
-  o.scheme = scheme == 1 ? TimeScheme::kBdf2 : TimeScheme::kEuler;
+  std::vector<std::string> names = {"euler", "bdf2", "sdirk2", "auto"};
+  if (o.fem) names.push_back("newmark");
+  const int scheme = choice("--time-scheme", t.scheme, names);
+  const bool newmark = scheme == 4;
+  o.scheme = newmark ? TimeScheme::kEuler : TimeScheme(scheme);
+  ELASTOGEN_CHECK(o.scheme != TimeScheme::kAuto || t.substeps == "auto",
+                  "--time-scheme auto finds its own steps: leave out --substeps");
+  if (!o.fem) return;
+  o.fem->newmark = newmark;
   o.fem->named = t.element != "auto";
   if (o.fem->named) o.fem->element = fem::element_from_name(t.element);
   o.fem->mass = fem::Mass(choice("--mass", t.mass, {"lumped", "consistent"}));

@@ -13,7 +13,7 @@ namespace elastogen {
 
 /// Euler, bdf2: one scheme with steps of dt. sdirk2: two stages a step of dt. auto: within each dt as
 /// many steps as the time error asks for, bdf2 for one of them and sdirk2 for more
-/// (network/step/time_control.hpp); a step reports which of them it was.
+/// (core/time_control.hpp); a step reports which of them it was.
 enum class TimeScheme : uint8_t { kEuler = 0, kBdf2 = 1, kSdirk2 = 2, kAuto = 3 };
 
 /// Whether the motion is taken relative to a rigid reference, in stages (core/time_stage.hpp).

@@ -45,7 +45,7 @@ std::string step_log_line(int64_t frame, const StepReport& report,
       {"deepest_overlap", report.deepest_overlap},
       {"ms", report.ms},
   };
-  // what only steps of the network have
+  // what only steps of the network and of stages have
   if (report.length > 0) {
     line["length"] = report.length;
     line["solves"] = report.solves;

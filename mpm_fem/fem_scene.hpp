@@ -13,8 +13,9 @@
 namespace elastogen::fem {
 
 /// Newmark: the average acceleration scheme, beta = 1/4, gamma = 1/2, which keeps the energy of
-/// linear problems.
-enum class Scheme : uint8_t { kEuler, kBdf2, kNewmark };
+/// linear problems. Steps of StageFem: sdirk2 with steps of dt, auto with as many within each dt as
+/// the time error asks for.
+enum class Scheme : uint8_t { kEuler, kBdf2, kNewmark, kSdirk2, kAuto };
 enum class Mass : uint8_t { kLumped, kConsistent };
 
 struct FemScene {

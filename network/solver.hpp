@@ -41,7 +41,7 @@ struct SolverOptions {
   SolverMode mode = SolverMode::kAuto;
   Device device = Device::kCpu;
   double tolerance = 1e-3;  ///< of |grad Phi| / |M g_ref|
-  /// Of steps of TimeScheme::kAuto, of the motion in dt (network/step/time_error.hpp).
+  /// Of steps of TimeScheme::kAuto, of the motion in dt (core/time_error.hpp).
   double time_error = 5e-3;
   /// Steps of kAuto far shorter than dt are solved to what their time error needs, where that is more
   /// than the tolerance: an equal residual moves a node by less the shorter the step.

@@ -74,7 +74,16 @@ fem::Element yielding_element(const std::vector<Yield>& yields) {
 
 fem::Scheme scheme_of(const Scene& scene, const FemOptions& options) {
   if (options.newmark) return fem::Scheme::kNewmark;
-  return scene.scheme == TimeScheme::kBdf2 ? fem::Scheme::kBdf2 : fem::Scheme::kEuler;
+  switch (scene.scheme) {
+    case TimeScheme::kBdf2:
+      return fem::Scheme::kBdf2;
+    case TimeScheme::kSdirk2:
+      return fem::Scheme::kSdirk2;
+    case TimeScheme::kAuto:
+      return fem::Scheme::kAuto;
+    default:
+      return fem::Scheme::kEuler;
+  }
 }
 
 }  // namespace

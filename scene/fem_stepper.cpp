@@ -2,6 +2,7 @@
 #include "scene/fem_stepper.hpp"
 
 #include "mpm_fem/integrators/parted_fem.hpp"
+#include "mpm_fem/integrators/stage_fem.hpp"
 #include "scene/fem_boundary.hpp"
 #include "scene/fem_scene.hpp"
 #include "scene/host_stepper.hpp"
@@ -27,15 +28,25 @@ class FemStepper : public HostStepper {
         setup_(setup),
         run_(run),
         stop_(std::move(stop)),
-        scene_(fem_scene(setup, run)),
-        solver_(scene_, {.tolerance = fem_tolerance(setup, run),
-                         .max_newton = scene_.yields.empty() ? 100 : kMostOfPart,
-                         .as_positions = true}) {}
+        scene_(fem_scene(setup, run)) {
+    const fem::ImplicitOptions options{.tolerance = fem_tolerance(setup, run),
+                                       .max_newton = scene_.yields.empty() ? 100 : kMostOfPart,
+                                       .as_positions = true};
+    if (has_stages(setup.scene.scheme))
+      stages_.emplace(scene_,
+                      fem::StageOptions{.solve = options,
+                                        .time_error = run.solver.time_error,
+                                        .follows_time_error = run.solver.follows_time_error});
+    else
+      solver_.emplace(scene_, options);
+  }
 
   void begin(const StartMotion& motion) override;
   void begin_at(const State& state) override;
   StepReport advance() override;
-  Span<const double> residual() const override { return solver_.residual(); }
+  Span<const double> residual() const override {
+    return stages_ ? stages_->residual() : solver_->residual();
+  }
   void describe(StateHeader& header) const override {
     describe_fem(setup_, run_, scene_, header);
     if (run_.fem->newmark) header.scheme = "newmark";
@@ -44,19 +55,23 @@ class FemStepper : public HostStepper {
 
  private:
   void show();
+  const fem::Potential& potential() const {
+    return stages_ ? stages_->potential() : solver_->potential();
+  }
 
   const Setup& setup_;
   const RunDescription& run_;
   std::function<bool()> stop_;
   fem::FemScene scene_;
-  fem::ImplicitFem solver_;
+  std::optional<fem::ImplicitFem> solver_;  // or
+  std::optional<fem::StageFem> stages_;
   fem::FemState fem_;  ///< state of the solver; state_ is the same as positions
 };
 
 void FemStepper::begin(const StartMotion& motion) {
   Scene nodes;  // only the members that initial_state reads
   nodes.grid.rest = scene_.mesh.rest;
-  nodes.mass = solver_.potential().mass().nodal();
+  nodes.mass = potential().mass().nodal();
   nodes.pinned = pinned_nodes(setup_.scene, scene_.mesh);
   State state = initial_state(nodes, motion);
   for (int64_t k = 0; k < state.v.size(); ++k)
@@ -73,6 +88,7 @@ void FemStepper::begin_at(const State& state) {
     fem_.u_before = difference(state.x_before, scene_.mesh.rest);
     fem_.v_before = state.v_before;
   }
+  fem_.stages.h_before = state.h_before;
   fem_.time = state.time;
   fem_.steps = state.steps;
 }
@@ -85,7 +101,12 @@ StepReport FemStepper::advance() {
   StepReport report;
   report.interrupted = stop_();
   if (report.interrupted) return report;
-  report = scene_.yields.empty() ? solver_.step(fem_) : step_in_parts(solver_, fem_, stop_);
+  if (stages_)
+    report = stages_->step(fem_, stop_);
+  else if (scene_.yields.empty())
+    report = solver_->step(fem_);
+  else
+    report = step_in_parts(*solver_, fem_, stop_);
   if (report.finite && !report.interrupted) show();
   return report;
 }
@@ -99,6 +120,7 @@ void FemStepper::show() {
   if (state_.x.size() != count) state_.x = state_.v = Array<double>(rest.rows(), 3);
   for (int64_t k = 0; k < count; ++k) state_.x.data()[k] = rest.data()[k] + fem_.u.data()[k];
   std::copy_n(fem_.v.data(), count, state_.v.data());
+  state_.h_before = fem_.stages.h_before;
   state_.time = fem_.time;
   state_.steps = fem_.steps;
 }

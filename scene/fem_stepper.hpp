@@ -8,8 +8,8 @@
 namespace elastogen {
 
 /// A stepper on the scene that fem_scene makes of the run.
-/// @param stop  polled before each step.
-/// @throws Error as fem_scene.
+/// @param stop  polled before each step, part of a step or trial.
+/// @throws Error as fem_scene, and as the integrator of the scheme.
 std::unique_ptr<Stepper> make_fem_stepper(const Setup& setup, const RunDescription& run,
                                           std::function<bool()> stop);
 

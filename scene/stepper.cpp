@@ -11,15 +11,19 @@ namespace elastogen {
 
 std::unique_ptr<Stepper> make_stepper(const Setup& setup, const RunDescription& run,
                                       const StepperHooks& hooks, std::vector<std::string>& notes) {
-  const bool by_network = !setup.particles && !run.fem;
-  ELASTOGEN_CHECK(by_network || !has_stages(run.scheme),
-                  "the network alone has the time schemes sdirk2 and auto: --time-scheme euler");
-  ELASTOGEN_CHECK(run.state.empty() || !has_stages(run.scheme),
+  const bool stages = has_stages(setup.scene.scheme), statics = run.fem && run.fem->statics;
+  ELASTOGEN_CHECK(
+      !stages || (!setup.particles && !statics),
+      "particles and statics have no time schemes sdirk2 and auto: ", "--time-scheme euler");
+  ELASTOGEN_CHECK(!stages || setup.yields.empty(),
+                  "a material that yields has no time schemes sdirk2 and auto, as their rejected ",
+                  "steps cannot take its flow back: --time-scheme euler");
+  ELASTOGEN_CHECK(run.state.empty() || !stages,
                   "--state: the file has no place for the stages of sdirk2 and auto: ",
                   "--time-scheme euler or bdf2");
   if (setup.particles) return make_particle_stepper(setup, run, hooks.stop);
   ELASTOGEN_CHECK(method_of(run) != Method::kMpm, "tetrahedra of a file are no particles: set fem");
-  if (run.fem && run.fem->statics) return make_static_stepper(setup, run);
+  if (statics) return make_static_stepper(setup, run);
   if (run.fem) return make_fem_stepper(setup, run, hooks.stop);
   ELASTOGEN_CHECK(setup.yields.empty(), "the network steps no material that yields: set fem");
   SolverOptions solver = run.solver;

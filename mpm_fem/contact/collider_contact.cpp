@@ -3,7 +3,6 @@
 
 #include "core/barrier.hpp"
 #include "core/error.hpp"
-#include "core/point_contact.hpp"
 #include "core/vec3.hpp"
 
 #include <algorithm>
@@ -17,49 +16,7 @@ Vec3 between(const Vec3& a, const Vec3& b, double share) {
   return {a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1]), a[2] + share * (b[2] - a[2])};
 }
 
-/// Points of the scene's surface; their carriers and stiffness are to be set by the caller.
-ContactPoints points_of(const Scene& scene, int carriers) {
-  const SurfacePoints& s = scene.surface;
-  ContactPoints points;
-  points.area = s.area;
-  points.position = s.position;
-  points.layer = contact_layer(scene);
-  points.slip_range = slip_range(scene);
-  points.nodes = Array<int32_t>(s.position.rows(), carriers);
-  points.stiffness = Array<double>(s.position.rows());
-  return points;
-}
-
 }  // namespace
-
-ContactPoints voxel_contact(const Scene& scene) {
-  const SurfacePoints& s = scene.surface;
-  ContactPoints points = points_of(scene, 8);
-  points.weights = s.weights;
-  for (int64_t p = 0; p < s.voxel.rows(); ++p) {
-    std::copy_n(scene.grid.corners.row(s.voxel(p)), 8, points.nodes.row(p));
-    const Material& m = scene.materials[size_t(scene.material(s.voxel(p)))];
-    points.stiffness(p) = contact_stiffness(m.young, points.layer, scene.grid.h);
-  }
-  return points;
-}
-
-ContactPoints node_contact(const Scene& scene, const ElementMesh& mesh, In<int32_t> nodes) {
-  std::vector<double> young(size_t(mesh.rest.rows()));
-  for (int64_t e = 0; e < mesh.elements.rows(); ++e)
-    for (int64_t c = 0; c < mesh.elements.cols(); ++c) {
-      double& largest = young[size_t(mesh.elements(e, c))];
-      largest = std::max(largest, scene.materials[size_t(mesh.material(e))].young);
-    }
-  ContactPoints points = points_of(scene, 1);
-  points.weights = Array<double>(nodes.rows);
-  points.weights.fill(1);
-  for (int64_t p = 0; p < nodes.rows; ++p) {
-    points.nodes(p) = nodes(p);
-    points.stiffness(p) = contact_stiffness(young[size_t(nodes(p))], points.layer, scene.grid.h);
-  }
-  return points;
-}
 
 ColliderContact::ColliderContact(ContactPoints points, std::vector<Collider> colliders,
                                  int64_t nodes)
@@ -89,17 +46,31 @@ Vec3 ColliderContact::place(In<double> u, int64_t point) const {
 
 void ColliderContact::begin_step(In<double> u, double time, double dt, double share) {
   slip_range_ = share * points_.slip_range;
-  const int64_t count = points_.nodes.rows();
-  for (int64_t p = 0; p < count; ++p) start_[size_t(p)] = place(u, p);
-  for (size_t w = 0; w < obstacles_.size(); ++w) {
-    Obstacle& obstacle = obstacles_[w];
+  bond_ = 0;
+  move(u, time, dt);
+  set_lags(u, time);
+}
+
+/// Notes where points and colliders are at the start of a step, and moves the colliders to its end.
+void ColliderContact::move(In<double> u, double time, double dt) {
+  for (int64_t p = 0; p < points_.nodes.rows(); ++p) start_[size_t(p)] = place(u, p);
+  for (Obstacle& obstacle : obstacles_) {
     obstacle.from = offset_at(obstacle.core, time);
     obstacle.to = obstacle.now = offset_at(obstacle.core, time + dt);
+  }
+}
+
+/// Takes the normals and the normal forces of friction from displacements u at a time.
+void ColliderContact::set_lags(In<double> u, double time) {
+  const int64_t count = points_.nodes.rows();
+  for (size_t w = 0; w < obstacles_.size(); ++w) {
+    const Obstacle& obstacle = obstacles_[w];
+    const Vec3 offset = offset_at(obstacle.core, time);
     for (int64_t p = 0; p < count; ++p) {
-      const Proximity near = proximity(obstacle.core, obstacle.from, start_[size_t(p)]);
+      const Proximity near = proximity(obstacle.core, offset, place(u, p));
       const double force = -points_.area(p) * points_.stiffness(p) *
                            barrier(near.distance / points_.layer).first / points_.layer;
-      lags_[w * size_t(count) + size_t(p)] = {obstacle.core.friction * force, near.normal};
+      lags_[w * size_t(count) + size_t(p)] = {obstacle.core.friction * force, near.normal, {}};
     }
   }
 }
@@ -168,9 +139,17 @@ ColliderContact::Touch ColliderContact::touch_of(const Obstacle& obstacle, const
   Touch touch{point, &obstacle, &lag, near.distance, near.normal, {}};
   for (size_t i = 0; i < 3; ++i)
     touch.slip[i] = x[i] - start_[size_t(point)][i] - (obstacle.now[i] - obstacle.from[i]);
+  if (bond_ > 0) touch.slip = plus(touch.slip, lag.bond);
   const double along = dot(touch.slip, lag.normal);
   for (size_t i = 0; i < 3; ++i) touch.slip[i] -= along * lag.normal[i];
   return touch;
+}
+
+/// Smoothed friction, or that of a bond.
+SmoothedSlip ColliderContact::friction_of(const Touch& t) const {
+  const double slip = norm(t.slip);
+  if (bond_ == 0) return smoothed_slip(slip, slip_range_);
+  return elastic_slip(slip, longest_bond(t.point, t.lag->limit));
 }
 
 /// Force of the barrier along the normal [N].
@@ -198,7 +177,7 @@ double ColliderContact::energy(In<double> u) {
     if (t.distance <= 0) return std::numeric_limits<double>::infinity();
     energy += points_.area(t.point) * points_.stiffness(t.point) *
               barrier(t.distance / points_.layer).value;
-    if (t.lag->limit > 0) energy += t.lag->limit * smoothed_slip(norm(t.slip), slip_range_).value;
+    if (t.lag->limit > 0) energy += t.lag->limit * friction_of(t).value;
   }
   return energy;
 }
@@ -212,8 +191,7 @@ void ColliderContact::add_gradient(In<double> u, Out<double> g) {
   find_touches(u);
   for (const Touch& t : touches_) {
     const double push = -push_of(t);
-    const double drag =
-        t.lag->limit > 0 ? t.lag->limit * smoothed_slip(norm(t.slip), slip_range_).first_over_y : 0;
+    const double drag = t.lag->limit > 0 ? t.lag->limit * friction_of(t).first_over_y : 0;
     for (int a = 0; a < points_.nodes.cols(); ++a)
       for (int i = 0; i < 3; ++i)
         g(points_.nodes(t.point, a), i) +=
@@ -221,17 +199,21 @@ void ColliderContact::add_gradient(In<double> u, Out<double> g) {
   }
 }
 
-/// Second derivative of a point's energy in its position, (3, 3).
-void ColliderContact::hessian_of(const Touch& t, double block[9]) const {
+/// Second derivative of a point's energy in its position, (3, 3). The projected one of bonds has a
+/// tenth of the secant of friction: a bond that yields has no stiffness along its slip, and Newton's
+/// step would carry the point through the whole range where it holds.
+void ColliderContact::hessian_of(const Touch& t, TangentKind kind, double block[9]) const {
   const double k = points_.area(t.point) * points_.stiffness(t.point) *
                    barrier(t.distance / points_.layer).second / (points_.layer * points_.layer);
   for (size_t i = 0; i < 3; ++i)
     for (size_t j = 0; j < 3; ++j) block[3 * i + j] = k * t.normal[i] * t.normal[j];
   if (!(t.lag->limit > 0)) return;
   const double y = norm(t.slip);
-  const SmoothedSlip f = smoothed_slip(y, slip_range_);
+  const SmoothedSlip f = friction_of(t);
   const double across = t.lag->limit * f.first_over_y;
-  const double along = y > 0 ? (t.lag->limit * f.second - across) / (y * y) : 0;
+  double second = t.lag->limit * f.second;
+  if (bond_ > 0 && kind == TangentKind::kProjected) second = 0.9 * second + 0.1 * across;
+  const double along = y > 0 ? (second - across) / (y * y) : 0;
   const Vec3& n = t.lag->normal;
   for (size_t i = 0; i < 3; ++i)
     for (size_t j = 0; j < 3; ++j)
@@ -239,11 +221,11 @@ void ColliderContact::hessian_of(const Touch& t, double block[9]) const {
           across * ((i == j ? 1.0 : 0.0) - n[i] * n[j]) + along * t.slip[i] * t.slip[j];
 }
 
-void ColliderContact::add_hessian(In<double> u, TangentKind, SparseMatrix& H) {
+void ColliderContact::add_hessian(In<double> u, TangentKind kind, SparseMatrix& H) {
   find_touches(u);
   for (const Touch& t : touches_) {
     double point[9], block[9];
-    hessian_of(t, point);
+    hessian_of(t, kind, point);
     for (int a = 0; a < points_.nodes.cols(); ++a)
       for (int b = 0; b < points_.nodes.cols(); ++b) {
         const double weight = points_.weights(t.point, a) * points_.weights(t.point, b);

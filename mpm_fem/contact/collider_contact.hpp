@@ -7,34 +7,25 @@
 // d_pc is the distance of point p from the core of collider c at the end of the step. N_pc, and the
 // normal across which slip is measured, are from the start of the step. Gradient and Hessian are
 // exact except for the rotation of a convex collider's normal, which would only lower the Hessian.
+// Stages have friction of another kind, bonds (bond_friction.cpp).
 
 #pragma once
 
-#include "mpm_fem/fem/element_mesh.hpp"
+#include "core/barrier.hpp"
+#include "mpm_fem/contact/contact_points.hpp"
 #include "mpm_fem/solve/term.hpp"
 
 namespace elastogen::fem {
 
-/// Points that move with nodes of a mesh.
-struct ContactPoints {
-  Array<int32_t> nodes;     ///< nodes that carry a point, (points, n)
-  Array<double> weights;    ///< of each, rows sum to 1, (points, n)
-  Array<double> area;       ///< [m^2], (points, 1)
-  Array<double> position;   ///< at rest [m], (points, 3)
-  Array<double> stiffness;  ///< E D^2 / h of the barrier [N/m], (points, 1)
-  double layer = 0;         ///< D [m]
-  double slip_range = 0;    ///< slip up to which friction counts as sticking [m]
+/// What a collider does to a point.
+struct PointForce {
+  int32_t node = 0;    ///< one that carries the point
+  Vec3 place = {};     ///< [m]
+  Vec3 force = {};     ///< with friction [N]
+  double push = 0;     ///< force along the normal [N]
+  double energy = 0;   ///< of the barrier [J]
+  double closing = 0;  ///< speed against the collider [m/s]
 };
-
-/// The points of a voxel scene with its layer h/4 and its slip range, a thousandth of the body's
-/// free-fall speed times dt; the corners of its voxel carry each point.
-ContactPoints voxel_contact(const Scene& scene);
-
-/// Nodes of a mesh as points, each as stiff as the stiffest of its elements; h of layer and slip
-/// range is the scene's.
-/// @param scene  with materials, grid.h, dt, and area and position of the points in its surface.
-/// @param nodes  of each point, (points, 1).
-ContactPoints node_contact(const Scene& scene, const ElementMesh& mesh, In<int32_t> nodes);
 
 class ColliderContact final : public Term {
  public:
@@ -48,6 +39,21 @@ class ColliderContact final : public Term {
   /// end.
   /// @param share  dt over the time step that the slip range of the points is for
   void begin_step(In<double> u, double time, double dt, double share = 1);
+
+  /// begin_step of a stage that ends at `time + dt`, with friction by bonds. Rows of points are
+  /// collider by collider.
+  /// @param lag_u  displacement at lag_time, which gives normals and normal forces
+  /// @param held   slip of the bonds at u [m], (colliders * points, 3); empty: 0
+  void begin_stage(In<double> u, double time, double dt, In<double> lag_u, double lag_time,
+                   In<double> held);
+  /// Takes normals and normal forces of friction from u, at the end of the stage.
+  /// @return whether any point rubs, or did before
+  bool renew_lags(In<double> u);
+  /// Slip that bonds hold at u, the end of a step: what the next begin_stage gets.
+  Array<double> bonds(In<double> u);
+  /// What colliders do at u to the points that they touch, in a stage.
+  /// @param v  velocities for the closing speed [m/s], (nodes, 3)
+  std::vector<PointForce> forces(In<double> u, In<double> v);
 
   /// Moves the colliders to the end of a step from `time` to `time + dt`, without friction:
   /// explicit steps apply that by rub().
@@ -72,7 +78,7 @@ class ColliderContact final : public Term {
   const Stencils& stencils() const override { return stencils_; }
   TermValue value(In<double> u) override;
   void add_gradient(In<double> u, Out<double> g) override;
-  /// Adds one Hessian for both kinds.
+  /// Adds one Hessian for both kinds, but for bonds that yield.
   void add_hessian(In<double> u, TangentKind kind, SparseMatrix& H) override;
   /// The share of the path along which each point keeps at least a tenth of its distance.
   double longest_step(In<double> u, In<double> end) override;
@@ -87,10 +93,11 @@ class ColliderContact final : public Term {
     Collider core;
     Vec3 from = {}, to = {}, now = {};  // offsets at the start, at the end and at stand_at's share
   };
-  /// Data of friction from the start of the step.
+  /// Data of friction from the start of the step, or from the end of a stage.
   struct Lag {
     double limit = 0;  // largest force [N]
     Vec3 normal = {};
+    Vec3 bond = {};  // slip that it holds at the start of the step [m]
   };
   /// A point near a collider: distance, normal, slip across the lagged normal.
   struct Touch {
@@ -102,10 +109,17 @@ class ColliderContact final : public Term {
   };
 
   Vec3 place(In<double> u, int64_t point) const;
+  void move(In<double> u, double time, double dt);
+  void set_lags(In<double> u, double time);
+  double longest_bond(int64_t point, double limit) const;
+  Vec3 bonded(const Lag& lag, int64_t point, const Vec3& slip) const;
+  void set_bonds();
+  bool rubs() const;
+  SmoothedSlip friction_of(const Touch& touch) const;
   void find_touches(In<double> u);
   double push_of(const Touch& touch) const;
   Touch touch_of(const Obstacle& obstacle, const Lag& lag, int64_t point, const Vec3& place) const;
-  void hessian_of(const Touch& touch, double block[9]) const;
+  void hessian_of(const Touch& touch, TangentKind kind, double block[9]) const;
 
   ContactPoints points_;
   Stencils stencils_;
@@ -114,6 +128,11 @@ class ColliderContact final : public Term {
   std::vector<Vec3> start_;  // position of each point at the start of the step
   std::vector<Touch> touches_;
   double slip_range_ = 0;  // of the present step [m]
+  // of bonds: k_t over A kappa [1/m^2], 0: friction is smoothed; the slip that they hold at the
+  // start of the step [m], (lags, 3); end and length of the stage [s]
+  double bond_ = 0;
+  Array<double> held_;
+  double end_ = 0, dt_ = 0;
 };
 
 }  // namespace elastogen::fem

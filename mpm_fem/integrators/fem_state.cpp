@@ -7,12 +7,32 @@
 #include <cmath>
 
 namespace elastogen::fem {
+namespace {
+
+void check_state_array(const Array<double>& array, int64_t nodes, const char* name) {
+  ELASTOGEN_CHECK(array.rows() == nodes && array.cols() == 3, "state.", name,
+                  " must be (nodes, 3) with ", nodes, " nodes, got (", array.rows(), ", ",
+                  array.cols(), ")");
+}
+
+}  // namespace
 
 FemState rest_state(const FemScene& scene) {
   FemState state;
   state.u = Array<double>(scene.mesh.rest.rows(), 3);
   state.v = state.u;
   return state;
+}
+
+void check_state(const FemState& state, int64_t nodes) {
+  check_state_array(state.u, nodes, "u");
+  check_state_array(state.v, nodes, "v");
+  ELASTOGEN_CHECK(state.u_before.empty() == state.v_before.empty(),
+                  "state.u_before and state.v_before must both be given or both be empty");
+  if (!state.a.empty()) check_state_array(state.a, nodes, "a");
+  if (state.u_before.empty()) return;
+  check_state_array(state.u_before, nodes, "u_before");
+  check_state_array(state.v_before, nodes, "v_before");
 }
 
 double reference_force(const FemScene& scene, const Array<double>& nodal_mass) {

@@ -5,6 +5,7 @@
 
 #include "mpm_fem/fem/plastic_body.hpp"
 #include "mpm_fem/fem_scene.hpp"
+#include "mpm_fem/integrators/stage_history.hpp"
 #include "mpm_fem/solve/mass_matrix.hpp"
 
 namespace elastogen::fem {
@@ -20,6 +21,8 @@ struct FemState {
   Array<double> u_before;  ///< (nodes, 3); empty: the next step is implicit Euler
   Array<double> v_before;  ///< (nodes, 3)
 
+  StageHistory stages;  ///< of steps of stages; filled by StageFem::step
+
   // of the elements that yield, in their order; filled by step
   PlasticHistory plastic;   ///< at the end of the last step; empty: before any flow
   double plastic_work = 0;  ///< since the start [J]
@@ -27,6 +30,9 @@ struct FemState {
 
 /// At rest, undeformed.
 FemState rest_state(const FemScene& scene);
+
+/// @throws Error unless the arrays of a state are (nodes, 3), u_before and v_before both or neither.
+void check_state(const FemState& state, int64_t nodes);
 
 /// Norm of the weights of the free nodes [N], 9.81 m/s^2 times the 2-norm of their masses: the unit
 /// of residuals (docs/physics.md). A node is free if a component of it is.

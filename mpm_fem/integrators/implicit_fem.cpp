@@ -9,48 +9,16 @@
 #include <cmath>
 
 namespace elastogen::fem {
-namespace {
-
-void check_state_array(const Array<double>& array, int64_t nodes, const char* name) {
-  ELASTOGEN_CHECK(array.rows() == nodes && array.cols() == 3, "state.", name,
-                  " must be (nodes, 3) with ", nodes, " nodes, got (", array.rows(), ", ",
-                  array.cols(), ")");
-}
-
-void check_state(const FemState& state, int64_t nodes) {
-  check_state_array(state.u, nodes, "u");
-  check_state_array(state.v, nodes, "v");
-  ELASTOGEN_CHECK(state.u_before.empty() == state.v_before.empty(),
-                  "state.u_before and state.v_before must both be given or both be empty");
-  if (!state.a.empty()) check_state_array(state.a, nodes, "a");
-  if (state.u_before.empty()) return;
-  check_state_array(state.u_before, nodes, "u_before");
-  check_state_array(state.v_before, nodes, "v_before");
-}
-
-constexpr double kLoose = 1e-2;  // residual at which a collider may go on
-
-bool all_finite(const Array<double>& values) {
-  return std::all_of(values.data(), values.data() + values.size(),
-                     [](double v) { return std::isfinite(v); });
-}
-
-}  // namespace
 
 ImplicitFem::ImplicitFem(const FemScene& scene, const ImplicitOptions& options)
     : scene_(scene),
       options_(options),
-      terms_(scene, options.linear),
+      solve_(scene, options),
+      terms_(solve_.terms()),
       potential_(terms_.potential),
-      reference_(reference_force(scene, potential_.mass().nodal())),
-      predictor_(scene.mesh.rest.rows(), 3),
-      gradient_(predictor_),
-      weight_(predictor_) {
-  ELASTOGEN_CHECK(options.tolerance > 0, "the tolerance must be positive, got ", options.tolerance);
-  ELASTOGEN_CHECK(scene.dt > 0 && std::isfinite(scene.dt), "dt must be positive, got ", scene.dt);
-  Array<double> gravity(weight_.rows(), 3);
-  for (int64_t k = 0; k < gravity.size(); ++k) gravity.data()[k] = scene.gravity[size_t(k % 3)];
-  potential_.mass().multiply(gravity.data(), weight_.data());
+      predictor_(scene.mesh.rest.rows(), 3) {
+  ELASTOGEN_CHECK(scene.scheme != Scheme::kSdirk2 && scene.scheme != Scheme::kAuto,
+                  "steps of stages are made by StageFem");
 }
 
 StepScheme ImplicitFem::scheme_of(const FemState& state) const {
@@ -83,7 +51,7 @@ void ImplicitFem::begin(FemState& state) {
     double motion;
     if (newmark) {
       motion = dt * v + dt * dt / 4 * state.a.data()[k];
-      force.data()[k] += weight_.data()[k];
+      force.data()[k] += solve_.weight().data()[k];
     } else {
       motion =
           predicted_motion(scheme_, u, v, history ? state.u_before.data()[k] : u,
@@ -98,15 +66,16 @@ void ImplicitFem::begin(FemState& state) {
 /// Accelerations of the free components from the equation of motion; 0 of the others.
 void ImplicitFem::start_newmark(FemState& state) {
   Array<double> force = applied_force(scene_, state.time, 1);
-  for (int64_t k = 0; k < force.size(); ++k) force.data()[k] += weight_.data()[k];
+  for (int64_t k = 0; k < force.size(); ++k) force.data()[k] += solve_.weight().data()[k];
   potential_.set_force(force);
   potential_.set_inertia(0, predictor_);
   state.a = Array<double>(state.u.rows(), 3);
-  potential_.full_gradient(state.u.data(), gradient_.data());
+  Array<double> gradient = predictor_;
+  potential_.full_gradient(state.u.data(), gradient.data());
   std::vector<uint8_t> fixed(size_t(state.u.size()));
   for (int64_t k = 0; k < state.u.size(); ++k) {
     fixed[size_t(k)] = potential_.is_fixed(k);
-    state.a.data()[k] = fixed[size_t(k)] ? 0 : -gradient_.data()[k];
+    state.a.data()[k] = fixed[size_t(k)] ? 0 : -gradient.data()[k];
   }
   SparseMatrix M = potential_.hessian();
   std::fill(M.value.begin(), M.value.end(), 0.0);
@@ -116,66 +85,6 @@ void ImplicitFem::start_newmark(FemState& state) {
   solver.factor(M);
   const std::vector<double> right(state.a.data(), state.a.data() + state.a.size());
   solver.solve(right.data(), state.a.data(), 1e-14);
-}
-
-/// The predictor or the present state, whichever has the lower potential, with the fixed components
-/// moved.
-Array<double> ImplicitFem::start_value(const FemState& state) {
-  Array<double> ahead = predictor_;
-  for (int64_t k = 0; k < ahead.size(); ++k)
-    if (potential_.is_fixed(k)) ahead.data()[k] = state.u.data()[k];
-  const double here = potential_.evaluate(state.u.data(), gradient_.data()).value;
-  const double there = potential_.evaluate(ahead.data(), gradient_.data()).value;
-  Array<double> u = there < here ? std::move(ahead) : state.u;
-  potential_.move_fixed(with_motion(scene_, period_.end, u), u.data());
-  return u;
-}
-
-/// Moves the colliders through the step share by share where they would run into u, and lets u give
-/// way to each share. False: they leave it no space.
-bool ImplicitFem::pass_colliders(Array<double>& u) {
-  ColliderContact& contact = terms_.contact;
-  if (!contact.exists()) return true;
-  double share = 0;
-  contact.stand_at(share);
-  while (share < 1) {
-    const double next = contact.clear_share(u, share);
-    if (next == share) break;
-    share = next;
-    contact.stand_at(share);
-    if (terms_.plastic) terms_.plastic->body().freeze(u);
-    if (share < 1)
-      potential_.minimise({.tolerance = kLoose * reference_, .max_iterations = 20}, u.data());
-  }
-  contact.stand_at(1);
-  return !contact.obstacle(u);
-}
-
-/// Finds the residual of the equations and the energies for the state that is returned.
-void ImplicitFem::certify(const Array<double>& u, FemStepReport& report) {
-  if (terms_.plastic) terms_.plastic->body().thaw();
-  const NewtonValue value = potential_.evaluate(u.data(), gradient_.data());
-  const double size = norm(gradient_.data(), gradient_.size());
-  report.residual = reference_ > 0 ? size / reference_ : 0;
-  report.converged = report.residual <= options_.tolerance;
-  report.finite = std::isfinite(value.value) && std::isfinite(size) && all_finite(u);
-  report.energy = terms_.energy(u);
-  if (terms_.contact.exists()) {
-    report.energy.contact = terms_.contact.energy(u);
-    report.deepest_overlap = terms_.contact.deepest_overlap(u) / terms_.length();
-  }
-  report.min_j = terms_.min_j(u);
-}
-
-/// The displacements that the state gets for u.
-Array<double> ImplicitFem::handed_out(const Array<double>& u) const {
-  Array<double> handed = u;
-  if (!options_.as_positions) return handed;
-  for (int64_t k = 0; k < u.size(); ++k) {
-    const double rest = scene_.mesh.rest.data()[k], x = rest + u.data()[k];
-    handed.data()[k] = x - rest;
-  }
-  return handed;
 }
 
 /// Writes displacements, velocities and accelerations to the state.
@@ -195,7 +104,7 @@ void ImplicitFem::finish(const Array<double>& u, Array<double> handed, FemState&
       v.data()[k] = velocity_after(scheme_, u.data()[k], state.u.data()[k], before);
     }
     const double x = scene_.mesh.rest.data()[k] + u.data()[k];
-    report.energy.gravity -= weight_.data()[k] * x;
+    report.energy.gravity -= solve_.weight().data()[k] * x;
   }
   // kinetic energy, and the flow of the step
   potential_.mass().multiply(v.data(), Mv.data());
@@ -229,7 +138,7 @@ FemStepReport ImplicitFem::advance(FemState& state, const Period& period) {
   const Stopwatch watch;
   check_state(state, scene_.mesh.rest.rows());
   period_ = period;
-  const int64_t inner = potential_.solver().iterations() + potential_.root_iterations();
+  const int64_t inner = solve_.iterations();
   begin(state);
   FemStepReport report;
   report.step = state.steps + 1;
@@ -237,24 +146,14 @@ FemStepReport ImplicitFem::advance(FemState& state, const Period& period) {
   report.scheme = scheme_.scheme;
   report.used = scheme_.scheme == TimeScheme::kBdf2 ? Scheme::kBdf2 : Scheme::kEuler;
   if (scene_.scheme == Scheme::kNewmark) report.used = Scheme::kNewmark;
-  report.float64 = true;
 
   // materials without a potential begin with a frozen one
   if (terms_.plastic) terms_.plastic->body().freeze(state.u);
-  Array<double> u = start_value(state);
-  const bool clear = pass_colliders(u);
-  const Equilibrium newton = find_equilibrium(
-      terms_, {.tolerance = options_.tolerance * reference_, .max_iterations = options_.max_newton},
-      u.data());
-  report.outer = newton.iterations;
-  report.inner = int(potential_.solver().iterations() + potential_.root_iterations() - inner);
-  report.fallbacks = newton.fallbacks;
-  report.yields = terms_.plastic != nullptr;
-  report.stop = newton.stop;
-  report.floor = reference_ > 0 ? newton.noise / reference_ : 0;
-  Array<double> handed = handed_out(u);
-  certify(handed, report);
-  if (!clear) report.finite = false, report.refusal = "a collider leaves the body no room";
+  Array<double> u = solve_.start_value(state.u, {predictor_}, period.end);
+  const bool clear = solve_.pass_colliders(u);
+  Array<double> handed = solve_.minimise(options_.tolerance, u, report);
+  report.inner = int(solve_.iterations() - inner);
+  if (!clear) report.finite = false, report.refusal = kNoRoom;
   if (report.finite) finish(u, std::move(handed), state, report);
   report.ms = watch.milliseconds();
   return report;

@@ -17,34 +17,15 @@
 #pragma once
 
 #include "core/time_scheme.hpp"
-#include "mpm_fem/integrators/equilibrium.hpp"
 #include "mpm_fem/integrators/fem_state.hpp"
+#include "mpm_fem/integrators/step_solve.hpp"
 
 namespace elastogen::fem {
-
-struct ImplicitOptions {
-  double tolerance = 1e-8;  ///< of |grad Phi| / |M g_ref| over the free components
-  int max_newton = 100;
-  LinearOptions linear = {};
-  /// Certifies and returns the displacements of positions in double precision, (X + u) - X, for
-  /// states that are written as positions. Velocities are those before rounding.
-  bool as_positions = false;
-};
-
-/// outer counts Newton steps, inner iterations of PCG and GMRES; min_corner_j is not filled.
-/// StepReport::scheme says Euler in a Newmark step; used says Newmark.
-struct FemStepReport : StepReport {
-  Scheme used = Scheme::kEuler;
-  NewtonStop stop = NewtonStop::kConverged;
-  int parts = 1;     ///< parts in which it was made (parted_fem.hpp)
-  int halvings = 0;  ///< tries at a part that failed; fallbacks counts them too
-  double floor = 0;  ///< bound on the rounding error of the residual; 0 if not needed
-};
 
 class ImplicitFem {
  public:
   /// The scene must outlive the integrator.
-  /// @throws Error as FemPotential and on a tolerance or dt that is not positive.
+  /// @throws Error as StepSolve, and where the scheme of the scene has stages (stage_fem.hpp).
   explicit ImplicitFem(const FemScene& scene, const ImplicitOptions& options = {});
 
   /// Advances the state by dt. If the result is not finite the state stays as it was and the report
@@ -56,12 +37,12 @@ class ImplicitFem {
   FemStepReport step_part(FemState& state, double part);
 
   const FemScene& scene() const { return scene_; }
-  double edge() const { return terms_.length(); }  ///< mean one of an element [m]
+  double edge() const { return solve_.terms().length(); }  ///< mean one of an element [m]
   /// Push of each collider on the body at the end of the last step, which led to u [N].
   std::vector<Vec3> pushes(In<double> u) { return terms_.contact.pushes(u); }
 
   /// Gradient of Phi at the last state [N], (nodes, 3), 0 at fixed components.
-  const Array<double>& residual() const { return gradient_; }
+  const Array<double>& residual() const { return solve_.residual(); }
   const Potential& potential() const { return potential_; }
 
  private:
@@ -74,20 +55,16 @@ class ImplicitFem {
   StepScheme scheme_of(const FemState& state) const;
   void begin(FemState& state);
   void start_newmark(FemState& state);
-  Array<double> start_value(const FemState& state);
-  bool pass_colliders(Array<double>& u);
-  void certify(const Array<double>& u, FemStepReport& report);
-  Array<double> handed_out(const Array<double>& u) const;
   void finish(const Array<double>& u, Array<double> handed, FemState& state, FemStepReport& report);
 
   const FemScene& scene_;
   ImplicitOptions options_;
-  FemPotential terms_;
+  StepSolve solve_;
+  FemPotential& terms_;   // of the solve
   Potential& potential_;  // of the terms
-  double reference_;      // |M g_ref| [N]
   Period period_ = {};    // of the present step
   StepScheme scheme_;
-  Array<double> predictor_, gradient_, weight_;
+  Array<double> predictor_;
 };
 
 }  // namespace elastogen::fem

@@ -2,6 +2,7 @@
 #include "mpm_fem/integrators/mpm_potential.hpp"
 
 #include "core/reduce.hpp"
+#include "core/rigid_motion.hpp"
 
 #include <cmath>
 #include <limits>
@@ -10,12 +11,6 @@ namespace elastogen::mpm {
 namespace {
 
 constexpr double kEps = std::numeric_limits<double>::epsilon();
-
-Vec3 times(const Mat3<double>& A, const Vec3& v) {
-  Vec3 result;
-  for (int a = 0; a < 3; ++a) result[size_t(a)] = A(a, 0) * v[0] + A(a, 1) * v[1] + A(a, 2) * v[2];
-  return result;
-}
 
 }  // namespace
 

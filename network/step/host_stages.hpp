@@ -15,9 +15,9 @@
 #pragma once
 
 #include "core/state.hpp"
+#include "core/time_error.hpp"
 #include "network/potential/incremental_potential.hpp"
 #include "network/step/piece_sums.hpp"
-#include "network/step/time_error.hpp"
 
 #include <functional>
 #include <optional>

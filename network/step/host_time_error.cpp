@@ -1,21 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The estimate of time_error.hpp on the host, and the scale of motion it is held against.
+// The estimate of core/time_error.hpp on the host, and the scale of motion it is held against.
 #include "network/step/host_stages.hpp"
 
 #include <algorithm>
 
 namespace elastogen {
-namespace {
-
-constexpr double kSafety = 1.8;
-constexpr double kFloor = 0.04;     // of the size that counts as motion in T
-constexpr double kLow = 0.01;       // height of bounces that are let die, of the size
-constexpr double kFades = 0.8;      // closing speed that is left after T
-constexpr double kRemembers = 0.9;  // speed that counts after T
-constexpr double kClear = 0.1;      // ratio below which the filter, which lowers it, is left out
-
-}  // namespace
-
 /// Speeds of the pieces, and at which they met colliders. share: of T that the step takes.
 void HostStages::note_speeds(const Array<double>& v, double share) {
   speed_next_.resize(pieces_.count());
@@ -26,8 +15,8 @@ void HostStages::note_speeds(const Array<double>& v, double share) {
       sum[1] += scene_.mass(n) * dot(vector(v, n), vector(v, n));
     });
     const double fastest = std::sqrt(std::max(squares[0], squares[1]) / pieces_.mass(p));
-    speed_next_[p] = std::max(fastest, std::pow(kRemembers, share) * speed_[p]);
-    closing_next_[p] = std::pow(kFades, share) * closing_[p];
+    speed_next_[p] = std::max(fastest, std::pow(kSpeedRemembered, share) * speed_[p]);
+    closing_next_[p] = std::pow(kClosingFades, share) * closing_[p];
     for (const Forces* f : {&at_stage_, &at_end_})
       if (!f->pieces.empty() && f->pieces[p].normal > 0)
         closing_next_[p] =
@@ -43,7 +32,7 @@ double HostStages::least_motion(const State& state, double interval) const {
       sum[0] += scene_.mass(n) * dot(v, v);
     })[0];
     const double speed = std::max(std::sqrt(square / pieces_.mass(p)), speed_[p]);
-    least = std::min(least, std::max(interval * speed, kFloor * pieces_.size(p)));
+    least = std::min(least, std::max(interval * speed, kMotionFloor * pieces_.size(p)));
   }
   return least;
 }
@@ -53,7 +42,7 @@ double HostStages::contact_error(size_t p, const StepWeights& weights,
                                  const TimeErrorOptions& options) {
   if (!pieces_.is_free(p) || !touched()) return 0;
   const double g = safe_norm(scene_.gravity), closing = closing_next_[p];
-  if (g > 0 && closing * closing / (2 * g) < kLow * pieces_.size(p)) return 0;
+  if (g > 0 && closing * closing / (2 * g) < kLowBounce * pieces_.size(p)) return 0;
   const double W = g > 0 ? std::min(options.interval, closing / g) : options.interval;
   // the impulse of the combination, and the rigid motion that it gives the piece
   Vec3 force = {}, torque = {};
@@ -95,15 +84,16 @@ TimeError HostStages::error(const Array<double>& v, const TimeErrorOptions& opti
           sum[0] += scene_.mass(n) * field[3 * size_t(n) + d] * field[3 * size_t(n) + d];
       })[0];
       const double estimate =
-          kSafety * (std::sqrt(square / pieces_.mass(p)) + contact_error(p, weights, options));
-      const double motion = std::max(options.interval * speed_next_[p], kFloor * pieces_.size(p));
+          kErrorSafety * (std::sqrt(square / pieces_.mass(p)) + contact_error(p, weights, options));
+      const double motion =
+          std::max(options.interval * speed_next_[p], kMotionFloor * pieces_.size(p));
       const double ratio = estimate / (share * options.tolerance * motion);
       if (!(ratio <= worst.ratio)) worst = {estimate, ratio};
     }
     return worst;
   };
   const TimeError rough = of(y_);
-  if (rough.ratio < kClear || !std::isfinite(rough.ratio)) return rough;
+  if (rough.ratio < kClearRatio || !std::isfinite(rough.ratio)) return rough;
   filtered_.resize(y_.size());
   filter(y_.data(), filtered_.data());
   return of(filtered_);

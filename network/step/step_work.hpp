@@ -5,11 +5,11 @@
 
 #pragma once
 
+#include "core/time_error.hpp"
 #include "core/time_scheme.hpp"
 #include "network/precondition/preconditioner.hpp"
 #include "network/solver.hpp"
 #include "network/step/iteration.hpp"
-#include "network/step/time_error.hpp"
 
 #include <memory>
 #include <string>

@@ -20,6 +20,7 @@ RunDescription network(double tolerance) {
   options.solver.mode = SolverMode::kNewton;
   options.energy = EnergySource::kAnalytic;
   options.solver.tolerance = tolerance;
+  options.solver.follows_time_error = false;
   return options;
 }
 
@@ -27,6 +28,7 @@ RunDescription finite_elements(fem::Element element) {
   RunDescription options;
   options.fem = FemOptions{.element = element, .mass = fem::Mass::kLumped, .newmark = false};
   options.solver.tolerance = 1e-9;
+  options.solver.follows_time_error = false;
   return options;
 }
 
@@ -92,6 +94,70 @@ TEST(Stepper, NetworkAndFiniteElementsAgreeForBdf2AndWithoutTorsion) {
   expect_the_same(ragged_scene(Law::kNeoHookean, Hourglass::kVariance, TimeScheme::kEuler));
 }
 
+/// A box of free voxels that yields.
+Setup yielding_setup(const Yield& yield) {
+  Scene scene = scene_on(make_box(3, 3, 3, 0.02), solid(1e7, 0.3));
+  scene.dt = 2e-3;
+  scene.gravity = {};
+  finish_scene(scene);
+  Setup setup = setup_of(scene);
+  setup.yields = {yield};
+  return setup;
+}
+
+TEST(Stepper, NetworkAndFiniteElementsAgreeForStages) {
+  for (const TimeScheme scheme : {TimeScheme::kSdirk2, TimeScheme::kAuto})
+    expect_the_same(ragged_scene(Law::kNeoHookean, Hourglass::kFull, scheme));
+}
+
+TEST(Stepper, FiniteElementsReportTheirStages) {
+  // a body that swings fast: steps of two stages, which make up the frames
+  Scene scene = ragged_scene(Law::kNeoHookean, Hourglass::kFull, TimeScheme::kAuto);
+  scene.dt = 1.0 / 30;
+  const auto setup = setup_of(scene);
+  RunDescription run = finite_elements(fem::Element::kVoxel);
+  run.solver.tolerance = 1e-5;
+  run.solver.time_error = 1e-3;
+  std::vector<std::string> notes;
+  const std::unique_ptr<Stepper> stepper = make_stepper(setup, run, {}, notes);
+  stepper->begin({});
+  int frames = 0, rejected = 0;
+  double time = 0;
+  while (frames < 3) {
+    const StepReport r = stepper->advance();
+    time += r.length;
+    frames += r.completes;
+    rejected += r.rejected;
+    EXPECT_TRUE(r.converged);
+    EXPECT_EQ(r.scheme, TimeScheme::kSdirk2);
+    EXPECT_EQ(r.solves, 2 * (1 + r.rejected));
+    EXPECT_GT(r.time_error, 0);
+    EXPECT_LE(r.time_ratio, 1);
+    EXPECT_GE(r.tolerance, 1e-5);
+    EXPECT_NEAR(r.time, time, 1e-12);
+    EXPECT_EQ(stepper->state().time, r.time);
+    EXPECT_EQ(stepper->state().h_before, r.length);
+  }
+  EXPECT_GT(rejected, 0);
+  EXPECT_NEAR(time, 0.1, 1e-12);
+}
+
+TEST(Stepper, StagesAreRefusedWithoutAWayBack) {
+  // a body that yields, statics, a state file
+  auto setup = yielding_setup(MetalYield{.stress = 2e3});
+  setup.scene.scheme = TimeScheme::kAuto;
+  RunDescription run = finite_elements(fem::Element::kHexBbar);
+  std::vector<std::string> notes;
+  EXPECT_THROW(make_stepper(setup, run, {}, notes), Error);
+  setup.yields = {};
+  EXPECT_NE(make_stepper(setup, run, {}, notes), nullptr);
+  run.state = "state.h5";
+  EXPECT_THROW(make_stepper(setup, run, {}, notes), Error);
+  run.state = {};
+  run.fem->statics = true;
+  EXPECT_THROW(make_stepper(setup, run, {}, notes), Error);
+}
+
 /// A box that falls on a rough floor which moves, under a ball.
 Scene contact_scene() {
   Scene scene = scene_on(make_box(5, 3, 3, 0.04, {0, 0.005, 0}), solid(1e5, 0.4));
@@ -108,7 +174,11 @@ Scene contact_scene() {
 }
 
 TEST(Stepper, NetworkAndFiniteElementsAgreeInContactWithFriction) {
-  expect_the_same(contact_scene(), {.velocity = {0.2, -0.5, 0}, .spin = {0, 1, 0}});
+  Scene scene = contact_scene();
+  for (const TimeScheme scheme : {TimeScheme::kEuler, TimeScheme::kSdirk2, TimeScheme::kAuto}) {
+    scene.scheme = scheme;
+    expect_the_same(scene, {.velocity = {0.2, -0.5, 0}, .spin = {0, 1, 0}});
+  }
 }
 
 /// Other elements see the same body and load: close, not equal.
@@ -150,17 +220,6 @@ TEST(Stepper, EveryElementHasTheMassOfTheScene) {
 }
 
 /// Tetrahedra carry the same contact points.
-/// A box of free voxels that yields.
-Setup yielding_setup(const Yield& yield) {
-  Scene scene = scene_on(make_box(3, 3, 3, 0.02), solid(1e7, 0.3));
-  scene.dt = 2e-3;
-  scene.gravity = {};
-  finish_scene(scene);
-  Setup setup = setup_of(scene);
-  setup.yields = {yield};
-  return setup;
-}
-
 TEST(Stepper, ASpinBeyondYieldLeavesAPlasticState) {
   RunDescription run = finite_elements(fem::Element::kHexBbar);
   run.yield = MetalYield{.stress = 2e3};

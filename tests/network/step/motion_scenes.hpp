@@ -86,12 +86,12 @@ inline MeanMotion mean_motion(const Scene& scene, const State& state) {
       m.velocity[d] += scene.mass(n) * state.v(n, int64_t(d));
     }
   }
-  m.centre = scaled(m.centre, 1 / m.mass);
-  m.velocity = scaled(m.velocity, 1 / m.mass);
+  m.centre = elastogen::scaled(m.centre, 1 / m.mass);
+  m.velocity = elastogen::scaled(m.velocity, 1 / m.mass);
   for (int64_t n = 0; n < scene.grid.node_count(); ++n)
-    m.spin = plus(
-        m.spin, scaled(cross(minus(row(state.x, n), m.centre), minus(row(state.v, n), m.velocity)),
-                       scene.mass(n)));
+    m.spin = plus(m.spin, elastogen::scaled(cross(minus(row(state.x, n), m.centre),
+                                                  minus(row(state.v, n), m.velocity)),
+                                            scene.mass(n)));
   return m;
 }
 

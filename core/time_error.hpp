@@ -18,6 +18,13 @@
 
 namespace elastogen {
 
+inline constexpr double kErrorSafety = 1.8;   ///< factor of the estimate
+inline constexpr double kMotionFloor = 0.04;  ///< of the size that counts as motion in T
+inline constexpr double kLowBounce = 0.01;    ///< height of bounces that are let die, of the size
+inline constexpr double kClosingFades = 0.8;  ///< closing speed that is left after T
+inline constexpr double kSpeedRemembered = 0.9;  ///< speed that counts after T
+inline constexpr double kClearRatio = 0.1;  ///< below it S, which lowers the estimate, is left out
+
 struct TimeErrorOptions {
   double interval = 0;       ///< T [s]
   double tolerance = 0.005;  ///< of the motion in T

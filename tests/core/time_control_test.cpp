@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "network/step/time_control.hpp"
+#include "core/time_control.hpp"
 
+#include "core/time_error.hpp"
 #include "core/time_scheme.hpp"
-#include "network/step/time_error.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mpm_fem/integrators/fem_pieces.hpp"
+
+#include "core/error.hpp"
+#include "core/reduce.hpp"
+#include "mpm_fem/fem/mesh_pieces.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace elastogen::fem {
+namespace {
+
+/// The moments of a piece about another point, to which its centre of mass has the distance `arm`.
+Mat3<double> moments_about(const PieceMotion& piece, double mass, const Vec3& arm) {
+  Mat3<double> I = piece.inertia;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      I(i, j) += mass * ((i == j ? dot(arm, arm) : 0) - arm[size_t(i)] * arm[size_t(j)]);
+  return I;
+}
+
+/// The inverse, or 0 where the mass lies on a line.
+Mat3<double> inverse_moments(const Mat3<double>& I) {
+  const Mat3<double> result = inverse(I);
+  const bool exists =
+      std::all_of(result.m, result.m + 9, [](double entry) { return std::isfinite(entry); });
+  return exists ? result : Mat3<double>{};
+}
+
+}  // namespace
+
+RigidMotion rigid_motion(const PieceMotion& piece) {
+  return {piece.centre, piece.velocity, piece.spin, inverse_moments(piece.inertia)};
+}
+
+FemPieces::FemPieces(const FemScene& scene, const MassMatrix& mass)
+    : scene_(scene), matrix_(mass), piece_(mesh_pieces(scene.mesh)), node_mass_(piece_.rows()) {
+  // M 1 by one component of the nodal vectors, and the pieces' first nodes and masses
+  const int64_t nodes = piece_.rows();
+  Array<double> ones(nodes, 3);
+  ones.fill(1);
+  const Array<double> M1 = multiplied(ones);
+  for (int64_t n = 0; n < nodes; ++n) {
+    ELASTOGEN_CHECK(piece_(n) >= 0, "node ", n, " belongs to no element");
+    node_mass_(n) = M1(n, 0);
+    if (of(n) == count()) first_.push_back(n), mass_.push_back(0);
+    mass_[of(n)] += node_mass_(n);
+  }
+  // which of them are held, and where
+  free_.assign(count(), 1);
+  pins_.resize(count());
+  std::vector<double> pinned(count());
+  for (int64_t n = 0; n < nodes && !scene.fixed.empty(); ++n) {
+    const uint8_t* fixed = scene.fixed.row(n);
+    if (fixed[0] || fixed[1] || fixed[2]) free_[of(n)] = 0;
+    if (!(fixed[0] && fixed[1] && fixed[2]) || scene.motion) continue;
+    pins_[of(n)] = plus(pins_[of(n)], row_of(scene.mesh.rest, n));
+    pinned[of(n)] += 1;
+  }
+  pinned_.resize(count());
+  for (size_t p = 0; p < count(); ++p) {
+    pinned_[p] = pinned[p] > 0;
+    if (pinned_[p]) pins_[p] = scaled(pins_[p], 1 / pinned[p]);
+  }
+  // the trace of the moments is twice sum r . M r
+  const Array<double> rest(nodes, 3);
+  for (const PieceMotion& piece : motions(rest, rest)) {
+    const Mat3<double>& I = piece.inertia;
+    size_.push_back(2 * std::sqrt((I(0, 0) + I(1, 1) + I(2, 2)) / (2 * mass_[size_.size()])));
+  }
+}
+
+Array<double> FemPieces::multiplied(In<double> y) const {
+  Array<double> My(y.rows, 3);
+  matrix_.multiply(y.data, My.data());
+  return My;
+}
+
+std::vector<PieceMotion> FemPieces::motions(In<double> u, In<double> v) const {
+  // places from a node of each piece, so that no digits are lost far away
+  const Array<double>& rest = scene_.mesh.rest;
+  Array<double> r(u.rows, 3);
+  for (int64_t n = 0; n < u.rows; ++n)
+    for (int d = 0; d < 3; ++d) {
+      const int64_t first = first_[of(n)];
+      r(n, d) = rest(n, d) - rest(first, d) + (u(n, d) - u(first, d));
+    }
+  const Array<double> Mr = multiplied(r), Mv = multiplied(v);
+  // centres and their velocities
+  std::vector<PieceMotion> pieces(count());
+  for (int64_t n = 0; n < u.rows; ++n) {
+    PieceMotion& piece = pieces[of(n)];
+    piece.centre = plus(piece.centre, scaled(row_of(Mr, n), 1 / mass_[of(n)]));
+    piece.velocity = plus(piece.velocity, scaled(row_of(Mv, n), 1 / mass_[of(n)]));
+  }
+  // what is about them
+  for (int64_t n = 0; n < u.rows; ++n) {
+    PieceMotion& piece = pieces[of(n)];
+    const Vec3 arm = minus(row_of(r, n), piece.centre),
+               M_arm = minus(row_of(Mr, n), scaled(piece.centre, node_mass_(n)));
+    const Vec3 Mv_about = minus(row_of(Mv, n), scaled(piece.velocity, node_mass_(n)));
+    piece.spin = plus(piece.spin, cross(arm, Mv_about));
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) {
+        const double other =
+            (arm[size_t(i)] * M_arm[size_t(j)] + arm[size_t(j)] * M_arm[size_t(i)]);
+        piece.inertia(i, j) += (i == j ? dot(arm, M_arm) : 0) - other / 2;
+      }
+  }
+  for (size_t p = 0; p < count(); ++p)
+    pieces[p].centre = plus(pieces[p].centre, plus(row_of(rest, first_[p]), row_of(u, first_[p])));
+  return pieces;
+}
+
+std::vector<double> FemPieces::rms(In<double> y) const {
+  const Array<double> My = multiplied(y);
+  std::vector<double> square(count());
+  for (int64_t n = 0; n < y.rows; ++n) square[of(n)] += dot(row_of(y, n), row_of(My, n));
+  for (size_t p = 0; p < count(); ++p) square[p] = std::sqrt(std::max(square[p], 0.0) / mass_[p]);
+  return square;
+}
+
+double FemPieces::product(In<double> y, In<double> z) const {
+  const Array<double> Mz = multiplied(z);
+  return elastogen::dot(y.data, Mz.data(), y.size());
+}
+
+Vec3 FemPieces::turn_about_pins(size_t piece, const PieceMotion& motion) const {
+  const Vec3 arm = minus(motion.centre, pins_[piece]);
+  const Vec3 spin = plus(motion.spin, scaled(cross(arm, motion.velocity), mass_[piece]));
+  return times(inverse_moments(moments_about(motion, mass_[piece], arm)), spin);
+}
+
+Array<double> FemPieces::rigid_part(In<double> u, const std::vector<PieceMotion>& motion) const {
+  std::vector<Vec3> w(count());
+  for (size_t p = 0; p < count(); ++p)
+    w[p] = times(inverse_moments(motion[p].inertia), motion[p].spin);
+  Array<double> field(u.rows, 3);
+  for (int64_t n = 0; n < u.rows; ++n) {
+    const size_t p = of(n);
+    if (!is_free(p)) continue;
+    const Vec3 arm = minus(plus(row_of(scene_.mesh.rest, n), row_of(u, n)), motion[p].centre);
+    const Vec3 value = plus(motion[p].velocity, cross(w[p], arm));
+    std::copy(value.begin(), value.end(), field.row(n));
+  }
+  return field;
+}
+
+}  // namespace elastogen::fem

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+// The time error of a step of stages (core/time_error.hpp).
+#include "mpm_fem/integrators/stage_fem.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace elastogen::fem {
+namespace {
+
+constexpr double kLooseFilter = 1e-2;  // residual of the filter's linear system
+
+}  // namespace
+
+/// Speeds of the pieces, and at which they met colliders.
+/// @param share  of dt that the step takes
+void StageFem::remember_speeds(double share) {
+  const std::vector<double> start = pieces_.rms(now_->v), end = pieces_.rms(v_);
+  memory_ = now_->stages.pieces;
+  memory_.resize(pieces_.count());
+  for (size_t p = 0; p < memory_.size(); ++p) {
+    PieceMemory& piece = memory_[p];
+    piece.speed = std::max({start[p], end[p], std::pow(kSpeedRemembered, share) * piece.speed});
+    piece.closing *= std::pow(kClosingFades, share);
+    for (const Loads* loads : {&at_stage_, &at_end_})
+      if (!loads->pieces.empty() && loads->pieces[p].push > 0)
+        piece.closing = std::max(piece.closing, loads->pieces[p].closing);
+    piece.turn = motion_.turns()[p];
+  }
+}
+
+/// The least motion that counts in dt, of all pieces, before the step [m].
+double StageFem::least_motion() const {
+  const std::vector<double> rms = pieces_.rms(now_->v);
+  const std::vector<PieceMemory>& memory = now_->stages.pieces;
+  double least = std::numeric_limits<double>::infinity();
+  for (size_t p = 0; p < rms.size(); ++p) {
+    const double speed = std::max(rms[p], memory.empty() ? 0 : memory[p].speed);
+    least = std::min(least, std::max(scene_.dt * speed, kMotionFloor * pieces_.size(p)));
+  }
+  return least;
+}
+
+/// W rms(u) of a piece [m].
+double StageFem::contact_error(size_t p, const StepWeights& weights) const {
+  if (!pieces_.is_free(p) || !touched()) return 0;
+  const double g = safe_norm(scene_.gravity), closing = memory_[p].closing;
+  if (g > 0 && closing * closing / (2 * g) < kLowBounce * pieces_.size(p)) return 0;
+  const double W = g > 0 ? std::min(scene_.dt, closing / g) : scene_.dt;
+  // the combination of impulses, and the rigid motion that it gives the piece
+  Load impulse;
+  const auto add = [&](const Loads& loads, double weight) {
+    if (loads.pieces.empty()) return;
+    const Load& contact = loads.pieces[p].contact;
+    impulse.force = plus(impulse.force, scaled(contact.force, weight));
+    impulse.torque = plus(impulse.torque, scaled(contact.torque, weight));
+  };
+  add(at_end_, weights.end);
+  add(now_->stages.now, weights.start);
+  add(motion_.stage().t_b > 0 ? at_stage_ : now_->stages.before, weights.other);
+  const Vec3 turn = times(rigid_motion(end_[p]).per_inertia, impulse.torque);
+  const double m = pieces_.mass(p),
+               square = dot(impulse.force, impulse.force) / (m * m) + dot(turn, impulse.torque) / m;
+  return W * std::sqrt(std::max(0.0, square));
+}
+
+/// The estimate of the piece where it is largest in relation to what is accepted.
+TimeError StageFem::worst(const Array<double>& y, const StepWeights& weights) const {
+  const std::vector<double> rms = pieces_.rms(y);
+  const double share = motion_.stage().t / scene_.dt;
+  TimeError result;
+  for (size_t p = 0; p < rms.size(); ++p) {
+    const double estimate = kErrorSafety * (rms[p] + contact_error(p, weights));
+    const double motion = std::max(scene_.dt * memory_[p].speed, kMotionFloor * pieces_.size(p));
+    const double ratio = estimate / (share * options_.time_error * motion);
+    if (!(ratio <= result.ratio)) result = {estimate, ratio};
+  }
+  return result;
+}
+
+/// S y at the end of the step, by a Newton step of implicit Euler over dt from y. Where the
+/// Hessian cannot be factored y itself, which is larger.
+Array<double> StageFem::filtered(const Array<double>& y) {
+  const double per_square = 1 / (scene_.dt * scene_.dt);
+  potential_.set_inertia(per_square, u_);
+  Array<double> pull(y.rows(), 3), result(y.rows(), 3);
+  potential_.mass().multiply(y.data(), pull.data());
+  for (int64_t k = 0; k < pull.size(); ++k) pull.data()[k] *= -per_square;
+  const bool found = potential_.newton_step(u_.data(), pull.data(), TangentKind::kProjected,
+                                            kLooseFilter, nullptr, result.data());
+  return found ? result : y;
+}
+
+/// What the step adds to the time error. The filter, which lowers it, is left out where it is small
+/// anyway.
+TimeError StageFem::error() {
+  const StepWeights weights = step_weights(motion_.stage());
+  const Array<double> y = motion_.combined(weights, v_);
+  const TimeError rough = worst(y, weights);
+  if (rough.ratio < kClearRatio || !std::isfinite(rough.ratio)) return rough;
+  return worst(filtered(y), weights);
+}
+
+}  // namespace elastogen::fem
