@@ -104,11 +104,23 @@ double resolve_share(const char* option, const std::string& text) {
   return share;
 }
 
+/// The scheme where none is typed: steps by their time error, SDIRK2 where the steps a frame are
+/// typed, and implicit Euler for what has neither of them.
+std::string default_scheme(const Typed& t, const AnimateOptions& o) {
+  const bool yields = o.yield.index() > 0 ||
+                      std::any_of(o.regions.begin(), o.regions.end(),
+                                  [](const MaterialRegion& r) { return r.yield.index() > 0; });
+  const bool has_stages = !yields && method_of(o) != Method::kMpm && o.state.empty() &&
+                          o.solver.mode != SolverMode::kPaper && !(o.fem && o.fem->statics);
+  return !has_stages ? "euler" : t.substeps == "auto" ? "auto" : "sdirk2";
+}
+
 /// Finite elements have one scheme more than the network.
 void resolve_scheme(const Typed& t, AnimateOptions& o) {
   std::vector<std::string> names = {"euler", "bdf2", "sdirk2", "auto"};
   if (o.fem) names.push_back("newmark");
-  const int scheme = choice("--time-scheme", t.scheme, names);
+  const int scheme =
+      choice("--time-scheme", t.scheme.empty() ? default_scheme(t, o) : t.scheme, names);
   const bool newmark = scheme == 4;
   o.scheme = newmark ? TimeScheme::kEuler : TimeScheme(scheme);
   ELASTOGEN_CHECK(o.scheme != TimeScheme::kAuto || t.substeps == "auto",
@@ -192,8 +204,8 @@ void convert(const Typed& t, AnimateOptions& o) {
   o.substeps = resolve_substeps(t.substeps);
   o.solver.time_error = resolve_share("--time-error", t.time_error);
   o.solver.follows_time_error = o.solver.tolerance == SolverOptions{}.tolerance;
-  resolve_scheme(t, o);
   resolve_solver(t, o);
+  resolve_scheme(t, o);
   // outputs
   o.keyframe = choice("--glb-profile", t.profile, {"modal", "keyframe"}) == 1;
   ELASTOGEN_CHECK(o.glb_targets >= 4 && o.glb_targets <= 65536,
