@@ -27,7 +27,7 @@ bool StepWork::renew_friction() {
   return false;
 }
 
-double StepWork::least_motion(double) const {
+double StepWork::least_motion(double) {
   ELASTOGEN_CHECK(false, "this machine makes no stages");
   return 0;
 }

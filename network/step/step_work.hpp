@@ -99,7 +99,7 @@ class StepWork {
   virtual bool makes_stages() const { return false; }
   /// The least motion that counts in an interval, of all pieces [m]: that at their present speed, or
   /// a share of their size.
-  virtual double least_motion(double interval) const;
+  virtual double least_motion(double interval);
   /// Takes the normal forces and normals of friction from the positions of the certificate, which has
   /// to be made again. False: there is no friction.
   virtual bool renew_friction();

@@ -18,6 +18,10 @@
 
 namespace elastogen {
 
+/// S y is found by PCG to this residual, of the right-hand side, in so many iterations at most.
+inline constexpr double kFilterTolerance = 0.05;
+inline constexpr int kFilterIterations = 30;
+
 struct TimeErrorOptions {
   double interval = 0;       ///< T [s]
   double tolerance = 0.005;  ///< of the motion in T
