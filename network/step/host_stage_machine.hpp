@@ -4,7 +4,6 @@
 #pragma once
 
 #include "network/potential/incremental_potential.hpp"
-#include "network/step/piece_sums.hpp"
 #include "network/step/stage_machine.hpp"
 
 namespace elastogen {
@@ -15,6 +14,7 @@ class HostStageMachine : public StageMachine {
   explicit HostStageMachine(IncrementalPotential& potential);
 
   const Scene& scene() const override { return potential_.scene(); }
+  const Pieces& pieces() const override { return pieces_; }
   StageNodes nodes() override;
   double* first_stage() override { return first_stage_.data(); }
   double* field() override { return field_.data(); }

@@ -5,8 +5,8 @@
 
 #pragma once
 
-#include "core/scene.hpp"
 #include "core/stage_contact.hpp"
+#include "network/step/piece_sums.hpp"
 #include "network/step/stage_passes.hpp"
 #include "network/step/stage_sums.hpp"
 
@@ -19,6 +19,7 @@ class StageMachine {
   virtual ~StageMachine() = default;
 
   virtual const Scene& scene() const = 0;
+  virtual const Pieces& pieces() const = 0;
   /// The tables of the scene; the members of a step are not set.
   virtual StageNodes nodes() = 0;
   /// Where the first stage of SDIRK2 ends [m].

@@ -6,7 +6,7 @@
 namespace elastogen {
 
 Stages::Stages(StageMachine& machine)
-    : machine_(machine), scene_(machine.scene()), pieces_(scene_), at_(machine.nodes()) {
+    : machine_(machine), scene_(machine.scene()), pieces_(machine.pieces()), at_(machine.nodes()) {
   moving_colliders_ = std::any_of(scene_.colliders.begin(), scene_.colliders.end(),
                                   [](const Collider& c) { return c.path.size() > 1; });
   poses_.resize(pieces_.count());

@@ -15,7 +15,6 @@
 #pragma once
 
 #include "core/time_scheme.hpp"
-#include "network/step/piece_sums.hpp"
 #include "network/step/stage_machine.hpp"
 #include "network/step/time_error.hpp"
 
@@ -79,7 +78,7 @@ class Stages {
 
   StageMachine& machine_;
   const Scene& scene_;
-  Pieces pieces_;
+  const Pieces& pieces_;
   StageNodes at_;
   std::vector<PieceState> now_, before_, last_;  // at the start, the step before, the end
   std::vector<RigidMotion> motions_;
