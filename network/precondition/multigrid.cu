@@ -191,7 +191,7 @@ template <class T>
 void DeviceMultigridLevels<T>::expect_stiffness(const double* mass) {
   stiff_views = views;
   masses = mass;
-  if (mass != nullptr || MemoryCount::present()) more = DeviceArray<double>(1);
+  more = DeviceArray<double>(1);
   for (int l = 0; l < views.count; ++l) {
     Level<T>& level = *levels[size_t(l)];
     level.added = DeviceArray<T>(level.z.size());

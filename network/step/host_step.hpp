@@ -51,7 +51,6 @@ class HostStep : public StepWork {
   void return_to_now() override { u_ = potential_.now(); }
 
   Certificate certify() override;
-  bool makes_stages() const override { return true; }
   double least_motion(double interval) override {
     return stages_.value().least_motion(state_->v.data(), interval);
   }
