@@ -140,6 +140,8 @@ TEST_F(MotionOnCard, ASlidingBlockStopsAndABallRollsAsRigidOnesDo) {
   expect_stop(Device::kCuda);
 }
 
+constexpr double kAgreement = 1e-6;  // of the way; a third of the tolerance changes 2e-8 of it
+
 /// Both machines, so exactly that only rounding parts them: the same steps, and the same places.
 void expect_agreement(const MovingScene& m, int frames) {
   SolverOptions options{.tolerance = 1e-6, .follows_time_error = false};
