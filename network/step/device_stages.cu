@@ -43,7 +43,7 @@ StageEnd StepOnDevice::end_step(const TimeErrorOptions* options) {
       stages_.value().end_step(quasi_.trial_u(), quasi_.u(), voxel_energy_, v_next_.data());
   if (options)
     end.error = stages_->error(v_next_.data(), *options,
-                               [&](double* y) { newton().filter(options->interval, y); });
+                               [&](double* y) { newton_solver().filter(options->interval, y); });
   return end;
 }
 

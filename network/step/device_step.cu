@@ -256,7 +256,7 @@ MotionEnergy StepOnDevice::finish() {
   return numbers_[0].energy;
 }
 
-DeviceNewton& StepOnDevice::newton() {
+DeviceNewton& StepOnDevice::newton_solver() {
   if (!newton_) newton_.emplace(quasi_);
   return *newton_;
 }

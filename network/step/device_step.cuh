@@ -46,7 +46,7 @@ class StepOnDevice : public StepWork {
   }
   IterationResult newton(double target, int max_outer, int max_inner,
                          const Interrupted& interrupted) override {
-    return this->newton().solve(target, max_outer, max_inner, interrupted);
+    return newton_solver().solve(target, max_outer, max_inner, interrupted);
   }
   IterationResult paper(const Interrupted& interrupted) override {
     return paper_.value().solve(interrupted);
@@ -107,7 +107,7 @@ class StepOnDevice : public StepWork {
     potential().wait_for_energy();
     return potential().value().total();
   }
-  DeviceNewton& newton();
+  DeviceNewton& newton_solver();
   void forget();
   void accept_stages();
   void send(const State& state);
