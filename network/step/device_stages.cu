@@ -51,10 +51,9 @@ StageEnd StepOnDevice::end_step(const TimeErrorOptions* options) {
 void StepOnDevice::accept_stages() {
   find_energies();
   signal_.wait();
-  stages_->accept();
+  stages_->accept(time_ + scheme_.end());
   if (DeviceContact* contact = potential().contact()) contact->keep_bonds(quasi_.u());
   h_before_ = scheme_.end();
-  known_time_ = time_ + scheme_.end();
 }
 
 }  // namespace elastogen::cuda

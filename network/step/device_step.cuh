@@ -133,7 +133,6 @@ class StepOnDevice : public StepWork {
   std::optional<Stages> stages_;
   StepScheme scheme_;
   double time_ = 0, h_before_ = 0;  // of the state [s]
-  double known_time_ = -1;          // of the state that the stages know [s]
   double voxel_energy_ = 0;         // of the last certificate [J]
   bool has_before_ = false;
   bool in_flight_ = false;      // that of the certificate

@@ -43,7 +43,7 @@ void HostStep::forget() {
 
 void HostStep::borrow(State& state) {
   state_ = &state;
-  if (state.time != known_time_) forget();
+  if (stages_ && !stages_->knows(state.time)) forget();
 }
 
 void HostStep::download(State& state, StateParts parts) {
@@ -249,10 +249,9 @@ StageEnd HostStep::end_step(const TimeErrorOptions* options) {
 MotionEnergy HostStep::finish() {
   Array<double> v = scheme_.is_stage ? v_ : next_velocities();
   if (scheme_.is_stage) {
-    stages_->accept();
+    stages_->accept(state_->time + scheme_.end());
     potential_.contact().keep_bonds(u_.data());
     state_->h_before = scheme_.end();
-    known_time_ = state_->time + scheme_.end();
   } else if (in_flight_) {
     conserve_momentum(v);
   }

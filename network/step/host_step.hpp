@@ -105,7 +105,6 @@ class HostStep : public StepWork {
   std::optional<HostStageMachine> stage_machine_;  // where the scene's scheme has some
   std::optional<Stages> stages_;
   double voxel_energy_ = 0;  // of the last certificate [J]
-  double known_time_ = -1;   // of the state that the stages know [s]
   bool in_flight_ = false;   // free pieces are there, and nothing touches
 
   // where float has too few digits for the scene, the preconditioner in double; else that in float

@@ -22,6 +22,7 @@ void Stages::forget() {
   turn_last_ = turn_;
   gain_.assign(pieces_.count(), 0);
   h_last_ = 0;
+  known_time_ = -1e300;
 }
 
 /// The pieces at positions x with velocities v; null: at rest.
@@ -228,7 +229,8 @@ bool Stages::end_step(const double* x, const double* u, double energy, double* v
   return guard(x, energy, v);
 }
 
-void Stages::accept() {
+void Stages::accept(double time) {
+  known_time_ = time;
   at_before_ = std::move(at_start_);
   at_start_ = std::move(at_end_);
   voxels_start_ = voxels_end_;

@@ -32,6 +32,8 @@ class Stages {
 
   /// Forgets what is known of another state.
   void forget();
+  /// Whether that of a time is the state that the last step ended with.
+  bool knows(double time) const { return std::abs(time - known_time_) < 1e-6 * scene_.dt; }
   /// Begins a stage of a step from a state. The second stage of SDIRK2 follows keep_stage().
   /// @return xhat - x0 of the stage [m], for predictor and start 0; valid until end_step().
   const double* begin(const StateArrays& state, const StepScheme& scheme);
@@ -52,8 +54,8 @@ class Stages {
   TimeError error(const double* v, const TimeErrorOptions& options, const Filter& filter);
   /// The least of max(T v, 0.04 size) of the pieces at velocities v [m].
   double least_motion(const double* v, double interval);
-  /// The step was accepted.
-  void accept();
+  /// The step was accepted, and ends at a time [s].
+  void accept(double time);
 
  private:
   /// Contact of the pieces at one time, and its energy.
@@ -86,6 +88,7 @@ class Stages {
       turn_last_;             // of pieces with pins at the start, and a step before [rad/s]
   std::vector<double> gain_;  // of those [rad/s^2]
   double h_last_ = 0;         // of the step before [s], 0: not known
+  double known_time_ = -1e300;
   std::vector<PiecePoses> poses_;
   Forces at_start_, at_before_, at_stage_, at_end_;
   double voxels_start_ = 0, voxels_end_ = 0;  // energy of the voxels [J]

@@ -56,11 +56,13 @@ void expect_slope(Device device) {
   const MovingScene holds = block_on_slope(1e6, 20 * degree, friction);
   std::vector<MotionFrame> run = play_on(device, holds, kAuto, 45);
   std::vector<double> way = way_along_x(holds.scene, holds.start, run);
-  printf("slope of 20 degrees: slips %.2f mm, then %.1e m/s\n", 1e3 * way.back(),
-         mean_motion(holds.scene, run.back().state).velocity[0]);
+  printf("slope of 20 degrees: slips %.2f mm, then %.1e m in half a second\n", 1e3 * way.back(),
+         way.back() - way[29]);
   EXPECT_LT(std::abs(way.back()), 1.2e-3);
   EXPECT_LT(std::abs(way.back() - way[14]), 3e-5);
-  EXPECT_LT(std::abs(mean_motion(holds.scene, run.back().state).velocity[0]), 1e-5);
+  EXPECT_LT(std::abs(way.back() - way[29]), 2e-6);
+  // a residual of the tolerance leaves velocities of 3e-4 m/s
+  EXPECT_LT(std::abs(mean_motion(holds.scene, run.back().state).velocity[0]), 1e-4);
   // slides by g (sin - mu cos) t^2 / 2
   const MovingScene slides = block_on_slope(1e6, 45 * degree, friction);
   way = way_along_x(slides.scene, slides.start, play_on(device, slides, kAuto, 45));
