@@ -155,7 +155,8 @@ void expect_agreement(const MovingScene& m, int frames) {
     const double way = rms_distance(m.scene, host[k].state.x, m.start.x);
     EXPECT_EQ(host[k].solves, card[k].solves) << "frame " << k;
     EXPECT_EQ(host[k].steps, card[k].steps) << "frame " << k;
-    EXPECT_NEAR(host[k].estimate, card[k].estimate, 0.1 * host[k].estimate) << "frame " << k;
+    EXPECT_NEAR(host[k].estimate, card[k].estimate, 0.02 * host[k].estimate + 1e-12)
+        << "frame " << k;
     EXPECT_EQ(host[k].state.h_before, card[k].state.h_before) << "frame " << k;
     EXPECT_LT(rms_distance(m.scene, host[k].state.x, card[k].state.x), kAgreement * way)
         << "frame " << k;
