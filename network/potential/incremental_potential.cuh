@@ -101,7 +101,7 @@ enum class NetPass { kEnergy, kStretches, kTangent };
 struct DevicePotential::Impl {
   Impl(const PotentialTerms& potential, int64_t most_dense)
       : terms(potential),
-        dense(contact_free() ? most_dense : dense_nodes(terms.scene())),
+        dense(operators_change(terms.scene()) ? kMostChangedNodes : most_dense),
         levels(make_stencil_levels(grid(), dense)),
         rows(terms.scene(), levels[0]),
         weights_float(in_float(rows.weights())),
@@ -126,7 +126,6 @@ struct DevicePotential::Impl {
 
   const VoxelGrid& grid() const { return terms.scene().grid; }
   int64_t nodes() const { return grid().node_count(); }
-  bool contact_free() const { return terms.scene().colliders.empty(); }
 
   template <class T>
   VoxelTables<T> voxels() const {

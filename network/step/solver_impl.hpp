@@ -42,7 +42,7 @@ struct Solver::Impl {
   void certify(StepReport& report);
   void finish(StepReport& report);
 
-  // steps of stages (stage_step.cpp)
+  // steps of stages (solver_stages.cpp)
   StepReport advance_stages();
   bool make_stage(const TimeStage& stage, StepReport& report);
   bool make_step(TimeScheme kind, double h, StepReport& report);

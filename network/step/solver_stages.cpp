@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Steps of stages: SDIRK2 at a fixed length, and `auto`, whose steps follow their time error.
 #include "core/constants.hpp"
-#include "core/error.hpp"
 #include "core/stopwatch.hpp"
 #include "network/step/solver_impl.hpp"
 
@@ -17,25 +16,6 @@ constexpr int kMostFriction = 10;         // solves of a stage for its friction
 constexpr double kMostGrowth = 2 + 1e-6;  // of BDF2's step over the one before
 
 }  // namespace
-
-void StepWork::keep_stage() {
-  ELASTOGEN_CHECK(false, "this machine makes no stages");
-}
-
-bool StepWork::renew_friction() {
-  ELASTOGEN_CHECK(false, "this machine makes no stages");
-  return false;
-}
-
-double StepWork::least_motion(double) const {
-  ELASTOGEN_CHECK(false, "this machine makes no stages");
-  return 0;
-}
-
-StageEnd StepWork::end_step(const TimeErrorOptions*) {
-  ELASTOGEN_CHECK(false, "this machine makes no stages");
-  return {};
-}
 
 /// The end of the interval dt of the scene that the present time lies in, or a break of a
 /// collider's path before it: no step goes across one.

@@ -95,19 +95,20 @@ class StepWork {
   /// flight get the mean motion of their predictor (free_flight.hpp), unless something touches a
   /// collider or the step is the paper's.
   virtual Certificate certify() = 0;
-  /// Whether it makes steps of stages (StepScheme::is_stage), for which the next two are.
-  virtual bool makes_stages() const { return false; }
+  // steps of stages (StepScheme::is_stage), where the scene's scheme has some
+
   /// The least motion that counts in an interval, of all pieces [m]: that at their present speed, or
   /// a share of their size.
-  virtual double least_motion(double interval) const;
+  virtual double least_motion(double interval) = 0;
   /// Takes the normal forces and normals of friction from the positions of the certificate, which has
   /// to be made again. False: there is no friction.
-  virtual bool renew_friction();
+  virtual bool renew_friction() = 0;
   /// Keeps the positions of the certificate as those of the first stage of a step.
-  virtual void keep_stage();
+  virtual void keep_stage() = 0;
   /// Velocities of a step whose last stage has its certificate, which finish() takes, and what the
   /// step adds to the time error; null: not asked for.
-  virtual StageEnd end_step(const TimeErrorOptions* options);
+  virtual StageEnd end_step(const TimeErrorOptions* options) = 0;
+
   /// The positions of the certificate and the velocities to them become the state.
   virtual MotionEnergy finish() = 0;
   /// The gradient of the last certificate, (nodes, 3).
