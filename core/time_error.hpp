@@ -28,6 +28,12 @@ inline constexpr double kClearRatio = 0.1;  ///< below it S, which lowers the es
 inline constexpr double kFilterTolerance = 0.05;
 inline constexpr int kFilterIterations = 30;
 
+/// Whether a bounce at a speed [m/s] is high enough to count for a piece of a size [m].
+inline bool bounce_counts(double speed, double gravity, double interval, double size) {
+  const double height = gravity > 0 ? speed * speed / (2 * gravity) : speed * interval;
+  return height >= kLowBounce * size;
+}
+
 struct TimeErrorOptions {
   double interval = 0;       ///< T [s]
   double tolerance = 0.005;  ///< of the motion in T

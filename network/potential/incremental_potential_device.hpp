@@ -62,6 +62,10 @@ class DevicePotential {
   /// Finds the frozen rotations from the displacement at the start of the step.
   void freeze_rotations(const double* u);
 
+  /// Begins the damping of a step from the displacement at its start; `other` is that of the step
+  /// before, or of the first stage where this is the second one. Nothing where none is damped.
+  void begin_damping(const StepScheme& scheme, const double* now, const double* other);
+
   /// Finds the nodal rotations of the preconditioner, in float, from a displacement on the device.
   void set_nodal_rotations(const double* u);
 

@@ -62,7 +62,10 @@ void DevicePreconditioner::take_contact() {
 
 void DevicePreconditioner::update_inertia(const StepScheme& scheme) {
   constexpr double kNear = 0.1;  // enough for a preconditioner
-  const double wanted = inertia_over_mass(scheme);
+  // damping: as Preconditioner::update_inertia; contact keeps its stiffness, which is far higher
+  const double stiffer = 1 + potential_.terms().beta(rate_of(scheme));
+  scale_ = float(1 / stiffer);
+  const double wanted = inertia_over_mass(scheme) / stiffer;
   if (std::abs(wanted / used_ - 1) < kNear) return;
   used_ = std::abs(wanted / built_with_ - 1) < kNear ? built_with_ : wanted;
   other_inertia_ = used_ != built_with_;

@@ -21,6 +21,7 @@ struct UnturnedResult {
   const Quaternion<float>* rotation;
   const float* values;
   const uint8_t* pinned;
+  float scale = 1;
 
   /// B q at a node, 0 if it is pinned.
   template <class T>
@@ -28,7 +29,7 @@ struct UnturnedResult {
     const Mat3<float> R = rotation_matrix(rotation[n]);
     const float* w = values + 3 * n;
     for (int i = 0; i < 3; ++i)
-      v[i] = pinned[n] ? T(0) : T(R(i, 0) * w[0] + R(i, 1) * w[1] + R(i, 2) * w[2]);
+      v[i] = pinned[n] ? T(0) : T(scale * (R(i, 0) * w[0] + R(i, 1) * w[1] + R(i, 2) * w[2]));
   }
 };
 
@@ -75,7 +76,7 @@ class DevicePreconditioner {
   void cycle();
 
   UnturnedResult result() const {
-    return {potential_.nodal_rotation(), z_.data(), potential_.pinned()};
+    return {potential_.nodal_rotation(), z_.data(), potential_.pinned(), scale_};
   }
 
  private:
@@ -91,6 +92,7 @@ class DevicePreconditioner {
   DeviceArray<float> turned_, encoded_;  // input and output of the encoder
   DeviceGraph graph_, added_graph_, update_graph_;
   double built_with_, used_;  // a0 / dt^2 [1/s^2]
+  float scale_ = 1;           // of the inverse
   bool in_contact_ = false, other_inertia_ = false;
 };
 

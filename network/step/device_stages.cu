@@ -12,6 +12,15 @@ void StepOnDevice::forget() {
   if (DeviceContact* contact = potential().contact()) contact->forget_bonds();
 }
 
+/// u_before, where damping needs it, in the scratch of a trial.
+const double* StepOnDevice::before() {
+  if (!potential().terms().has_damping() || !has_before_) return nullptr;
+  const double *x = x_before_.data(), *rest = potential().rest();
+  double* const to = quasi_.trial_u();
+  cuda::for_each(size(), [=] __device__(int64_t k) { to[k] = x[k] - rest[k]; });
+  return to;
+}
+
 void StepOnDevice::begin_stage() {
   const Motion m = motion();
   const double* way = stages_.value().begin({m.x, m.v, m.x_before, m.v_before}, scheme_);
@@ -23,9 +32,10 @@ void StepOnDevice::begin_stage() {
   has_rotations_ = false;
   potential().set_scheme(scheme_);
   potential().freeze_rotations(now);
+  const double t_b = scheme_.stage.t_b;
+  potential().begin_damping(scheme_, now, t_b > 0 ? quasi_.u() : before());
   quasi_.preconditioner().update_inertia(scheme_);
   // u is still that of the first stage where this is the second one
-  const double t_b = scheme_.stage.t_b;
   if (DeviceContact* contact = potential().contact())
     contact->begin_stage(now, time_, scheme_.end(), t_b > 0 ? quasi_.u() : now,
                          t_b > 0 ? time_ + t_b : time_);

@@ -36,6 +36,10 @@ class StepOnDevice : public StepWork {
   void use_start(int start) override;
   double farthest() override;
   const Collider* clear_start() override;
+  bool meets_collider() override {
+    return potential().contact() && potential().contact()->share() < 1 &&
+           stages_.value().flies_fast();
+  }
   bool is_below_clear_start() override;
   void return_to_clear_start() override;
   void set_nodal_rotations() override;
@@ -88,6 +92,7 @@ class StepOnDevice : public StepWork {
   bool balance();
   void extrapolate(int order, double* u);
   void find_now(double* u);
+  const double* before();
   void find_flight_velocities();
   void find_energies();
   void find_size();

@@ -115,11 +115,13 @@ double HostStep::farthest() {
 const Collider* HostStep::clear_start() {
   clear_ = potential_.now();
   Contact& contact = potential_.contact();
+  is_cut_ = false;
   if (!contact.exists()) return nullptr;
   contact.carry(clear_.data());
   if (const Collider* inside = contact.obstacle(clear_.data())) return inside;
   const double share = contact.longest_step(clear_.data(), u_.data());
-  if (share < 1)
+  is_cut_ = share < 1;
+  if (is_cut_)
     for (size_t k = 0; k < u_.size(); ++k) u_[k] = clear_[k] + share * (u_[k] - clear_[k]);
   return nullptr;
 }

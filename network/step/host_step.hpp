@@ -35,6 +35,7 @@ class HostStep : public StepWork {
   void use_start(int start) override;
   double farthest() override;
   const Collider* clear_start() override;
+  bool meets_collider() override { return is_cut_ && stages_.value().flies_fast(); }
   bool is_below_clear_start() override { return rough_phi(u_) < rough_phi(clear_); }
   void return_to_clear_start() override { u_ = clear_; }
   void set_nodal_rotations() override { potential_.set_nodal_rotations(u_.data()); }
@@ -105,6 +106,7 @@ class HostStep : public StepWork {
   std::optional<HostStageMachine> stage_machine_;  // where the scene's scheme has some
   std::optional<Stages> stages_;
   double voxel_energy_ = 0;  // of the last certificate [J]
+  bool is_cut_ = false;      // by clear_start
   bool in_flight_ = false;   // free pieces are there, and nothing touches
 
   // where float has too few digits for the scene, the preconditioner in double; else that in float

@@ -24,6 +24,7 @@ void StepOnDevice::begin_step(const StepScheme& scheme, double time) {
   });
   has_rotations_ = false;
   potential().freeze_rotations(now);
+  potential().begin_damping(scheme, now, before());
   pieces_.start(m.rest, m.mass, m.x, m.x_before, predictor, u);
   if (DeviceContact* contact = potential().contact()) contact->begin_step(now, time);
 }

@@ -70,6 +70,7 @@ struct Solver::Impl {
   double h_before = 0;   // of the step before [s]
   double tolerance = 0;  // of the present step
   bool between_intervals = true;
+  bool meets_collider = false;      // the last stage was not begun for it
   mutable Zeroed<double> gradient;  // of the last certificate, once it was asked for
   mutable bool has_gradient = true;
 

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kOfTimeError = 0.01;     // that the solver may leave
 constexpr double kLoosest = 0.3;          // residual
-constexpr int kMostFriction = 10;         // solves of a stage for its friction
+constexpr int kMostFriction = 20;         // solves of a stage for its friction
 constexpr double kMostGrowth = 2 + 1e-6;  // of BDF2's step over the one before
 
 }  // namespace
@@ -40,9 +40,9 @@ double Solver::Impl::tolerance_of(const TimeStage& stage, double h) {
 /// Friction depends on normal forces and normals that a solve takes as given. Solves again until it
 /// has those of the positions that it ends with. False where a solve was interrupted.
 bool Solver::Impl::settle_friction(StepReport& report) {
-  for (int pass = 0; pass < kMostFriction && report.finite && work->renew_friction(); ++pass) {
+  for (int pass = 0; report.finite && work->renew_friction(); ++pass) {
     certify(report);
-    if (report.converged) break;
+    if (report.converged || pass == kMostFriction) break;
     const int outer = report.outer, inner = report.inner;
     if (!solve(report)) return false;
     report.outer += outer;
@@ -52,14 +52,18 @@ bool Solver::Impl::settle_friction(StepReport& report) {
 }
 
 /// Solves a stage and adds it to the report of the step, which keeps the worst of all stages.
-/// False where it was interrupted or refused.
+/// False where it was interrupted or refused, or not begun because an impact is to come.
 bool Solver::Impl::make_stage(const TimeStage& stage, StepReport& report) {
   StepReport own;
   own.step = report.step;
   scheme = StepScheme(report.scheme, stage);
   tolerance = tolerance_of(stage, report.length);
+  bool solved = start(own);
+  meets_collider = solved && scene.scheme == TimeScheme::kAuto &&
+                   control.level() < TimeControl::kImpactLevel && work->meets_collider();
+  if (meets_collider) return false;
   ++report.solves;
-  const bool solved = start(own) && solve(own) && settle_friction(own);
+  solved = solved && solve(own) && settle_friction(own);
   // counts add up, of the certificates the worst
   report.outer += own.outer;
   report.inner += own.inner;
@@ -143,6 +147,10 @@ StepReport Solver::Impl::advance_stages() {
                             : by_bdf2 ? TimeScheme::kBdf2
                                       : TimeScheme::kSdirk2;
     if (!make_step(kind, h, report)) {
+      if (meets_collider) {  // not solved yet
+        control.expect_impact();
+        continue;
+      }
       // shorter steps may be finite
       const bool may_retry = !report.interrupted && is_auto && level < TimeControl::kMostLevel;
       if (!may_retry) return report;

@@ -4,8 +4,8 @@
 
 #pragma once
 
-#include "network/step/stage_nodes.hpp"
 #include "core/time_error.hpp"
+#include "network/step/stage_nodes.hpp"
 
 #include <variant>
 

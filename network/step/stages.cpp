@@ -161,6 +161,17 @@ void Stages::correct_momentum(const double* x, double* v) {
   }
 }
 
+bool Stages::flies_fast() const {
+  for (const ContactAction& piece : at_start_.pieces)
+    if (piece.normal > 0) return false;
+  bool fast = false;
+  for (size_t p = 0; p < pieces_.count(); ++p)
+    fast |=
+        pieces_.is_free(p) && bounce_counts(safe_norm(now_[p].velocity), safe_norm(scene_.gravity),
+                                            scene_.dt, pieces_.size(p));
+  return fast;
+}
+
 bool Stages::touched() const {
   for (const Forces* f : {&at_start_, &at_before_, &at_stage_, &at_end_})
     for (const ContactAction& piece : f->pieces)

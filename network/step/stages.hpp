@@ -14,9 +14,9 @@
 
 #pragma once
 
+#include "core/time_error.hpp"
 #include "core/time_scheme.hpp"
 #include "network/step/stage_machine.hpp"
-#include "core/time_error.hpp"
 
 #include <functional>
 
@@ -54,6 +54,9 @@ class Stages {
   TimeError error(const double* v, const TimeErrorOptions& options, const Filter& filter);
   /// The least of max(T v, 0.04 size) of the pieces at velocities v [m].
   double least_motion(const double* v, double interval);
+  /// Whether nothing touched a collider at the start of the step, and a piece is fast enough for a
+  /// bounce that counts.
+  bool flies_fast() const;
   /// The step was accepted, and ends at a time [s].
   void accept(double time);
 

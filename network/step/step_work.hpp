@@ -56,14 +56,15 @@ class StepWork {
   /// Phi in float at start 0, which is u, and at the extrapolations of order 1 to count - 1
   /// (Predictor::extrapolate), into phi, (count).
   virtual void evaluate_starts(int count, double* phi) = 0;
-  /// Takes one of these starts for u.
-  virtual void use_start(int start) = 0;
+  virtual void use_start(int start) = 0;  ///< takes one of these for u
   /// Largest |u - u_now| of a component [m], u_now the displacement at the start of the step.
   virtual double farthest() = 0;
   /// Cuts the motion from the clear start to u where colliders are met. The clear start is u_now,
   /// with what colliders run over carried along.
   /// @return the collider that a point lies in all the same, else null.
   virtual const Collider* clear_start() = 0;
+  /// Whether that cut, in a stage, the way of a body in flight which is fast enough to bounce.
+  virtual bool meets_collider() = 0;
   /// Whether Phi in float is lower at u than at the clear start; before anything is iterated.
   virtual bool is_below_clear_start() = 0;
   /// u = the clear start; before anything is iterated.
