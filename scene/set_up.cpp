@@ -305,15 +305,17 @@ Setup set_up_plane(const Asset& asset, const RunDescription& run) {
 /// Gives the materials the damping of their presets where the scene chooses none: euler and bdf2
 /// damp more than that by themselves.
 void damp(const RunDescription& run, Setup& setup) {
-  const bool by_network = !run.fem && method_of(run) != Method::kMpm && setup.yields.empty();
+  const bool by_fem = run.fem && !run.fem->statics && !run.fem->newmark;
+  const bool may = (by_fem || !run.fem) && method_of(run) != Method::kMpm && setup.yields.empty();
   bool damped = false;
   for (Material& m : setup.scene.materials) {
-    if (!m.loss_factor && by_network && has_stages(run.scheme)) m.loss_factor = m.usual_loss;
+    if (!m.loss_factor && may && has_stages(run.scheme)) m.loss_factor = m.usual_loss;
     damped |= m.loss_factor.value_or(0) > 0;
   }
   if (!damped) return;
-  ELASTOGEN_CHECK(by_network && run.solver.mode != SolverMode::kPaper,
-                  "--damping: the network alone has it, and not the solver 'paper'");
+  ELASTOGEN_CHECK(may && (run.fem || run.solver.mode != SolverMode::kPaper),
+                  "--damping: particles, materials that yield, statics, Newmark's scheme and the ",
+                  "solver 'paper' have none");
   ELASTOGEN_CHECK(run.state.empty(), "--damping: the file of --state has no place for it");
 }
 

@@ -9,20 +9,6 @@ double sign(int c, int axis) {
   return c >> axis & 1 ? 1 : -1;
 }
 
-/// The patterns xy, yz, zx, xyz as vectors of the corners, re-centred at the centroid of the fill.
-void centred_patterns(const double* shape_mean, double pattern[4][8]) {
-  double moment[3] = {};
-  for (int c = 0; c < 8; ++c)
-    for (int d = 0; d < 3; ++d) moment[d] += shape_mean[c] * sign(c, d);
-  for (int c = 0; c < 8; ++c) {
-    pattern[3][c] = sign(c, 0) * sign(c, 1) * sign(c, 2);
-    for (int d = 0; d < 3; ++d) {
-      const int third = (d + 2) % 3;
-      pattern[d][c] = sign(c, d) * sign(c, (d + 1) % 3) + moment[third] * pattern[3][c];
-    }
-  }
-}
-
 /// Sets the next row to 0 and gives it.
 double* next_row(VoxelHourglass& h, double weight) {
   h.weight[h.count] = weight;
@@ -50,6 +36,19 @@ void voxel_gradient(const double* shape_mean, double h, double* gradient) {
       gradient[3 * c + d] = sign(c, d) * (shape_mean[c] + shape_mean[c ^ 1 << d]) / h;
 }
 
+void voxel_patterns(const double* shape_mean, double pattern[4][8]) {
+  double moment[3] = {};
+  for (int c = 0; c < 8; ++c)
+    for (int d = 0; d < 3; ++d) moment[d] += shape_mean[c] * sign(c, d);
+  for (int c = 0; c < 8; ++c) {
+    pattern[3][c] = sign(c, 0) * sign(c, 1) * sign(c, 2);
+    for (int d = 0; d < 3; ++d) {
+      const int third = (d + 2) % 3;
+      pattern[d][c] = sign(c, d) * sign(c, (d + 1) % 3) + moment[third] * pattern[3][c];
+    }
+  }
+}
+
 VoxelHourglass voxel_hourglass(const ElementMesh& mesh, int64_t voxel, double mu, const double* R) {
   constexpr double kUnit[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
   VoxelHourglass h;
@@ -57,7 +56,7 @@ VoxelHourglass voxel_hourglass(const ElementMesh& mesh, int64_t voxel, double mu
   const double scale = mesh.fill(voxel) * mesh.h;
   const double* c = mesh.variance.row(voxel);
   double pattern[4][8];
-  centred_patterns(mesh.shape_mean.row(voxel), pattern);
+  voxel_patterns(mesh.shape_mean.row(voxel), pattern);
   for (int p = 0; p < 4; ++p)
     for (int i = 0; i < 3; ++i)
       add_rotated(pattern[p], kUnit, i, next_row(h, scale * c[p] / (p < 3 ? 24 : 48)));

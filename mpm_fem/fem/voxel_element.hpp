@@ -19,6 +19,10 @@ namespace elastogen::fem {
 /// the means Nbar of the shape functions, (8, 3) [1/m].
 void voxel_gradient(const double* shape_mean, double h, double* gradient);
 
+/// The patterns xy, yz, zx, xyz as vectors of the corners, re-centred at the centroid of the fill: a
+/// component of u has q_p = pattern_p . u.
+void voxel_patterns(const double* shape_mean, double pattern[4][8]);
+
 /// E as 1/2 sum_k weight_k (row_k . u)^2 over the 24 displacements u, dof 3 corner + component.
 struct VoxelHourglass {
   int count = 0;

@@ -18,7 +18,8 @@ class ExplicitFem {
  public:
   /// The scene must outlive the integrator.
   /// @throws Error as FemPotential; unless the mass is lumped, dt positive and every contact point
-  ///         carried by one node; on voxel elements, whose torsion needs frozen rotations.
+  ///         carried by one node; on voxel elements, whose torsion needs frozen rotations; on
+  ///         damping.
   explicit ExplicitFem(const FemScene& scene);
 
   /// Advances the state by dt; the flow is kept here, not in the state. Same bits on every run and

@@ -44,14 +44,20 @@ std::unique_ptr<PlasticTerm> plastic_term(const FemScene& scene) {
   return std::make_unique<PlasticTerm>(part_of(scene.mesh, materials_that(true, scene)), solids);
 }
 
+std::unique_ptr<ViscousTerm> viscous_term(const FemScene& scene) {
+  if (std::none_of(scene.materials.begin(), scene.materials.end(), is_damped)) return nullptr;
+  ELASTOGEN_CHECK(!any_yields(scene), "a scene with materials that yield has no damping");
+  return std::make_unique<ViscousTerm>(scene.mesh, scene.materials);
+}
+
 MassMatrix mass_of(const FemScene& scene, const ElasticTerm* elastic, const PlasticTerm* plastic) {
   if (!plastic) return MassMatrix(scene, elastic->body());
   return MassMatrix(scene, ElasticBody(scene.mesh, scene.materials));
 }
 
-std::vector<Term*> terms_of(Term* elastic, Term* plastic, ColliderContact& contact) {
+std::vector<Term*> terms_of(Term* elastic, Term* plastic, Term* viscous, ColliderContact& contact) {
   std::vector<Term*> terms;
-  for (Term* term : {elastic, plastic})
+  for (Term* term : {elastic, plastic, viscous})
     if (term) terms.push_back(term);
   if (contact.exists()) terms.push_back(&contact);
   return terms;
@@ -62,9 +68,10 @@ std::vector<Term*> terms_of(Term* elastic, Term* plastic, ColliderContact& conta
 FemPotential::FemPotential(const FemScene& scene, const LinearOptions& options)
     : elastic(elastic_term(scene)),
       plastic(plastic_term(scene)),
+      viscous(viscous_term(scene)),
       contact(scene.contact, scene.colliders, scene.mesh.rest.rows()),
       potential(scene.mesh.rest, scene.fixed, mass_of(scene, elastic.get(), plastic.get()),
-                terms_of(elastic.get(), plastic.get(), contact), options) {}
+                terms_of(elastic.get(), plastic.get(), viscous.get(), contact), options) {}
 
 EnergyParts FemPotential::energy(In<double> u) const {
   EnergyParts parts;

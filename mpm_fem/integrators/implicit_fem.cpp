@@ -19,6 +19,8 @@ ImplicitFem::ImplicitFem(const FemScene& scene, const ImplicitOptions& options)
       predictor_(scene.mesh.rest.rows(), 3) {
   ELASTOGEN_CHECK(scene.scheme != Scheme::kSdirk2 && scene.scheme != Scheme::kAuto,
                   "steps of stages are made by StageFem");
+  ELASTOGEN_CHECK(scene.scheme != Scheme::kNewmark || !terms_.viscous,
+                  "Newmark's scheme has no damping");
 }
 
 StepScheme ImplicitFem::scheme_of(const FemState& state) const {
@@ -61,6 +63,9 @@ void ImplicitFem::begin(FemState& state) {
   }
   potential_.set_force(force);
   potential_.set_inertia(scheme_.a0 / (dt * dt), predictor_);
+  // of BDF2 E' = (3 E - 4 E_now + E_before) / (2 dt)
+  terms_.begin_damping(std::sqrt(scheme_.a0) / dt, state.u,
+                       scheme_.scheme == TimeScheme::kBdf2 ? -1.0 / 3 : 0, state.u_before);
 }
 
 /// Accelerations of the free components from the equation of motion; 0 of the others.
@@ -106,6 +111,7 @@ void ImplicitFem::finish(const Array<double>& u, Array<double> handed, FemState&
     const double x = scene_.mesh.rest.data()[k] + u.data()[k];
     report.energy.gravity -= solve_.weight().data()[k] * x;
   }
+  report.damped = dt * terms_.damping_power(handed);
   // kinetic energy, and the flow of the step
   potential_.mass().multiply(v.data(), Mv.data());
   report.energy.kinetic = dot(v.data(), Mv.data(), v.size()) / 2;

@@ -25,7 +25,8 @@ namespace elastogen::fem {
 class ImplicitFem {
  public:
   /// The scene must outlive the integrator.
-  /// @throws Error as StepSolve, and where the scheme of the scene has stages (stage_fem.hpp).
+  /// @throws Error as StepSolve, and where the scheme of the scene has stages (stage_fem.hpp)
+  ///         or is Newmark's and there is damping.
   explicit ImplicitFem(const FemScene& scene, const ImplicitOptions& options = {});
 
   /// Advances the state by dt. If the result is not finite the state stays as it was and the report

@@ -84,6 +84,7 @@ TimeError StageFem::worst(const Array<double>& y, const StepWeights& weights) co
 Array<double> StageFem::filtered(const Array<double>& y) {
   const double per_square = 1 / (scene_.dt * scene_.dt);
   potential_.set_inertia(per_square, u_);
+  if (terms_.viscous) terms_.viscous->body().set_rate(1 / scene_.dt);
   Array<double> pull(y.rows(), 3), result(y.rows(), 3);
   potential_.mass().multiply(y.data(), pull.data());
   for (int64_t k = 0; k < pull.size(); ++k) pull.data()[k] *= -per_square;

@@ -37,6 +37,7 @@ void add_stage(const FemStepReport& stage, FemStepReport& step) {
   step.min_j = std::min(step.min_j, stage.min_j);
   step.deepest_overlap = std::max(step.deepest_overlap, stage.deepest_overlap);
   step.energy = stage.energy;
+  step.damped += stage.damped;
   if (stage.stop != NewtonStop::kConverged) step.stop = stage.stop;
   if (!stage.refusal.empty()) step.refusal = stage.refusal;
 }
@@ -95,6 +96,7 @@ void StageFem::begin_stage(const TimeStage& stage) {
   applied_ = applied_force(scene_, start + stage.t, 1);
   potential_.set_force(applied_);
   potential_.set_inertia(1 / (stage.k * stage.k), motion_.predictor());
+  terms_.begin_damping(1 / stage.k, now_->u, stage.w_v, stage.t_b > 0 ? u_ : now_->u_before);
   if (!terms_.contact.exists()) return;
   // friction begins with the normal forces where the last solve ended
   const bool is_second = stage.t_b > 0;
@@ -141,6 +143,7 @@ bool StageFem::make_stage(const TimeStage& stage, FemStepReport& report) {
   Array<double> u = solve_.start_value(now_->u, std::move(starts), now_->time + stage.t);
   const bool clear = solve_.pass_colliders(u);
   minimise(own.tolerance, u, own);
+  own.damped = stage.lasts * terms_.damping_power(u_);
   if (!clear) own.finite = false, own.refusal = kNoRoom;
   ++report.solves;
   add_stage(own, report);

@@ -22,6 +22,7 @@ class Statics {
         options_(options),
         terms_(scene, options.linear),
         potential_(terms_.potential) {
+    ELASTOGEN_CHECK(!terms_.viscous, "statics have no damping");
     if (terms_.plastic) result_.plastic = terms_.plastic->body().rest_history();
     weight_ = Array<double>(scene.mesh.rest.rows(), 3);
     Array<double> gravity(weight_.rows(), 3);

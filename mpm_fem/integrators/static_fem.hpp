@@ -42,7 +42,7 @@ struct StaticResult {
 
 /// Rotations of the voxels' torsion correction are those of the solution: they are frozen anew
 /// until that changes nothing.
-/// @throws Error as FemPotential and on options that are not positive.
+/// @throws Error as FemPotential, on damping and on options that are not positive.
 StaticResult solve_static(const FemScene& scene, const StaticOptions& options = {});
 
 }  // namespace elastogen::fem
