@@ -77,6 +77,7 @@ class Stages {
   void relative_velocities(const double* x, const double* v, bool rigid);
   double take_energy(double rise, double* v);
   bool touched() const;
+  bool touched(size_t piece) const;
   double contact_error(size_t piece, const StepWeights& weights, const TimeErrorOptions& options);
   TimeError worst_error(const StepWeights& weights, const TimeErrorOptions& options);
   void note_speeds(const double* v, double share);
@@ -96,7 +97,7 @@ class Stages {
   Forces at_start_, at_before_, at_stage_, at_end_;
   double voxels_start_ = 0, voxels_end_ = 0;  // energy of the voxels [J]
   // of the pieces, in this step and as the last one left them
-  std::vector<double> speed_, closing_, speed_next_, closing_next_;
+  std::vector<double> speed_, spin_, closing_, speed_next_, spin_next_, closing_next_;
   bool moving_colliders_ = false;
 };
 
