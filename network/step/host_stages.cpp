@@ -253,6 +253,7 @@ double HostStages::take_energy(const Array<double>& D, double rise, Array<double
 /// slows the body down) from the rest, the vibrations, which leaves momentum as it is.
 bool HostStages::guard(const Array<double>& x, double energy, Array<double>& v) {
   voxels_end_ = energy;
+  guarded_ = false;
   if (!at_start_.known || moving_colliders_ || !touched()) return true;
   double allowed = 0;
   for (size_t p = 0; p < pieces_.count(); ++p)
@@ -260,7 +261,8 @@ bool HostStages::guard(const Array<double>& x, double energy, Array<double>& v) 
   const double end = mechanical_energy(x, v) + voxels_end_ + at_end_.energy;
   const double rise =
       end - mechanical_energy(state_->x, state_->v) - voxels_start_ - at_start_.energy;
-  if (!(rise > allowed)) return true;
+  guarded_ = rise > allowed;
+  if (!guarded_) return true;
   double left = take_energy(relative_velocities(x, v, true), rise, v);
   if (left > allowed) left = take_energy(relative_velocities(x, v, false), left, v);
   return left <= allowed;

@@ -50,6 +50,10 @@ class HostStages {
   /// @param energy  of the voxels there [J].
   /// @return false where the energy rises by more than the velocities can make good.
   bool end_step(const Array<double>& x, const double* u, double energy, Array<double>& v);
+  /// Whether end_step() took energy from the velocities.
+  bool guarded() const { return guarded_; }
+  /// Positions that keep_stage() was called with last [m], (nodes, 3).
+  const Array<double>& first_stage() const { return x_a_; }
   /// What the step adds to the time error; after end_step().
   TimeError error(const Array<double>& v, const TimeErrorOptions& options, const Filter& filter);
   /// The least of max(T v, 0.04 size) of the pieces in a state [m].
@@ -111,7 +115,7 @@ class HostStages {
   double voxels_start_ = 0, voxels_end_ = 0;  // energy of the voxels [J]
   // of the pieces, in this step and as the last one left them
   std::vector<double> speed_, closing_, speed_next_, closing_next_;
-  bool moving_colliders_ = false;
+  bool moving_colliders_ = false, guarded_ = false;
 };
 
 }  // namespace elastogen

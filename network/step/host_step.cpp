@@ -237,6 +237,7 @@ void HostStep::filter(double interval, const double* y, double* filtered) {
 StageEnd HostStep::end_step(const TimeErrorOptions* options) {
   StageEnd end;
   end.keeps_energy = stages_.value().end_step(x_, u_.data(), voxel_energy_, v_);
+  end.guarded = stages_->guarded();
   if (options)
     end.error = stages_->error(v_, *options, [&](const double* y, double* filtered) {
       filter(options->interval, y, filtered);

@@ -58,6 +58,9 @@ class HostStep : public StepWork {
     return potential_.contact().exists() && potential_.contact().renew_lag(u_.data());
   }
   void keep_stage() override { stages_.value().keep_stage(u_.data()); }
+  StageData stage_data() const override {
+    return {stages_.value().first_stage(), potential_.contact().bonds()};
+  }
   StageEnd end_step(const TimeErrorOptions* options) override;
   MotionEnergy finish() override;
   void download_gradient(double* gradient) const override {

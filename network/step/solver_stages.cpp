@@ -60,9 +60,9 @@ double Solver::Impl::tolerance_of(const TimeStage& stage, double h) {
 /// Friction depends on normal forces and normals that a solve takes as given. Solves again until it
 /// has those of the positions that it ends with. False where a solve was interrupted.
 bool Solver::Impl::settle_friction(StepReport& report) {
-  for (int pass = 0; pass < kMostFriction && report.finite && work->renew_friction(); ++pass) {
+  for (int pass = 0; report.finite && work->renew_friction(); ++pass) {
     certify(report);
-    if (report.converged) break;
+    if (report.converged || pass == kMostFriction) break;
     const int outer = report.outer, inner = report.inner;
     if (!solve(report)) return false;
     report.outer += outer;
@@ -123,11 +123,12 @@ bool Solver::Impl::make_step(TimeScheme kind, double h, StepReport& report) {
 /// Ends a step and judges it. False: to be made again, on another level or by implicit Euler.
 bool Solver::Impl::judge(StepReport& report) {
   if (scene.scheme == TimeScheme::kSdirk2) {
-    work->end_step(nullptr);
+    report.guarded = work->end_step(nullptr).guarded;
     return true;
   }
   const TimeErrorOptions of_error{scene.dt, options.time_error};
   const StageEnd end = work->end_step(&of_error);
+  report.guarded = end.guarded;
   report.time_error = end.error.estimate;
   report.time_ratio = end.error.ratio;
   return control.accepts(end.error.ratio) && end.keeps_energy;

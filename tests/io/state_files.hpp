@@ -60,6 +60,8 @@ inline StepReport report_at(int step) {
   report.step = step;
   report.scheme = step == 1 ? TimeScheme::kEuler : TimeScheme::kBdf2;
   report.converged = step != 2;
+  report.length = 0.01 / step;
+  report.tolerance = 3e-3 * step;
   report.residual = 1e-4 * step;
   report.outer = 10 + step;
   report.inner = 20 + step;
