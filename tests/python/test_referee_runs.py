@@ -145,7 +145,8 @@ class Runs(unittest.TestCase):
         state = self.path / "fem.h5"
         for options in (("--frames", 8, "--substeps", 1), ("--static",),
                         ("--frames", 8, "--substeps", 1, "--time-scheme", "bdf2", "--floor",
-                         "y=-0.12")):
+                         "y=-0.12"),
+                        ("--frames", 6, "--time-scheme", "auto", "--damping", 0.1)):
             done = run("simulate", self.source, "-o", self.path / "out.glb", "--voxels", 16,
                        "--quiet", "--state", state, *BOUNDARY, *options)
             self.assertEqual(done.code, 0, done.err)
