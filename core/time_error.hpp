@@ -38,8 +38,8 @@ struct TimeError {
 /// The end of a step of stages.
 struct StageEnd {
   bool keeps_energy = true;  ///< false: contact brought more than velocities can make good
-  bool guarded = false;      ///< contact brought some, which was taken from the velocities
   TimeError error;           ///< where it was asked for
+  bool guarded = false;      ///< contact brought some, which was taken from the velocities
 };
 
 /// Weights a_1, a_0, a_b of y [s].

@@ -59,7 +59,8 @@ class HostStep : public StepWork {
   }
   void keep_stage() override { stages_.value().keep_stage(u_.data()); }
   StageData stage_data() const override {
-    return {stages_.value().first_stage(), potential_.contact().bonds()};
+    if (!stages_) return {};
+    return {stages_->first_stage(), potential_.contact().bonds()};
   }
   StageEnd end_step(const TimeErrorOptions* options) override;
   MotionEnergy finish() override;
