@@ -22,6 +22,7 @@ struct StepReport {
   TimeScheme scheme = TimeScheme::kEuler;
   bool completes = true;     ///< it ends an interval dt of the scene; shorter steps make it up
   int solves = 1;            ///< minimisations of Phi: stages, those of rejected steps included
+  bool guarded = false;      ///< contact would have brought energy, which velocities have lost
   int rejected = 0;          ///< steps that were tried before and had too large a time error
   double time_error = 0;     ///< estimate of what the step adds to the time error [m]; 0: none made
   double time_ratio = 0;     ///< that over its tolerance, of the piece where it is largest

@@ -22,6 +22,13 @@ struct State {
   double h_before = 0;     ///< its length [s]; 0: the dt of the scene
 };
 
+/// What the last step of stages has beside the state, for those who recompute it. Valid until the
+/// next step.
+struct StageData {
+  Span<const double> first;  ///< positions at the end of SDIRK2's first stage [m], (nodes, 3)
+  Span<const double> bonds;  ///< slip that friction holds now [m], (colliders points, 3); empty: 0
+};
+
 /// Parts to read of a state that is stepped elsewhere: the positions alone, or all.
 enum class StateParts { kPositions, kAll };
 

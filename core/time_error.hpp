@@ -55,6 +55,7 @@ struct TimeError {
 struct StageEnd {
   bool keeps_energy = true;  ///< false: contact brought more than velocities can make good
   TimeError error;           ///< where it was asked for
+  bool guarded = false;      ///< contact brought some, which was taken from the velocities
 };
 
 /// Weights a_1, a_0, a_b of y [s].

@@ -118,11 +118,13 @@ template void write_dataset(hid_t, const char*, Span<const uint8_t>);
 
 void write_entry(hid_t dataset, hsize_t entry, Span<const double> values) {
   if (values.size() == 0) return;
-  const hsize_t start[3] = {entry, 0, 0};
-  const hsize_t count[3] = {1, hsize_t(values.rows), hsize_t(values.cols)};
   const Handle file_space(H5Dget_space(dataset), H5Sclose, "dataspace");
+  const hsize_t start[4] = {entry};
+  hsize_t count[4];
+  const int rank = H5Sget_simple_extent_dims(file_space, count, nullptr);
+  check(rank, "dataspace");
+  count[0] = 1;
   check(H5Sselect_hyperslab(file_space, H5S_SELECT_SET, start, nullptr, count, nullptr), "entry");
-  const int rank = values.cols == 1 ? 2 : 3;
   const Handle memory_space(H5Screate_simple(rank, count, nullptr), H5Sclose, "dataspace");
   check(H5Dwrite(dataset, H5T_NATIVE_DOUBLE, memory_space, file_space, H5P_DEFAULT, values.data),
         "entry");

@@ -58,7 +58,7 @@ void write_attribute(hid_t object, const char* name, const double (&value)[3]);
 template <class T>
 void write_dataset(hid_t parent, const char* name, Span<const T> values);
 
-/// One entry of a dataset (entries, rows, cols), or (entries, rows) if cols is 1.
+/// One entry of a dataset (entries, ...) of four extents at most, which has as many values.
 void write_entry(hid_t dataset, hsize_t entry, Span<const double> values);
 
 }  // namespace elastogen::hdf5

@@ -7,6 +7,7 @@
 #include "core/time_scheme.hpp"
 #include "io/hdf5_file.hpp"
 #include "io/safe_file.hpp"
+#include "io/state_parts.hpp"
 
 #include <unistd.h>
 
@@ -14,6 +15,7 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <mutex>
 
 namespace elastogen {
@@ -35,11 +37,16 @@ const char* hourglass_name(Hourglass hourglass) {
   throw Error(concat(path, ": ", action, " failed: ", std::strerror(errno)), ErrorKind::kResources);
 }
 
+/// Whether the steps of a run are made by stages.
+bool makes_stages(const Scene& scene, const StateHeader& header) {
+  return has_stages(scene.scheme) && header.scheme.empty() && !header.particles;
+}
+
 void write_root(hid_t file, const Scene& scene, const StateHeader& header) {
   const double gravity[3] = {scene.gravity[0], scene.gravity[1], scene.gravity[2]};
   const double place[3] = {scene.place[0], scene.place[1], scene.place[2]};
   hdf5::write_attribute(file, "format", std::string("elastogen-state"));
-  hdf5::write_attribute(file, "version", 3);
+  hdf5::write_attribute(file, "version", 4);
   hdf5::write_attribute(file, "h", scene.grid.h);
   hdf5::write_attribute(file, "dt", scene.dt);
   hdf5::write_attribute(file, "time_scheme",
@@ -55,6 +62,7 @@ void write_root(hid_t file, const Scene& scene, const StateHeader& header) {
   hdf5::write_attribute(file, "tolerance", header.tolerance);
   hdf5::write_attribute(file, "energy", header.energy);
   hdf5::write_attribute(file, "commit", header.commit);
+  if (makes_stages(scene, header)) hdf5::write_attribute(file, "moved", int(header.moved));
 }
 
 void write_mesh(hid_t file, const StateMesh& mesh) {
@@ -78,17 +86,38 @@ void write_grid(hid_t file, const Scene& scene) {
   hdf5::write_dataset<int32_t>(group, "material", scene.material);
 }
 
-/// A field of entries of particles beside x and v.
+/// What the raw file has of each entry: a dataset (entries, extents).
 struct EntryField {
-  const char* name;
-  int cols;
-};
-constexpr EntryField kMotion[] = {{"x", 3}, {"v", 3}};
-constexpr EntryField kStrain[] = {{"F", 9}, {"C", 9}, {"memory", 1}};
+  const char *group, *name;
+  std::vector<int64_t> extents;
+  bool from_start = true;  // the start is an entry too
 
-std::vector<EntryField> entry_fields(const StateHeader& header) {
-  std::vector<EntryField> fields(std::begin(kMotion), std::end(kMotion));
-  if (header.particles) fields.insert(fields.end(), std::begin(kStrain), std::end(kStrain));
+  int64_t size() const {
+    int64_t product = 1;
+    for (const int64_t extent : extents) product *= extent;
+    return product;
+  }
+};
+
+/// In the order of the raw file.
+std::vector<EntryField> entry_fields(const Scene& scene, const StateHeader& header) {
+  if (header.particles) {
+    const char* group = "particles";
+    const int64_t count = header.particles->count();
+    return {{group, "x", {count, 3}},
+            {group, "v", {count, 3}},
+            {group, "F", {count, 9}},
+            {group, "C", {count, 9}},
+            {group, "memory", {count}}};
+  }
+  const int64_t nodes = header.mesh ? header.mesh->rest.rows() : scene.grid.node_count();
+  std::vector<EntryField> fields = {{"steps", "x", {nodes, 3}}, {"steps", "v", {nodes, 3}}};
+  if (!makes_stages(scene, header)) return fields;
+  fields.push_back({"steps", "x_stage", {nodes, 3}, false});
+  const int64_t points =
+      header.mesh ? header.mesh->contact_nodes.rows() : scene.surface.voxel.rows();
+  if (!scene.colliders.empty())
+    fields.push_back({"contact", "bonds", {int64_t(scene.colliders.size()), points, 3}});
   return fields;
 }
 
@@ -128,122 +157,6 @@ void write_nets(hid_t file, const StateHeader& header) {
   }
 }
 
-/// A text type of fixed length that holds the longest name.
-hdf5::Handle text_type(size_t longest) {
-  hdf5::Handle type(H5Tcopy(H5T_C_S1), H5Tclose, "text type");
-  hdf5::check(H5Tset_size(type, longest + 1), "text type");
-  hdf5::check(H5Tset_cset(type, H5T_CSET_UTF8), "text type");
-  return type;
-}
-
-/// Rows of /materials in memory: name and law of `text` bytes each, then three numbers.
-std::vector<char> material_rows(const std::vector<Material>& materials, size_t text) {
-  const size_t row = 2 * text + 3 * sizeof(double);
-  std::vector<char> rows(row * materials.size());
-  for (size_t m = 0; m < materials.size(); ++m) {
-    const Material& material = materials[m];
-    const double numbers[3] = {material.young, material.poisson, material.density};
-    char* at = rows.data() + row * m;
-    std::copy(material.name.begin(), material.name.end(), at);
-    const std::string law = law_name(material.law);
-    std::copy(law.begin(), law.end(), at + text);
-    std::memcpy(at + 2 * text, numbers, sizeof(numbers));
-  }
-  return rows;
-}
-
-void write_materials(hid_t file, const std::vector<Material>& materials) {
-  size_t longest = 0;
-  for (const Material& m : materials)
-    longest = std::max({longest, m.name.size(), law_name(m.law).size()});
-  const size_t text = longest + 1;
-  const hdf5::Handle name = text_type(longest);
-  const hdf5::Handle type(H5Tcreate(H5T_COMPOUND, 2 * text + 3 * sizeof(double)), H5Tclose,
-                          "materials");
-  hdf5::check(H5Tinsert(type, "name", 0, name), "materials");
-  hdf5::check(H5Tinsert(type, "law", text, name), "materials");
-  const char* numbers[3] = {"young", "poisson", "density"};
-  for (size_t k = 0; k < 3; ++k)
-    hdf5::check(H5Tinsert(type, numbers[k], 2 * text + k * sizeof(double), H5T_NATIVE_DOUBLE),
-                "materials");
-  const hdf5::Handle dataset = hdf5::create_dataset(file, "materials", type, {materials.size()});
-  const std::vector<char> rows = material_rows(materials, text);
-  hdf5::check(H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, rows.data()), "materials");
-}
-
-/// Writes the names of the colliders, dataset (colliders) of text.
-void write_names(hid_t group, const std::vector<Collider>& colliders) {
-  size_t longest = 0;
-  for (const Collider& c : colliders) longest = std::max(longest, c.name.size());
-  std::vector<char> rows((longest + 1) * colliders.size());
-  for (size_t c = 0; c < colliders.size(); ++c)
-    std::copy(colliders[c].name.begin(), colliders[c].name.end(), rows.data() + (longest + 1) * c);
-  const hdf5::Handle type = text_type(longest);
-  const hdf5::Handle dataset = hdf5::create_dataset(group, "name", type, {colliders.size()});
-  hdf5::check(H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, rows.data()), "name");
-}
-
-/// Writes the properties of the colliders that do not change.
-void write_colliders(hid_t group, const std::vector<Collider>& colliders) {
-  const auto count = int64_t(colliders.size());
-  Array<uint8_t> shape(count);
-  Array<double> centre(count, 3), normal(count, 3), half(count, 3), radius(count), friction(count);
-  for (int64_t c = 0; c < count; ++c) {
-    const Collider& collider = colliders[size_t(c)];
-    shape(c) = uint8_t(collider.shape);
-    std::copy(collider.centre.begin(), collider.centre.end(), centre.row(c));
-    std::copy(collider.normal.begin(), collider.normal.end(), normal.row(c));
-    std::copy(collider.half.begin(), collider.half.end(), half.row(c));
-    radius(c) = collider.radius;
-    friction(c) = collider.friction;
-  }
-  hdf5::write_dataset<uint8_t>(group, "shape", shape);
-  hdf5::write_dataset<double>(group, "centre", centre);
-  hdf5::write_dataset<double>(group, "normal", normal);
-  hdf5::write_dataset<double>(group, "half", half);
-  hdf5::write_dataset<double>(group, "radius", radius);
-  hdf5::write_dataset<double>(group, "friction", friction);
-  write_names(group, colliders);
-}
-
-/// Writes offsets of the colliders at every entry, (entries, colliders, 3).
-void write_offsets(hid_t group, const std::vector<Collider>& colliders,
-                   const std::vector<double>& times) {
-  const hdf5::Handle dataset =
-      hdf5::create_dataset(group, "offset", H5T_IEEE_F64LE, {times.size(), colliders.size(), 3});
-  Array<double> offsets(int64_t(colliders.size()), 3);
-  for (size_t entry = 0; entry < times.size(); ++entry) {
-    for (size_t c = 0; c < colliders.size(); ++c) {
-      const Vec3 offset = offset_at(colliders[c], times[entry]);
-      std::copy(offset.begin(), offset.end(), offsets.row(int64_t(c)));
-    }
-    hdf5::write_entry(dataset, entry, offsets);
-  }
-}
-
-/// Writes the points that touch colliders.
-void write_surface(hid_t group, const Scene& scene, const StateHeader& header) {
-  if (header.mesh) {
-    hdf5::write_dataset<int32_t>(group, "nodes", header.mesh->contact_nodes);
-  } else {
-    hdf5::write_dataset<int32_t>(group, "voxel", scene.surface.voxel);
-  }
-  hdf5::write_dataset<double>(group, "weights",
-                              header.mesh ? header.mesh->contact_weights : scene.surface.weights);
-  hdf5::write_dataset<double>(group, "area", scene.surface.area);
-}
-
-void write_contact(hid_t file, const Scene& scene, const StateHeader& header,
-                   const std::vector<double>& times) {
-  if (scene.colliders.empty()) return;
-  const hdf5::Handle group = hdf5::create_group(file, "contact");
-  for (const auto& [name, value] : header.contact)
-    hdf5::write_attribute(group, name.c_str(), value);
-  if (!header.particles) write_surface(group, scene, header);
-  write_colliders(group, scene.colliders);
-  write_offsets(group, scene.colliders, times);
-}
-
 /// Writes one value of each report, dataset (steps).
 template <class T, class Value>
 void write_column(hid_t group, const char* name, const std::vector<StepReport>& reports,
@@ -269,6 +182,18 @@ void write_reports(hid_t group, const std::vector<StepReport>& all) {
   write_column<double>(group, "min_j", all, [](R r) { return r.min_j; });
 }
 
+/// Writes what tells the potential of a step.
+void write_lengths(hid_t group, const Scene& scene, const StateHeader& header,
+                   const std::vector<StepReport>& all) {
+  using R = const StepReport&;
+  write_column<double>(group, "length", all,
+                       [&](R r) { return r.length > 0 ? r.length : scene.dt; });
+  write_column<double>(group, "tolerance", all,
+                       [&](R r) { return r.tolerance > 0 ? r.tolerance : header.tolerance; });
+  if (makes_stages(scene, header))
+    write_column<uint8_t>(group, "guarded", all, [](R r) { return r.guarded; });
+}
+
 /// Writes the further values of steps of bodies that yield.
 void write_yields(hid_t group, const std::vector<StepReport>& all) {
   using R = const StepReport&;
@@ -285,23 +210,25 @@ void write_plastic(hid_t file, const StatePlastic& plastic) {
 }
 
 /// Copies the fields of each entry from the raw file.
-void write_entries(hid_t group, const std::vector<EntryField>& fields, std::FILE* spill,
-                   const std::string& path, int64_t entries, int64_t nodes) {
+void write_entries(hid_t file, const std::vector<EntryField>& fields, std::FILE* spill,
+                   const std::string& path, int64_t entries) {
   std::vector<hdf5::Handle> datasets;
   std::vector<Array<double>> values;
   for (const EntryField& field : fields) {
-    std::vector<hsize_t> extents = {hsize_t(entries), hsize_t(nodes)};
-    if (field.cols > 1) extents.push_back(hsize_t(field.cols));
+    const hdf5::Handle group(H5Gopen2(file, field.group, H5P_DEFAULT), H5Gclose, field.group);
+    std::vector<hsize_t> extents = {hsize_t(field.from_start ? entries : entries - 1)};
+    extents.insert(extents.end(), field.extents.begin(), field.extents.end());
     datasets.push_back(hdf5::create_dataset(group, field.name, H5T_IEEE_F64LE, extents));
-    values.emplace_back(nodes, field.cols);
+    values.emplace_back(field.size());
   }
   if (std::fseek(spill, 0, SEEK_SET) != 0) fail(path, "keeping the last steps");
   for (hsize_t entry = 0; entry < hsize_t(entries); ++entry)
     for (size_t k = 0; k < fields.size(); ++k) {
+      if (entry == 0 && !fields[k].from_start) continue;
       const auto size = size_t(values[k].size());
       if (std::fread(values[k].data(), sizeof(double), size, spill) != size)
         fail(path, "reading a step back");
-      hdf5::write_entry(datasets[k], entry, values[k]);
+      hdf5::write_entry(datasets[k], fields[k].from_start ? entry : entry - 1, values[k]);
     }
 }
 
@@ -315,23 +242,33 @@ StateWriter::StateWriter(const std::string& path, const Scene& scene, const Stat
       spill_file_(path),
       spill_(::fdopen(::dup(spill_file_.descriptor()), "w+b"), std::fclose) {
   if (!spill_) fail(path, "keeping the steps");
-  keep(initial, strain);
+  keep(initial, strain, nullptr, {});
 }
 
-int64_t StateWriter::node_count() const {
-  if (header_.particles) return header_.particles->count();
-  return header_.mesh ? header_.mesh->rest.rows() : scene_.grid.node_count();
-}
-
-void StateWriter::keep(const State& state, const ParticleStrain* strain) {
-  const std::vector<EntryField> fields = entry_fields(header_);
+void StateWriter::keep(const State& state, const ParticleStrain* strain, const StepReport* report,
+                       const StageData& data) {
+  const std::vector<EntryField> fields = entry_fields(scene_, header_);
   std::vector<Span<const double>> values = {state.x, state.v};
   if (strain) values.insert(values.end(), {strain->F, strain->C, strain->memory});
+  // steps of one stage have no first one, and before the first step no bond holds
+  Array<double> none, free;
+  if (makes_stages(scene_, header_)) {
+    none = Array<double>(state.x.rows(), 3);
+    none.fill(std::numeric_limits<double>::quiet_NaN());
+    const bool has_first = report && report->scheme == TimeScheme::kSdirk2;
+    values.push_back(has_first ? data.first : Span<const double>(none));
+  }
+  if (fields.size() > values.size() && makes_stages(scene_, header_)) {
+    free = Array<double>(fields.back().size());
+    values.push_back(data.bonds.size() > 0 ? data.bonds : Span<const double>(free));
+  }
   ELASTOGEN_CHECK(values.size() == fields.size(), "entries need ", fields.size(), " arrays, got ",
                   values.size());
   for (size_t k = 0; k < fields.size(); ++k) {
-    ELASTOGEN_CHECK(values[k].is(node_count(), fields[k].cols), fields[k].name, " must be (",
-                    node_count(), ", ", fields[k].cols, "), got ", values[k]);
+    const EntryField& field = fields[k];
+    if (!report && !field.from_start) continue;
+    ELASTOGEN_CHECK(values[k].size() == field.size(), field.name, " must have ", field.size(),
+                    " numbers, got ", values[k]);
     const auto size = size_t(values[k].size());
     if (std::fwrite(values[k].data, sizeof(double), size, spill_.get()) != size)
       fail(path_, "keeping a step");
@@ -339,8 +276,9 @@ void StateWriter::keep(const State& state, const ParticleStrain* strain) {
   time_.push_back(state.time);
 }
 
-void StateWriter::step(const State& state, const StepReport& report, const ParticleStrain* strain) {
-  keep(state, strain);
+void StateWriter::step(const State& state, const StepReport& report, const ParticleStrain* strain,
+                       const StageData& data) {
+  keep(state, strain, &report, data);
   reports_.push_back(report);
 }
 
@@ -355,7 +293,6 @@ void StateWriter::finish() {
   if (header_.particles) {
     const hdf5::Handle particles = hdf5::create_group(file, "particles");
     write_particles(particles, *header_.particles);
-    write_entries(particles, entry_fields(header_), spill_.get(), path_, entries, node_count());
   } else {
     write_body(file, scene_, header_);
   }
@@ -366,11 +303,11 @@ void StateWriter::finish() {
   {
     const hdf5::Handle steps = hdf5::create_group(file, "steps");
     hdf5::write_dataset<double>(steps, "time", {time_.data(), entries, 1});
-    if (!header_.particles)
-      write_entries(steps, entry_fields(header_), spill_.get(), path_, entries, node_count());
     write_reports(steps, reports_);
+    if (!header_.particles) write_lengths(steps, scene_, header_, reports_);
     if (plastic_ && !header_.particles) write_yields(steps, reports_);
   }
+  write_entries(file, entry_fields(scene_, header_), spill_.get(), path_, entries);
   file.close();
   safe.commit();
 }

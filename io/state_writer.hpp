@@ -62,6 +62,7 @@ struct StateHeader {
   std::optional<ParticleSet> particles = {};  ///< in place of the grid
   Array<uint8_t> fixed = {};    ///< 1: the component's displacement is prescribed, (nodes, 3)
   Array<double> traction = {};  ///< dead load on each node [N], (nodes, 3); both empty: none
+  bool moved = false;           ///< prescribed displacements may change
 };
 
 /// Keeps every step in a raw file in the target's folder and packs all of them into the target at
@@ -76,8 +77,10 @@ class StateWriter {
               const State& initial, const ParticleStrain* strain = nullptr);
 
   /// Adds the state after a time step and its report. Call once a step, substeps included.
-  /// @throws Error (resources) if the disk is full.
-  void step(const State& state, const StepReport& report, const ParticleStrain* strain = nullptr);
+  /// @param data  of steps of stages, for scenes whose scheme makes them.
+  /// @throws Error (resources) if the disk is full; (usage) on wrong shapes.
+  void step(const State& state, const StepReport& report, const ParticleStrain* strain = nullptr,
+            const StageData& data = {});
 
   /// Sets the plastic state of the body after the last step.
   void set_plastic(StatePlastic plastic) { plastic_ = std::move(plastic); }
@@ -87,8 +90,8 @@ class StateWriter {
   void finish();
 
  private:
-  int64_t node_count() const;
-  void keep(const State& state, const ParticleStrain* strain);
+  void keep(const State& state, const ParticleStrain* strain, const StepReport* report,
+            const StageData& data);
 
   const Scene& scene_;
   StateHeader header_;

@@ -129,6 +129,10 @@ void Solver::read(State& state, StateParts parts) const {
   state.steps = s.steps;
 }
 
+StageData Solver::stage_data() const {
+  return impl_->work->stage_data();
+}
+
 StepReport Solver::step(State& state) {
   Impl& s = *impl_;
   const Stopwatch watch;

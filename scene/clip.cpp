@@ -173,8 +173,13 @@ class Clip {
     work_.push_back(r.inner);
     if (!r.converged && !r.refusal.empty()) report_.warnings.push_back(r.refusal);
     if (log_) log_->write(frame, r, stepper_->cloud());
-    if (state_file_) state_file_->step(stepper_->state(), r, stepper_->particles());
+    if (state_file_) keep_state(r);
     if (hooks_.on_step) hooks_.on_step(r);
+  }
+
+  void keep_state(const StepReport& r) {
+    const State& state = stepper_->state();
+    state_file_->step(state, r, stepper_->particles(), stepper_->stage_data());
   }
 
   /// Adds a frame, and its time that steps had to wait to the report.

@@ -123,6 +123,7 @@ void describe_fem(const Setup& setup, const RunDescription& run, const fem::FemS
   header.element = fem::element_name(scene.mesh.element);
   if (!run.holds.empty() || !run.moves.empty()) header.fixed = scene.fixed;
   header.traction = scene.traction;
+  header.moved = bool(scene.motion);
   if (!scene.colliders.empty())
     header.contact = {{"layer", scene.contact.layer}, {"slip_range", scene.contact.slip_range}};
   if (!is_tets(scene.mesh.element)) return;

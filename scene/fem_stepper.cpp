@@ -52,6 +52,10 @@ class FemStepper : public HostStepper {
     if (run_.fem->newmark) header.scheme = "newmark";
   }
   std::optional<StatePlastic> plastic() const override;
+  StageData stage_data() const override {
+    if (!stages_) return {};
+    return {first_, fem_.stages.bonds};
+  }
 
  private:
   void show();
@@ -65,7 +69,8 @@ class FemStepper : public HostStepper {
   fem::FemScene scene_;
   std::optional<fem::ImplicitFem> solver_;  // or
   std::optional<fem::StageFem> stages_;
-  fem::FemState fem_;  ///< state of the solver; state_ is the same as positions
+  fem::FemState fem_;    ///< state of the solver; state_ is the same as positions
+  Array<double> first_;  ///< positions at the end of the first stage of SDIRK2 [m], (nodes, 3)
 };
 
 void FemStepper::begin(const StartMotion& motion) {
@@ -120,6 +125,10 @@ void FemStepper::show() {
   if (state_.x.size() != count) state_.x = state_.v = Array<double>(rest.rows(), 3);
   for (int64_t k = 0; k < count; ++k) state_.x.data()[k] = rest.data()[k] + fem_.u.data()[k];
   std::copy_n(fem_.v.data(), count, state_.v.data());
+  if (stages_ && !stages_->first_stage().empty()) {
+    first_ = rest;
+    for (int64_t k = 0; k < count; ++k) first_.data()[k] += stages_->first_stage().data()[k];
+  }
   state_.h_before = fem_.stages.h_before;
   state_.time = fem_.time;
   state_.steps = fem_.steps;

@@ -33,6 +33,7 @@ class NetworkStepper : public Stepper {
     solver_.read(state_);
     return state_;
   }
+  StageData stage_data() const override { return solver_.stage_data(); }
   bool fits_single() const override { return solver_.reach() < kLargestSingle; }
   void carry(const CarriedPoints& points, bool with_gradient) override {
     solver_.carry(points.embedding, with_gradient);

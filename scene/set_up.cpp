@@ -316,7 +316,6 @@ void damp(const RunDescription& run, Setup& setup) {
   ELASTOGEN_CHECK(may && (run.fem || run.solver.mode != SolverMode::kPaper),
                   "--damping: particles, materials that yield, statics, Newmark's scheme and the ",
                   "solver 'paper' have none");
-  ELASTOGEN_CHECK(run.state.empty(), "--damping: the file of --state has no place for it");
 }
 
 }  // namespace

@@ -18,9 +18,6 @@ std::unique_ptr<Stepper> make_stepper(const Setup& setup, const RunDescription& 
   ELASTOGEN_CHECK(!stages || setup.yields.empty(),
                   "a material that yields has no time schemes sdirk2 and auto, as their rejected ",
                   "steps cannot take its flow back: --time-scheme euler");
-  ELASTOGEN_CHECK(run.state.empty() || !stages,
-                  "--state: the file has no place for the stages of sdirk2 and auto: ",
-                  "--time-scheme euler or bdf2");
   if (setup.particles) return make_particle_stepper(setup, run, hooks.stop);
   ELASTOGEN_CHECK(method_of(run) != Method::kMpm, "tetrahedra of a file are no particles: set fem");
   if (statics) return make_static_stepper(setup, run);
@@ -29,7 +26,10 @@ std::unique_ptr<Stepper> make_stepper(const Setup& setup, const RunDescription& 
   SolverOptions solver = run.solver;
   solver.learned = scene_nets(setup.scene, run, hooks.make_net, notes);
   solver.interrupted = hooks.stop;
-  return make_network_stepper(setup.scene, solver);
+  std::unique_ptr<Stepper> stepper = make_network_stepper(setup.scene, solver);
+  ELASTOGEN_CHECK(run.state.empty() || !stages || stepper->device() == "cpu",
+                  "--state: a card does not hand out the stages of sdirk2 and auto: --device cpu");
+  return stepper;
 }
 
 }  // namespace elastogen

@@ -116,6 +116,7 @@ double StageFem::take_energy(const Array<double>& D, double rise) {
 /// references: from their rigid part, the change that contact brought, and where that does not
 /// suffice from the rest. False where both do not.
 bool StageFem::guard(double elastic_energy) {
+  guarded_ = false;
   const StageHistory& history = now_->stages;
   if (history.now.pieces.empty() || is_driven_ || !touched()) return true;
   // the rise of kinetic, elastic, contact energy and that of gravity
@@ -126,7 +127,8 @@ bool StageFem::guard(double elastic_energy) {
                 history.elastic_energy + at_end_.contact_energy - history.now.contact_energy;
   for (int64_t k = 0; k < u_.size(); ++k)
     rise -= solve_.weight().data()[k] * (u_.data()[k] - now_->u.data()[k]);
-  if (!(rise > allowed)) return true;
+  guarded_ = rise > allowed;
+  if (!guarded_) return true;
   // the rigid part, then what else free pieces have
   const Array<double> e = motion_.relative(v_);
   const Array<double> rigid = pieces_.rigid_part(u_, pieces_.motions(u_, e));

@@ -172,6 +172,7 @@ bool StageFem::make_step(TimeScheme kind, double h, FemStepReport& report) {
   if (kind == TimeScheme::kBdf2) return make_stage(bdf2_stage(h, now_->stages.h_before), report);
   if (!make_stage(sdirk2_stage(0, h), report)) return false;
   motion_.keep_stage(u_);
+  first_ = u_;
   at_stage_ = loads(u_);
   return make_stage(sdirk2_stage(1, h), report);
 }
@@ -183,6 +184,7 @@ bool StageFem::judge(FemStepReport& report) {
   at_end_ = loads(u_);
   correct_momentum();
   const bool keeps_energy = guard(report.energy.elastic + report.energy.hourglass);
+  report.guarded = guarded_;
   remember_speeds(report.length / scene_.dt);
   if (scene_.scheme == Scheme::kSdirk2) return true;
   const TimeError found = error();

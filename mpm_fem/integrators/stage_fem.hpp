@@ -49,6 +49,8 @@ class StageFem {
   /// Gradient of Phi at the last state [N], (nodes, 3), 0 at fixed components.
   const Array<double>& residual() const { return solve_.residual(); }
   const Potential& potential() const { return potential_; }
+  /// Displacements at the end of the first stage of the last step of SDIRK2 [m], (nodes, 3).
+  const Array<double>& first_stage() const { return first_; }
 
  private:
   // stage_fem.cpp: the order of a step
@@ -96,6 +98,8 @@ class StageFem {
   bool meets_collider_ = false;      // the last stage was not begun for it
   Array<double> applied_;            // force on the nodes at the end of the stage [N]
   Array<double> u_, v_;              // end of the last stage, velocities at the end of the step
+  Array<double> first_;              // end of the first stage of SDIRK2
+  bool guarded_ = false;             // energy was taken from the velocities
   std::vector<PieceMotion> end_;     // the pieces there before velocities are corrected
   Loads at_stage_, at_end_;          // of the first stage of SDIRK2; of the step
   std::vector<PieceMemory> memory_;  // at the end

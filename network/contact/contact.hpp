@@ -28,8 +28,7 @@ class Contact {
   /// A_p kappa of each point [J].
   const std::vector<double>& stiffness() const { return stiffness_; }
   const ContactLengths& lengths() const { return lengths_; }
-  /// Time at the start of the step [s].
-  double start_time() const { return start_time_; }
+  double start_time() const { return start_time_; }  ///< time at the start of the step [s]
 
   /// Moves the colliders to the end of a step of length dt that starts at `time`. Finds the normals,
   /// the normal forces and the start of the slip from the displacement u at the start of the step,
@@ -47,6 +46,7 @@ class Contact {
   /// Keeps the slip of the bonds at u, the end of a step, as far as they hold.
   void keep_bonds(const double* u);
   void forget_bonds() { held_.clear(); }
+  Span<const double> bonds() const;  ///< that slip [m], (colliders points, 3); empty: 0
 
   /// If a collider comes closer to the body than half its distance at the start, moves the nodes
   /// that it can reach along with it, so that they keep their distance. Nodes ahead of which

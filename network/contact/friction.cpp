@@ -62,4 +62,8 @@ void Contact::keep_bonds(const double* u) {
   }
 }
 
+Span<const double> Contact::bonds() const {
+  return {held_.empty() ? nullptr : held_[0].data(), int64_t(held_.size()), 3};
+}
+
 }  // namespace elastogen

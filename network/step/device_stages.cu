@@ -51,10 +51,20 @@ StageEnd StepOnDevice::end_step(const TimeErrorOptions* options) {
   // the positions are where certify() has put them
   end.keeps_energy =
       stages_.value().end_step(quasi_.trial_u(), quasi_.u(), voxel_energy_, v_next_.data());
+  end.guarded = stages_->guarded();
   if (options)
     end.error = stages_->error(v_next_.data(), *options,
                                [&](double* y) { newton_solver().filter(options->interval, y); });
   return end;
+}
+
+StageData StepOnDevice::stage_data() {
+  if (!stages_) return {};
+  if (first_stage_.empty()) first_stage_ = Array<double>(size() / 3, 3);
+  check(cudaMemcpy(first_stage_.data(), stage_machine_->first_stage(),
+                   size_t(size()) * sizeof(double), cudaMemcpyDeviceToHost));
+  if (DeviceContact* contact = potential().contact()) contact->download_bonds(bonds_);
+  return {first_stage_, bonds_};
 }
 
 /// The velocities of end_step() are those of the state that comes.

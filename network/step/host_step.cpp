@@ -242,6 +242,7 @@ void HostStep::filter(double interval, double* y) {
 StageEnd HostStep::end_step(const TimeErrorOptions* options) {
   StageEnd end;
   end.keeps_energy = stages_.value().end_step(x_.data(), u_.data(), voxel_energy_, v_.data());
+  end.guarded = stages_->guarded();
   if (options)
     end.error =
         stages_->error(v_.data(), *options, [&](double* y) { filter(options->interval, y); });

@@ -107,11 +107,12 @@ bool Solver::Impl::make_step(TimeScheme kind, double h, StepReport& report) {
 /// Ends a step and judges it. False: to be made again, on another level or by implicit Euler.
 bool Solver::Impl::judge(StepReport& report) {
   if (scene.scheme == TimeScheme::kSdirk2) {
-    work->end_step(nullptr);
+    report.guarded = work->end_step(nullptr).guarded;
     return true;
   }
   const TimeErrorOptions of_error{scene.dt, options.time_error};
   const StageEnd end = work->end_step(&of_error);
+  report.guarded = end.guarded;
   report.time_error = end.error.estimate;
   report.time_ratio = end.error.ratio;
   return control.accepts(end.error.ratio) && end.keeps_energy;

@@ -220,6 +220,7 @@ double Stages::take_energy(double rise, double* v) {
 /// slows the body down) from the rest, the vibrations, which leaves momentum as it is.
 bool Stages::guard(const double* x, double energy, double* v) {
   voxels_end_ = energy;
+  guarded_ = false;
   if (!at_start_.known || moving_colliders_ || !touched()) return true;
   double allowed = 0, rise = voxels_end_ + at_end_.energy - voxels_start_ - at_start_.energy;
   for (size_t p = 0; p < pieces_.count(); ++p)
@@ -227,7 +228,8 @@ bool Stages::guard(const double* x, double energy, double* v) {
   const std::vector<PieceSums> end = machine_.sum(MotionEnergies{at_, x, v}),
                                start = machine_.sum(MotionEnergies{at_, at_.state.x, at_.state.v});
   for (size_t p = 0; p < pieces_.count(); ++p) rise += end[p][0] - start[p][0];
-  if (!(rise > allowed)) return true;
+  guarded_ = rise > allowed;
+  if (!guarded_) return true;
   // from the rigid part, then from the rest
   double left = rise;
   for (const bool rigid : {true, false}) {

@@ -50,6 +50,7 @@ class Stages {
   /// @param energy  of the voxels there [J].
   /// @return false where the energy rises by more than the velocities can make good.
   bool end_step(const double* x, const double* u, double energy, double* v);
+  bool guarded() const { return guarded_; }  ///< end_step() took energy from the velocities
   /// What the step adds to the time error; after end_step().
   TimeError error(const double* v, const TimeErrorOptions& options, const Filter& filter);
   /// The least of max(T v, 0.04 size) of the pieces at velocities v [m].
@@ -98,7 +99,7 @@ class Stages {
   double voxels_start_ = 0, voxels_end_ = 0;  // energy of the voxels [J]
   // of the pieces, in this step and as the last one left them
   std::vector<double> speed_, spin_, closing_, speed_next_, spin_next_, closing_next_;
-  bool moving_colliders_ = false;
+  bool moving_colliders_ = false, guarded_ = false;
 };
 
 }  // namespace elastogen

@@ -60,9 +60,9 @@ inline StepReport report_at(int step) {
   report.step = step;
   report.scheme = step == 1 ? TimeScheme::kEuler : TimeScheme::kBdf2;
   report.converged = step != 2;
+  report.length = 0.01 / step, report.tolerance = 3e-3 * step;
   report.residual = 1e-4 * step;
-  report.outer = 10 + step;
-  report.inner = 20 + step;
+  report.outer = 10 + step, report.inner = 20 + step;
   report.min_j = 1 - 0.1 * step;
   report.energy = {1.0 * step, 2.0 * step, 3.0 * step, 4.0 * step, 5.0 * step};
   report.ms = 7.5 * step;

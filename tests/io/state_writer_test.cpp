@@ -14,7 +14,7 @@ TEST_F(StateWriterTest, RootSaysWhatTheRunWas) {
   EXPECT_EQ(text("solver"), "quasi");
   EXPECT_EQ(text("energy"), "analytic");
   EXPECT_EQ(text("commit"), "abc123");
-  EXPECT_EQ(attribute("/", "version")[0], 3);
+  EXPECT_EQ(attribute("/", "version")[0], 4);
   EXPECT_EQ(text("element"), "voxel");
   EXPECT_EQ(attribute("/", "h")[0], 0.25);
   EXPECT_EQ(attribute("/", "dt")[0], 1.0 / 120);
@@ -48,6 +48,8 @@ TEST_F(StateWriterTest, HasTheShapesAndTypesOfTheDocumentation) {
       {"/steps/x", f64, {kSteps + 1, kNodes, 3}},
       {"/steps/v", f64, {kSteps + 1, kNodes, 3}},
       {"/steps/scheme", u8, {kSteps}},
+      {"/steps/length", f64, {kSteps}},
+      {"/steps/tolerance", f64, {kSteps}},
       {"/steps/residual", f64, {kSteps}},
       {"/steps/converged", u8, {kSteps}},
       {"/steps/outer", i32, {kSteps}},
@@ -142,6 +144,8 @@ TEST_F(StateWriterTest, GivesBackEveryReport) {
   for (int t = 0; t < kSteps; ++t) {
     const StepReport expected = report_at(t + 1);
     EXPECT_EQ(numbers("/steps/scheme")[t], double(expected.scheme));
+    EXPECT_EQ(numbers("/steps/length")[t], expected.length);
+    EXPECT_EQ(numbers("/steps/tolerance")[t], expected.tolerance);
     EXPECT_EQ(numbers("/steps/residual")[t], expected.residual);
     EXPECT_EQ(numbers("/steps/converged")[t], expected.converged);
     EXPECT_EQ(numbers("/steps/outer")[t], expected.outer);
@@ -157,13 +161,15 @@ TEST_F(StateWriterTest, GivesBackEveryReport) {
 }
 
 TEST_F(StateWriterTest, NamesTheMaterials) {
-  const Scene scene = two_voxels();
+  Scene scene = two_voxels();
+  scene.materials[0].loss_factor = 0.25;
+  scene.materials[0].loss_frequency = 7;
   write(scene);
   open();
   // a row as the file has it
   struct Row {
     char name[40], law[40];
-    double young, poisson, density;
+    double young, poisson, density, loss_factor, loss_frequency;
   };
   const hid_t name = H5Tcopy(H5T_C_S1);
   H5Tset_size(name, 40);
@@ -174,6 +180,8 @@ TEST_F(StateWriterTest, NamesTheMaterials) {
   H5Tinsert(type, "young", HOFFSET(Row, young), H5T_NATIVE_DOUBLE);
   H5Tinsert(type, "poisson", HOFFSET(Row, poisson), H5T_NATIVE_DOUBLE);
   H5Tinsert(type, "density", HOFFSET(Row, density), H5T_NATIVE_DOUBLE);
+  H5Tinsert(type, "loss_factor", HOFFSET(Row, loss_factor), H5T_NATIVE_DOUBLE);
+  H5Tinsert(type, "loss_frequency", HOFFSET(Row, loss_frequency), H5T_NATIVE_DOUBLE);
   const std::vector<Row> rows = read<Row>("/materials", type);
   H5Tclose(type);
   H5Tclose(name);
@@ -185,6 +193,8 @@ TEST_F(StateWriterTest, NamesTheMaterials) {
     EXPECT_EQ(rows[m].young, scene.materials[m].young);
     EXPECT_EQ(rows[m].poisson, scene.materials[m].poisson);
     EXPECT_EQ(rows[m].density, scene.materials[m].density);
+    EXPECT_EQ(rows[m].loss_factor, scene.materials[m].loss_factor.value_or(0));
+    EXPECT_EQ(rows[m].loss_frequency, scene.materials[m].loss_frequency);
   }
 }
 

@@ -46,7 +46,7 @@ struct Refinement {
 };
 
 /// Root mean square of the distances between the particles of two clouds [m].
-double apart(const Particles& a, const Particles& b) {
+double rms_apart(const Particles& a, const Particles& b) {
   double sum = 0;
   for (int64_t k = 0; k < a.x.size(); ++k) sum += std::pow(a.x.data()[k] - b.x.data()[k], 2);
   return std::sqrt(sum / double(a.count()));
@@ -54,10 +54,10 @@ double apart(const Particles& a, const Particles& b) {
 
 void check_order(const Refinement& of) {
   const Particles exact = of.explicitly(4 * kLongest);
-  const double moved = apart(exact, of.start);
+  const double moved = rms_apart(exact, of.start);
   double before = 0;
   for (size_t k = 0; k < std::size(kSubsteps); ++k) {
-    const double error = apart(of.implicitly(kSubsteps[k]), exact);
+    const double error = rms_apart(of.implicitly(kSubsteps[k]), exact);
     if (k > 0) {
       const double ratio = double(kSubsteps[k]) / kSubsteps[k - 1];
       EXPECT_NEAR(std::log(before / error) / std::log(ratio), 1, 0.1)

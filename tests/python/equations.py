@@ -58,6 +58,7 @@ class Block:
     law: Law
     mu: float  # [Pa]
     lam: float  # [Pa]
+    viscous_time: float = 0.0  # tau [s]
 
 
 @dataclass(frozen=True)
@@ -85,15 +86,21 @@ class Potential:
     gradient: Floats
     contact: float = 0.0
     load: float = 0.0  # of tractions
+    viscous: float = 0.0
 
     @property
     def value(self) -> float:
         """Phi [J]."""
-        return self.inertia + self.elastic + self.hourglass + self.contact + self.load
+        return (self.inertia + self.elastic + self.hourglass + self.viscous + self.contact +
+                self.load)
 
     def with_contact(self, energy: float, gradient: Floats) -> Potential:
         """The same with the energy of contact [J] and its gradient [N], (nodes, 3), added."""
         return replace(self, contact=energy, gradient=self.gradient + gradient)
+
+    def with_damping(self, energy: float, gradient: Floats) -> Potential:
+        """The same with the energy of damping [J] and its gradient [N], (nodes, 3), added."""
+        return replace(self, viscous=energy, gradient=self.gradient + gradient)
 
 
 def make_body(state: State) -> Body:
@@ -112,7 +119,7 @@ def make_body(state: State) -> Body:
             blocks.append(
                 Block(grid["corners"][part].astype(np.int64), mean_gradients(mean, state.h),
                       patterns(mean, state.h), grid["fill"][part] * state.h**3,
-                      grid["hourglass"][part], law, mu, lam))
+                      grid["hourglass"][part], law, mu, lam, material.viscous_time))
     none = np.zeros_like(grid["rest"])
     loose = (grid["pinned"][:, None] == 0) & (grid.get("fixed", none) == 0)
     return Body(grid["rest"], grid["mass"], loose.any(1), loose, grid.get("traction", none),
@@ -227,8 +234,14 @@ def potential(body: Body, motion: Motion, gravity: Floats, dt: float, x: Floats,
               R: list[Floats]) -> Potential:
     """Phi(x) and its gradient, on pinned nodes too; R as in internal_energy()."""
     a0, xhat = predictor(motion, gravity, dt)
+    return potential_about(body, a0 / dt**2, xhat, x, R)
+
+
+def potential_about(body: Body, weight: float, xhat: Floats, x: Floats,
+                    R: list[Floats]) -> Potential:
+    """Phi(x) with the inertia weight/2 sum m |x - xhat|^2, weight in 1/s^2."""
     elastic, hourglass, gradient = internal_energy(body, x, R)
-    pull = a0 * body.mass[:, None] * (x - xhat) / dt**2
+    pull = weight * body.mass[:, None] * (x - xhat)
     return Potential(float((pull * (x - xhat)).sum() / 2), elastic, hourglass,
                      gradient + pull - body.traction, load=-float((body.traction * x).sum()))
 

@@ -7,6 +7,8 @@ the positions and velocities of every step. Shapes are written with the letters
     nodes, voxels    sizes of the grid           steps      T time steps
     records          T + 1, entry 0 is the start
     points           of the surface              colliders  of a run with contact
+
+Runs whose steps are made by stages (time_scheme sdirk2, auto) have the datasets of STAGES too.
 """
 
 from __future__ import annotations
@@ -46,12 +48,18 @@ STEPS: dict[str, tuple[str, Shape]] = {
     "x": ("f8", ("records", "nodes", 3)),
     "v": ("f8", ("records", "nodes", 3)),
     "scheme": ("u1", ("steps",)),
+    "length": ("f8", ("steps",)),
+    "tolerance": ("f8", ("steps",)),
     "residual": ("f8", ("steps",)),
     "converged": ("u1", ("steps",)),
     "outer": ("iu", ("steps",)),
     "inner": ("iu", ("steps",)),
     "ms": ("f", ("steps",)),
     "min_j": ("f", ("steps",)),
+}
+STAGES: dict[str, tuple[str, Shape]] = {  # also in /steps
+    "x_stage": ("f8", ("steps", "nodes", 3)),
+    "guarded": ("u1", ("steps",)),
 }
 ENERGY: tuple[str, Shape] = ("f", ("steps",))
 CONTACT: dict[str, tuple[str, Shape]] = {
@@ -68,10 +76,12 @@ CONTACT: dict[str, tuple[str, Shape]] = {
     "offset": ("f8", ("records", "colliders", 3)),
 }
 
+BONDS: tuple[str, Shape] = ("f8", ("records", "colliders", "points", 3))  # also in /contact
+
 # attribute -> allowed words; None allows any text
 WORDS: dict[str, tuple[str, ...] | None] = {
     "format": ("elastogen-state",),
-    "time_scheme": ("euler", "bdf2", "static"),
+    "time_scheme": ("euler", "bdf2", "static", "sdirk2", "auto"),
     "hourglass": ("full", "variance", "off"),
     "element": ("voxel",),
     "solver": ("quasi", "newton", "paper", "fem"),
@@ -81,7 +91,8 @@ WORDS: dict[str, tuple[str, ...] | None] = {
 POSITIVE = ("h", "dt", "g_ref", "fps", "tolerance")
 LENGTHS = ("layer", "slip_range")  # attributes of /contact
 PLANE, SPHERE, BOX = 0, 1, 2
-FIELDS = ("name", "law", "young", "poisson", "density")
+FIELDS = ("name", "law", "young", "poisson", "density", "loss_factor", "loss_frequency")
+EULER, BDF2, SDIRK2 = 0, 1, 2  # of /steps/scheme
 
 
 class LayoutError(Exception):
@@ -90,13 +101,21 @@ class LayoutError(Exception):
 
 @dataclass(frozen=True)
 class Material:
-    """One solid: law by name, Young's modulus [Pa], Poisson ratio, density [kg/m^3]."""
+    """One solid: law by name, Young's modulus [Pa], Poisson ratio, density [kg/m^3], loss factor at a
+    frequency [Hz]."""
 
     name: str
     law: str
     young: float
     poisson: float
     density: float
+    loss_factor: float = 0.0
+    loss_frequency: float = 10.0
+
+    @property
+    def viscous_time(self) -> float:
+        """tau [s] of docs/physics.md, section 5b."""
+        return self.loss_factor / (2 * np.pi * self.loss_frequency)
 
 
 @dataclass(frozen=True)
@@ -121,11 +140,19 @@ class State:
     tolerance: float  # residual below which a step counts as converged
     materials: list[Material]
     grid: dict[str, NDArray[Any]]  # the datasets of GRID and, where they are there, BOUNDARY
-    steps: dict[str, NDArray[Any]]  # the datasets of STEPS without x and v, and the energies [J]
+    # the datasets of STEPS and STAGES without those of nodes, and the energies [J]
+    steps: dict[str, NDArray[Any]]
     x: h5py.Dataset  # (records, nodes, 3) [m]
     v: h5py.Dataset  # (records, nodes, 3) [m/s]
-    contact: dict[str, NDArray[Any]] | None = None  # the datasets of CONTACT and LENGTHS [m]
+    contact: dict[str, NDArray[Any]] | None = None  # datasets of CONTACT, BONDS, LENGTHS [m]
     nets: tuple[Net | None, ...] = ()  # of each material, None: its law; empty: analytic
+    x_stage: h5py.Dataset | None = None  # of STAGES
+    moved: bool = False  # prescribed components follow a motion
+
+    @property
+    def has_stages(self) -> bool:
+        """Whether steps are made by stages."""
+        return self.words["time_scheme"] in ("sdirk2", "auto")
 
 
 def require(condition: bool | np.bool_, *message: object) -> None:
@@ -170,7 +197,7 @@ def _read_numbers(file: h5py.File) -> dict[str, float]:
         require(np.isfinite(numbers[name]) and numbers[name] > 0,
                 f"root attribute '{name}' must be positive, got {numbers[name]}")
     version = number(_attribute(file, "version"), "root attribute 'version'")
-    require(version == 3, "version 3 expected, got ", version)
+    require(version == 4, "version 4 expected, got ", version)
     return numbers
 
 
@@ -193,21 +220,23 @@ def _check_names(names: set[str], wanted: set[str], place: str) -> None:
 def _check_layout(file: h5py.File) -> None:
     """Names, types and shapes of the groups `grid`, `steps` and, if it is there, `contact`."""
     contact = {"contact"} & set(file)
+    stages = text(file.attrs["time_scheme"]) in ("sdirk2", "auto")
+    in_steps, in_contact = STEPS | (STAGES if stages else {}), CONTACT | ({"bonds": BONDS} if stages else {})
     _check_names(set(file), {"grid", "materials", "steps"} | contact | ({"nets"} & set(file)), "/")
     for place in ("grid", "steps", *contact):
         require(isinstance(file[place], h5py.Group), f"/{place} must be a group")
     energies = {name for name in file["steps"] if name.startswith("energy_")}
     boundary = {name: BOUNDARY[name] for name in BOUNDARY if name in file["grid"]}
     _check_names(set(file["grid"]), set(GRID) | set(boundary), "/grid")
-    _check_names(set(file["steps"]), set(STEPS) | energies, "/steps")
+    _check_names(set(file["steps"]), set(in_steps) | energies, "/steps")
     sizes: dict[str, int] = {}
     for name, (kind, shape) in (GRID | boundary).items():
         _check_dataset(file["grid"][name], f"/grid/{name}", kind, shape, sizes)
-    for name, (kind, shape) in (STEPS | {name: ENERGY for name in energies}).items():
+    for name, (kind, shape) in (in_steps | {name: ENERGY for name in energies}).items():
         _check_dataset(file["steps"][name], f"/steps/{name}", kind, shape, sizes)
     if contact:
-        _check_names(set(file["contact"]), set(CONTACT), "/contact")
-        for name, (kind, shape) in CONTACT.items():
+        _check_names(set(file["contact"]), set(in_contact), "/contact")
+        for name, (kind, shape) in in_contact.items():
             _check_dataset(file["contact"][name], f"/contact/{name}", kind, shape, sizes)
     require(sizes["steps"] >= 1, "the file has no time step")
     require(sizes["records"] == sizes["steps"] + 1,
@@ -215,7 +244,7 @@ def _check_layout(file: h5py.File) -> None:
 
 
 def _material_columns(node: Any) -> dict[str, Any]:
-    """The five columns of /materials: a compound dataset, or a group with an attribute each."""
+    """The columns of /materials: a compound dataset, or a group with an attribute each."""
     if isinstance(node, h5py.Dataset):
         missing = set(FIELDS) - set(node.dtype.names or ())
         require(not missing, f"/materials must be compound with the fields {FIELDS}")
@@ -233,12 +262,12 @@ def _read_materials(file: h5py.File) -> list[Material]:
             "the columns of /materials differ in length or are empty")
     materials = []
     for i in range(count):
-        young, poisson, density = (number(columns[c][i], f"/materials {c}") for c in FIELDS[2:])
-        material = Material(text(columns["name"][i]), text(columns["law"][i]), young, poisson,
-                            density)
+        numbers = [number(columns[c][i], f"/materials {c}") for c in FIELDS[2:]]
+        material = Material(text(columns["name"][i]), text(columns["law"][i]), *numbers)
         require(material.law in LAWS or material.law.partition("=")[0] in FAMILIES,
                 f"/materials: unknown law '{material.law}'")
-        require(young > 0 and density > 0 and -1 < poisson < 0.5,
+        require(material.young > 0 and material.density > 0 and -1 < material.poisson < 0.5
+                and material.loss_factor >= 0 and material.loss_frequency > 0,
                 f"/materials: '{material.name}' has values out of range")
         materials.append(material)
     return materials
@@ -297,11 +326,18 @@ def _check_voxels(grid: dict[str, NDArray[Any]], materials: int, h: float) -> No
 
 
 def _check_steps(steps: dict[str, NDArray[Any]], time_scheme: str, dt: float) -> None:
-    """Values of the steps: equal time steps, an Euler start, flags that are 0 or 1."""
-    uneven = np.abs(np.diff(steps["time"]) - dt).max()
+    """Values of the steps: their lengths, a start without a step before, flags that are 0 or 1."""
+    stages, length = time_scheme in ("sdirk2", "auto"), steps["length"]
+    require(((length > 0) & (length <= dt * (1 + 1e-6))).all(), "/steps/length must be in (0, dt]")
+    uneven = np.abs(np.diff(steps["time"]) - (length if stages else dt)).max()
     require(uneven <= 1e-6 * dt, f"/steps/time is off the time step dt by {uneven:.3g} s")
-    for name in ("scheme", "converged"):
+    require((steps["tolerance"] > 0).all(), "/steps/tolerance must be positive")
+    for name in {"converged", "guarded"} & set(steps):
         require((steps[name] <= 1).all(), f"/steps/{name} must be 0 or 1")
+    require((steps["scheme"] <= (SDIRK2 if stages else BDF2)).all(), "/steps/scheme is out of range")
+    if stages:
+        require(steps["scheme"][0] != BDF2, "/steps/scheme: the first step cannot be BDF2 (1)")
+        return
     require(steps["scheme"][0] == 0, "/steps/scheme: the first step must be Euler (0)")
     require(time_scheme == "bdf2" or not steps["scheme"].any(),
             "/steps/scheme has BDF2 steps in a run whose time_scheme is euler")
@@ -312,12 +348,13 @@ def _read_contact(file: h5py.File, voxels: int) -> dict[str, NDArray[Any]] | Non
     if "contact" not in file:
         return None
     group = file["contact"]
-    contact = {name: group[name][()] for name in CONTACT}
+    contact = {name: node[()] for name, node in group.items()}
     for name in LENGTHS:
         require(name in group.attrs, f"/contact lacks the attribute '{name}'")
         contact[name] = np.array(number(group.attrs[name], f"/contact attribute '{name}'"))
         require(contact[name] > 0, f"/contact attribute '{name}' must be positive")
-    for name in ("weights", "area", "centre", "normal", "half", "radius", "friction", "offset"):
+    for name in ("weights", "area", "centre", "normal", "half", "radius", "friction", "offset",
+                 *({"bonds"} & set(contact))):
         require(np.isfinite(contact[name]).all(), f"/contact/{name} has values that are not finite")
     inside = (contact["voxel"] >= 0) & (contact["voxel"] < voxels)
     require(inside.all(), f"/contact/voxel must lie in 0..{voxels - 1}")
@@ -342,10 +379,12 @@ def read_state(file: h5py.File) -> State:
     _check_layout(file)
     materials = _read_materials(file)
     grid = {name: node[()] for name, node in file["grid"].items()}
-    steps = {name: node[()] for name, node in file["steps"].items() if name not in ("x", "v")}
+    steps = {name: node[()] for name, node in file["steps"].items() 
+             if name not in ("x", "v", "x_stage")}
     _check_voxels(grid, len(materials), numbers["h"])
     _check_steps(steps, words["time_scheme"], numbers["dt"])
     return State(words, numbers["h"], numbers["dt"], gravity.astype(float), numbers["g_ref"],
                  numbers["tolerance"], materials, grid, steps, file["steps"]["x"],
                  file["steps"]["v"], _read_contact(file, len(grid["corners"])),
-                 _read_nets(file, len(materials)))
+                 _read_nets(file, len(materials)), file["steps"].get("x_stage"),
+                 bool(file.attrs.get("moved", 0)))

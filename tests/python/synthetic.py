@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,8 @@ import numpy as np
 
 import equations
 from equations import BITS, Body, Motion
-from state_file import FIELDS, LAWS, LENGTHS, Floats, Material, State
+from stages import Start, StageStep, find_pieces
+from state_file import BDF2, EULER, FIELDS, LAWS, LENGTHS, SDIRK2, Floats, Material, State
 
 H, DT = 0.05, 1 / 60
 GRAVITY = np.array([0.3, -9.7, 0.2])
@@ -133,7 +135,8 @@ def step_arrays(state: State, x: Floats, v: Floats, schemes: list[int],
     mass = state.grid["mass"]
     return {
         "time": DT * np.arange(steps + 1), "x": x, "v": v,
-        "scheme": np.array(schemes, np.uint8), "residual": np.full(steps, residual),
+        "scheme": np.array(schemes, np.uint8), "length": np.full(steps, DT),
+        "tolerance": np.full(steps, state.tolerance), "residual": np.full(steps, residual),
         "converged": np.full(steps, residual <= state.tolerance, np.uint8),
         "outer": np.ones(steps, np.int32), "inner": np.ones(steps, np.int32),
         "ms": np.ones(steps), "min_j": np.ones(steps),
@@ -141,12 +144,51 @@ def step_arrays(state: State, x: Floats, v: Floats, schemes: list[int],
     }
 
 
+def stage_records(seed: int = 5) -> tuple[State, dict[str, Any]]:
+    """A damped run by stages, in contact, of a pinned and of a free piece, and its /steps: moved at
+    random and not solved, with the residuals, velocities and bonds that the referee finds itself."""
+    random = np.random.default_rng(seed)
+    state = make_state(cells=[(0, 0, 0), (1, 0, 0), (4, 0, 0), (5, 0, 0), (5, 1, 0)])
+    state.words["time_scheme"] = "auto"
+    state.materials = [replace(m, loss_factor=0.1 + 0.1 * i, loss_frequency=5.0 + i)
+                       for i, m in enumerate(state.materials)]
+    schemes, length = [SDIRK2, BDF2, SDIRK2, EULER], np.array([1, 0.5, 0.25, 0.25]) * DT
+    rest, steps = state.grid["rest"], len(schemes)
+    loose = state.grid["pinned"][:, None] == 0
+    x = [rest + np.where(loose, random.normal(0, 0.02 * H, rest.shape), 0) for _ in range(steps + 1)]
+    x_stage = np.full((steps, *rest.shape), np.nan)
+    for step in np.flatnonzero(np.array(schemes) == SDIRK2):
+        x_stage[step] = x[step] + np.where(loose, random.normal(0, 0.01 * H, rest.shape), 0)
+    offsets = np.cumsum(random.normal(0, 1e-3 * H, (steps + 1, 3, 3)), axis=0)
+    add_contact(state, rest, offsets)
+    bonds = np.zeros((steps + 1, 3, len(state.contact["area"]), 3))
+    bonds[0] = random.normal(0, 1e-4 * H, bonds[0].shape)
+    state.contact["bonds"] = bonds
+    # what the referee finds
+    state.steps = {"scheme": np.array(schemes, np.uint8), "length": length}
+    state.x_stage = x_stage
+    v = [np.where(loose, random.normal(0, 0.3, rest.shape), 0)]
+    body = equations.make_body(state)
+    start, residual = Start(x[0], v[0]), []
+    for step in range(steps):
+        own = StageStep(state, body, find_pieces(state, body), step, start).recompute(x[step + 1])
+        residual.append(own.residual)
+        v.append(own.velocity)
+        bonds[step + 1] = own.bonds
+        start = Start(x[step + 1], own.velocity, start.x, start.v, length[step])
+    arrays = step_arrays(state, np.array(x), np.array(v), schemes, 1.0)
+    return state, arrays | state.steps | {
+        "time": np.concatenate([[0], np.cumsum(length)]), "residual": np.array(residual),
+        "converged": np.zeros(steps, np.uint8), "x_stage": x_stage,
+        "guarded": np.zeros(steps, np.uint8)}
+
+
 def write_state(path: Path, state: State, steps: dict[str, Any], gravity: Floats,
                 compound: bool = True) -> None:
     """A state file; the materials as a compound dataset or as attributes of a group."""
     columns = {f: [getattr(m, f) for m in state.materials] for f in FIELDS}
     with h5py.File(path, "w") as file:
-        file.attrs.update(state.words | {"version": 3, "h": state.h, "dt": state.dt, "fps": 60.0,
+        file.attrs.update(state.words | {"version": 4, "h": state.h, "dt": state.dt, "fps": 60.0,
                                          "gravity": gravity, "g_ref": state.g_ref,
                                          "tolerance": state.tolerance})
         for name, values in state.grid.items():

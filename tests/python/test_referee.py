@@ -17,7 +17,8 @@ import numpy as np
 import collision
 import equations
 import referee
-from synthetic import GRAVITY, H, add_contact, make_state, ragged_grid, roll_out, step_arrays, write_state
+from synthetic import (GRAVITY, H, add_contact, make_state, ragged_grid, roll_out, stage_records,
+                       step_arrays, write_state)
 
 SEVEN = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (1, 1, 1), (2, 1, 1), (0, 1, 0), (0, 0, 1)]
 
@@ -217,6 +218,108 @@ class Tool(unittest.TestCase):
         factors, error = equations.mass_factors(state)
         np.testing.assert_allclose(factors, true, rtol=1e-10)
         self.assertLess(error, 1e-10)
+
+
+class Stages(unittest.TestCase):
+    """The command on a file of steps made by stages."""
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        cls.state, cls.steps = stage_records()
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.path = Path(cls.folder.name) / "state.h5"
+
+    @classmethod
+    def tearDownClass(cls) -> None:
+        cls.folder.cleanup()
+
+    def run_tool(self, change: Any = None) -> tuple[int, str]:
+        """Status and output after `change(file)`."""
+        write_state(self.path, self.state, self.steps, GRAVITY)
+        if change:
+            with h5py.File(self.path, "r+") as file:
+                change(file)
+        out = io.StringIO()
+        with contextlib.redirect_stdout(out):
+            status = referee.main([str(self.path)])
+        return status, out.getvalue()
+
+    def test_what_it_finds_itself_agrees(self) -> None:
+        status, output = self.run_tool()
+        self.assertEqual(status, 0, output)
+        self.assertIn("4 of 4 steps", output)
+
+    def test_a_wrong_number_of_each_field_is_caught(self) -> None:
+        def change(place: str, index: Any, by: float, factor: float = 1) -> Any:
+            def write(file: h5py.File) -> None:
+                values = file[place][()]
+                values[index] = values[index] * factor + by
+                file[place][...] = values
+            return write
+
+        free = len(self.state.grid["mass"]) - 1  # a node of the free piece
+        held = int(np.flatnonzero(self.state.grid["pinned"] == 0)[0])  # of the other one
+        rubs = np.unravel_index(np.abs(self.steps_bonds(1)).argmax(), self.steps_bonds(1).shape)
+        for place, index, by, factor, word in (
+                ("steps/x", (1, free, 0), 1e-4 * H, 1, "residual"),
+                ("steps/x_stage", (2, free, 1), 1e-4 * H, 1, "residual"),
+                ("steps/v", (1, held, 1), 0.05, 1, "residual"),
+                ("steps/v", (4, free, 1), 1e-3, 1, "velocity"),
+                ("steps/scheme", 3, 1, 1, "residual"),
+                ("steps/residual", 2, 0, 1.1, "residual"),
+                ("steps/tolerance", 1, 1e9, 1, "converged"),
+                ("contact/bonds", (1, *rubs), 0, 1.01, "bonds"),
+                ("contact/friction", 2, -0.3, 1, "residual"),
+                ("contact/offset", (3, 0, 1), 0.02 * H, 1, "residual"),
+                ("grid/mass", free, 0, 1.01, "mass")):
+            status, output = self.run_tool(change(place, index, by, factor))
+            self.assertEqual(status, 1, place)
+            self.assertIn(word, output, place)
+        for field, factor in (("loss_factor", 1.2), ("loss_frequency", 0.8)):
+            status, output = self.run_tool(lambda f: f["materials"].write_direct(
+                self.scaled(f["materials"][()], field, factor)))
+            self.assertEqual(status, 1, field)
+            self.assertIn("residual", output)
+
+    @staticmethod
+    def scaled(table: Any, field: str, factor: float) -> Any:
+        table[field] *= factor
+        return table
+
+    def steps_bonds(self, record: int) -> Any:
+        return self.state.contact["bonds"][record]
+
+    def test_lengths_belong_to_the_times(self) -> None:
+        def change(file: h5py.File) -> None:
+            file["steps/length"][1] *= 1.001
+        status, output = self.run_tool(change)
+        self.assertEqual(status, 1)
+        self.assertIn("/steps/time", output)
+
+    def test_velocities_of_guarded_steps_are_left_and_said_to_be(self) -> None:
+        def change(file: h5py.File) -> None:
+            file["steps/guarded"][3] = 1
+            file["steps/v"][4] *= 0.9
+        status, output = self.run_tool(change)
+        self.assertEqual(status, 0, output)
+        self.assertIn("velocities of 1 guarded steps", output)
+
+    def test_moved_nodes_leave_a_held_piece_without_reference(self) -> None:
+        status, output = self.run_tool(lambda f: f.attrs.modify("moved", 1))
+        self.assertEqual(status, 1)
+        self.assertIn("residual", output)
+
+    def test_wrong_layout_is_named(self) -> None:
+        for change, word in ((lambda f: f["steps"].pop("x_stage"), "x_stage"),
+                             (lambda f: f["contact"].pop("bonds"), "bonds"),
+                             (lambda f: f["steps"].pop("guarded"), "guarded"),
+                             (lambda f: f["steps/scheme"].write_direct(np.full(4, 3, np.uint8)),
+                              "scheme"),
+                             (lambda f: f["steps/scheme"].write_direct(np.ones(4, np.uint8)),
+                              "BDF2")):
+            status, output = self.run_tool(change)
+            self.assertEqual(status, 1, word)
+            self.assertIn(word, output)
 
 
 if __name__ == "__main__":

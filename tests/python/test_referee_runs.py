@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The referee judges the state files of real runs: all solver modes, both time schemes, all laws,
-all hourglass terms, pinned and free bodies. The mesh is a turned box, so that its border voxels are
+"""The referee judges the state files of real runs: all solver modes, all time schemes, all laws,
+all hourglass terms, pinned and free bodies, damping. The mesh is a turned box, so that its border voxels are
 cut at an angle."""
 
 from __future__ import annotations
 
 import tempfile
 import unittest
+from dataclasses import replace
 from pathlib import Path
 
 import h5py
@@ -92,6 +93,25 @@ def finite_elements() -> Case:
     }
 
 
+def stage_runs() -> Case:
+    """Runs whose steps are made by stages, damped but for one, and the schemes that they have to use."""
+    damped = (*SOFT, "--damping", "0.1", "--damping-frequency", "8", "--frames", "6")
+    falls = (*damped, "--velocity", "0.5,-1,0", "--floor", "--friction", "0.4")
+    return {
+        "pendulum by auto": (*damped, *HELD, "--time-scheme", "auto"),
+        "pendulum by bdf2 of auto": (*damped, *HELD, "--time-scheme", "auto", "--time-error", "20%"),
+        "dropped, with friction and damping, by auto": (*falls, "--spin", "0,0,3", "--time-scheme",
+                                                        "auto"),
+        "spin by auto": (*damped, *THROWN, "--hourglass", "variance", "--time-scheme", "auto"),
+        "pendulum by sdirk2": (*damped, *HELD, "--law", "stable-neo-hookean", "--time-scheme",
+                               "sdirk2", "--substeps", "2"),
+        "pressed by a moving plane, by sdirk2": (
+            *SOFT, "--damping", "0", "--frames", "6", "--floor", "--friction", "0.6", "--collider",
+            "plane(0,20cm,0, 0,-1,0) path 0s:0,0,0; 250ms:2cm,-6cm,0", "--time-scheme", "sdirk2"),
+        "dropped and damped, by bdf2 itself": (*falls, "--time-scheme", "bdf2"),
+    }
+
+
 class Runs(unittest.TestCase):
     """Each run's steps are recomputed from its state file."""
 
@@ -125,7 +145,8 @@ class Runs(unittest.TestCase):
         state = self.path / "fem.h5"
         for options in (("--frames", 8, "--substeps", 1), ("--static",),
                         ("--frames", 8, "--substeps", 1, "--time-scheme", "bdf2", "--floor",
-                         "y=-0.12")):
+                         "y=-0.12"),
+                        ("--frames", 6, "--time-scheme", "auto", "--damping", 0.1)):
             done = run("simulate", self.source, "-o", self.path / "out.glb", "--voxels", 16,
                        "--quiet", "--state", state, *BOUNDARY, *options)
             self.assertEqual(done.code, 0, done.err)
@@ -142,6 +163,44 @@ class Runs(unittest.TestCase):
                     wrong = referee.judge(read, False).disagreements
                     self.assertIn("residual", {check.quantity for check in wrong}, name)
                     read.grid[name] = whole
+
+    def judged(self, verb: str, *options: object) -> tuple[referee.Verdict, set[int]]:
+        """The verdict on a run, and the schemes of its steps."""
+        state = self.path / "stages.h5"
+        done = run(verb, self.source, "-o", self.path / "out.glb", "--quiet", "--state", state,
+                   *options)
+        self.assertIn(done.code, (0, 4), done.err)
+        with h5py.File(state) as file, np.errstate(all="ignore"):
+            read = read_state(file)
+            return referee.judge(read, True), set(read.steps["scheme"].tolist())
+
+    def test_every_stage_is_what_the_referee_computes(self) -> None:
+        for name, options in stage_runs().items():
+            for verb, size in (("animate", 14), ("simulate", 8)):
+                with self.subTest(f"{name}, {verb}"):
+                    verdict, schemes = self.judged(verb, "--voxels", size, *options)
+                    self.assertFalse(verdict.disagreements,
+                                     referee.summary(verdict) + "\n" + referee.table(verdict))
+                    self.assertEqual(verdict.unchecked, [])
+                    wanted = 1 if "bdf2" in name or name.startswith("spin") else 2
+                    self.assertIn(wanted, schemes)
+
+    def test_damping_bonds_and_first_stages_count(self) -> None:
+        state = self.path / "counts.h5"
+        options = stage_runs()["dropped, with friction and damping, by auto"]
+        done = run("animate", self.source, "-o", self.path / "out.glb", "--quiet", "--voxels", 12,
+                   "--tolerance", "1e-6", "--state", state, *options)
+        self.assertEqual(done.code, 0, done.err)
+        with h5py.File(state) as file, np.errstate(all="ignore"):
+            read = read_state(file)
+            self.assertGreater(np.abs(read.contact["bonds"]).max(), 0)
+            # without damping, with the bonds of another step, with the end as the first stage
+            undamped = [replace(m, loss_factor=0.0) for m in read.materials]
+            others = read.contact | {"bonds": np.roll(read.contact["bonds"], 1, axis=0)}
+            for wrong in (replace(read, materials=undamped), replace(read, contact=others),
+                          replace(read, x_stage=read.x[1:])):
+                found = referee.judge(wrong, False).disagreements
+                self.assertIn("residual", {check.quantity for check in found})
 
     def test_every_recorded_step_is_what_the_referee_computes(self) -> None:
         worst: list[tuple[float, str]] = []

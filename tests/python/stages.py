@@ -1,0 +1,357 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Steps made by stages in float64, from the definitions in docs/formats.md: references, predictors,
+velocities with the momentum that external forces leave.
+
+    r_n  = m_n (x'_n - xhat_n)/k^2 + ...,
+    xhat = z(t) + w_d d_b + w_e e_b + w_0 e_0 + k^2 (g - z''(t)),     d = x - z,   e = v - z'
+
+with z the rigid motion that carries a piece from the start of the step. Free pieces move as Newton
+and Euler say; pieces with pins turn about these as they do at the start and as that changed in the
+step before.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+import collision
+import damping
+import equations
+from equations import Body, Potential
+from state_file import BDF2, SDIRK2, Floats, Ints, State
+
+SHARE = 1 - 1 / np.sqrt(2)  # of a step that SDIRK2's first stage takes
+ANGLE = 2e-3  # of a step of the integration of a free rotation [rad]
+# the program's: in equal parts of at most PART [rad], each with an error up to ERROR a^5
+PART, ERROR = 0.05, 0.032
+
+
+@dataclass(frozen=True)
+class Stage:
+    """Times after the start of the step [s] and weights; b is the other point, None: there is none."""
+
+    t: float
+    k: float
+    t_b: float | None = None
+    w_d: float = 0.0
+    w_v: float = 0.0
+    w_e: float = 0.0
+    w_0: float = 0.0
+
+
+def euler(h: float) -> Stage:
+    """Implicit Euler."""
+    return Stage(h, h, w_0=h)
+
+
+def bdf2(h: float, before: float) -> Stage:
+    """BDF2 behind a step of another length."""
+    r = h / before
+    k, w = (1 + r) / (1 + 2 * r) * h, -r * r / (1 + 2 * r)
+    return Stage(h, k, -before, w, w, k * w, k * (1 - w))
+
+
+def sdirk2(h: float) -> tuple[Stage, Stage]:
+    """Both stages of SDIRK2 (Alexander 1977); the other point of the second one is the first."""
+    k = SHARE * h
+    return Stage(k, k, w_0=k), Stage(h, k, k, 2 * (h - k) / k, (h - k) / k, 0.0, 2 * k - h)
+
+
+@dataclass(frozen=True)
+class Pieces:
+    """The connected pieces of a body."""
+
+    of: Ints  # piece of each node
+    mass: Floats  # (pieces,) [kg]
+    free: list[bool]  # no component of it is prescribed
+    pins: list[Floats | None]  # mean place of its pinned nodes [m], None: it has none or they move
+
+
+def find_pieces(state: State, body: Body) -> Pieces:
+    """Voxels that share a node belong to one piece."""
+    corners, label = state.grid["corners"].astype(np.int64), np.arange(len(body.rest))
+    while True:
+        least = label[corners].min(1)
+        new = label.copy()
+        np.minimum.at(new, corners.ravel(), np.repeat(least, 8))
+        new = new[new]
+        if (new == label).all():
+            break
+        label = new
+    of = np.unique(label, return_inverse=True)[1]
+    count = int(of.max()) + 1
+    held = ~body.loose
+    free = [not held[of == p].any() for p in range(count)]
+    pins: list[Floats | None] = []
+    for p in range(count):
+        pinned = (of == p) & held.all(1)
+        pins.append(None if state.moved or not pinned.any() else body.rest[pinned].mean(0))
+    return Pieces(of, np.bincount(of, body.mass), free, pins)
+
+
+@dataclass(frozen=True)
+class Momenta:
+    """A piece at one time: centre [m], its velocity [m/s], angular momentum and moments about it."""
+
+    centre: Floats
+    velocity: Floats
+    spin: Floats  # [kg m^2/s]
+    inertia: Floats  # (3, 3) [kg m^2]
+
+
+def momenta(mass: Floats, x: Floats, v: Floats) -> Momenta:
+    """Of point masses."""
+    centre, velocity = (mass @ x) / mass.sum(), (mass @ v) / mass.sum()
+    r = x - centre
+    spin = mass @ np.cross(r, v - velocity)
+    inertia = (mass * (r * r).sum(1)).sum() * np.eye(3) - np.einsum("n,ni,nj->ij", mass, r, r)
+    return Momenta(centre, velocity, spin, inertia)
+
+
+def turn_about(m: Momenta, mass: float, point: Floats) -> Floats:
+    """Angular velocity about a point [rad/s], weighted with mass."""
+    arm = m.centre - point
+    inertia = m.inertia + mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+    return np.linalg.solve(inertia, m.spin + mass * np.cross(arm, m.velocity))
+
+
+def skew(w: Floats) -> Floats:
+    """[w], [w] r = w x r."""
+    return np.array([[0, -w[2], w[1]], [w[2], 0, -w[0]], [-w[1], w[0], 0]])
+
+
+def turned(axis: Floats, angle: float) -> Floats:
+    """Rotation matrix (Rodrigues)."""
+    K = skew(axis)
+    return np.eye(3) + np.sin(angle) * K + (1 - np.cos(angle)) * K @ K
+
+
+@dataclass(frozen=True)
+class Pose:
+    """z(t) = place + R (x0 - origin), with the angular velocity and its rate."""
+
+    origin: Floats
+    place: Floats
+    R: Floats
+    velocity: Floats  # of `place`
+    w: Floats
+    w_rate: Floats
+
+    def motion(self, x0: Floats) -> tuple[Floats, Floats, Floats]:
+        """z, z', z'' of nodes that start at x0, (n, 3)."""
+        r = (x0 - self.origin) @ self.R.T
+        speed = np.cross(self.w, r)
+        return (self.place + r, self.velocity + speed,
+                np.cross(self.w_rate, r) + np.cross(self.w, speed))
+
+
+def free_pose(m: Momenta, t: float) -> Pose:
+    """Newton and Euler without forces: R' = [w] R, w = R I^-1 R^T L, by Runge and Kutta's method."""
+    inverse = np.linalg.inv(m.inertia)
+
+    def w_of(R: Floats) -> Floats:
+        return R @ (inverse @ (R.T @ m.spin))
+
+    R = np.eye(3)
+    steps = 1 + int(np.linalg.norm(w_of(R)) * abs(t) / ANGLE)
+    h = t / steps
+    for _ in range(steps):
+        a = skew(w_of(R)) @ R
+        b = skew(w_of(R + h / 2 * a)) @ (R + h / 2 * a)
+        c = skew(w_of(R + h / 2 * b)) @ (R + h / 2 * b)
+        d = skew(w_of(R + h * c)) @ (R + h * c)
+        U, _, V = np.linalg.svd(R + h / 6 * (a + 2 * b + 2 * c + d))
+        R = U @ V
+    w = w_of(R)
+    return Pose(m.centre, m.centre + t * m.velocity, R, m.velocity, w,
+                -R @ (inverse @ (R.T @ np.cross(w, m.spin))))
+
+
+def pinned_pose(pin: Floats, w: Floats, gain: float, t: float) -> Pose:
+    """A turn about a point by |w| t + gain t^2/2 about the axis of w."""
+    rate, still = float(np.linalg.norm(w)), np.zeros(3)
+    if rate == 0:
+        return Pose(pin, pin, np.eye(3), still, still, still)
+    axis = w / rate
+    return Pose(pin, pin, turned(axis, rate * t + gain * t * t / 2), still,
+                (rate + gain * t) * axis, gain * axis)
+
+
+@dataclass(frozen=True)
+class Start:
+    """What a step begins with: the start, the start of the step before and that step's length."""
+
+    x: Floats
+    v: Floats
+    x_before: Floats | None = None
+    v_before: Floats | None = None
+    h_before: float = 0.0
+
+
+class Reference:
+    """z of all nodes in one step."""
+
+    def __init__(self, body: Body, pieces: Pieces, start: Start) -> None:
+        self.pieces, self.x0 = pieces, start.x
+        self.now = [self._momenta(body, p, start.x, start.v) for p in range(len(pieces.mass))]
+        self.turns: list[tuple[Floats, float] | None] = []
+        for p, pin in enumerate(pieces.pins):
+            self.turns.append(None if pin is None else self._turn(body, p, pin, start))
+
+    def _momenta(self, body: Body, p: int, x: Floats, v: Floats) -> Momenta:
+        mine = self.pieces.of == p
+        return momenta(body.mass[mine], x[mine], v[mine])
+
+    def _turn(self, body: Body, p: int, pin: Floats, start: Start) -> tuple[Floats, float]:
+        w = turn_about(self.now[p], float(self.pieces.mass[p]), pin)
+        rate = float(np.linalg.norm(w))
+        if start.x_before is None or start.v_before is None or rate == 0:
+            return w, 0.0
+        m = self._momenta(body, p, start.x_before, start.v_before)
+        last = turn_about(m, float(self.pieces.mass[p]), pin)
+        return w, float((w - last) @ w) / (rate * start.h_before)
+
+    def at(self, t: float) -> tuple[Floats, Floats, Floats]:
+        """z, z', z'' at a time after the start of the step."""
+        z, v, a = self.x0.copy(), np.zeros_like(self.x0), np.zeros_like(self.x0)
+        for p, turn in enumerate(self.turns):
+            mine, pin = self.pieces.of == p, self.pieces.pins[p]
+            if self.pieces.free[p]:
+                z[mine], v[mine], a[mine] = free_pose(self.now[p], t).motion(self.x0[mine])
+            elif pin is not None and turn is not None:
+                z[mine], v[mine], a[mine] = pinned_pose(pin, *turn, t).motion(self.x0[mine])
+        return z, v, a
+
+
+    def rounding(self, t: float) -> Floats:
+        """(nodes,) how far z of the program may be off at a time, by its integration [m]."""
+        result = np.zeros(len(self.x0))
+        for p in np.flatnonzero(self.pieces.free):
+            mine, m = self.pieces.of == p, self.now[p]
+            angle = float(np.linalg.norm(np.linalg.solve(m.inertia, m.spin))) * abs(t)
+            parts = 1 + int(angle / PART)
+            off = parts * ERROR * (angle / parts) ** 5
+            result[mine] = off * np.linalg.norm(self.x0[mine] - m.centre, axis=1)
+        return result
+
+
+@dataclass(frozen=True)
+class Solved:
+    """The end of a stage."""
+
+    stage: Stage
+    x: Floats
+    found: Potential
+    velocity: Floats  # by the scheme alone
+    touch: collision.Bonded | None
+
+
+@dataclass(frozen=True)
+class Step:
+    """A step as it is recomputed."""
+
+    residual: float  # the largest of its stages
+    slack: float  # of the residual, by the integration of rotations
+    velocity: Floats
+    found: Potential  # at its end
+    k: float  # of its last stage [s]
+    bonds: Floats | None  # that it leaves
+
+
+class StageStep:
+    """Recomputes one step of a state file; `step` is its entry in the arrays of /steps."""
+
+    def __init__(self, state: State, body: Body, pieces: Pieces, step: int, start: Start) -> None:
+        self.state, self.body, self.pieces, self.step, self.start = state, body, pieces, step, start
+        self.reference = Reference(body, pieces, start)
+        self.R = equations.rotations(body, start.x)
+
+    def _touch(self, share: float, x_end: Floats) -> collision.Bonded | None:
+        """Contact where the colliders have made a share of their path in the step."""
+        c = self.state.contact
+        if c is None:
+            return None
+        before, after = c["offset"][self.step], c["offset"][self.step + 1]
+        return collision.bonded_contact(self.state, c["bonds"][self.step], self.start.x, x_end,
+                                        before, before + share * (after - before))
+
+    def _solved(self, stage: Stage, share: float, x_end: Floats, x_b: Floats | None,
+                v_b: Floats | None) -> Solved:
+        """@param x_b, v_b  of the other point; v_b None: that of SDIRK2's first stage"""
+        s, g = stage, self.state.gravity
+        z, z_v, z_a = self.reference.at(s.t)
+        e_0 = self.start.v - self.reference.at(0.0)[1]
+        d_b = e_b = np.zeros_like(z)
+        if x_b is not None and s.t_b is not None:
+            other = self.reference.at(s.t_b)
+            d_b = x_b - other[0]
+            e_b = d_b / s.k if v_b is None else v_b - other[1]
+        xhat = z + s.w_d * d_b + s.w_e * e_b + s.w_0 * e_0 + s.k**2 * (g - z_a)
+        found = equations.potential_about(self.body, 1 / s.k**2, xhat, x_end, self.R)
+        before = damping.base(self.body, self.start.x, s.w_v, x_b)
+        found = found.with_damping(*damping.damping(self.body, before, s.k, x_end))
+        touch = self._touch(share, x_end)
+        if touch is not None:
+            found = found.with_contact(touch.energy, touch.gradient)
+        return Solved(s, x_end, found, z_v + (x_end - z - s.w_v * d_b) / s.k, touch)
+
+    def _loads(self, p: int, solved: Solved) -> tuple[Floats, Floats]:
+        """Force on a piece, but for gravity, and its torque about the centre of mass."""
+        mine = self.pieces.of == p
+        centre = self.body.mass[mine] @ solved.x[mine] / self.pieces.mass[p]
+        f = self.body.traction[mine]
+        force, torque = f.sum(0), np.cross(solved.x[mine] - centre, f).sum(0)
+        if solved.touch is not None:
+            points = self.pieces.of[solved.touch.nodes] == p
+            f = solved.touch.force[points]
+            force = force + f.sum(0)
+            torque = torque + np.cross(solved.touch.places[points] - centre, f).sum(0)
+        return force, torque
+
+    def _corrected(self, first: Solved | None, last: Solved) -> Floats:
+        """Velocities with the linear and angular momentum that external forces give free pieces."""
+        s, v = last.stage, np.where(self.body.loose, last.velocity, 0.0)
+        start, before = self.start, None
+        for p in np.flatnonzero(self.pieces.free):
+            mine, mass = self.pieces.of == p, self.pieces.mass[p]
+            end, now = momenta(self.body.mass[mine], last.x[mine], v[mine]), self.reference.now[p]
+            velocity, spin = now.velocity.copy(), now.spin.copy()
+            if s.t_b is not None and s.t_b < 0:
+                before = momenta(self.body.mass[mine], start.x_before[mine], start.v_before[mine])
+                velocity += s.w_d * (before.velocity - now.velocity)
+                spin += s.w_d * (before.spin - now.spin)
+            for solved, time in ((first, s.t - s.k), (last, s.k)):
+                if solved is not None:
+                    force, torque = self._loads(p, solved)
+                    velocity += time / mass * force
+                    spin += time * torque
+            velocity += (s.t if before is None else s.k) * self.state.gravity
+            turn = np.linalg.solve(end.inertia, spin - end.spin)
+            v[mine] += velocity - end.velocity + np.cross(turn, last.x[mine] - end.centre)
+        return v
+
+    def _slack(self, stage: Stage) -> float:
+        off = self.body.mass * self.reference.rounding(stage.t) / stage.k**2
+        return equations.residual(self.body, off[:, None] * np.array([1.0, 0, 0]), self.state.g_ref)
+
+    def recompute(self, x_end: Floats) -> Step:
+        """All stages, and the velocities at the end."""
+        kind, h = self.state.steps["scheme"][self.step], float(self.state.steps["length"][self.step])
+        first = None
+        if kind == SDIRK2:
+            one, two = sdirk2(h)
+            x_a = self.state.x_stage[self.step]
+            first = self._solved(one, SHARE, x_a, None, None)
+            last = self._solved(two, 1.0, x_end, x_a, None)
+        elif kind == BDF2:
+            start = self.start
+            last = self._solved(bdf2(h, start.h_before), 1.0, x_end, start.x_before, start.v_before)
+        else:
+            last = self._solved(euler(h), 1.0, x_end, None, None)
+        residual = max(equations.residual(self.body, s.found.gradient, self.state.g_ref)
+                       for s in (first, last) if s is not None)
+        return Step(residual, self._slack(last.stage), self._corrected(first, last), last.found,
+                    last.stage.k,
+                    last.touch.bonds if last.touch is not None else None)
