@@ -109,8 +109,7 @@ class StepWork {
   /// Velocities of a step whose last stage has its certificate, which finish() takes, and what the
   /// step adds to the time error; null: not asked for.
   virtual StageEnd end_step(const TimeErrorOptions* options) = 0;
-  /// What is known of the last step of stages beside the state.
-  virtual StageData stage_data() { return {}; }
+  virtual StageData stage_data() { return {}; }  ///< of the last step, beside the state
   /// The positions of the certificate and the velocities to them become the state.
   virtual MotionEnergy finish() = 0;
   /// The gradient of the last certificate, (nodes, 3).
