@@ -110,6 +110,8 @@ def run_clip(binary: Path, clip: Clip, inputs: Path, folder: Path, device: str) 
              "log.json", "-o", "a.glb" if source.endswith(".obj") else "a.pc2"]
     if verb == "animate" and "paper" not in options:
         words += ["--device", device]
+    if "--time-scheme" not in options:
+        words += ["--time-scheme", "euler"]
     return subprocess.run(words, cwd=folder, check=False, stdout=subprocess.DEVNULL).returncode
 
 

@@ -128,7 +128,10 @@ void add_time_options(CLI::App& app, AnimateOptions& o, Typed& t) {
   app.add_option("--frames", o.frames, "frames after the first")->capture_default_str();
   app.add_option("--fps", o.fps, "frames a second")->capture_default_str();
   app.add_option("--substeps", t.substeps, "time steps a frame, or auto")->capture_default_str();
-  app.add_option("--time-scheme", t.scheme, "euler, bdf2, sdirk2 or auto")->capture_default_str();
+  app.add_option("--time-scheme", t.scheme,
+                 "auto: steps by their time error; sdirk2, bdf2, euler: steps of one length. Left "
+                 "out: auto, with --substeps sdirk2; euler for particles, materials that yield and "
+                 "the solver paper");
   app.add_option("--time-error", t.time_error,
                  "time scheme auto: share of a frame's motion that its steps may be off, e.g. 0.2%")
       ->capture_default_str();

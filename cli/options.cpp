@@ -241,6 +241,7 @@ void add_study(CLI::App& app, Verb& verb, StudyTask& task, StudyNames& names) {
 
 StudyTask take_study(Verb& verb, StudyTask task, const StudyNames& names) {
   take_scene_file(verb);
+  if (verb.typed.scheme.empty()) verb.typed.scheme = "euler";  // of equal steps, on both sides
   resolve(verb);
   check_no_boundary(verb.typed, "study");
   ELASTOGEN_CHECK(

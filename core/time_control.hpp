@@ -3,7 +3,7 @@
 // 0 is one step of BDF2, levels 1 to 5 are 1, 2, 4, 8 and 16 steps of SDIRK2. A step whose error is
 // too large is made again on a higher level; at the highest one it is taken as it is. Each interval
 // begins one level lower than the last one ended; where that fails it is not tried again for 4, 8,
-// 16, 32 intervals.
+// 16, 32 intervals. An impact that can be foreseen begins at level 3.
 
 #pragma once
 
@@ -15,6 +15,7 @@ namespace elastogen {
 class TimeControl {
  public:
   static constexpr int kMostLevel = 5;
+  static constexpr int kImpactLevel = 3;  ///< where an impact begins
 
   int level() const { return level_; }
   /// Call at the start of each interval.
@@ -41,6 +42,11 @@ class TimeControl {
     }
     if (ratio < 0.125 && level_ > 1) --level_;
     return true;
+  }
+  /// A body in flight is about to meet a collider: no step of a lower level could be accepted.
+  void expect_impact() {
+    level_ = std::max(level_, kImpactLevel);
+    tries_ = false;
   }
 
  private:

@@ -24,6 +24,15 @@ inline constexpr double kLowBounce = 0.01;    ///< height of bounces that are le
 inline constexpr double kClosingFades = 0.8;  ///< closing speed that is left after T
 inline constexpr double kSpeedRemembered = 0.9;  ///< speed that counts after T
 inline constexpr double kClearRatio = 0.1;  ///< below it S, which lowers the estimate, is left out
+/// S y is found by PCG to this residual, of the right-hand side, in so many iterations at most.
+inline constexpr double kFilterTolerance = 0.05;
+inline constexpr int kFilterIterations = 30;
+
+/// Whether a bounce at a speed [m/s] is high enough to count for a piece of a size [m].
+inline bool bounce_counts(double speed, double gravity, double interval, double size) {
+  const double height = gravity > 0 ? speed * speed / (2 * gravity) : speed * interval;
+  return height >= kLowBounce * size;
+}
 
 struct TimeErrorOptions {
   double interval = 0;       ///< T [s]

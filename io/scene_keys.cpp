@@ -172,7 +172,7 @@ Keys time_keys() {
       {"time",
        "scheme",
        T::kText,
-       "euler",
+       "auto; with substeps sdirk2; euler for particles, materials that yield, the solver paper",
        "--time-scheme",
        "implicit Euler, BDF2 or SDIRK2 of fixed steps, or steps by their time error",
        Q::kNumber,

@@ -74,12 +74,7 @@ Solver::Impl::Impl(const Scene& s, const SolverOptions& o)
 /// On the card where it is asked for or chosen, else on the host.
 void Solver::Impl::make_work(const EncoderChoice* encoder) {
   const bool asked = options.device == Device::kCuda;
-  const bool stages = has_stages(scene.scheme) || terms->has_damping();
-  ELASTOGEN_CHECK(!asked || !stages,
-                  "damping and the time schemes sdirk2 and auto run on the CPU: --device cpu, or "
-                  "euler or bdf2");
-  const bool wanted =
-      asked || (!stages && options.device == Device::kAuto && in_float && cuda::has_device());
+  const bool wanted = asked || (options.device == Device::kAuto && in_float && cuda::has_device());
   if (asked && !cuda::has_device())
     throw Error("there is no CUDA device, or none that this build can use: leave out --device cuda",
                 ErrorKind::kDevice);

@@ -116,12 +116,29 @@ void StageFem::minimise(double tolerance, Array<double>& u, FemStepReport& repor
   }
 }
 
-/// Solves a stage, which leaves u_. False where that is not finite.
+/// Whether a body in flight, fast enough for a bounce that counts, will meet a collider on its way to
+/// predicted displacements.
+bool StageFem::meets_collider(const Array<double>& predicted) {
+  if (scene_.scheme != Scheme::kAuto || control_.level() >= TimeControl::kImpactLevel) return false;
+  for (const PieceLoad& piece : now_->stages.now.pieces)
+    if (piece.push > 0) return false;
+  bool fast = false;
+  const std::vector<PieceMotion> motions = pieces_.motions(now_->u, now_->v);
+  for (size_t p = 0; p < pieces_.count(); ++p)
+    fast |=
+        pieces_.is_free(p) && bounce_counts(safe_norm(motions[p].velocity),
+                                            safe_norm(scene_.gravity), scene_.dt, pieces_.size(p));
+  return fast && terms_.contact.exists() && terms_.contact.obstacle(predicted);
+}
+
+/// Solves a stage, which leaves u_. False where that is not finite, or an impact is to come.
 bool StageFem::make_stage(const TimeStage& stage, FemStepReport& report) {
   begin_stage(stage);
   FemStepReport own;
   own.tolerance = tolerance_of(stage, report.length);
   std::vector<Array<double>> starts = motion_.starts();
+  meets_collider_ = meets_collider(starts.front());
+  if (meets_collider_) return false;
   if (stage.t_b > 0) starts.push_back(u_);
   Array<double> u = solve_.start_value(now_->u, std::move(starts), now_->time + stage.t);
   const bool clear = solve_.pass_colliders(u);
@@ -228,6 +245,10 @@ FemStepReport StageFem::step(FemState& state, const std::function<bool()>& stop)
     const bool made = make_step(by_euler ? TimeScheme::kEuler : kind_of(h), h, report);
     report.inner = int(solve_.iterations() - inner);
     if (made && (judge(report) || by_euler)) break;
+    if (!made && meets_collider_) {
+      control_.expect_impact();
+      continue;
+    }
     if (!made && (!is_auto || level == TimeControl::kMostLevel)) return report;
     // shorter steps may be finite; an error that was accepted leaves the energy to blame
     if (!made) control_.accepts(kNever);

@@ -59,6 +59,7 @@ class StageFem {
   double tolerance_of(const TimeStage& stage, double h) const;
   void begin_stage(const TimeStage& stage);
   bool make_stage(const TimeStage& stage, FemStepReport& report);
+  bool meets_collider(const Array<double>& predicted);
   void minimise(double tolerance, Array<double>& u, FemStepReport& report);
   bool make_step(TimeScheme kind, double h, FemStepReport& report);
   bool judge(FemStepReport& report);
@@ -92,6 +93,7 @@ class StageFem {
   // of the present trial
   const FemState* now_ = nullptr;  // where it starts
   TimeControl control_;
+  bool meets_collider_ = false;      // the last stage was not begun for it
   Array<double> applied_;            // force on the nodes at the end of the stage [N]
   Array<double> u_, v_;              // end of the last stage, velocities at the end of the step
   Array<double> first_;              // end of the first stage of SDIRK2

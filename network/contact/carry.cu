@@ -4,11 +4,12 @@
 
 namespace elastogen::cuda {
 
-/// Positions of the colliders at the start and at the end of a step.
-void DeviceContact::Impl::place_obstacles(double time) {
+/// Positions of the colliders at the start and at the end of a step, and at the time of the lag.
+void DeviceContact::Impl::place_obstacles(double time, double dt, double lag_time) {
   for (size_t w = 0; w < cores.size(); ++w) {
     host_obstacles[w].from = offset_at(cores[w], time);
-    host_obstacles[w].to = offset_at(cores[w], time + scene.dt);
+    host_obstacles[w].to = offset_at(cores[w], time + dt);
+    host_obstacles[w].lag = offset_at(cores[w], lag_time);
   }
   obstacles.upload(host_obstacles.data());
 }
@@ -25,7 +26,7 @@ void DeviceContact::Impl::take_lags(const double* u) {
 }
 
 void DeviceContact::begin_step(const double* u, double time) {
-  impl_->place_obstacles(time);
+  impl_->place_obstacles(time, impl_->scene.dt, time);
   impl_->take_lags(u);
 }
 

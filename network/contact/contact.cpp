@@ -134,11 +134,10 @@ double Contact::evaluate(const double* u, T* g) {
 template double Contact::evaluate(const double*, float*);
 template double Contact::evaluate(const double*, double*);
 
-double Contact::act(const double* u, const double* v, const std::vector<Vec3>& about,
-                    std::vector<ContactAction>& pieces) {
-  pieces.assign(about.size(), {});
+ActionSums Contact::act(const double* u, const double* v, const std::vector<Vec3>& about) {
+  ActionSums sums;
+  sums.pieces.resize(about.size());
   const Ball body = find_places(u, place_);
-  double energy = 0;
   for (size_t w = 0; w < obstacles_.size(); ++w) {
     const Obstacle& obstacle = obstacles_[w];
     if (!obstacle.rubs && !reaches(obstacle, body, lengths_.layer)) continue;
@@ -148,20 +147,13 @@ double Contact::act(const double* u, const double* v, const std::vector<Vec3>& a
       const Proximity& near = near_[size_t(p)];
       if (!touches(near, lag(w, p), lengths_.layer)) continue;
       const auto piece = size_t(scene_.grid.piece(scene_.grid.corners(scene_.surface.voxel(p), 0)));
-      // the force on the body is against the gradient
-      Vec3 gradient;
-      point_energy(lengths_, point(w, p), obstacle, lag(w, p), near, gradient);
-      ContactAction& sum = pieces[piece];
-      sum.force = minus(sum.force, gradient);
-      sum.torque = minus(sum.torque, cross(minus(place_[size_t(p)], about[piece]), gradient));
-      const Curve b = barrier(near.distance / lengths_.layer);
-      const double normal = -stiffness_[size_t(p)] * b.first / lengths_.layer;
-      energy += stiffness_[size_t(p)] * b.value;
-      sum.normal += normal;
-      sum.power += normal * dot(near.normal, minus(carried(p, v), speed));
+      const PointAction more = point_action(lengths_, point(w, p), obstacle, lag(w, p), near,
+                                            about[piece], minus(carried(p, v), speed));
+      sums.pieces[piece].add(more.action);
+      sums.energy += more.energy;
     }
   }
-  return energy;
+  return sums;
 }
 
 void Contact::linearise(const double* u) {

@@ -52,6 +52,7 @@ DeviceContact::Impl::Impl(const PotentialTerms& host)
   }
   list_entries();
   blocks = DeviceArray<double>(6 * nodes.size());
+  if (has_stages(scene.scheme)) bonds.emplace(scene);
   // nodes move along only with colliders that move
   if (!moving) return;
   rest = DeviceArray<double>(numbers_of(scene.grid.rest));
@@ -132,7 +133,8 @@ void DeviceContact::start_evaluation(const double* u, T* g) {
           sum.add({0, v.lengths.layer - near.distance});
           if (!touches(near, lag, v.lengths.layer)) continue;
           Vec3 one;
-          sum.energy += point_energy(v.lengths, point, v.obstacles[w], lag, near, one);
+          sum.energy +=
+              point_energy(v.lengths, v.bonded(point, w, p), v.obstacles[w], lag, near, one);
           for (int i = 0; i < 3; ++i) all[i] += one[i];
         }
         forces[p] = all;
@@ -162,7 +164,8 @@ void DeviceContact::linearise(const double* u, bool touching) {
       const Proximity near = proximity(v.obstacles[w].core, v.obstacles[w].to, point.place);
       const ContactLag& lag = v.lag(w, p);
       if (!touches(near, lag, v.lengths.layer)) continue;
-      const PointStiffness k = point_stiffness(v.lengths, point, v.obstacles[w], lag, near);
+      const PointStiffness k =
+          point_stiffness(v.lengths, v.bonded(point, w, p), v.obstacles[w], lag, near);
       for (int i = 0; i < 3; ++i)
         for (int j = i; j < 3; ++j) sum[symmetric_place(i, j)] += k.entry(i, j);
     }

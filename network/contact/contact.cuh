@@ -1,49 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// The data of DeviceContact, for its two sources: contact.cu (energy, force, stiffness) and
-// carry.cu (where steps start and end).
+// The data of DeviceContact, for its sources: contact.cu (energy, force, stiffness), carry.cu (where
+// steps start and end) and friction.cu (steps of stages).
 
 #pragma once
 
-#include "core/cuda/reduce.cuh"
+#include "network/contact/bonds.cuh"
 #include "network/contact/contact.hpp"
 #include "network/contact/contact_device.hpp"
+#include "network/contact/contact_view.cuh"
+
+#include <optional>
 
 namespace elastogen::cuda {
-
-/// A collider's core and its path through the step.
-struct DeviceObstacle : ObstaclePath {
-  ColliderForm core;
-  double friction = 0;
-};
-
-/// The points of the surface and the colliders, as kernels read them.
-struct ContactView {
-  const int32_t* corners;                        ///< (points, 8)
-  const double *weights, *position, *stiffness;  ///< (points, 8), (points, 3), (points)
-  const DeviceObstacle* obstacles;
-  ContactLag* lags;  ///< (obstacles, points)
-  Vec3* start;       ///< (points)
-  int64_t points;
-  int obstacle_count;
-  ContactLengths lengths;
-
-  __device__ Vec3 place(int64_t p, const double* u) const {
-    Vec3 sum = {};
-    for (int c = 0; c < 8; ++c) {
-      const double w = weights[8 * p + c];
-      const double* of = u + 3 * int64_t(corners[8 * p + c]);
-      for (int i = 0; i < 3; ++i) sum[i] += w * of[i];
-    }
-    for (int i = 0; i < 3; ++i) sum[i] += position[3 * p + i];
-    return sum;
-  }
-  __device__ const ContactLag& lag(int obstacle, int64_t p) const {
-    return lags[obstacle * points + p];
-  }
-  __device__ ContactPoint point(int64_t p, const double* u) const {
-    return {place(p, u), start[p], stiffness[p]};
-  }
-};
 
 /// For each surface node that is not pinned: its points and their weights.
 struct GatherView {
@@ -76,22 +44,33 @@ struct ContactNumbers {
   ContactSums sums;
   Sweep swept;
   double crowded = 0;  ///< points that a collider crowds
+  double rubbing = 0;  ///< points and colliders with friction in a stage
 };
 
 struct DeviceContact::Impl {
   explicit Impl(const PotentialTerms& host);
 
   ContactView view() {
-    return {corners.data(),        weights.data(), position.data(), stiffness.data(),
-            obstacles.data(),      lags.data(),    start.data(),    stiffness.size(),
-            int(obstacles.size()), lengths};
+    return {corners.data(),
+            weights.data(),
+            position.data(),
+            stiffness.data(),
+            obstacles.data(),
+            lags.data(),
+            start.data(),
+            stiffness.size(),
+            int(obstacles.size()),
+            lengths,
+            bonds ? bonds->slip.data() : nullptr};
   }
   GatherView gather() const {
     return {nodes.data(), begin.data(), point.data(), weight.data(), nodes.size()};
   }
   void list_entries();
-  void place_obstacles(double time);
+  void place_obstacles(double time, double dt, double lag_time);
   void take_lags(const double* u);
+  void set_lags(const double* u);
+  void sum_actions(const double* u, const double* velocities);
   void sweep(const double* u, const double* end);
   bool crowds(int obstacle, const double* u, double motion);
   void carry(double* u);
@@ -123,6 +102,7 @@ struct DeviceContact::Impl {
   DeviceArray<SumScratch<Sweep>> sweep_sums;
   DeviceArray<SumScratch<Sums<1>>> crowd_sums;
   DeviceArray<Sweep> swept;
+  std::optional<ContactBonds> bonds;  // of a scene whose steps have stages
   PinnedArray<ContactNumbers> numbers;
 };
 

@@ -13,20 +13,12 @@
 
 #pragma once
 
-#include "core/point_contact.hpp"
 #include "core/scene.hpp"
+#include "core/stage_contact.hpp"
 
 #include <vector>
 
 namespace elastogen {
-
-/// What colliders do to a piece of the body.
-struct ContactAction {
-  Vec3 force = {};    ///< [N]
-  Vec3 torque = {};   ///< about the point asked for [N m]
-  double normal = 0;  ///< sum of the sizes of the normal forces [N]
-  double power = 0;   ///< of the normal forces [W], relative to the colliders
-};
 
 class Contact {
  public:
@@ -70,11 +62,10 @@ class Contact {
   template <class T>
   double evaluate(const double* u, T* g);
 
-  /// Adds up what colliders do at u to each piece, (pieces), with torques about the pieces' points.
-  /// @param v  velocities of the nodes for the power, (nodes, 3).
-  /// @return the energy of the normal forces [J].
-  double act(const double* u, const double* v, const std::vector<Vec3>& about,
-             std::vector<ContactAction>& pieces);
+  /// Adds up what colliders do at u to each piece.
+  /// @param v      velocities of the nodes for the power, (nodes, 3).
+  /// @param about  points of the torques, (pieces).
+  ActionSums act(const double* u, const double* v, const std::vector<Vec3>& about);
 
   /// Freezes the stiffness at u, along the normal of each point and collider and across it [N/m].
   /// It stays positive, because the rotation of the normal, which lowers it, is left out.
@@ -124,7 +115,6 @@ class Contact {
     return result;
   }
   void set_lag(const double* u, double time);
-  Vec3 bonded(const Vec3& slip, const ContactLag& lag, int64_t p) const;
   bool crowds(const Obstacle& obstacle, double motion);
   void add_nodal(const Frozen& frozen);
 

@@ -35,6 +35,14 @@ class DeviceContact {
   /// As Contact::begin_step; u on the device, as all arrays below.
   void begin_step(const double* u, double time);
 
+  // steps of stages, as in Contact, for a scene that has them
+  void begin_stage(const double* u, double time, double dt, const double* of_lag, double lag_time);
+  bool renew_lag(const double* u);  ///< waits for the device
+  void keep_bonds(const double* u);
+  void forget_bonds();
+  /// Waits for the device.
+  ActionSums act(const double* u, const double* v, const std::vector<Vec3>& about);
+
   /// Copies `now` to `clear` and moves nodes that colliders run over along with them. Then cuts the
   /// step from `clear` to u where its path leads into a collider, as Solver::Impl::start does.
   /// Waits for the device.

@@ -9,14 +9,6 @@
 
 namespace elastogen {
 
-/// The part of a bond's slip across the normal that the friction of a lag holds.
-Vec3 Contact::bonded(const Vec3& slip, const ContactLag& lag, int64_t p) const {
-  if (!(lag.limit > 0)) return {};
-  const Vec3 across = minus(slip, scaled(lag.normal, dot(slip, lag.normal)));
-  const double most = lag.limit / (lengths_.bond * stiffness_[size_t(p)]), size = norm(across);
-  return size > most ? scaled(across, most / size) : across;
-}
-
 /// Sets the lag of friction from displacements u at a time, and what the bonds hold by it.
 void Contact::set_lag(const double* u, double time) {
   find_places(u, place_);
@@ -28,7 +20,7 @@ void Contact::set_lag(const double* u, double time) {
       const size_t k = first + size_t(p);
       lags_[k] = contact_lag(near_[size_t(p)], stiffness_[size_t(p)], obstacle.core.friction,
                              lengths_.layer);
-      slip_[k] = bonded(held_[k], lags_[k], p);
+      slip_[k] = bonded_slip(lengths_, stiffness_[size_t(p)], lags_[k], held_[k]);
     });
     obstacle.rubs =
         std::any_of(lags_.begin() + int64_t(first), lags_.begin() + int64_t(first) + points_,
@@ -64,9 +56,8 @@ void Contact::keep_bonds(const double* u) {
     find_distances(obstacle, obstacle.to);
     for_each(points_, [&](int64_t p) {
       const size_t k = w * size_t(points_) + size_t(p);
-      const ContactLag end = contact_lag(near_[size_t(p)], stiffness_[size_t(p)],
-                                         obstacle.core.friction, lengths_.layer);
-      held_[k] = bonded(slip_of(point(w, p), obstacle, lags_[k]), end, p);
+      held_[k] = kept_slip(lengths_, point(w, p), obstacle, lags_[k], near_[size_t(p)],
+                           obstacle.core.friction);
     });
   }
 }

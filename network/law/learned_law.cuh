@@ -23,6 +23,7 @@ struct DeviceMaterial {
   LawParameters<double> law;
   MtlTableView table = {};  ///< without coefficients: the law alone, or the net
   NetView net = {};
+  double viscous_time = 0;  ///< of its damping (core/viscous.hpp) [s]
 };
 
 /// Response of a material to stretches; `added` is the correction by a net.

@@ -264,6 +264,7 @@ PotentialValue IncrementalPotential::evaluate_all(const double* u, T* gradient) 
   for_each_row(*rows_, *scratch, sums_, read, row, finish);
 
   PotentialValue value = total(sums_);
+  if (has_damping()) value.beta = beta(rate_of(scheme_));
   value.inertia = inertial_energy(u);
   return value;
 }

@@ -21,11 +21,13 @@ std::vector<float> by_columns(const std::vector<float>& weights) {
 
 /// Uploads laws, and tables or weights of nets.
 void DevicePotential::Impl::take_materials() {
+  // laws, each with its net
   std::vector<DeviceMaterial> list;
   bool asked = false;
   for (size_t m = 0; m < terms.scene().materials.size(); ++m) {
     const Material& material = terms.scene().materials[m];
-    list.push_back({{material.law, material.mu(), material.lambda()}, {}, {}});
+    list.push_back(
+        {{material.law, material.mu(), material.lambda()}, {}, {}, viscous_time(material)});
     const LearnedLaw* net = terms.learned(m);
     if (!net) continue;
     if (net->evaluation() == Evaluation::kTable) {
@@ -80,12 +82,15 @@ void DevicePotential::begin_step(const IncrementalPotential& host) {
   s.predictor.upload(host.predictor().data());
   s.inertia.upload(host.inertia().data());
   s.freeze_rotations(now.data());
+  s.rate = rate_of(host.scheme());
+  if (s.terms.has_damping()) s.strain_before.upload(host.strain_before().data());
   if (s.contact) s.contact->begin_step(now.data(), host.contact().start_time());
 }
 
 void DevicePotential::Impl::set_scheme(const StepScheme& scheme) {
   const double *from = mass.data(), a0 = scheme.a0, dt2 = scheme.dt * scheme.dt;
   double* const to = inertia.data();
+  rate = rate_of(scheme);
   cuda::for_each(nodes(), [=] __device__(int64_t n) { to[n] = a0 * from[n] / dt2; });
 }
 void DevicePotential::set_scheme(const StepScheme& scheme) {
@@ -170,6 +175,7 @@ template <class T, bool kQuality>
 void DevicePotential::Impl::start_gradient(const double* u, T* gradient, int place) {
   with_nets<T, NetPass::kEnergy>(
       u, [&](const auto& nets) { gradient_pass<T, kQuality>(u, gradient, nets, place); });
+  if (terms.has_damping()) viscous_pass<T>(u, gradient, place);
   if (contact) contact->start_evaluation(u, gradient);
 }
 
@@ -224,6 +230,8 @@ PotentialValue DevicePotential::value(int place) const {
   result.inertia = found.inertia;
   result.elastic = found.voxels.elastic;
   result.hourglass = found.voxels.hourglass;
+  result.viscous = found.viscous;
+  result.beta = impl_->terms.beta(impl_->rate);
   result.min_j = found.voxels.min_j;
   result.min_corner_j = found.voxels.min_corner_j;
   result.outside = int64_t(found.voxels.outside);

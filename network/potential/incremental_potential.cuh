@@ -82,7 +82,7 @@ struct VoxelSums {
 /// Numbers of a PotentialValue, which kernels write for the host.
 struct DeviceValue {
   VoxelSums voxels;
-  double inertia = 0;
+  double inertia = 0, viscous = 0;
 };
 
 /// The values, rounded to float.
@@ -101,7 +101,7 @@ enum class NetPass { kEnergy, kStretches, kTangent };
 struct DevicePotential::Impl {
   Impl(const PotentialTerms& potential, int64_t most_dense)
       : terms(potential),
-        dense(contact_free() ? most_dense : dense_nodes(terms.scene())),
+        dense(operators_change(terms.scene()) ? kMostChangedNodes : most_dense),
         levels(make_stencil_levels(grid(), dense)),
         rows(terms.scene(), levels[0]),
         weights_float(in_float(rows.weights())),
@@ -118,7 +118,10 @@ struct DevicePotential::Impl {
         parts((9 * rows.parts() + 1) / 2),
         brick_sums(rows.bricks()),
         inertia_sums(1),
-        value(kEnergies) {
+        value(kEnergies),
+        strain_before(terms.has_damping() ? rows.row_count() * kStrains * kLanes : 0),
+        strains(strain_before.size()) {
+    // what needs more than memory
     take_materials();
     if (terms.contact().exists()) contact.emplace(terms);
     if (terms.scheme().dt > 0 && !MemoryCount::present()) set_scheme(terms.scheme());
@@ -126,7 +129,6 @@ struct DevicePotential::Impl {
 
   const VoxelGrid& grid() const { return terms.scene().grid; }
   int64_t nodes() const { return grid().node_count(); }
-  bool contact_free() const { return terms.scene().colliders.empty(); }
 
   template <class T>
   VoxelTables<T> voxels() const {
@@ -145,6 +147,11 @@ struct DevicePotential::Impl {
 
   void take_materials();
   void set_scheme(const StepScheme& scheme);
+  // damping.cu
+  void find_strains(const double* u, double* to);
+  template <class T>
+  void viscous_pass(const double* u, T* gradient, int place);
+  void viscous_tangent_pass(const double* u, TangentKind kind);
   /// Calls pass(nets), where nets gives voxels the corrections of their nets at u.
   template <class T, NetPass kPass, class Pass>
   void with_nets(const double* u, const Pass& pass) {
@@ -167,6 +174,8 @@ struct DevicePotential::Impl {
   template <class Nets>
   void tangent_pass(const double* u, TangentKind kind, const Nets& nets);
   void linearise(const double* u, TangentKind kind);
+  template <bool kDamped, class T>
+  void tangent_product(const T* p, T* product);
   template <class T>
   void hessian_product(const T* p, T* product);
 
@@ -185,6 +194,9 @@ struct DevicePotential::Impl {
   DeviceArray<VoxelSums> brick_sums;
   DeviceArray<SumScratch<Sums<1>>> inertia_sums;
   PinnedArray<DeviceValue> value;
+  static constexpr int64_t kStrains = VoxelStrain<double>::kCount;
+  DeviceArray<double> strain_before, strains;  // E_b, A_b and scratch, [row][18][lane]
+  double rate = 0;                             // 1/k of the present step [1/s]
   Signal signal;
   std::vector<DeviceArray<float>> learned;  // tables, or weights of nets
   DeviceArray<double> logs, results;        // of learned_law.cuh, where a net is evaluated itself

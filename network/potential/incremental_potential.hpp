@@ -67,6 +67,8 @@ class IncrementalPotential : public PotentialTerms {
   const Zeroed<double>& predictor() const { return predictor_; }
   /// Displacement at the start of the step [m], (nodes, 3).
   const Zeroed<double>& now() const { return now_; }
+  /// Strains that the rate of damping is measured from, [row][18][lane]; empty: none is damped.
+  const Zeroed<double>& strain_before() const { return strain_before_; }
   /// Nodal rotations, (nodes, 9).
   const Zeroed<float>& nodal_rotation() const { return nodal_rotation_; }
   /// Inertial diagonal a0 m / dt^2 [N/m] of a node, and of all, (nodes).
@@ -92,7 +94,7 @@ class IncrementalPotential : public PotentialTerms {
   void begin_damping(const State& state, double weight, const double* other);
   /// beta of the damping of a material in the present step.
   double beta_of(int32_t material) const {
-    return has_damping() ? viscous_time(scene_.materials[size_t(material)]) * rate() : 0;
+    return has_damping() ? viscous_time(scene_.materials[size_t(material)]) * rate_of(scheme_) : 0;
   }
   template <class T>
   bool read_damping(int64_t row, VoxelDamping<Pack<T>>& damping) const;

@@ -35,12 +35,18 @@ struct InertiaTerms {
 /// Most nodes of a level that is solved, if nothing changes its operators. The solve is faster than
 /// the coarser levels would be: it reads the inverses, 12 B for each pair of nodes, once.
 inline constexpr int64_t kDenseNodes = 3072;
+/// That limit where they change, so that the inverses are made anew.
+inline constexpr int64_t kMostChangedNodes = 100;
+
+/// Whether the operators of the preconditioner change, with contact or with the length of steps.
+inline bool operators_change(const Scene& scene) {
+  return !scene.colliders.empty() || has_stages(scene.scheme);
+}
 
 class DevicePotential {
  public:
   /// Has the inertia of the terms' scheme, if they have one; the terms must outlive it.
-  /// @param dense  most nodes of a level that is solved (multigrid.hpp); with colliders the
-  ///               limit of the host holds.
+  /// @param dense  most nodes of a level that is solved (multigrid.hpp), if operators do not change.
   /// @throws Error (resources) if the device has too little memory.
   explicit DevicePotential(const PotentialTerms& terms, int64_t dense = kDenseNodes);
   ~DevicePotential();
@@ -55,6 +61,10 @@ class DevicePotential {
   double* predictor();                        ///< xhat - X [m], (nodes, 3)
   /// Finds the frozen rotations from the displacement at the start of the step.
   void freeze_rotations(const double* u);
+
+  /// Begins the damping of a step from the displacement at its start; `other` is that of the step
+  /// before, or of the first stage where this is the second one. Nothing where none is damped.
+  void begin_damping(const StepScheme& scheme, const double* now, const double* other);
 
   /// Finds the nodal rotations of the preconditioner, in float, from a displacement on the device.
   void set_nodal_rotations(const double* u);

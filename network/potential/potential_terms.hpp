@@ -19,8 +19,14 @@ struct PotentialValue {
   double min_corner_j = 1e300;  ///< smallest det F at a corner; only from residual()
   double deepest_overlap = 0;   ///< of a surface point with a collider [m]
   int64_t outside = 0;          ///< voxels with a net at strains outside its box
+  double beta = 0;              ///< of damping, as PotentialTerms::beta
   double total() const { return inertia + elastic + hourglass + viscous + contact; }
 };
+
+/// 1/k of a step or stage [1/s].
+inline double rate_of(const StepScheme& scheme) {
+  return std::sqrt(scheme.a0) / scheme.dt;
+}
 
 class PotentialTerms {
  public:
@@ -47,18 +53,15 @@ class PotentialTerms {
     const double elastic = std::abs(value.elastic);
     const double parts = value.total() - value.elastic + elastic;
     return epsilon * (32 * parts + 4 * (std::sqrt(2 * stiffness_ * elastic) +
-                                        std::sqrt(2 * beta() * stiffness_ * value.viscous)));
+                                        std::sqrt(2 * value.beta * stiffness_ * value.viscous)));
   }
 
   bool has_damping() const { return viscous_time_ > 0; }
-  /// beta of core/viscous.hpp in the present step, the mean over the stiffness of the materials:
-  /// damping makes the body 1 + beta times as stiff.
-  double beta() const { return has_damping() ? viscous_time_ * rate() : 0; }
+  /// beta of core/viscous.hpp in a step or stage with 1/k [1/s], the mean over the stiffness of the
+  /// materials: damping makes the body 1 + beta times as stiff.
+  double beta(double rate) const { return viscous_time_ * rate; }
 
  protected:
-  /// 1/k of the present step or stage [1/s].
-  double rate() const { return std::sqrt(scheme_.a0) / scheme_.dt; }
-
   const Scene& scene_;
   LearnedLaws learned_;
   Contact contact_;

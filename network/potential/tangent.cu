@@ -25,14 +25,18 @@ void DevicePotential::Impl::tangent_pass(const double* u, TangentKind kind, cons
 void DevicePotential::Impl::linearise(const double* u, TangentKind kind) {
   if (tangent.size() == 0) tangent = DeviceArray<float>(rows.row_count() * 45 * kLanes);
   with_nets<float, NetPass::kTangent>(u, [&](const auto& nets) { tangent_pass(u, kind, nets); });
+  if (terms.has_damping()) viscous_tangent_pass(u, kind);
 }
 
-template <class T>
-void DevicePotential::Impl::hessian_product(const T* p, T* product) {
+/// @param kDamped  false: no material is damped.
+template <bool kDamped, class T>
+void DevicePotential::Impl::tangent_product(const T* p, T* product) {
+  // what kernels read; the product of a voxel, then that of a node with its inertia
   const float* from = tangent.data();
   const VoxelTables<T> table = voxels<T>();
   const double* mass = inertia.data();
   const uint8_t* held = pinned.data();
+  const double per_step = rate;
   for_each_voxel<T>(
       rows, reinterpret_cast<T*>(parts.data()), static_cast<NoSums*>(nullptr),
       [=] __device__(int64_t n, int64_t, T v[3]) {
@@ -42,7 +46,8 @@ void DevicePotential::Impl::hessian_product(const T* p, T* product) {
                      NoSums&) {
         Tangent<T> t;
         for (int k = 0; k < 45; ++k) t.m[k] = T(from[(r * 45 + k) * kLanes + lane]);
-        voxel_hessian<true>(table.data(row, r, lane), t, corner, f);
+        const T beta = kDamped ? T(per_step * table.materials[row.material].viscous_time) : T(0);
+        voxel_hessian<true>(table.data(row, r, lane), t, corner, f, beta);
       },
       [=] __device__(int64_t n, const NodeSum<T>& given) {
         T force[3];
@@ -50,6 +55,14 @@ void DevicePotential::Impl::hessian_product(const T* p, T* product) {
         for (int i = 0; i < 3; ++i)
           product[3 * n + i] = held[n] ? T(0) : force[i] + T(mass[n]) * p[3 * n + i];
       });
+}
+
+template <class T>
+void DevicePotential::Impl::hessian_product(const T* p, T* product) {
+  if (terms.has_damping())
+    tangent_product<true>(p, product);
+  else
+    tangent_product<false>(p, product);
 }
 
 void DevicePotential::linearise(const double* u, TangentKind kind, bool touching) {

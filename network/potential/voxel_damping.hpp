@@ -82,6 +82,27 @@ ELASTOGEN_HD inline T damping_energy(const VoxelData<T>& v, const VoxelDamping<T
   return energy;
 }
 
+/// damping_energy alone: the forces f at the corners [N] where these are displaced by u.
+template <bool kBorder, class T>
+ELASTOGEN_HD inline T damping_force(const VoxelData<T>& v, const VoxelDamping<T>& damping,
+                                    const T u[3][8], T f[3][8]) {
+  T g[3][8];
+  for (int i = 0; i < 3; ++i) {
+    for (int c = 0; c < 8; ++c) g[i][c] = u[i][c], f[i][c] = T{};
+    hex8::to_patterns(g[i]);
+  }
+  Mat3<T> P{};
+  const T energy =
+      damping_energy<kBorder>(v, damping, g, displacement_gradient<kBorder>(v, g), P, f);
+  const T weight = v.phi * (v.h * v.h * Scalar<T>(0.25));  // phi h^3 / (4 h)
+  for (int i = 0; i < 3; ++i) {
+    const T d[3] = {P(i, 0) * weight, P(i, 1) * weight, P(i, 2) * weight};
+    hex8::add_gradient_transposed<kBorder>(d, v.M, f[i]);
+    hex8::to_corners(f[i]);
+  }
+  return energy;
+}
+
 /// Adds the variance term's product with the pattern sums g, times a factor: the Hessian of the
 /// damping of what varies within a voxel, for F^T F = I.
 template <bool kBorder, class T>

@@ -191,6 +191,38 @@ void DeviceEncoder<T>::apply(const T* r, T* z, cudaStream_t stream) {
             modes_.nodes.data(), modes_.values.data(), solution_.data(), z);
 }
 
+/// With twice the inertia A_r differs by its part in it.
+template <class T>
+void DeviceEncoder<T>::expect_inertia(DevicePotential& potential) {
+  std::vector<double> inertia;
+  if (!MemoryCount::present()) {
+    const StepScheme built = potential.terms().scheme();
+    StepScheme doubled = built;
+    doubled.a0 *= 2;
+    potential.set_scheme(doubled);
+    const std::vector<ReducedOperator> more = rest_operators(potential, modes_);
+    potential.set_scheme(built);
+    for (size_t p = 0; p < more.size(); ++p)
+      for (size_t k = 0; k < more[p].rest.size(); ++k)
+        inertia.push_back(more[p].rest[k] - operators_[p].rest[k]);
+  }
+  inertia.resize(size_t(corrections_.size()));
+  inertia_ = DeviceArray<double>(inertia);
+  std::vector<double> rest;
+  for (const ReducedOperator& of : operators_)
+    rest.insert(rest.end(), of.rest.begin(), of.rest.end());
+  rest.resize(inertia.size());
+  built_ = DeviceArray<double>(rest);
+}
+
+template <class T>
+void DeviceEncoder<T>::scale_inertia(double ratio) {
+  const double *built = built_.data(), *inertia = inertia_.data();
+  double* const rest = rest_.data();
+  cuda::for_each(rest_.size(),
+                 [=] __device__(int64_t k) { rest[k] = built[k] + (ratio - 1) * inertia[k]; });
+}
+
 template class DeviceEncoder<float>;
 template class DeviceEncoder<double>;
 

@@ -46,6 +46,12 @@ class DeviceEncoder {
   /// of the constructor.
   void expect_stiffness(const std::vector<std::vector<int32_t>>& pieces,
                         const std::vector<int32_t>& nodes);
+  /// Allocates what other inertia needs; the potential has that of the constructor. Call
+  /// expect_stiffness() before.
+  void expect_inertia(DevicePotential& potential);
+  /// As Encoder::set_inertia; set_nodal_stiffness() and use_stiffness() make it count.
+  /// @param ratio  to the inertia of the constructor.
+  void scale_inertia(double ratio);
   /// As Encoder::set_nodal_stiffness; call expect_stiffness() before.
   void set_nodal_stiffness(const NodalStiffness& stiffness);
   /// Whether apply() uses the additional stiffness.
@@ -75,6 +81,8 @@ class DeviceEncoder {
   DeviceArray<double> products_;            // of the chunks, then of the pieces, kProducts each
   DeviceArray<int32_t> touched_;            // chunks whose products are not all 0
   DeviceArray<double> stiff_corrections_;   // like corrections_
+  // of other inertia, after expect_inertia(): A_r as built, and the part of the inertia in it
+  DeviceArray<double> built_, inertia_;
 };
 
 }  // namespace elastogen::cuda

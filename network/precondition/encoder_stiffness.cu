@@ -155,14 +155,19 @@ void DeviceEncoder<T>::set_nodal_stiffness(const NodalStiffness& stiffness) {
   const int64_t pieces = piece_count(), chunks = stiff_chunks_.size();
   if (pieces == 0) return;
   double *of_chunks = products_.data(), *of_pieces = of_chunks + chunks * kProducts;
-  if (chunks > 0)
+  if (chunks > 0 && stiffness.count > 0)
     product_kernel<<<unsigned(chunks), kThreads>>>(stiff_chunks_.data(), stiff_.data(),
                                                    stiffness.blocks, modes_.values.data(),
                                                    of_chunks, touched_.data());
   check(cudaGetLastError());
+  // without stiffness the sums are 0
   constexpr unsigned kBlocks = (kProducts + kSumWidth - 1) / kSumWidth;
-  sum_kernel<<<dim3(kBlocks, unsigned(pieces)), dim3(kSumWidth, kSumSlices)>>>(
-      stiff_begin_.data(), touched_.data(), of_chunks, of_pieces);
+  if (stiffness.count > 0)
+    sum_kernel<<<dim3(kBlocks, unsigned(pieces)), dim3(kSumWidth, kSumSlices)>>>(
+        stiff_begin_.data(), touched_.data(), of_chunks, of_pieces);
+  else
+    check(cudaMemsetAsync(of_pieces, 0, size_t(pieces * kProducts) * sizeof(double),
+                          cudaStreamPerThread));
   check(cudaGetLastError());
   constexpr dim3 kSquare(ReducedTile::kWidth, ReducedTile::kWidth);
   correction_kernel<<<unsigned(pieces), kSquare>>>(rest_.data(), of_pieces,

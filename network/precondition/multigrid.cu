@@ -2,22 +2,11 @@
 #include "network/precondition/dense.cuh"
 #include "network/precondition/multigrid.cuh"
 #include "network/precondition/multigrid_grid.cuh"
-#include "network/precondition/stencil_pass.cuh"
+#include "network/precondition/multigrid_kernels.cuh"
 #include "network/precondition/stencil_stiffness.cuh"
-
-#include <cooperative_groups.h>
 
 namespace elastogen::cuda {
 namespace {
-
-// nodes of a thread; a brick has 512 / kRun threads: long runs cost least where bricks fill the
-// card, short ones end sooner
-constexpr int kLongRun = 4, kShortRun = 2, kSingleRun = 1;
-constexpr int kShortBricks = 512;   // of levels with short runs
-constexpr int kSingleBricks = 128;  // of levels with one node a thread
-constexpr int kClusterBricks = 16;  // of levels in the cluster, one for each block
-constexpr int kClusterThreads = stencil::kSlots / kSingleRun;
-constexpr int kRestrictThreads = 256;
 
 template <class T>
 struct Level {
@@ -54,107 +43,6 @@ struct Level {
   // for an additional stiffness, after expect_stiffness()
   DeviceArray<T> added, added_inverses;
   DeviceArray<int32_t> stiff;
-};
-
-/// The levels for a kernel, 0 the finest.
-template <class T>
-struct Views {
-  StencilView<T> level[kMostLevels];
-  int count;
-};
-
-// a pass over a level (device_stencil_pass.cuh), one block for each brick
-template <class T, int kRun, bool kAdded>
-__global__ void __launch_bounds__(stencil::kSlots / kRun,
-                                  sizeof(T) == 4 && kRun > kSingleRun ? 2 * kRun : 1)
-    pass_kernel(const __grid_constant__ StencilView<T> v, Pass pass, ResultOutput<T> out,
-                bool late) {
-  extern __shared__ __align__(16) unsigned char scratch[];
-  if (!late) let_next_start();
-  stencil::run_pass<T, kRun, kAdded>(v, pass, blockIdx.x, reinterpret_cast<T*>(scratch), out,
-                                     [] { wait_for_before(); });
-}
-
-// r of a level from the partial sums of the finer one, one thread for each slot
-template <class T>
-__global__ void __launch_bounds__(kRestrictThreads)
-    restrict_kernel(const T* partial, const __grid_constant__ StencilView<T> coarse) {
-  let_next_start();
-  const int slot = int(blockIdx.x) * kRestrictThreads + int(threadIdx.x);
-  const Restriction from(coarse.links, coarse.row, slot);
-  wait_for_before();
-  from.set(partial, coarse, slot);
-}
-
-/// Calls body(k) for each k of [0, n), shared out to the threads of the grid.
-template <class Body>
-__device__ void share(int n, const Body& body) {
-  for (int k = int(blockIdx.x * blockDim.x + threadIdx.x); k < n; k += int(gridDim.x * blockDim.x))
-    body(k);
-}
-
-template <class T, bool kAdded>
-__device__ void cluster_pass(const StencilView<T>& v, Pass pass, const ResultOutput<T>& out) {
-  extern __shared__ __align__(16) unsigned char scratch[];
-  for (int32_t brick = int32_t(blockIdx.x); brick < v.bricks; brick += int32_t(gridDim.x)) {
-    stencil::run_pass<T, kSingleRun, kAdded>(v, pass, brick, reinterpret_cast<T*>(scratch), out,
-                                             [] {});
-    __syncthreads();
-  }
-  cooperative_groups::this_cluster().sync();
-}
-
-/// The levels from `first` down to the coarsest and back, by one cluster of blocks, which share out
-/// bricks and slots; its barriers take the place of launches. `out` is the result of level 0.
-template <class T, bool kAdded>
-__global__ void __launch_bounds__(kClusterThreads)
-    cluster_kernel(const __grid_constant__ Views<T> views, int first, ResultOutput<T> out) {
-  const auto cluster = cooperative_groups::this_cluster();
-  const int last = views.count - 1;
-  begin_kernel();
-  // down: restrict the residual, then solve the level or smooth it
-  for (int l = first; l <= last; ++l) {
-    const StencilView<T>& v = views.level[l];
-    if (l > 0) {
-      share(v.bricks * stencil::kSlots, [&](int slot) {
-        Restriction(v.links, v.row, slot).set(views.level[l - 1].partial, v, slot);
-      });
-      cluster.sync();
-    }
-    if (v.inverses != nullptr) {
-      share(3 * 32 * v.nodes, [&](int k) { solve(v, k / 32, l == 0 ? out : ResultOutput<T>{}); });
-      cluster.sync();
-      continue;
-    }
-    cluster_pass<T, kAdded>(v, Pass::kStart, {});
-    if (l < last) cluster_pass<T, kAdded>(v, Pass::kResidual, {});
-  }
-  // up: correct by the coarser level and smooth
-  for (int l = last; l >= first; --l) {
-    const StencilView<T>& v = views.level[l];
-    if (v.inverses != nullptr) continue;
-    cluster_pass<T, kAdded>(v, Pass::kFirst, {});
-    cluster_pass<T, kAdded>(v, Pass::kSecond, l == 0 ? out : ResultOutput<T>{});
-  }
-}
-
-/// A launch of the cluster kernel by `blocks` blocks.
-struct ClusterLaunch {
-  ClusterLaunch(unsigned blocks, int shared_bytes, const LaunchOptions& options = {}) {
-    attributes[0] = options.attribute();
-    attributes[1].id = cudaLaunchAttributeClusterDimension;
-    attributes[1].val.clusterDim.x = blocks;
-    attributes[1].val.clusterDim.y = attributes[1].val.clusterDim.z = 1;
-    config.gridDim = dim3(blocks);
-    config.blockDim = dim3(kClusterThreads);
-    config.dynamicSmemBytes = size_t(shared_bytes);
-    config.stream = options.stream;
-    config.attrs = attributes;
-    config.numAttrs = 2;
-  }
-  ClusterLaunch(const ClusterLaunch&) = delete;
-  cudaLaunchAttribute attributes[2] = {};
-  cudaLaunchConfig_t config{};
 };
 
 }  // namespace
@@ -212,9 +100,10 @@ struct DeviceMultigridLevels {
     cluster_blocks = 8;  // which every card grants
   }
 
-  void expect_stiffness();
+  void expect_stiffness(const double* mass);
   void set_nodal_stiffness(const NodalStiffness& stiffness);
-  const Views<T>& present() const { return use_stiffness ? stiff_views : views; }
+  void set_finest_stiffness(const NodalStiffness& stiffness);
+  const LevelViews<T>& present() const { return use_stiffness ? stiff_views : views; }
 
   /// The kernel for a level, and how many nodes its threads have.
   template <bool kAdded>
@@ -284,7 +173,7 @@ struct DeviceMultigridLevels {
   }
 
   std::vector<std::unique_ptr<Level<T>>> levels;
-  Views<T> views;
+  LevelViews<T> views;
   int first_in_cluster;
   unsigned cluster_blocks = 16;
   double unit;                    // [N/m]
@@ -292,13 +181,17 @@ struct DeviceMultigridLevels {
   DenseSolve<T> solved;           // the last level, if the whole card solves it
   DeviceArray<double> operators;  // those of a last level that the cluster solves
   // for an additional stiffness, after expect_stiffness()
-  Views<T> stiff_views;
+  LevelViews<T> stiff_views;
   bool use_stiffness = false;
+  const double* masses = nullptr;  // of the nodes, where steps may have other lengths
+  DeviceArray<double> more;        // inertia over mass, beyond that of the operators [1/s^2]
 };
 
 template <class T>
-void DeviceMultigridLevels<T>::expect_stiffness() {
+void DeviceMultigridLevels<T>::expect_stiffness(const double* mass) {
   stiff_views = views;
+  masses = mass;
+  more = DeviceArray<double>(1);
   for (int l = 0; l < views.count; ++l) {
     Level<T>& level = *levels[size_t(l)];
     level.added = DeviceArray<T>(level.z.size());
@@ -315,23 +208,36 @@ void DeviceMultigridLevels<T>::expect_stiffness() {
   prepare_kernels<true>();
 }
 
-/// Sets the added stiffness of all levels, and the inverses of a level that is solved.
+/// Sets the added stiffness of the finest level by slot: other inertia, then stiffness of nodes.
 template <class T>
-void DeviceMultigridLevels<T>::set_nodal_stiffness(const NodalStiffness& stiffness) {
+void DeviceMultigridLevels<T>::set_finest_stiffness(const NodalStiffness& stiffness) {
   const StencilView<T> v = stiff_views.level[0];
-  const double of = unit;
+  const double of = unit, *const mass = masses, *const beyond = more.data();
   check(cudaMemsetAsync(v.stiff, 0, size_t(v.bricks) * sizeof(int32_t), cudaStreamPerThread));
-  // the finest level by slot
+  if (mass != nullptr)
+    cuda::for_each(v.nodes, [=] __device__(int64_t n) {
+      const int slot = v.slot[n];
+      const double value = v.row[slot] == 0 ? 0 : *beyond * mass[n];
+      for (int i = 0; i < 3; ++i) v.added[3 * int64_t(slot) + i] = T(value / of);
+      if (value != 0) v.stiff[slot / stencil::kSlots] = 1;
+    });
   cuda::for_each(stiffness.count, [=] __device__(int64_t s) {
     const int slot = v.slot[stiffness.nodes[s]];
     bool any = false;
     for (int i = 0; i < 3; ++i) {
       const double value = stiffness.blocks[6 * s + symmetric_place(i, i)];
-      v.added[3 * int64_t(slot) + i] = T(value / of);
+      T& added = v.added[3 * int64_t(slot) + i];
+      added = T((mass != nullptr ? double(added) : 0) + value / of);
       any |= value != 0;
     }
     if (any) v.stiff[slot / stencil::kSlots] = 1;
   });
+}
+
+/// Sets the added stiffness of all levels, and the inverses of a level that is solved.
+template <class T>
+void DeviceMultigridLevels<T>::set_nodal_stiffness(const NodalStiffness& stiffness) {
+  set_finest_stiffness(stiffness);
   // coarser levels from finer ones
   for (int l = 1; l < views.count; ++l) {
     const StencilView<T>& coarse = stiff_views.level[l];
@@ -351,7 +257,7 @@ void DeviceMultigridLevels<T>::set_nodal_stiffness(const NodalStiffness& stiffne
 template <class T>
 DeviceMultigrid<T>::DeviceMultigrid(DevicePotential& potential)
     : levels_(std::make_unique<DeviceMultigridLevels<T>>(
-          make_hierarchy<T>(potential), potential.terms().scene().colliders.empty())) {}
+          make_hierarchy<T>(potential), !operators_change(potential.terms().scene()))) {}
 
 template <class T>
 DeviceMultigrid<T>::~DeviceMultigrid() = default;
@@ -362,8 +268,13 @@ ResidualInput<T> DeviceMultigrid<T>::input() const {
 }
 
 template <class T>
-void DeviceMultigrid<T>::expect_stiffness() {
-  levels_->expect_stiffness();
+void DeviceMultigrid<T>::expect_stiffness(const double* mass) {
+  levels_->expect_stiffness(mass);
+}
+
+template <class T>
+void DeviceMultigrid<T>::add_inertia(double more) {
+  levels_->more.upload(&more);
 }
 
 template <class T>

@@ -40,7 +40,12 @@ class DeviceMultigrid {
   ~DeviceMultigrid();
 
   /// Allocates what an additional stiffness needs.
-  void expect_stiffness();
+  /// @param mass  of the nodes [kg], (nodes), on the device, where add_inertia() will be called.
+  void expect_stiffness(const double* mass = nullptr);
+  /// Other inertia, as a stiffness of the free nodes: as Multigrid::scale_inertia, but pinned nodes
+  /// count on no level. set_nodal_stiffness() and use_stiffness() make it count.
+  /// @param more  a0 / dt^2 less that which the hierarchy was built with [1/s^2].
+  void add_inertia(double more);
   /// As Multigrid::set_nodal_stiffness with the diagonals of the blocks; call expect_stiffness()
   /// before.
   void set_nodal_stiffness(const NodalStiffness& stiffness);

@@ -54,7 +54,7 @@ void Preconditioner<T>::update_contact() {
 template <class T>
 void Preconditioner<T>::update_inertia() {
   // damping: the inverse of M + (1 + beta) K is that of M / (1 + beta) + K over 1 + beta
-  const double stiffer = 1 + potential_.beta();
+  const double stiffer = 1 + potential_.beta(rate_of(potential_.scheme()));
   scale_ = 1 / stiffer;
   const double wanted = inertia_of(potential_.scheme()) / stiffer;
   if (std::abs(wanted / used_ - 1) < 0.1) return;  // near enough for a preconditioner

@@ -21,6 +21,7 @@ struct UnturnedResult {
   const Quaternion<float>* rotation;
   const float* values;
   const uint8_t* pinned;
+  float scale = 1;
 
   /// B q at a node, 0 if it is pinned.
   template <class T>
@@ -28,28 +29,15 @@ struct UnturnedResult {
     const Mat3<float> R = rotation_matrix(rotation[n]);
     const float* w = values + 3 * n;
     for (int i = 0; i < 3; ++i)
-      v[i] = pinned[n] ? T(0) : T(R(i, 0) * w[0] + R(i, 1) * w[1] + R(i, 2) * w[2]);
+      v[i] = pinned[n] ? T(0) : T(scale * (R(i, 0) * w[0] + R(i, 1) * w[1] + R(i, 2) * w[2]));
   }
 };
 
 class DevicePreconditioner {
  public:
-  /// The potential must outlive it, and have the scheme that will be used.
-  DevicePreconditioner(DevicePotential& potential, const EncoderChoice& choice)
-      : potential_(potential), multigrid_(potential), z_(3 * potential.nodes()) {
-    const DeviceContact* contact = potential.contact();
-    if (contact) multigrid_.expect_stiffness();
-    if (!choice.wanted) return;
-    const std::vector<std::vector<int32_t>> pieces = encoder_pieces(potential.terms().scene().grid);
-    encoder_.emplace(potential, pieces);
-    if (encoder_->softness() < choice.least_softness) {
-      encoder_.reset();
-      return;
-    }
-    turned_ = DeviceArray<float>(z_.size());
-    encoded_ = DeviceArray<float>(z_.size());
-    if (contact) encoder_->expect_stiffness(pieces, contact->surface_nodes());
-  }
+  /// The potential must outlive it, and have the scheme that will be used or, where the scene's
+  /// steps have stages, the first one of them.
+  DevicePreconditioner(DevicePotential& potential, const EncoderChoice& choice);
 
   /// Freezes the contact stiffness of the potential at u, and uses it from then on.
   /// @param touching  false where the contact energy at u is known to be 0.
@@ -59,19 +47,9 @@ class DevicePreconditioner {
   }
 
   /// Uses the contact stiffness that is frozen, as Preconditioner::update_contact.
-  void take_contact() {
-    DeviceContact* contact = potential_.contact();
-    if (!contact || !(contact->is_stiff() || in_contact_)) return;
-    in_contact_ = contact->is_stiff();
-    multigrid_.use_stiffness(in_contact_);
-    if (encoder_) encoder_->use_stiffness(in_contact_);
-    if (!in_contact_) return;
-    update_graph_.run([&] {
-      const NodalStiffness k = contact->nodal_stiffness(potential_.nodal_rotation());
-      multigrid_.set_nodal_stiffness(k);
-      if (encoder_) encoder_->set_nodal_stiffness(k);
-    });
-  }
+  void take_contact();
+  /// As Preconditioner::update_inertia, where the scene's steps have stages.
+  void update_inertia(const StepScheme& scheme);
 
   /// Writes R^T q to the input of the cycle; read(n, v) gives the values q of a node.
   template <class Read>
@@ -95,36 +73,27 @@ class DevicePreconditioner {
   }
 
   /// V-cycle and encoder on the input that turn() has written.
-  void cycle() {
-    multigrid_.start();  // while the host launches the rest
-    (in_contact_ ? contact_graph_ : graph_).run([&] {
-      Companion<float> encoder;
-      if (encoder_) {
-        encoder.begin = [this] {
-          branch_.begin([this](cudaStream_t stream) {
-            encoder_->apply(turned_.data(), encoded_.data(), stream);
-          });
-        };
-        encoder.end = [this] { branch_.end(); };
-        encoder.result = encoded_.data();
-      }
-      multigrid_.cycle(z_.data(), encoder);
-    });
-  }
+  void cycle();
 
   UnturnedResult result() const {
-    return {potential_.nodal_rotation(), z_.data(), potential_.pinned()};
+    return {potential_.nodal_rotation(), z_.data(), potential_.pinned(), scale_};
   }
 
  private:
+  void use_added();
+  void add(const NodalStiffness& stiffness);
+  bool has_added() const { return in_contact_ || other_inertia_; }
+
   DevicePotential& potential_;
   DeviceMultigrid<float> multigrid_;
   std::optional<DeviceEncoder<float>> encoder_;
   DeviceBranch branch_;  // the encoder runs on it beside the coarse levels
   DeviceArray<float> z_;
   DeviceArray<float> turned_, encoded_;  // input and output of the encoder
-  DeviceGraph graph_, contact_graph_, update_graph_;
-  bool in_contact_ = false;
+  DeviceGraph graph_, added_graph_, update_graph_;
+  double built_with_, used_;  // a0 / dt^2 [1/s^2]
+  float scale_ = 1;           // of the inverse
+  bool in_contact_ = false, other_inertia_ = false;
 };
 
 }  // namespace elastogen::cuda

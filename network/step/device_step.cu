@@ -21,12 +21,15 @@ StepOnDevice::StepOnDevice(const PotentialTerms& terms, const EncoderChoice* enc
       v_(size()),
       x_before_(size()),
       v_before_(size()),
-      v_next_(pieces_.count() > 0 ? size() : 0),
+      v_next_(pieces_.count() > 0 || has_stages(scene_.scheme) ? size() : 0),
       gradient_(size()),
       largest_(1),
       pair_sums_(1),
       numbers_(1) {
   if (!encoder) paper_.emplace(quasi_, loops);
+  if (!has_stages(scene_.scheme)) return;
+  stage_machine_.emplace(potential());
+  stages_.emplace(*stage_machine_);
 }
 
 void StepOnDevice::copy(const double* from, double* to) const {
@@ -46,7 +49,18 @@ void StepOnDevice::fetch(const DeviceArray<double>& from, Array<double>& to) {
 }
 
 void StepOnDevice::upload(const State& state) {
+  send(state);
+  forget();
+}
+
+void StepOnDevice::borrow(State& state) {
+  send(state);
+  if (stages_ && !stages_->knows(state.time)) forget();
+}
+
+void StepOnDevice::send(const State& state) {
   has_before_ = !state.x_before.empty();
+  h_before_ = state.h_before;
   send(state.x, x_);
   send(state.v, v_);
   if (!has_before_) return;
@@ -58,6 +72,7 @@ void StepOnDevice::download(State& state, StateParts parts) {
   fetch(x_, state.x);
   if (parts == StateParts::kPositions) return;
   fetch(v_, state.v);
+  state.h_before = h_before_;
   if (has_before_) {
     fetch(x_before_, state.x_before);
     fetch(v_before_, state.v_before);
@@ -143,13 +158,12 @@ bool StepOnDevice::balance() {
   return false;
 }
 
-Certificate StepOnDevice::certify() {
-  in_flight_ = balance();
-  const double* u = quasi_.u();
-  round_positions();
-  potential().start_residual(u, gradient_.data());
-  const double* g = gradient_.data();
+/// |grad Phi|, and numbers of u that are not finite. The velocities of a stage come later, so that the
+/// host waits for this.
+void StepOnDevice::find_size() {
+  const double *u = quasi_.u(), *g = gradient_.data();
   StepNumbers* to = numbers_.data();
+  const Signal::Raise raise = scheme_.is_stage ? signal_.next() : Signal::Raise{};
   ordered_sum(
       size(), pair_sums_.data(),
       [=] __device__(int64_t k, Sums<2> & sum) {
@@ -158,11 +172,22 @@ Certificate StepOnDevice::certify() {
       },
       [=] __device__(const Sums<2>& sum) {
         to->square = sum.value[0], to->not_finite = sum.value[1];
+        raise();
       });
-  if (in_flight_) find_flight_velocities();
-  find_energies();
+}
+
+Certificate StepOnDevice::certify() {
+  in_flight_ = balance();
+  round_positions();
+  potential().start_residual(quasi_.u(), gradient_.data());
+  find_size();
+  if (!scheme_.is_stage) {
+    if (in_flight_) find_flight_velocities();
+    find_energies();
+  }
   signal_.wait();
   Certificate result{potential().value(), std::sqrt(numbers_[0].square)};
+  voxel_energy_ = result.value.elastic + result.value.hourglass;
   result.finite = std::isfinite(result.value.total()) && std::isfinite(result.size) &&
                   numbers_[0].not_finite == 0;
   return result;
@@ -196,7 +221,7 @@ void StepOnDevice::find_flight_velocities() {
 void StepOnDevice::find_energies() {
   const Motion m = motion();
   const NextVelocity velocity{m, quasi_.trial_u()};
-  const double* v_next = in_flight_ ? v_next_.data() : nullptr;
+  const double* v_next = in_flight_ || scheme_.is_stage ? v_next_.data() : nullptr;
   StepNumbers* to = numbers_.data();
   const Signal::Raise raise = signal_.next();
   ordered_sum(
@@ -216,7 +241,8 @@ void StepOnDevice::find_energies() {
 
 /// The arrays go round: those of the state before take what comes next.
 MotionEnergy StepOnDevice::finish() {
-  if (in_flight_) {
+  if (scheme_.is_stage) accept_stages();
+  if (in_flight_ || scheme_.is_stage) {
     std::swap(v_before_, v_next_);
   } else {
     const NextVelocity velocity{motion(), quasi_.trial_u()};
@@ -228,6 +254,11 @@ MotionEnergy StepOnDevice::finish() {
   std::swap(x_, quasi_.trial());
   has_before_ = true;
   return numbers_[0].energy;
+}
+
+DeviceNewton& StepOnDevice::newton_solver() {
+  if (!newton_) newton_.emplace(quasi_);
+  return *newton_;
 }
 
 void StepOnDevice::carry(const Embedding& embedding, bool with_gradient) {

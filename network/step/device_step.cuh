@@ -1,43 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 // The step on the device and the state that stays there, for the files that make it up:
-// predictor.cu (where iterations begin), device_step.cu (all else).
+// predictor.cu (where iterations begin), device_stages.cu (stages), device_step.cu (all else).
 
 #pragma once
 
 #include "core/cuda/card.hpp"
 #include "core/cuda/signal.cuh"
 #include "network/paper/paper_solver_device.hpp"
+#include "network/step/device_motion.cuh"
+#include "network/step/device_stage_machine.cuh"
 #include "network/step/frames.cuh"
 #include "network/step/free_flight.cuh"
 #include "network/step/host_frames.hpp"
 #include "network/step/newton_solver_device.hpp"
 #include "network/step/quasi_solver_device.hpp"
-#include "network/step/step_work.hpp"
+#include "network/step/stages.hpp"
 
 #include <optional>
 
 namespace elastogen::cuda {
-
-/// The arrays of the state and of the scene that a step reads.
-struct Motion {
-  const double *x, *v, *x_before, *v_before;  ///< those before are those now in an Euler step
-  const double *rest, *mass;
-  const uint8_t* pinned;
-  StepScheme scheme;
-  double gravity[3];
-};
-
-/// The largest of what it is given.
-struct Largest {
-  double value = 0;
-  __device__ void add(const Largest& o) { value = o.value > value ? o.value : value; }
-};
-
-/// Numbers that kernels leave for the host.
-struct StepNumbers {
-  double farthest, reach, square, not_finite;
-  MotionEnergy energy;
-};
 
 class StepOnDevice : public StepWork {
  public:
@@ -47,6 +28,7 @@ class StepOnDevice : public StepWork {
   std::string machine() const override { return device_name(); }
   void upload(const State& state) override;
   void download(State& state, StateParts parts) override;
+  void borrow(State& state) override;
   double reach() override;
 
   void begin_step(const StepScheme& scheme, double time) override;
@@ -54,6 +36,10 @@ class StepOnDevice : public StepWork {
   void use_start(int start) override;
   double farthest() override;
   const Collider* clear_start() override;
+  bool meets_collider() override {
+    return potential().contact() && potential().contact()->share() < 1 &&
+           stages_.value().flies_fast();
+  }
   bool is_below_clear_start() override;
   void return_to_clear_start() override;
   void set_nodal_rotations() override;
@@ -64,8 +50,7 @@ class StepOnDevice : public StepWork {
   }
   IterationResult newton(double target, int max_outer, int max_inner,
                          const Interrupted& interrupted) override {
-    if (!newton_) newton_.emplace(quasi_);
-    return newton_->solve(target, max_outer, max_inner, interrupted);
+    return newton_solver().solve(target, max_outer, max_inner, interrupted);
   }
   IterationResult paper(const Interrupted& interrupted) override {
     return paper_.value().solve(interrupted);
@@ -75,6 +60,12 @@ class StepOnDevice : public StepWork {
   void return_to_now() override { find_now(quasi_.u()); }
 
   Certificate certify() override;
+  double least_motion(double interval) override {
+    return stages_.value().least_motion(v_.data(), interval);
+  }
+  bool renew_friction() override;
+  void keep_stage() override { stages_.value().keep_stage(quasi_.u()); }
+  StageEnd end_step(const TimeErrorOptions* options) override;
   MotionEnergy finish() override;
   void download_gradient(double* gradient) const override { gradient_.download(gradient); }
 
@@ -96,12 +87,15 @@ class StepOnDevice : public StepWork {
   // called by the above; kernels may not be started from private functions
   DevicePotential& potential() { return quasi_.potential(); }
   Motion motion();
+  void begin_stage();
   void round_positions();
   bool balance();
   void extrapolate(int order, double* u);
   void find_now(double* u);
+  const double* before();
   void find_flight_velocities();
   void find_energies();
+  void find_size();
 
  private:
   int64_t size() const { return x_.size(); }
@@ -118,6 +112,10 @@ class StepOnDevice : public StepWork {
     potential().wait_for_energy();
     return potential().value().total();
   }
+  DeviceNewton& newton_solver();
+  void forget();
+  void accept_stages();
+  void send(const State& state);
   void send(const Array<double>& from, DeviceArray<double>& to);
   void fetch(const DeviceArray<double>& from, Array<double>& to);
 
@@ -127,8 +125,8 @@ class StepOnDevice : public StepWork {
   std::optional<DevicePaper> paper_;
   DevicePieces pieces_;
   DeviceArray<double> x_, v_, x_before_, v_before_;  // the state
-  DeviceArray<double> v_next_;                       // of a scene with free pieces, in flight
-  DeviceArray<double> gradient_;                     // of the certificate
+  DeviceArray<double> v_next_;    // of a scene with free pieces, in flight, or of stages
+  DeviceArray<double> gradient_;  // of the certificate
   DeviceArray<SumScratch<Largest>> largest_;
   DeviceArray<SumScratch<Sums<2>>> pair_sums_;
   PinnedArray<StepNumbers> numbers_;
@@ -136,7 +134,11 @@ class StepOnDevice : public StepWork {
   std::optional<PinnedChunks> chunks_;    // that arrays of the state go through, if any did
   std::unique_ptr<DeviceFrames> frames_;  // where the card has memory for them, else
   std::optional<HostFrames> host_frames_;
+  std::optional<DeviceStageMachine> stage_machine_;  // where the scene's scheme has some
+  std::optional<Stages> stages_;
   StepScheme scheme_;
+  double time_ = 0, h_before_ = 0;  // of the state [s]
+  double voxel_energy_ = 0;         // of the last certificate [J]
   bool has_before_ = false;
   bool in_flight_ = false;      // that of the certificate
   bool has_rotations_ = false;  // the preconditioner has the nodal rotations of u

@@ -3,12 +3,8 @@
 #include "network/step/free_flight.cuh"
 #include "network/step/free_flight.hpp"
 
-#include <algorithm>
-
 namespace elastogen::cuda {
 namespace {
-
-constexpr int32_t kChunk = 1024;  // entries
 
 /// Whether a piece does not turn, as in predictor.cpp.
 __device__ bool steady(const PieceFrame& before, const PieceFrame& now, const PieceFrame& next) {
@@ -22,26 +18,13 @@ __device__ bool steady(const PieceFrame& before, const PieceFrame& now, const Pi
 
 }  // namespace
 
-DevicePieces::DevicePieces(const Scene& scene) {
-  const std::vector<std::vector<int32_t>> pieces = free_pieces(scene);
-  std::vector<int32_t> chunk_begin, first;
-  std::vector<PieceChunk> chunks;
-  int32_t entries = 0;
-  for (const std::vector<int32_t>& list : pieces) {
-    const auto piece = int32_t(first.size()), end = entries + int32_t(list.size());
-    first.push_back(list.front());
-    chunk_begin.push_back(int32_t(chunks.size()));
-    for (; entries < end; entries = chunks.back().end)
-      chunks.push_back({piece, entries, std::min(entries + kChunk, end)});
-  }
-  chunk_begin.push_back(int32_t(chunks.size()));
-  // nodes, masses and centres at rest, piece by piece
-  nodes_ = DeviceArray<int32_t>(entries);
+DevicePieces::DevicePieces(const Scene& scene) : DevicePieces(scene, free_pieces(scene)) {}
+
+DevicePieces::DevicePieces(const Scene& scene, const std::vector<std::vector<int32_t>>& pieces)
+    : groups_(pieces) {
+  // masses and centres at rest, piece by piece
   std::vector<double> rest_centre, per_mass;
-  entries = 0;
   for (const std::vector<int32_t>& list : pieces) {
-    nodes_.upload(list.data(), entries, int64_t(list.size()));
-    entries += int32_t(list.size());
     const auto sum = [&](const auto& value) {
       return ::elastogen::ordered_sum(int64_t(list.size()), [&](int64_t begin, int64_t end) {
         double part = 0;
@@ -55,14 +38,11 @@ DevicePieces::DevicePieces(const Scene& scene) {
                             mass);
     per_mass.push_back(1 / mass);
   }
-  chunks_ = DeviceArray<PieceChunk>(chunks);
-  chunk_begin_ = DeviceArray<int32_t>(chunk_begin);
-  first_ = DeviceArray<int32_t>(first);
   rest_centre_ = DeviceArray<double>(rest_centre);
   per_mass_ = DeviceArray<double>(per_mass);
   shift_ = DeviceArray<double>(rest_centre_.size());
-  excess_ = DeviceArray<Sums<3>>(chunks_.size());
-  moments_ = DeviceArray<Sums<12>>(chunks_.size());
+  excess_ = DeviceArray<Sums<3>>(groups_.chunks());
+  moments_ = DeviceArray<Sums<12>>(groups_.chunks());
   frames_ = DeviceArray<PieceFrame>(3 * count());
 }
 
@@ -73,7 +53,7 @@ template <class Position>
 void DevicePieces::find_frames(const double* rest, const double* mass, const Position& position,
                                PieceFrame* frames) {
   const PiecesView g = view();
-  sums(
+  groups_.sums(
       moments_,
       [=] __device__(int64_t p, int64_t n, Sums<12> & sum) {
         const int64_t origin = g.first[p];

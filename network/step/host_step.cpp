@@ -16,7 +16,11 @@ HostStep::HostStep(PotentialTerms&& terms, const EncoderChoice* encoder, const P
       flight_(scene_),
       u_(3 * size_t(scene_.grid.node_count())),
       gradient_(u_.size()) {
-  if (has_stages(scene_.scheme)) stages_.emplace(potential_);
+  if (has_stages(scene_.scheme)) {
+    stage_machine_.emplace(potential_);
+    stages_.emplace(*stage_machine_);
+    v_ = Array<double>(scene_.grid.node_count(), 3);
+  }
   if (!encoder)
     paper_.emplace(potential_, loops);
   else if (in_float)
@@ -39,7 +43,7 @@ void HostStep::forget() {
 
 void HostStep::borrow(State& state) {
   state_ = &state;
-  if (state.time != known_time_) forget();
+  if (stages_ && !stages_->knows(state.time)) forget();
 }
 
 void HostStep::download(State& state, StateParts parts) {
@@ -76,10 +80,12 @@ void HostStep::begin_step(const StepScheme& scheme, double time) {
 }
 
 void HostStep::begin_stage() {
-  stages_.value().begin(*state_, scheme_);
+  const double* motion = stages_.value().begin(
+      {state_->x.data(), state_->v.data(), state_->x_before.data(), state_->v_before.data()},
+      scheme_);
   // u_ is still that of the first stage where this is the second one
   const double* stage_before = scheme_.stage.t_b > 0 ? u_.data() : nullptr;
-  potential_.begin_stage(*state_, scheme_, stages_->motion(), stage_before);
+  potential_.begin_stage(*state_, scheme_, motion, stage_before);
   precise_ ? precise_->update_inertia() : single_.value().update_inertia();
   stages_->start(0, u_.data());
 }
@@ -109,11 +115,13 @@ double HostStep::farthest() {
 const Collider* HostStep::clear_start() {
   clear_ = potential_.now();
   Contact& contact = potential_.contact();
+  is_cut_ = false;
   if (!contact.exists()) return nullptr;
   contact.carry(clear_.data());
   if (const Collider* inside = contact.obstacle(clear_.data())) return inside;
   const double share = contact.longest_step(clear_.data(), u_.data());
-  if (share < 1)
+  is_cut_ = share < 1;
+  if (is_cut_)
     for (size_t k = 0; k < u_.size(); ++k) u_[k] = clear_[k] + share * (u_[k] - clear_[k]);
   return nullptr;
 }
@@ -204,12 +212,9 @@ Array<double> HostStep::next_velocities() const {
   return v;
 }
 
-/// filtered = S y, S of time_error.hpp, by PCG to a twentieth.
+/// y = S y, S of time_error.hpp, by PCG.
 template <class P>
-void HostStep::filter(Preconditioner<P>& first, double interval, const double* y,
-                      double* filtered) {
-  constexpr double kLoose = 0.05;
-  constexpr int kMost = 30;
+void HostStep::filter(Preconditioner<P>& first, double interval, double* y) {
   const auto size = int64_t(u_.size());
   potential_.set_scheme({TimeScheme::kEuler, interval, 1});
   potential_.linearise(u_.data());
@@ -224,34 +229,32 @@ void HostStep::filter(Preconditioner<P>& first, double interval, const double* y
            [&](int64_t k) { right[size_t(k)] = float(potential_.inertia(k / 3) * y[k] / most); });
   PcgWork<float> work(size);
   pcg(
-      right.data(), solution.data(), size, kLoose, kMost, work,
+      right.data(), solution.data(), size, kFilterTolerance, kFilterIterations, work,
       [&](const float* p, float* Ap) { potential_.hessian_product(p, Ap); },
       [&](const float* r, float* z) { first.apply(r, z); });
-  for_each(size, [&](int64_t k) { filtered[k] = most * double(solution[size_t(k)]); });
+  for_each(size, [&](int64_t k) { y[k] = most * double(solution[size_t(k)]); });
 }
 
-void HostStep::filter(double interval, const double* y, double* filtered) {
-  precise_ ? filter(*precise_, interval, y, filtered) : filter(*single_, interval, y, filtered);
+void HostStep::filter(double interval, double* y) {
+  precise_ ? filter(*precise_, interval, y) : filter(*single_, interval, y);
 }
 
 StageEnd HostStep::end_step(const TimeErrorOptions* options) {
   StageEnd end;
-  end.keeps_energy = stages_.value().end_step(x_, u_.data(), voxel_energy_, v_);
+  end.keeps_energy = stages_.value().end_step(x_.data(), u_.data(), voxel_energy_, v_.data());
   end.guarded = stages_->guarded();
   if (options)
-    end.error = stages_->error(v_, *options, [&](const double* y, double* filtered) {
-      filter(options->interval, y, filtered);
-    });
+    end.error =
+        stages_->error(v_.data(), *options, [&](double* y) { filter(options->interval, y); });
   return end;
 }
 
 MotionEnergy HostStep::finish() {
-  Array<double> v = scheme_.is_stage ? std::move(v_) : next_velocities();
+  Array<double> v = scheme_.is_stage ? v_ : next_velocities();
   if (scheme_.is_stage) {
-    stages_->accept();
+    stages_->accept(state_->time + scheme_.end());
     potential_.contact().keep_bonds(u_.data());
     state_->h_before = scheme_.end();
-    known_time_ = state_->time + scheme_.end();
   } else if (in_flight_) {
     conserve_momentum(v);
   }

@@ -6,10 +6,11 @@
 #include "network/paper/paper_solver.hpp"
 #include "network/step/free_flight.hpp"
 #include "network/step/host_frames.hpp"
-#include "network/step/host_stages.hpp"
+#include "network/step/host_stage_machine.hpp"
 #include "network/step/newton_solver.hpp"
 #include "network/step/predictor.hpp"
 #include "network/step/quasi_solver.hpp"
+#include "network/step/stages.hpp"
 #include "network/step/step_work.hpp"
 
 #include <optional>
@@ -34,6 +35,7 @@ class HostStep : public StepWork {
   void use_start(int start) override;
   double farthest() override;
   const Collider* clear_start() override;
+  bool meets_collider() override { return is_cut_ && stages_.value().flies_fast(); }
   bool is_below_clear_start() override { return rough_phi(u_) < rough_phi(clear_); }
   void return_to_clear_start() override { u_ = clear_; }
   void set_nodal_rotations() override { potential_.set_nodal_rotations(u_.data()); }
@@ -50,17 +52,16 @@ class HostStep : public StepWork {
   void return_to_now() override { u_ = potential_.now(); }
 
   Certificate certify() override;
-  bool makes_stages() const override { return true; }
-  double least_motion(double interval) const override {
-    return stages_.value().least_motion(*state_, interval);
+  double least_motion(double interval) override {
+    return stages_.value().least_motion(state_->v.data(), interval);
   }
   bool renew_friction() override {
     return potential_.contact().exists() && potential_.contact().renew_lag(u_.data());
   }
   void keep_stage() override { stages_.value().keep_stage(u_.data()); }
-  StageData stage_data() const override {
+  StageData stage_data() override {
     if (!stages_) return {};
-    return {stages_->first_stage(), potential_.contact().bonds()};
+    return {{stage_machine_->first_stage(), scene_.grid.node_count(), 3}, potential_.contact().bonds()};
   }
   StageEnd end_step(const TimeErrorOptions* options) override;
   MotionEnergy finish() override;
@@ -90,9 +91,9 @@ class HostStep : public StepWork {
   Array<double> next_velocities() const;
   void begin_stage();
   void forget();
-  void filter(double interval, const double* y, double* filtered);
+  void filter(double interval, double* y);
   template <class P>
-  void filter(Preconditioner<P>& first, double interval, const double* y, double* filtered);
+  void filter(Preconditioner<P>& first, double interval, double* y);
 
   const Scene& scene_;
   IncrementalPotential potential_;
@@ -102,14 +103,15 @@ class HostStep : public StepWork {
   State own_;             // of a clip
   State* state_ = &own_;  // the present one: that, or one that is borrowed
   Zeroed<double> u_, gradient_;
-  Zeroed<double> clear_;                // the clear start
-  std::vector<Zeroed<double>> starts_;  // extrapolations, from order 1 on
-  Zeroed<double> u_before_shift_;       // by balance
-  Array<double> x_, v_;                 // of the new state; v_ of steps of stages
-  std::optional<HostStages> stages_;    // where the scene's scheme has some
-  double voxel_energy_ = 0;             // of the last certificate [J]
-  double known_time_ = -1;              // of the state that the stages know [s]
-  bool in_flight_ = false;              // free pieces are there, and nothing touches
+  Zeroed<double> clear_;                           // the clear start
+  std::vector<Zeroed<double>> starts_;             // extrapolations, from order 1 on
+  Zeroed<double> u_before_shift_;                  // by balance
+  Array<double> x_, v_;                            // of the new state; v_ of steps of stages
+  std::optional<HostStageMachine> stage_machine_;  // where the scene's scheme has some
+  std::optional<Stages> stages_;
+  double voxel_energy_ = 0;  // of the last certificate [J]
+  bool is_cut_ = false;      // by clear_start
+  bool in_flight_ = false;   // free pieces are there, and nothing touches
 
   // where float has too few digits for the scene, the preconditioner in double; else that in float
   std::optional<Preconditioner<float>> single_;

@@ -4,6 +4,7 @@
 #include "network/precondition/preconditioner.cuh"
 #include "network/step/newton_loop.hpp"
 #include "network/step/newton_solver_device.hpp"
+#include "core/time_error.hpp"
 
 #include <cmath>
 #include <limits>
@@ -47,6 +48,8 @@ struct DeviceNewton::Impl {
   void find_curvature();
   void advance();
   void scale_step(double unit);
+  void set_inertial_gradient(const double* y);
+  void take_step(double* y);
 
   // NewtonWork of the card: the trial is u + share d, d in x
   double begin(PotentialValue& value);
@@ -262,6 +265,35 @@ DeviceNewton::~DeviceNewton() = default;
 IterationResult DeviceNewton::solve(double target, int max_outer, int max_inner,
                                     const Interrupted& interrupted) {
   return newton_loop(*impl_, impl_->region, target, max_outer, max_inner, interrupted);
+}
+
+/// g = -M/T^2 y, so that the Newton step at it is S y.
+void DeviceNewton::Impl::set_inertial_gradient(const double* y) {
+  const double* inertia = potential.inertia();
+  double* const to = gradient.data();
+  cuda::for_each(count, [=] __device__(int64_t k) { to[k] = -inertia[k / 3] * y[k]; });
+}
+
+void DeviceNewton::Impl::take_step(double* y) {
+  const float* step = x.data();
+  cuda::for_each(count, [=] __device__(int64_t k) { y[k] = double(step[k]); });
+}
+
+void DeviceNewton::filter(double interval, double* y) {
+  Impl& s = *impl_;
+  const StepScheme scheme(TimeScheme::kEuler, interval, 1);
+  s.potential.set_scheme(scheme);
+  s.quasi.preconditioner().update_inertia(scheme);
+  s.linearise(TangentKind::kProjected, s.potential.value());
+  s.set_inertial_gradient(y);
+  s.measure(s.gradient);
+  s.signal.wait();
+  const double size = std::sqrt(s.numbers[0].square);
+  if (!(size > 0)) return;
+  // scaled to 1, so that float holds it
+  const double unit = size / std::sqrt(double(s.count));
+  s.solve(unit, kFilterTolerance, kFilterIterations, {}, [] { return false; });
+  s.take_step(y);
 }
 
 size_t DeviceNewton::bytes(const DevicePotential& potential) {

@@ -18,6 +18,10 @@ class DeviceNewton {
   IterationResult solve(double target, int max_outer, int max_inner,
                         const Interrupted& interrupted);
 
+  /// y = S y, S of time_error.hpp at the displacement of the DeviceQuasi, where the potential was
+  /// evaluated last; (nodes, 3), on the device. Leaves the potential with the inertia of S.
+  void filter(double interval, double* y);
+
   /// Bytes of the device's memory that it needs, with the tangents of the potential.
   static size_t bytes(const DevicePotential& potential);
 

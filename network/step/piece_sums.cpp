@@ -7,26 +7,31 @@
 
 namespace elastogen {
 
-Pieces::Pieces(const Scene& scene) : scene_(scene), held_(held_pieces(scene)) {
+Pieces::Pieces(const Scene& scene) : held_(held_pieces(scene)) {
+  const Array<double>& X = scene.grid.rest;
   nodes_ = grouped(scene.grid.node_count(), size_t(scene.grid.pieces),
                    [&](int64_t n) { return scene.grid.piece(n); });
   mass_.resize(count());
   size_.resize(count());
   pins_.resize(count());
   for (size_t p = 0; p < count(); ++p) {
-    mass_[p] = sum<1>(p, [&](int64_t n, auto& s) { s[0] += scene.mass(n); })[0];
-    const auto rest = [&](int64_t n) -> Vec3 {
-      return {scene.grid.rest(n, 0), scene.grid.rest(n, 1), scene.grid.rest(n, 2)};
-    };
+    // mass and centre, pins, then distances from the centre
+    const auto whole = sum<4>(p, [&](int64_t n, auto& s) {
+      for (size_t i = 0; i < 3; ++i) s[i] += scene.mass(n) * X(n, int(i));
+      s[3] += scene.mass(n);
+    });
+    mass_[p] = whole[3];
     const auto pinned = sum<4>(p, [&](int64_t n, auto& s) {
       if (!scene.pinned(n)) return;
-      for (size_t i = 0; i < 3; ++i) s[i] += scene.grid.rest(n, int64_t(i));
+      for (size_t i = 0; i < 3; ++i) s[i] += X(n, int(i));
       s[3] += 1;
     });
     for (size_t i = 0; i < 3 && pinned[3] > 0; ++i) pins_[p][i] = pinned[i] / pinned[3];
-    const Mat3<double> I = state(p, rest, [](int64_t) { return Vec3{}; }).inertia;
-    // the trace is twice sum m r^2
-    size_[p] = 2 * std::sqrt((I(0, 0) + I(1, 1) + I(2, 2)) / (2 * mass_[p]));
+    const auto square = sum<1>(p, [&](int64_t n, auto& s) {
+      for (size_t i = 0; i < 3; ++i)
+        s[0] += scene.mass(n) * std::pow(X(n, int(i)) - whole[i] / whole[3], 2);
+    });
+    size_[p] = 2 * std::sqrt(square[0] / mass_[p]);
   }
 }
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sums over the pieces of a body on the host: mass, centre, momentum of each, and its motion as a
-// rigid body.
+// The pieces of a body: their nodes, masses and sizes, and the motion of each as a rigid body.
 
 #pragma once
 
@@ -50,47 +49,10 @@ class Pieces {
     return total;
   }
 
-  /// Calls body(node) for the nodes of a piece.
-  template <class Body>
-  void for_each(size_t piece, const Body& body) const {
-    const std::vector<int32_t>& nodes = nodes_[piece];
-    elastogen::for_each(int64_t(nodes.size()), [&](int64_t k) { body(int64_t(nodes[size_t(k)])); });
-  }
-
-  /// x(node), v(node) give position and velocity.
-  template <class X, class V>
-  PieceState state(size_t piece, const X& x, const V& v) const {
-    const Vec3 origin = x(int64_t(nodes_[piece][0]));  // so that no digits are lost far away
-    // centre and velocity, then what is about them
-    const std::array<double, 6> first = sum<6>(piece, [&](int64_t n, auto& sums) {
-      const Vec3 r = minus(x(n), origin), speed = v(n);
-      for (size_t i = 0; i < 3; ++i)
-        sums[i] += scene_.mass(n) * r[i], sums[3 + i] += scene_.mass(n) * speed[i];
-    });
-    PieceState s;
-    for (size_t i = 0; i < 3; ++i) {
-      s.centre[i] = origin[i] + first[i] / mass_[piece];
-      s.velocity[i] = first[3 + i] / mass_[piece];
-    }
-    const std::array<double, 9> second = sum<9>(piece, [&](int64_t n, auto& sums) {
-      const Vec3 r = minus(x(n), s.centre), L = cross(r, minus(v(n), s.velocity));
-      for (size_t i = 0; i < 3; ++i) {
-        sums[i] += scene_.mass(n) * L[i];
-        sums[3 + i] += scene_.mass(n) * r[i] * r[i];
-        sums[6 + i] += scene_.mass(n) * r[i] * r[(i + 1) % 3];
-      }
-    });
-    for (size_t i = 0; i < 3; ++i) {
-      s.spin[i] = second[i];
-      const auto a = int(i), b = int((i + 1) % 3);
-      s.inertia(a, a) = second[3 + (i + 1) % 3] + second[3 + (i + 2) % 3];
-      s.inertia(a, b) = s.inertia(b, a) = -second[6 + i];
-    }
-    return s;
-  }
+  /// Nodes of each piece.
+  const std::vector<std::vector<int32_t>>& nodes() const { return nodes_; }
 
  private:
-  const Scene& scene_;
   std::vector<std::vector<int32_t>> nodes_;
   std::vector<uint8_t> held_;
   std::vector<double> mass_, size_;

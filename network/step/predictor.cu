@@ -6,6 +6,8 @@ namespace elastogen::cuda {
 
 void StepOnDevice::begin_step(const StepScheme& scheme, double time) {
   scheme_ = scheme;
+  time_ = time;
+  if (scheme.is_stage) return begin_stage();
   const Motion m = motion();
   double *inertia = potential().inertia(), *predictor = potential().predictor(),
          *now = gradient_.data(), *u = quasi_.u();  // as in now()
@@ -22,6 +24,7 @@ void StepOnDevice::begin_step(const StepScheme& scheme, double time) {
   });
   has_rotations_ = false;
   potential().freeze_rotations(now);
+  potential().begin_damping(scheme, now, before());
   pieces_.start(m.rest, m.mass, m.x, m.x_before, predictor, u);
   if (DeviceContact* contact = potential().contact()) contact->begin_step(now, time);
 }
@@ -91,7 +94,7 @@ void StepOnDevice::evaluate_starts(int count, double* phi) {
   const bool one_by_one = potential().contact() != nullptr;
   const auto take = [&](int k) { phi[k] = potential().value(k).total(); };
   for (int k = 0; k < count; ++k) {
-    if (k > 0) extrapolate(k, starts[k]);
+    if (k > 0) scheme_.is_stage ? stages_.value().start(k, starts[k]) : extrapolate(k, starts[k]);
     potential().start_energy(starts[k], k);
     if (!one_by_one) continue;
     potential().wait_for_energy();

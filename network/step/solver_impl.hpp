@@ -42,7 +42,7 @@ struct Solver::Impl {
   void certify(StepReport& report);
   void finish(StepReport& report);
 
-  // steps of stages (stage_step.cpp)
+  // steps of stages (solver_stages.cpp)
   StepReport advance_stages();
   bool make_stage(const TimeStage& stage, StepReport& report);
   bool make_step(TimeScheme kind, double h, StepReport& report);
@@ -70,6 +70,7 @@ struct Solver::Impl {
   double h_before = 0;   // of the step before [s]
   double tolerance = 0;  // of the present step
   bool between_intervals = true;
+  bool meets_collider = false;      // the last stage was not begun for it
   mutable Zeroed<double> gradient;  // of the last certificate, once it was asked for
   mutable bool has_gradient = true;
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Steps of stages: SDIRK2 at a fixed length, and `auto`, whose steps follow their time error.
 #include "core/constants.hpp"
-#include "core/error.hpp"
 #include "core/stopwatch.hpp"
 #include "network/step/solver_impl.hpp"
 
@@ -13,29 +12,10 @@ namespace {
 
 constexpr double kOfTimeError = 0.01;     // that the solver may leave
 constexpr double kLoosest = 0.3;          // residual
-constexpr int kMostFriction = 10;         // solves of a stage for its friction
+constexpr int kMostFriction = 20;         // solves of a stage for its friction
 constexpr double kMostGrowth = 2 + 1e-6;  // of BDF2's step over the one before
 
 }  // namespace
-
-void StepWork::keep_stage() {
-  ELASTOGEN_CHECK(false, "this machine makes no stages");
-}
-
-bool StepWork::renew_friction() {
-  ELASTOGEN_CHECK(false, "this machine makes no stages");
-  return false;
-}
-
-double StepWork::least_motion(double) const {
-  ELASTOGEN_CHECK(false, "this machine makes no stages");
-  return 0;
-}
-
-StageEnd StepWork::end_step(const TimeErrorOptions*) {
-  ELASTOGEN_CHECK(false, "this machine makes no stages");
-  return {};
-}
 
 /// The end of the interval dt of the scene that the present time lies in, or a break of a
 /// collider's path before it: no step goes across one.
@@ -72,14 +52,18 @@ bool Solver::Impl::settle_friction(StepReport& report) {
 }
 
 /// Solves a stage and adds it to the report of the step, which keeps the worst of all stages.
-/// False where it was interrupted or refused.
+/// False where it was interrupted or refused, or not begun because an impact is to come.
 bool Solver::Impl::make_stage(const TimeStage& stage, StepReport& report) {
   StepReport own;
   own.step = report.step;
   scheme = StepScheme(report.scheme, stage);
   tolerance = tolerance_of(stage, report.length);
+  bool solved = start(own);
+  meets_collider = solved && scene.scheme == TimeScheme::kAuto &&
+                   control.level() < TimeControl::kImpactLevel && work->meets_collider();
+  if (meets_collider) return false;
   ++report.solves;
-  const bool solved = start(own) && solve(own) && settle_friction(own);
+  solved = solved && solve(own) && settle_friction(own);
   // counts add up, of the certificates the worst
   report.outer += own.outer;
   report.inner += own.inner;
@@ -164,6 +148,10 @@ StepReport Solver::Impl::advance_stages() {
                             : by_bdf2 ? TimeScheme::kBdf2
                                       : TimeScheme::kSdirk2;
     if (!make_step(kind, h, report)) {
+      if (meets_collider) {  // not solved yet
+        control.expect_impact();
+        continue;
+      }
       // shorter steps may be finite
       const bool may_retry = !report.interrupted && is_auto && level < TimeControl::kMostLevel;
       if (!may_retry) return report;

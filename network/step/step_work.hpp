@@ -56,14 +56,15 @@ class StepWork {
   /// Phi in float at start 0, which is u, and at the extrapolations of order 1 to count - 1
   /// (Predictor::extrapolate), into phi, (count).
   virtual void evaluate_starts(int count, double* phi) = 0;
-  /// Takes one of these starts for u.
-  virtual void use_start(int start) = 0;
+  virtual void use_start(int start) = 0;  ///< takes one of these for u
   /// Largest |u - u_now| of a component [m], u_now the displacement at the start of the step.
   virtual double farthest() = 0;
   /// Cuts the motion from the clear start to u where colliders are met. The clear start is u_now,
   /// with what colliders run over carried along.
   /// @return the collider that a point lies in all the same, else null.
   virtual const Collider* clear_start() = 0;
+  /// Whether that cut, in a stage, the way of a body in flight which is fast enough to bounce.
+  virtual bool meets_collider() = 0;
   /// Whether Phi in float is lower at u than at the clear start; before anything is iterated.
   virtual bool is_below_clear_start() = 0;
   /// u = the clear start; before anything is iterated.
@@ -95,21 +96,20 @@ class StepWork {
   /// flight get the mean motion of their predictor (free_flight.hpp), unless something touches a
   /// collider or the step is the paper's.
   virtual Certificate certify() = 0;
-  /// Whether it makes steps of stages (StepScheme::is_stage), for which the next two are.
-  virtual bool makes_stages() const { return false; }
+  // steps of stages (StepScheme::is_stage), where the scene's scheme has some
+
   /// The least motion that counts in an interval, of all pieces [m]: that at their present speed, or
   /// a share of their size.
-  virtual double least_motion(double interval) const;
+  virtual double least_motion(double interval) = 0;
   /// Takes the normal forces and normals of friction from the positions of the certificate, which has
   /// to be made again. False: there is no friction.
-  virtual bool renew_friction();
+  virtual bool renew_friction() = 0;
   /// Keeps the positions of the certificate as those of the first stage of a step.
-  virtual void keep_stage();
+  virtual void keep_stage() = 0;
   /// Velocities of a step whose last stage has its certificate, which finish() takes, and what the
   /// step adds to the time error; null: not asked for.
-  virtual StageEnd end_step(const TimeErrorOptions* options);
-  /// What is known of the last step of stages beside the state.
-  virtual StageData stage_data() const { return {}; }
+  virtual StageEnd end_step(const TimeErrorOptions* options) = 0;
+  virtual StageData stage_data() { return {}; }  ///< of the last step of stages, on the host
   /// The positions of the certificate and the velocities to them become the state.
   virtual MotionEnergy finish() = 0;
   /// The gradient of the last certificate, (nodes, 3).

@@ -39,4 +39,23 @@ inline Scene box_scene(int nx, int ny, int nz, double h, const Vec3& corner,
   return scene;
 }
 
+inline constexpr double kEdge = 0.02;  // of voxels [m]
+
+/// Every kind of collider, each touched by a side of a body at the origin; the sphere moves.
+inline std::vector<Collider> one_of_each() {
+  const double layer = kEdge / 4;
+  Collider sphere = ball({0.12, 0.09, -0.3 + 0.4 * layer}, 0.3);
+  sphere.path = {{0, {}}, {1, {0.06, 0.03, 0}}};
+  return {half_space({0, 1, 0}, 0.3 * layer, 0.5), sphere,
+          block({-0.1 + 0.5 * layer, 0.09, 0.1}, {0.1, 1, 1})};
+}
+
+/// A block that touches all of them, pinned on the far side.
+inline Scene box_in_touch() {
+  Scene scene = box_scene(12, 9, 10, kEdge, {0, 0, 0}, solid(1e5, 0.3), one_of_each());
+  for (int64_t n = 0; n < scene.grid.node_count(); ++n)
+    scene.pinned(n) = scene.grid.node_coord(n, 0) == 12;
+  return scene;
+}
+
 }  // namespace elastogen::test

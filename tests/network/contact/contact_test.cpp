@@ -216,9 +216,8 @@ TEST(Contact, ActsOnAPieceWithTheSumOfItsNodalForces) {
   std::vector<double> g(u.size());
   const double energy = contact.evaluate(u.data(), g.data());
   const Vec3 about = {0.3, -0.2, 0.1};
-  std::vector<ContactAction> pieces;
-  const double normal_energy = contact.act(u.data(), v.data(), {about}, pieces);
-  ASSERT_EQ(pieces.size(), 1u);
+  const ActionSums sums = contact.act(u.data(), v.data(), {about});
+  ASSERT_EQ(sums.pieces.size(), 1u);
 
   Vec3 force = {}, torque = {};
   for (int64_t n = 0; n < scene.grid.node_count(); ++n) {
@@ -230,17 +229,17 @@ TEST(Contact, ActsOnAPieceWithTheSumOfItsNodalForces) {
     force = plus(force, f);
     torque = plus(torque, cross(minus(x, about), f));
   }
-  const ContactAction& action = pieces[0];
+  const ContactAction& action = sums.pieces[0];
   EXPECT_LT(safe_norm(minus(action.force, force)), 1e-12 * safe_norm(force));
   EXPECT_LT(safe_norm(minus(action.torque, torque)), 1e-12 * safe_norm(force));
   // the floor's normal is y: its forces are all along it, and friction has energy of its own
   EXPECT_NEAR(action.normal, force[1], 1e-12 * action.normal);
   EXPECT_GT(action.normal, 0);
-  EXPECT_LT(normal_energy, energy);
+  EXPECT_LT(sums.energy, energy);
   // a body that sinks at 2 m/s gives the floor that power
   for (size_t k = 0; k < v.size(); ++k) v[k] = k % 3 == 1 ? -2 : 0;
-  contact.act(u.data(), v.data(), {about}, pieces);
-  EXPECT_NEAR(pieces[0].power, -2 * action.normal, 1e-12 * action.normal);
+  EXPECT_NEAR(contact.act(u.data(), v.data(), {about}).pieces[0].power, -2 * action.normal,
+              1e-12 * action.normal);
 }
 
 /// A block that lies in the layer of a floor, which its points are bonded to, and is pushed along x.

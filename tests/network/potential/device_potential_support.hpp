@@ -59,6 +59,7 @@ void expect_like_host(IncrementalPotential& host, cuda::DevicePotential& device,
   EXPECT_LT(relative_difference(gradient.host(), expected), bound);
   EXPECT_NEAR(b.elastic, a.elastic, bound * a.elastic);
   EXPECT_NEAR(b.hourglass, a.hourglass, bound * a.hourglass);
+  EXPECT_NEAR(b.viscous, a.viscous, bound * a.viscous);
   EXPECT_NEAR(b.inertia, a.inertia, 1e-12 * a.inertia);
   EXPECT_NEAR(b.min_j, a.min_j, bound);
   EXPECT_EQ(b.outside, a.outside);

@@ -226,6 +226,8 @@ TEST_F(OnCard, AutoTakesItWhereItCan) {
   touching.colliders = {half_space({0, 1, 0}, -1, 0.5)};
   touching.surface = face_points(scene.grid);
   EXPECT_NE(Solver(touching, options).device(), "cpu");
+  touching.scheme = TimeScheme::kAuto;
+  EXPECT_NE(Solver(touching, options).device(), "cpu");
   options.learned = {shipped_net(Law::kNeoHookean, 0.4, Evaluation::kNet), nullptr};
   EXPECT_NE(Solver(scene, options).device(), "cpu");
 }
@@ -283,6 +285,15 @@ TEST_F(OnCard, TheRoomThatIsAskedForIsWhatIsTaken) {
   Scene scene = clamped_beam(96, 48, 48, kH, solid(1e5, 0.3));
   expect_memory_asked_for(scene);
   expect_memory_asked_for(scene, {shipped_net(Law::kNeoHookean, 0.3, Evaluation::kNet)});
+  scene.colliders = {half_space({0, 1, 0}, 0, 0.5)};
+  scene.surface = face_points(scene.grid);
+  expect_memory_asked_for(scene);
+}
+
+TEST_F(OnCard, TheRoomOfStagesThatIsAskedForIsWhatIsTaken) {
+  Scene scene = clamped_beam(96, 48, 48, kH, solid(1e5, 0.3));
+  scene.scheme = TimeScheme::kAuto;
+  expect_memory_asked_for(scene);
   scene.colliders = {half_space({0, 1, 0}, 0, 0.5)};
   scene.surface = face_points(scene.grid);
   expect_memory_asked_for(scene);

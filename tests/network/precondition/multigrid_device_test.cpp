@@ -136,6 +136,38 @@ TEST_F(MultigridOnCard, StiffenedCyclesAreThoseOfTheHost) {
   }
 }
 
+/// Inertia of steps of another length counts as a stiffness of the free nodes.
+TEST_F(MultigridOnCard, CyclesOfStepsOfOtherLengthsAreThoseOfTheHost) {
+  for (NamedScene& named : multigrid_scenes()) {
+    SCOPED_TRACE(named.name);
+    Scene& scene = named.scene;
+    scene.scheme = TimeScheme::kAuto;
+    Multigrid<double> host(scene, 1, {}, cuda::kMostChangedNodes);
+    Made<double> device(scene);
+    device.cycle->expect_stiffness(device.tables.mass());
+    device.cycle->use_stiffness(true);
+    const std::vector<double> stiffness = some_stiffness(scene);
+    const StiffNodes stiff(stiffness);
+    OnDevice<int32_t> nodes(stiff.nodes);
+    OnDevice<double> blocks(stiff.blocks);
+    // other inertia alone, then with the stiffness of nodes
+    for (const double factor : {0.4, 40.0}) {
+      const double more = (factor - 1) / (scene.dt * scene.dt);
+      std::vector<double> added(stiffness.size());
+      for (size_t k = 0; k < added.size(); ++k)
+        if (!scene.pinned(int64_t(k / 3))) added[k] = more * scene.mass(int64_t(k / 3));
+      host.set_nodal_stiffness(added);
+      device.cycle->add_inertia(more);
+      device.cycle->set_nodal_stiffness({});
+      expect_cycle_of_host(scene, host, *device.cycle, 1e-11);
+      for (size_t k = 0; k < added.size(); ++k) added[k] += stiffness[k];
+      host.set_nodal_stiffness(added);
+      device.cycle->set_nodal_stiffness({nodes.data(), blocks.data(), int64_t(stiff.nodes.size())});
+      expect_cycle_of_host(scene, host, *device.cycle, 1e-11);
+    }
+  }
+}
+
 TEST_F(MultigridOnCard, CycleOfManyLevels) {
   // levels of their own launches above those of the cluster
   const Scene scene = clamped_beam(90, 70, 61, 0.02, solid(1e5, 0.45));

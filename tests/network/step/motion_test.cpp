@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Motion by stages and by steps that follow their time error, at the default tolerance of the
-// solver, against closed forms and against runs with 16 or 32 steps a frame.
+// solver, against closed forms and against runs of the CPU with 16 or 32 steps a frame.
 #include "core/error.hpp"
-#include "tests/network/step/motion_scenes.hpp"
+#include "tests/network/step/motion_machines.hpp"
 
 namespace elastogen::test {
 namespace {
@@ -27,12 +27,12 @@ double angle_about_z(const Scene& scene, const State& state) {
   return std::atan2(sine, cosine);
 }
 
-TEST(Motion, FreeFallIsExact) {
+void expect_free_fall(Device device) {
   MovingScene m = block_on_floor(1e5, 100);
   m.start = initial_state(m.scene, {.velocity = {1, 2, 0.5}});
   const MeanMotion begin = mean_motion(m.scene, m.start);
   for (const TimeScheme scheme : {kSdirk2, kAuto}) {
-    const std::vector<MotionFrame> run = play(m, scheme, 30);
+    const std::vector<MotionFrame> run = play_on(device, m, scheme, 30);
     const MeanMotion end = mean_motion(m.scene, run.back().state);
     const double t = 30 * kFrame;
     EXPECT_NEAR(end.centre[1] - begin.centre[1], 2 * t - 9.81 * t * t / 2, 1e-12);
@@ -44,14 +44,15 @@ TEST(Motion, FreeFallIsExact) {
   }
 }
 
-TEST(Motion, ASpinKeepsItsMomentumAndItsAngle) {
+void expect_spin(Device device) {
   // a ball of rate 10 rad/s: after 60 frames 20 rad, of a soft one less, as it widens
   struct Case {
     double courant, off, solves;  // off: the angle [rad]
   };
   for (const Case& c : {Case{5, 0.02, 2.2}, Case{50, 1e-3, 1.1}}) {
     const MovingScene m = spinning_ball(c.courant, 10);
-    const std::vector<MotionFrame> run = play(m, kAuto, 60), fine = play(m, kSdirk2, 60, 8);
+    const std::vector<MotionFrame> run = play_on(device, m, kAuto, 60),
+                                   fine = play(m, kSdirk2, 60, 8);
     const Vec3 before = mean_motion(m.scene, m.start).spin,
                after = mean_motion(m.scene, run.back().state).spin;
     EXPECT_LT(size_of(minus(after, before)), 1e-12 * size_of(before));
@@ -64,9 +65,10 @@ TEST(Motion, ASpinKeepsItsMomentumAndItsAngle) {
   }
 }
 
-TEST(Motion, ATumblingBoxFollowsEulersEquations) {
+void expect_tumbling(Device device) {
   const MovingScene m = tumbling_box(50, 6);
-  const std::vector<MotionFrame> run = play(m, kAuto, 60), fine = play(m, kSdirk2, 60, 16);
+  const std::vector<MotionFrame> run = play_on(device, m, kAuto, 60),
+                                 fine = play(m, kSdirk2, 60, 16);
   const Vec3 before = mean_motion(m.scene, m.start).spin,
              after = mean_motion(m.scene, run.back().state).spin;
   EXPECT_LT(size_of(minus(after, before)), 1e-12 * size_of(before));
@@ -75,7 +77,7 @@ TEST(Motion, ATumblingBoxFollowsEulersEquations) {
   EXPECT_LE(solves_a_frame(run), 1.1);
 }
 
-TEST(Motion, ASpinningPieceOfTwoIsNotTheOther) {
+void expect_two_pieces(Device device) {
   // two blocks side by side that do not touch, of which one spins: each keeps its own momentum
   const double h = 0.05;
   std::vector<std::array<int32_t, 3>> at;
@@ -95,7 +97,7 @@ TEST(Motion, ASpinningPieceOfTwoIsNotTheOther) {
       m.start.v(n, 0) = -8 * (m.scene.grid.rest(n, 1) - 1.5 * h);
       m.start.v(n, 1) = 8 * (m.scene.grid.rest(n, 0) - 1.5 * h);
     }
-  const std::vector<MotionFrame> run = play(m, kAuto, 30);
+  const std::vector<MotionFrame> run = play_on(device, m, kAuto, 30);
   double moved = 0;
   for (int64_t n = 0; n < m.scene.grid.node_count(); ++n)
     if (m.scene.grid.piece(n) == 1)
@@ -133,13 +135,14 @@ std::pair<double, double> compared(const Scene& scene, const std::vector<MotionF
   return {a / b, period / exact - 1};
 }
 
-TEST(Motion, BarsKeepRinging) {
+void expect_ringing(Device device) {
   struct Case {
     double frames, amplitude, period, solves;
   };
   for (const Case& c : {Case{16, 0.92, 0.025, 2.3}, Case{8, 0.9, 0.02, 4.6}}) {
     const MovingScene m = vibrating_bar(c.frames, 0.02);
-    const std::vector<MotionFrame> run = play(m, kAuto, 60), fine = play(m, kSdirk2, 60, 16);
+    const std::vector<MotionFrame> run = play_on(device, m, kAuto, 60),
+                                   fine = play(m, kSdirk2, 60, 16);
     const auto [amplitude, period] = compared(m.scene, run, fine);
     printf("bar of %g frames: amplitude %.3f, period %+.2f %%, %.2f solves a frame\n", c.frames,
            amplitude, 100 * period, solves_a_frame(run));
@@ -150,13 +153,14 @@ TEST(Motion, BarsKeepRinging) {
   }
 }
 
-TEST(Motion, ACantileverAndAPendulumSwingAsFineStepsSay) {
+void expect_swing(Device device) {
   struct Case {
     MovingScene m;
     double error, solves;  // of the centre over its range
   };
   for (const Case& c : {Case{released_cantilever(3e5), 0.04, 3}, Case{pendulum(1.2), 0.02, 2.4}}) {
-    const std::vector<MotionFrame> run = play(c.m, kAuto, 60), fine = play(c.m, kSdirk2, 60, 16);
+    const std::vector<MotionFrame> run = play_on(device, c.m, kAuto, 60),
+                                   fine = play(c.m, kSdirk2, 60, 16);
     double error = 0, low = 1e300, high = -1e300;
     for (size_t k = 0; k < run.size(); ++k) {
       const Vec3 a = mean_motion(c.m.scene, run[k].state).centre,
@@ -171,80 +175,28 @@ TEST(Motion, ACantileverAndAPendulumSwingAsFineStepsSay) {
   }
 }
 
-TEST(Motion, ABallHopsAsHighAsWithFineSteps) {
-  const MovingScene m = dropped_ball(1e6, 1);
-  const std::vector<MotionFrame> run = play(m, kAuto, 30), fine = play(m, kSdirk2, 30, 32);
-  const auto hop = [&](const std::vector<MotionFrame>& frames) {
-    double low = 1e300, high = -1e300;
-    for (const MotionFrame& f : frames) {
-      const double y = mean_motion(m.scene, f.state).centre[1];
-      if (y < low) low = y, high = y;
-      high = std::max(high, y);
-    }
-    return high - 0.2 - m.scene.colliders[0].centre[1];  // of its lowest point above the floor
-  };
-  printf("hop %.4f m, fine %.4f m, %.2f solves a frame\n", hop(run), hop(fine),
-         solves_a_frame(run));
-  EXPECT_NEAR(hop(run), hop(fine), 0.03 * hop(fine));
-  // friction takes energy; none comes from nowhere
-  double low = 1e300, most = 0;
-  for (const MotionFrame& f : run) {
-    low = std::min(low, f.energy);
-    most = std::max(most, f.energy - low);
-  }
-  EXPECT_LT(most, 1e-3 * 9.81 * mean_motion(m.scene, m.start).mass);
+TEST(Motion, FreeFallIsExact) {
+  expect_free_fall(Device::kCpu);
 }
 
-TEST(Motion, WhatLiesStaysAtOneSolveAFrame) {
-  const MovingScene m = block_on_floor(1e6, 0);
-  const std::vector<MotionFrame> run = play(m, kAuto, 60);
-  const double mass = mean_motion(m.scene, m.start).mass;
-  EXPECT_LE(solves_a_frame(run), 1.1);
-  EXPECT_LT(std::sqrt(2 * run.back().kinetic / mass), 1e-4);
+TEST(Motion, ASpinKeepsItsMomentumAndItsAngle) {
+  expect_spin(Device::kCpu);
 }
 
-/// Way of the centre of mass along x after each frame.
-std::vector<double> way_along_x(const Scene& scene, const State& start,
-                                const std::vector<MotionFrame>& run) {
-  std::vector<double> way;
-  const double begin = mean_motion(scene, start).centre[0];
-  for (const MotionFrame& f : run) way.push_back(mean_motion(scene, f.state).centre[0] - begin);
-  return way;
+TEST(Motion, ATumblingBoxFollowsEulersEquations) {
+  expect_tumbling(Device::kCpu);
 }
 
-TEST(Motion, ABlockHoldsOnASlopeAndSlidesAsCoulombSays) {
-  const double degree = std::numbers::pi / 180, friction = 0.5;
-  // holds: it slips while it lands, then not at all
-  const MovingScene holds = block_on_slope(1e6, 20 * degree, friction);
-  std::vector<MotionFrame> run = play(holds, kAuto, 45);
-  std::vector<double> way = way_along_x(holds.scene, holds.start, run);
-  printf("slope of 20 degrees: slips %.2f mm, then %.1e m/s\n", 1e3 * way.back(),
-         mean_motion(holds.scene, run.back().state).velocity[0]);
-  EXPECT_LT(std::abs(way.back()), 1.2e-3);
-  EXPECT_LT(std::abs(way.back() - way[14]), 3e-5);
-  EXPECT_LT(std::abs(mean_motion(holds.scene, run.back().state).velocity[0]), 1e-5);
-  // slides by g (sin - mu cos) t^2 / 2
-  const MovingScene slides = block_on_slope(1e6, 45 * degree, friction);
-  way = way_along_x(slides.scene, slides.start, play(slides, kAuto, 45));
-  const double exact = 9.81 * std::sqrt(0.5) * (1 - friction) / 2 * 1.5 * 1.5;
-  printf("slope of 45 degrees: %.4f m, exact %.4f\n", way.back(), exact);
-  EXPECT_NEAR(way.back(), exact, 0.01 * exact);
+TEST(Motion, ASpinningPieceOfTwoIsNotTheOther) {
+  expect_two_pieces(Device::kCpu);
 }
 
-TEST(Motion, ASlidingBlockStopsAndABallRollsAsRigidOnesDo) {
-  // from 1 m/s to rest: v^2 / (2 mu g)
-  MovingScene stops = block_on_slope(1e6, 0, 0.3);
-  for (int64_t n = 0; n < stops.start.v.rows(); ++n) stops.start.v(n, 0) = 1;
-  std::vector<double> way = way_along_x(stops.scene, stops.start, play(stops, kAuto, 30));
-  printf("stops after %.4f m, exact %.4f\n", way.back(), 1 / (0.6 * 9.81));
-  EXPECT_NEAR(way.back(), 1 / (0.6 * 9.81), 0.01 / (0.6 * 9.81));
-  // rolls by 5/7 g sin t^2 / 2
-  const double slope = std::numbers::pi / 18;
-  const MovingScene rolls = ball_on_slope(1e6, slope, 0.5);
-  way = way_along_x(rolls.scene, rolls.start, play(rolls, kAuto, 45));
-  const double exact = 5.0 / 7 * 9.81 * std::sin(slope) / 2 * 1.5 * 1.5;
-  printf("rolls %.4f m, exact %.4f\n", way.back(), exact);
-  EXPECT_NEAR(way.back(), exact, 0.03 * exact);
+TEST(Motion, ACantileverAndAPendulumSwingAsFineStepsSay) {
+  expect_swing(Device::kCpu);
+}
+
+TEST(Motion, BarsKeepRinging) {
+  expect_ringing(Device::kCpu);
 }
 
 TEST(Motion, TheEstimateIsTheLocalErrorWithinAFactor) {
@@ -283,26 +235,6 @@ TEST(Motion, TheEstimateIsTheLocalErrorWithinAFactor) {
   EXPECT_GT(low, 0.4);
 }
 
-TEST(Motion, StepsEndWhereAColliderStartsToMove) {
-  MovingScene m = block_on_floor(1e6, 0);
-  Collider& floor = m.scene.colliders[0];
-  floor.path = {{0, {}}, {0.05, {}}, {0.081, {0, 0.02, 0}}};
-  Scene scene = m.scene;
-  scene.scheme = kAuto, scene.dt = kFrame;
-  finish_scene(scene);
-  Solver solver(scene, {});
-  State state = m.start;
-  std::vector<double> ends;
-  while (state.time < 4.5 * kFrame) {
-    ASSERT_TRUE(solver.step(state).converged);
-    ends.push_back(state.time);
-  }
-  for (const double at : {0.05, 0.081, kFrame, 2 * kFrame, 3 * kFrame, 4 * kFrame})
-    EXPECT_TRUE(std::any_of(ends.begin(), ends.end(), [&](double t) {
-      return std::abs(t - at) < 1e-12;
-    })) << at;
-}
-
 TEST(Motion, OneRunIsAnotherContinuedFromItsState) {
   const MovingScene m = released_cantilever(3e5);
   Scene scene = m.scene;
@@ -321,11 +253,39 @@ TEST(Motion, OneRunIsAnotherContinuedFromItsState) {
   EXPECT_LT(rms_distance(scene, state.x, again.x), 1e-3);
 }
 
-TEST(Motion, ThePapersAlgorithmAndCardsAreRefused) {
+TEST(Motion, ThePapersAlgorithmIsRefused) {
   Scene scene = released_cantilever(3e5).scene;
   scene.scheme = kAuto;
   EXPECT_THROW(Solver(scene, {.mode = SolverMode::kPaper}), Error);
 }
+
+#ifdef ELASTOGEN_CUDA
+
+TEST_F(MotionOnCard, FreeFallIsExact) {
+  expect_free_fall(Device::kCuda);
+}
+
+TEST_F(MotionOnCard, ASpinKeepsItsMomentumAndItsAngle) {
+  expect_spin(Device::kCuda);
+}
+
+TEST_F(MotionOnCard, ATumblingBoxFollowsEulersEquations) {
+  expect_tumbling(Device::kCuda);
+}
+
+TEST_F(MotionOnCard, ASpinningPieceOfTwoIsNotTheOther) {
+  expect_two_pieces(Device::kCuda);
+}
+
+TEST_F(MotionOnCard, ACantileverAndAPendulumSwingAsFineStepsSay) {
+  expect_swing(Device::kCuda);
+}
+
+TEST_F(MotionOnCard, BarsKeepRinging) {
+  expect_ringing(Device::kCuda);
+}
+
+#endif
 
 }  // namespace
 }  // namespace elastogen::test

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+// What steps of stages (time_stage.hpp) need of a point's contact besides its energy: the slip that
+// its bond keeps (network/contact/friction.cpp), and what colliders do to the piece. Shared by host
+// and device.
+
+#pragma once
+
+#include "core/point_contact.hpp"
+
+#include <vector>
+
+namespace elastogen {
+
+/// What colliders do to a piece of the body.
+struct ContactAction {
+  Vec3 force = {};    ///< [N]
+  Vec3 torque = {};   ///< about the point asked for [N m]
+  double normal = 0;  ///< sum of the sizes of the normal forces [N]
+  double power = 0;   ///< of the normal forces [W], relative to the colliders
+
+  void add(const ContactAction& o) {
+    force = plus(force, o.force);
+    torque = plus(torque, o.torque);
+    normal += o.normal;
+    power += o.power;
+  }
+};
+
+/// That of all pieces.
+struct ActionSums {
+  std::vector<ContactAction> pieces;
+  double energy = 0;  ///< of the normal forces [J]
+};
+
+/// What a point adds to them.
+struct PointAction {
+  ContactAction action;
+  double energy = 0;
+};
+
+/// The part of a bond's slip across the normal that the friction of a lag holds.
+/// @param stiffness  of the point [J].
+ELASTOGEN_HD inline Vec3 bonded_slip(const ContactLengths& of, double stiffness,
+                                     const ContactLag& lag, const Vec3& slip) {
+  if (!(lag.limit > 0)) return {};
+  const Vec3 across = minus(slip, scaled(lag.normal, dot(slip, lag.normal)));
+  const double most = lag.limit / (of.bond * stiffness), size = std::sqrt(dot(across, across));
+  return size > most ? scaled(across, most / size) : across;
+}
+
+/// The slip that the bond of a point keeps at the end of a step.
+ELASTOGEN_HD inline Vec3 kept_slip(const ContactLengths& of, const ContactPoint& point,
+                                   const ObstaclePath& path, const ContactLag& lag,
+                                   const Proximity& near, double friction) {
+  const ContactLag end = contact_lag(near, point.stiffness, friction, of.layer);
+  return bonded_slip(of, point.stiffness, end, slip_of(point, path, lag));
+}
+
+/// What a collider does to a point that feels it.
+/// @param about     point of the torque [m].
+/// @param velocity  of the point relative to the collider [m/s].
+ELASTOGEN_HD inline PointAction point_action(const ContactLengths& of, const ContactPoint& point,
+                                             const ObstaclePath& path, const ContactLag& lag,
+                                             const Proximity& near, const Vec3& about,
+                                             const Vec3& velocity) {
+  PointAction result;
+  Vec3 gradient;
+  point_energy(of, point, path, lag, near, gradient);
+  // the force on the body is against the gradient
+  result.action.force = scaled(gradient, -1);
+  result.action.torque = cross(minus(point.place, about), result.action.force);
+  const Curve b = barrier(near.distance / of.layer);
+  result.energy = point.stiffness * b.value;
+  result.action.normal = -point.stiffness * b.first / of.layer;
+  result.action.power = result.action.normal * dot(near.normal, velocity);
+  return result;
+}
+
+}  // namespace elastogen

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the kernels of a step read and leave (device_step.cuh).
+
+#pragma once
+
+#include "network/step/step_work.hpp"
+
+namespace elastogen::cuda {
+
+/// The arrays of the state and of the scene that a step reads.
+struct Motion {
+  const double *x, *v, *x_before, *v_before;  ///< those before are those now in an Euler step
+  const double *rest, *mass;
+  const uint8_t* pinned;
+  StepScheme scheme;
+  double gravity[3];
+};
+
+/// The largest of what it is given.
+struct Largest {
+  double value = 0;
+  __device__ void add(const Largest& o) { value = o.value > value ? o.value : value; }
+};
+
+/// Numbers that kernels leave for the host.
+struct StepNumbers {
+  double farthest, reach, square, not_finite;
+  MotionEnergy energy;
+};
+
+}  // namespace elastogen::cuda

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// Steps of stages on the device: those of host_step.cpp.
+#include "network/precondition/preconditioner.cuh"
+#include "network/step/device_step.cuh"
+
+namespace elastogen::cuda {
+
+/// Of another state nothing is known but itself.
+void StepOnDevice::forget() {
+  if (!stages_) return;
+  stages_->forget();
+  if (DeviceContact* contact = potential().contact()) contact->forget_bonds();
+}
+
+/// u_before, where damping needs it, in the scratch of a trial.
+const double* StepOnDevice::before() {
+  if (!potential().terms().has_damping() || !has_before_) return nullptr;
+  const double *x = x_before_.data(), *rest = potential().rest();
+  double* const to = quasi_.trial_u();
+  cuda::for_each(size(), [=] __device__(int64_t k) { to[k] = x[k] - rest[k]; });
+  return to;
+}
+
+void StepOnDevice::begin_stage() {
+  const Motion m = motion();
+  const double* way = stages_.value().begin({m.x, m.v, m.x_before, m.v_before}, scheme_);
+  double *predictor = potential().predictor(), *now = gradient_.data();  // as in now()
+  cuda::for_each(size(), [=] __device__(int64_t k) {
+    now[k] = m.x[k] - m.rest[k];
+    predictor[k] = now[k] + (m.pinned[k / 3] ? 0 : way[k]);
+  });
+  has_rotations_ = false;
+  potential().set_scheme(scheme_);
+  potential().freeze_rotations(now);
+  const double t_b = scheme_.stage.t_b;
+  potential().begin_damping(scheme_, now, t_b > 0 ? quasi_.u() : before());
+  quasi_.preconditioner().update_inertia(scheme_);
+  // u is still that of the first stage where this is the second one
+  if (DeviceContact* contact = potential().contact())
+    contact->begin_stage(now, time_, scheme_.end(), t_b > 0 ? quasi_.u() : now,
+                         t_b > 0 ? time_ + t_b : time_);
+  stages_->start(0, quasi_.u());
+}
+
+bool StepOnDevice::renew_friction() {
+  return potential().contact() && potential().contact()->renew_lag(quasi_.u());
+}
+
+StageEnd StepOnDevice::end_step(const TimeErrorOptions* options) {
+  StageEnd end;
+  // the positions are where certify() has put them
+  end.keeps_energy =
+      stages_.value().end_step(quasi_.trial_u(), quasi_.u(), voxel_energy_, v_next_.data());
+  end.guarded = stages_->guarded();
+  if (options)
+    end.error = stages_->error(v_next_.data(), *options,
+                               [&](double* y) { newton_solver().filter(options->interval, y); });
+  return end;
+}
+
+/// The velocities of end_step() are those of the state that comes.
+void StepOnDevice::accept_stages() {
+  find_energies();
+  signal_.wait();
+  stages_->accept(time_ + scheme_.end());
+  if (DeviceContact* contact = potential().contact()) contact->keep_bonds(quasi_.u());
+  h_before_ = scheme_.end();
+}
+
+}  // namespace elastogen::cuda

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+// The estimate of time_error.hpp, and the scale of motion it is held against.
+#include "network/step/stages.hpp"
+
+#include <algorithm>
+
+namespace elastogen {
+/// Speeds of the pieces, and at which they met colliders. share: of T that the step takes.
+void Stages::note_speeds(const double* v, double share) {
+  const std::vector<PieceSums> squares = machine_.sum(Products{at_, at_.state.v, v});
+  speed_next_.resize(pieces_.count());
+  closing_next_.resize(pieces_.count());
+  for (size_t p = 0; p < pieces_.count(); ++p) {
+    const double fastest = std::sqrt(std::max(squares[p][0], squares[p][2]) / pieces_.mass(p));
+    speed_next_[p] = std::max(fastest, std::pow(kSpeedRemembered, share) * speed_[p]);
+    closing_next_[p] = std::pow(kClosingFades, share) * closing_[p];
+    for (const Forces* f : {&at_stage_, &at_end_})
+      if (!f->pieces.empty() && f->pieces[p].normal > 0)
+        closing_next_[p] =
+            std::max(closing_next_[p], std::abs(f->pieces[p].power) / f->pieces[p].normal);
+  }
+}
+
+double Stages::least_motion(const double* v, double interval) {
+  double least = 1e300;
+  const std::vector<PieceSums> squares = machine_.sum(Products{at_, v, v});
+  for (size_t p = 0; p < pieces_.count(); ++p) {
+    const double speed = std::max(std::sqrt(squares[p][0] / pieces_.mass(p)), speed_[p]);
+    least = std::min(least, std::max(interval * speed, kMotionFloor * pieces_.size(p)));
+  }
+  return least;
+}
+
+/// W rms(u) of a piece [m].
+double Stages::contact_error(size_t p, const StepWeights& weights,
+                             const TimeErrorOptions& options) {
+  if (!pieces_.is_free(p) || !touched()) return 0;
+  const double g = safe_norm(scene_.gravity), closing = closing_next_[p];
+  if (g > 0 && closing * closing / (2 * g) < kLowBounce * pieces_.size(p)) return 0;
+  const double W = g > 0 ? std::min(options.interval, closing / g) : options.interval;
+  // the impulse of the combination, and the rigid motion that it gives the piece
+  Vec3 force = {}, torque = {};
+  const auto add = [&](const Forces& f, double weight) {
+    if (f.pieces.empty()) return;
+    force = plus(force, scaled(f.pieces[p].force, weight));
+    torque = plus(torque, scaled(f.pieces[p].torque, weight));
+  };
+  add(at_end_, weights.end);
+  add(at_start_, weights.start);
+  add(at_.stage.t_b > 0 ? at_stage_ : at_before_, weights.other);
+  const Vec3 turn = times(rigid_motion(last_[p]).per_inertia, torque);
+  const double square =
+      dot(force, force) / std::pow(pieces_.mass(p), 2) + dot(turn, torque) / pieces_.mass(p);
+  return W * std::sqrt(std::max(0.0, square));
+}
+
+/// Of the piece where it is worst, by what is in the field.
+TimeError Stages::worst_error(const StepWeights& weights, const TimeErrorOptions& options) {
+  const double share = at_.stage.t / options.interval;
+  const std::vector<PieceSums> squares =
+      machine_.sum(Products{at_, machine_.field(), machine_.field()});
+  TimeError worst;
+  for (size_t p = 0; p < pieces_.count(); ++p) {
+    const double rms = std::sqrt(squares[p][0] / pieces_.mass(p));
+    const double estimate = kErrorSafety * (rms + contact_error(p, weights, options));
+    const double motion =
+        std::max(options.interval * speed_next_[p], kMotionFloor * pieces_.size(p));
+    const double ratio = estimate / (share * options.tolerance * motion);
+    if (!(ratio <= worst.ratio)) worst = {estimate, ratio};
+  }
+  return worst;
+}
+
+TimeError Stages::error(const double* v, const TimeErrorOptions& options, const Filter& filter) {
+  const StepWeights weights = step_weights(at_.stage);
+  note_speeds(v, at_.stage.t / options.interval);
+  // y, and by S y where y itself is not small enough
+  machine_.run(CombineVelocities{at_, weights, v, machine_.field()});
+  const TimeError rough = worst_error(weights, options);
+  if (rough.ratio < kClearRatio || !std::isfinite(rough.ratio)) return rough;
+  filter(machine_.field());
+  return worst_error(weights, options);
+}
+
+}  // namespace elastogen

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+// What stages do with each node. Arrays are (nodes, 3), in the memory of the machine. Shared by host
+// and device.
+
+#pragma once
+
+#include "core/time_error.hpp"
+#include "network/step/stage_nodes.hpp"
+
+#include <variant>
+
+namespace elastogen {
+
+/// motion = xhat - x0.
+struct PredictMotion {
+  StageNodes of;
+  double* motion;
+  ELASTOGEN_HD void operator()(int64_t n) const { set_vector(motion, n, of.predicted(n)); }
+};
+
+/// u of a start (Stages::start).
+struct StartDisplacement {
+  StageNodes of;
+  int order;
+  const double* motion;
+  double* u;
+  ELASTOGEN_HD void operator()(int64_t n) const {
+    Vec3 way = {};
+    if (!of.pinned[n] && order == 0) {
+      const Vec3 turning = reference_acceleration(of.poses_of(n).end, of.x0(n));
+      way = plus(vector_at(motion, n), scaled(turning, of.stage.k * of.stage.k));
+    } else if (!of.pinned[n]) {
+      way = of.extrapolated(n, order);
+    }
+    set_vector(u, n, plus(minus(of.x0(n), vector_at(of.rest, n)), way));
+  }
+};
+
+/// x = X + u.
+struct PlaceNodes {
+  StageNodes of;
+  const double* u;
+  double* x;
+  ELASTOGEN_HD void operator()(int64_t n) const {
+    set_vector(x, n, plus(vector_at(of.rest, n), vector_at(u, n)));
+  }
+};
+
+/// v of the stage at x; pinned nodes rest.
+struct TakeVelocities {
+  StageNodes of;
+  const double* x;
+  double* v;
+  ELASTOGEN_HD void operator()(int64_t n) const {
+    set_vector(v, n, of.pinned[n] ? Vec3{} : of.velocity(n, vector_at(x, n)));
+  }
+};
+
+/// field = before field + share times the rigid motion of the piece.
+struct AddRigidMotion {
+  StageNodes of;
+  const PieceMotion* motions;
+  double before, share;
+  const double* x;
+  double* field;
+  ELASTOGEN_HD void operator()(int64_t n) const {
+    const Vec3 part = scaled(motions[of.piece[n]].at(vector_at(x, n)), share);
+    set_vector(field, n, plus(scaled(vector_at(field, n), before), part));
+  }
+};
+
+/// D = the velocities of free pieces relative to their references, 0 of the others.
+struct RelativeVelocities {
+  StageNodes of;
+  const double* v;
+  double* D;
+  ELASTOGEN_HD void operator()(int64_t n) const {
+    set_vector(D, n, of.poses_of(n).is_free ? of.e1(n, v) : Vec3{});
+  }
+};
+
+/// v += share D.
+struct AddPart {
+  const double* D;
+  double share;
+  double* v;
+  ELASTOGEN_HD void operator()(int64_t n) const {
+    set_vector(v, n, plus(vector_at(v, n), scaled(vector_at(D, n), share)));
+  }
+};
+
+/// y of time_error.hpp; 0 at pinned nodes.
+struct CombineVelocities {
+  StageNodes of;
+  StepWeights weights;
+  const double* v;
+  double* y;
+  ELASTOGEN_HD void operator()(int64_t n) const {
+    Vec3 sum = {};
+    if (!of.pinned[n]) {
+      sum = plus(scaled(of.e1(n, v), weights.end), scaled(of.e0(n), weights.start));
+      if (weights.other != 0) sum = plus(sum, scaled(of.e_b(n), weights.other));
+    }
+    set_vector(y, n, sum);
+  }
+};
+
+using NodePass = std::variant<PredictMotion, StartDisplacement, PlaceNodes, TakeVelocities,
+                              AddRigidMotion, RelativeVelocities, AddPart, CombineVelocities>;
+
+}  // namespace elastogen

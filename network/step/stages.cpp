@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "network/step/stages.hpp"
+
+#include <algorithm>
+
+namespace elastogen {
+
+Stages::Stages(StageMachine& machine)
+    : machine_(machine), scene_(machine.scene()), pieces_(machine.pieces()), at_(machine.nodes()) {
+  moving_colliders_ = std::any_of(scene_.colliders.begin(), scene_.colliders.end(),
+                                  [](const Collider& c) { return c.path.size() > 1; });
+  poses_.resize(pieces_.count());
+  for (size_t p = 0; p < pieces_.count(); ++p) poses_[p].is_free = pieces_.is_free(p);
+  forget();
+}
+
+void Stages::forget() {
+  at_start_ = at_before_ = {};
+  speed_.assign(pieces_.count(), 0);
+  closing_.assign(pieces_.count(), 0);
+  turn_.assign(pieces_.count(), {});
+  turn_last_ = turn_;
+  gain_.assign(pieces_.count(), 0);
+  h_last_ = 0;
+  known_time_ = -1e300;
+}
+
+/// The pieces at positions x with velocities v; null: at rest.
+std::vector<PieceState> Stages::states(const double* x, const double* v) {
+  const std::vector<PieceSums> first = machine_.sum(FirstMoments{at_, x, v});
+  std::vector<PieceState> result(pieces_.count());
+  std::vector<PieceMotion> about(pieces_.count());
+  for (size_t p = 0; p < result.size(); ++p) {
+    for (size_t i = 0; i < 3; ++i) {
+      about[p].centre[i] = first[p][6 + i] + first[p][i] / pieces_.mass(p);
+      about[p].velocity[i] = first[p][3 + i] / pieces_.mass(p);
+    }
+    result[p].centre = about[p].centre;
+    result[p].velocity = about[p].velocity;
+  }
+  // what is about the centres
+  const PieceMotion* centres = machine_.put(about);
+  const std::vector<PieceSums> second = machine_.sum(SecondMoments{at_, centres, x, v});
+  for (size_t p = 0; p < result.size(); ++p)
+    for (size_t i = 0; i < 3; ++i) {
+      result[p].spin[i] = second[p][i];
+      const auto a = int(i), b = int((i + 1) % 3);
+      Mat3<double>& I = result[p].inertia;
+      I(a, a) = second[p][3 + (i + 1) % 3] + second[p][3 + (i + 2) % 3];
+      I(a, b) = I(b, a) = -second[p][6 + i];
+    }
+  return result;
+}
+
+RigidPose Stages::pose(size_t p, double t) const {
+  return pieces_.is_free(p) ? pose_at(motions_[p], t)
+                            : turned_about(pieces_.pins(p), turn_[p], gain_[p], t);
+}
+
+/// The turn of a piece about its pins, which goes on as it changed in the last step.
+void Stages::turn_about_pins(size_t p) {
+  turn_[p] = spin_about(now_[p], pieces_.mass(p), pieces_.pins(p));
+  const double rate = safe_norm(turn_[p]);
+  gain_[p] = 0;
+  if (h_last_ > 0 && rate > 0)
+    gain_[p] = dot(minus(turn_[p], turn_last_[p]), turn_[p]) / (rate * h_last_);
+}
+
+/// The pieces and their references at the start of the step and at the step before.
+void Stages::take_poses() {
+  const double t_b = at_.stage.t_b;
+  now_ = states(at_.state.x, at_.state.v);
+  if (t_b < 0) before_ = states(at_.state.x_before, at_.state.v_before);
+  motions_.assign(pieces_.count(), {});
+  for (size_t p = 0; p < pieces_.count(); ++p) {
+    if (pieces_.is_free(p))
+      motions_[p] = rigid_motion(now_[p]);
+    else
+      turn_about_pins(p);
+    poses_[p].start = pose(p, 0);
+    if (t_b < 0) poses_[p].other = pose(p, t_b);
+  }
+}
+
+const double* Stages::begin(const StateArrays& state, const StepScheme& scheme) {
+  at_.stage = scheme.stage;
+  if (scheme.stage.t_b > 0) {  // the second stage: the first one is the other point
+    for (PiecePoses& of : poses_) of.other = of.end;
+  } else {
+    at_.state = state;
+    at_stage_ = {};
+    take_poses();
+  }
+  // the reference at the stage, and the predictor
+  for (size_t p = 0; p < poses_.size(); ++p) poses_[p].end = pose(p, scheme.stage.t);
+  at_.poses = machine_.put(poses_);
+  machine_.run(PredictMotion{at_, machine_.field()});
+  return machine_.field();
+}
+
+void Stages::start(int order, double* u) {
+  machine_.run(StartDisplacement{at_, order, machine_.field(), u});
+}
+
+/// Contact at u, with torques about the centres of the pieces.
+Stages::Forces Stages::forces(const double* u, const std::vector<PieceState>& pieces) {
+  Forces f;
+  f.known = true;
+  f.pieces.resize(pieces.size());
+  if (!machine_.has_contact()) return f;
+  std::vector<Vec3> centres(pieces.size());
+  for (size_t p = 0; p < pieces.size(); ++p) centres[p] = pieces[p].centre;
+  static_cast<ActionSums&>(f) = machine_.act(u, at_.state.v, centres);
+  return f;
+}
+
+void Stages::keep_stage(const double* u) {
+  double* const x = machine_.first_stage();
+  machine_.run(PlaceNodes{at_, u, x});
+  at_stage_ = forces(u, machine_.has_contact() ? states(x, nullptr) : now_);
+}
+
+/// Velocity and angular momentum that the scheme gives a free piece at the end of the step.
+PieceState Stages::aim(size_t p, const PieceState& end) const {
+  const TimeStage& s = at_.stage;
+  const ContactAction& f = at_end_.pieces[p];
+  const double per_mass = 1 / pieces_.mass(p);
+  PieceState result = end;
+  for (size_t i = 0; i < 3; ++i) {
+    double velocity = now_[p].velocity[i], spin = now_[p].spin[i], gravity = s.t;
+    if (s.t_b < 0) {
+      velocity += s.w_d * (before_[p].velocity[i] - velocity);
+      spin += s.w_d * (before_[p].spin[i] - spin);
+      gravity = s.k;
+    }
+    velocity += s.k * f.force[i] * per_mass + gravity * scene_.gravity[i];
+    spin += s.k * f.torque[i];
+    if (s.t_b > 0) {
+      const ContactAction& a = at_stage_.pieces[p];
+      velocity += (s.t - s.k) * a.force[i] * per_mass;
+      spin += (s.t - s.k) * a.torque[i];
+    }
+    result.velocity[i] = velocity;
+    result.spin[i] = spin;
+  }
+  return result;
+}
+
+void Stages::correct_momentum(const double* x, double* v) {
+  for (int pass = 0; pass < 2; ++pass) {  // the second one takes what the first one rounded
+    const std::vector<PieceState> end = pass == 0 ? last_ : states(x, v);
+    std::vector<PieceMotion> change(pieces_.count());
+    for (size_t p = 0; p < pieces_.count(); ++p) {
+      if (!pieces_.is_free(p)) continue;
+      const PieceState wanted = aim(p, end[p]);
+      change[p].centre = end[p].centre;
+      change[p].velocity = minus(wanted.velocity, end[p].velocity);
+      change[p].turn = times(rigid_motion(end[p]).per_inertia, minus(wanted.spin, end[p].spin));
+    }
+    machine_.run(AddRigidMotion{at_, machine_.put(change), 1, 1, x, v});
+  }
+}
+
+bool Stages::flies_fast() const {
+  for (const ContactAction& piece : at_start_.pieces)
+    if (piece.normal > 0) return false;
+  bool fast = false;
+  for (size_t p = 0; p < pieces_.count(); ++p)
+    fast |=
+        pieces_.is_free(p) && bounce_counts(safe_norm(now_[p].velocity), safe_norm(scene_.gravity),
+                                            scene_.dt, pieces_.size(p));
+  return fast;
+}
+
+bool Stages::touched() const {
+  for (const Forces* f : {&at_start_, &at_before_, &at_stage_, &at_end_})
+    for (const ContactAction& piece : f->pieces)
+      if (piece.normal > 0) return true;
+  return false;
+}
+
+/// The rigid part of the velocities of free pieces relative to their references, or what is left of
+/// them without it, by node; 0 for the others. It is in the field of the machine.
+void Stages::relative_velocities(const double* x, const double* v, bool rigid) {
+  double* const D = machine_.field();
+  machine_.run(RelativeVelocities{at_, v, D});
+  const std::vector<PieceState> relative = states(x, D);
+  std::vector<PieceMotion> part(pieces_.count());
+  for (size_t p = 0; p < pieces_.count(); ++p)
+    if (pieces_.is_free(p))
+      part[p] = {relative[p].centre, relative[p].velocity,
+                 times(rigid_motion(relative[p]).per_inertia, relative[p].spin)};
+  const double before = rigid ? 0 : 1, share = rigid ? 1 : -1;
+  machine_.run(AddRigidMotion{at_, machine_.put(part), before, share, x, D});
+}
+
+/// Takes q D from the velocities, D the field, q of [0, 1] the least share that takes the energy
+/// `rise` from them. @return what is left of it.
+double Stages::take_energy(double rise, double* v) {
+  // the energy taken is q b - q^2 a
+  double a = 0, b = 0;
+  for (const PieceSums& of : machine_.sum(Products{at_, machine_.field(), v}))
+    a += of[0] / 2, b += of[1];
+  if (!(a > 0 && b > 0)) return rise;
+  const double best = std::min(b / (2 * a), 1.0), most = best * (b - best * a);
+  const double q =
+      most > rise ? (b - std::sqrt(std::max(0.0, b * b - 4 * a * rise))) / (2 * a) : best;
+  machine_.run(AddPart{machine_.field(), -q, v});
+  return most > rise ? 0 : rise - most;
+}
+
+/// Where contact lets the energy of the body rise, it is taken from the rigid part of the velocities
+/// relative to the references, the change that contact brought; where that does not suffice (it
+/// slows the body down) from the rest, the vibrations, which leaves momentum as it is.
+bool Stages::guard(const double* x, double energy, double* v) {
+  voxels_end_ = energy;
+  guarded_ = false;
+  if (!at_start_.known || moving_colliders_ || !touched()) return true;
+  double allowed = 0, rise = voxels_end_ + at_end_.energy - voxels_start_ - at_start_.energy;
+  for (size_t p = 0; p < pieces_.count(); ++p)
+    allowed += 1e-4 * pieces_.mass(p) * safe_norm(scene_.gravity) * pieces_.size(p);
+  const std::vector<PieceSums> end = machine_.sum(MotionEnergies{at_, x, v}),
+                               start = machine_.sum(MotionEnergies{at_, at_.state.x, at_.state.v});
+  for (size_t p = 0; p < pieces_.count(); ++p) rise += end[p][0] - start[p][0];
+  guarded_ = rise > allowed;
+  if (!guarded_) return true;
+  // from the rigid part, then from the rest
+  double left = rise;
+  for (const bool rigid : {true, false}) {
+    if (!(left > allowed)) break;
+    relative_velocities(x, v, rigid);
+    left = take_energy(left, v);
+  }
+  return left <= allowed;
+}
+
+bool Stages::end_step(const double* x, const double* u, double energy, double* v) {
+  machine_.run(TakeVelocities{at_, x, v});
+  last_ = states(x, v);
+  at_end_ = forces(u, last_);
+  correct_momentum(x, v);
+  return guard(x, energy, v);
+}
+
+void Stages::accept(double time) {
+  known_time_ = time;
+  at_before_ = std::move(at_start_);
+  at_start_ = std::move(at_end_);
+  voxels_start_ = voxels_end_;
+  turn_last_ = turn_;
+  h_last_ = at_.stage.t;
+  speed_ = speed_next_;
+  closing_ = closing_next_;
+}
+
+}  // namespace elastogen
