@@ -14,7 +14,7 @@ struct Column {
   const char* name;
   double mpm::Likeness::*value;
 };
-constexpr Column kColumns[] = {{"iou_w", &mpm::Likeness::iou_weighted},
+constexpr Column kLikeness[] = {{"iou_w", &mpm::Likeness::iou_weighted},
                                {"iou_b", &mpm::Likeness::iou_binary},
                                {"iou_soft", &mpm::Likeness::iou_soft},
                                {"iou_soft_scaled", &mpm::Likeness::iou_soft_scaled}};
@@ -38,7 +38,7 @@ const ParticleRun* first_of(const ParticleStudyResult& result, Integrator kind) 
 
 Json ranges(const ParticleRun& run, mpm::Likeness ParticleFrame::*reference) {
   Json json;
-  for (const Column& column : kColumns) {
+  for (const Column& column : kLikeness) {
     const LikenessRange range = range_of(run, reference, column.value);
     json[column.name] = {{"worst", range.worst}, {"mean", range.mean}};
   }
@@ -47,7 +47,7 @@ Json ranges(const ParticleRun& run, mpm::Likeness ParticleFrame::*reference) {
 
 Json likeness(const mpm::Likeness& of) {
   Json json;
-  for (const Column& column : kColumns) json[column.name] = of.*column.value;
+  for (const Column& column : kLikeness) json[column.name] = of.*column.value;
   return json;
 }
 
@@ -122,7 +122,7 @@ std::string csv(const ParticleStudyResult& r) {
       "run,time [s],half_width [m],half_depth [m],top [m],volume [m3],kinetic [J],elastic [J],"
       "solves [1],iterations [1],not_converged [1],residual [-]";
   for (const char* reference : {"to_sub", "to_explicit"})
-    for (const Column& column : kColumns) text += fmt::format(",{}.{} [-]", reference, column.name);
+    for (const Column& column : kLikeness) text += fmt::format(",{}.{} [-]", reference, column.name);
   for (const ParticleRun& run : r.runs)
     for (const ParticleFrame& f : run.frames) {
       const Vec3 size = extents(f.cloud);
@@ -130,7 +130,7 @@ std::string csv(const ParticleStudyResult& r) {
                           size[2], size[1], f.cloud.volume, f.kinetic, f.elastic, f.solves,
                           f.iterations, f.not_converged, f.residual);
       for (const mpm::Likeness& of : {f.to_sub, f.to_explicit})
-        for (const Column& column : kColumns) text += fmt::format(",{}", of.*column.value);
+        for (const Column& column : kLikeness) text += fmt::format(",{}", of.*column.value);
     }
   return text + '\n';
 }
@@ -152,7 +152,7 @@ void print_particle_study(const ParticleStudyResult& result) {
                run.name, run.step_seconds, a_step(run, run.solves), a_step(run, run.iterations),
                run.not_converged, run.steps);
     fmt::print("{:26} half width {:.3f} m, top {:.3f} m", "", size[0], size[1]);
-    for (const Column& column : kColumns) {
+    for (const Column& column : kLikeness) {
       const LikenessRange range = range_of(run, &ParticleFrame::to_sub, column.value);
       fmt::print("  {} {:.3f} / {:.3f}", column.name, range.worst, range.mean);
     }

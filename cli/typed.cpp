@@ -106,7 +106,7 @@ std::string default_scheme(const Typed& t, const AnimateOptions& o) {
   const bool yields = o.yield.index() > 0 ||
                       std::any_of(o.regions.begin(), o.regions.end(),
                                   [](const MaterialRegion& r) { return r.yield.index() > 0; });
-  const bool has_stages = !yields && method_of(o) != Method::kMpm && o.state.empty() &&
+  const bool has_stages = !yields && method_of(o) != Method::kMpm &&
                           o.solver.mode != SolverMode::kPaper && !(o.fem && o.fem->statics);
   return !has_stages ? "euler" : t.substeps == "auto" ? "auto" : "sdirk2";
 }

@@ -8,7 +8,8 @@
 //     W   = min(T, c/|g|), 0 where c^2 / (2 |g|) < 1 % of the size: bounces that low are let die,
 //     c   the speed at which the piece met a collider, which fades by 0.8 in each T.
 //
-// The step is accepted where (T/h) est <= tolerance max(T v, 0.04 size), v the rms speed.
+// The step is accepted where (T/h) est <= tolerance max(T v, 0.04 size), v the rms speed, in contact
+// without spin.
 
 #pragma once
 
@@ -27,6 +28,12 @@ inline constexpr double kClearRatio = 0.1;  ///< below it S, which lowers the es
 /// S y is found by PCG to this residual, of the right-hand side, in so many iterations at most.
 inline constexpr double kFilterTolerance = 0.05;
 inline constexpr int kFilterIterations = 30;
+
+/// Speed that counts as motion of a piece, of its rms speed without the spin of its rigid motion, and
+/// the rms speed of that. A torque of contact turns the axis of a spin slowly, however fast that is.
+inline double counted_speed(double speed, double spin, bool touches) {
+  return touches ? speed : std::hypot(speed, spin);
+}
 
 /// Whether a bounce at a speed [m/s] is high enough to count for a piece of a size [m].
 inline bool bounce_counts(double speed, double gravity, double interval, double size) {

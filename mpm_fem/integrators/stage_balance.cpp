@@ -86,11 +86,16 @@ void StageFem::correct_momentum() {
   }
 }
 
-bool StageFem::touched() const {
+bool StageFem::touched(size_t piece) const {
   const StageHistory& history = now_->stages;
   for (const Loads* loads : {&history.before, &history.now, &at_stage_, &at_end_})
-    for (const PieceLoad& piece : loads->pieces)
-      if (piece.push > 0) return true;
+    if (!loads->pieces.empty() && loads->pieces[piece].push > 0) return true;
+  return false;
+}
+
+bool StageFem::touched() const {
+  for (size_t p = 0; p < pieces_.count(); ++p)
+    if (touched(p)) return true;
   return false;
 }
 

@@ -11,17 +11,33 @@ namespace {
 
 constexpr double kLooseFilter = 1e-2;  // residual of the filter's linear system
 
+/// What is left of an rms speed without that of the spin.
+double without(double speed, double spin) {
+  return std::sqrt(std::max(speed * speed - spin * spin, 0.0));
+}
+
 }  // namespace
+
+/// rms speed of the spin of a free piece [m/s].
+double StageFem::spin_speed(size_t p, const PieceMotion& motion) const {
+  if (!pieces_.is_free(p)) return 0;
+  const Vec3 w = times(rigid_motion(motion).per_inertia, motion.spin);
+  return std::sqrt(std::max(0.0, dot(w, motion.spin)) / pieces_.mass(p));
+}
 
 /// Speeds of the pieces, and at which they met colliders.
 /// @param share  of dt that the step takes
 void StageFem::remember_speeds(double share) {
   const std::vector<double> start = pieces_.rms(now_->v), end = pieces_.rms(v_);
+  const std::vector<PieceMotion> first = pieces_.motions(now_->u, now_->v);
   memory_ = now_->stages.pieces;
   memory_.resize(pieces_.count());
   for (size_t p = 0; p < memory_.size(); ++p) {
     PieceMemory& piece = memory_[p];
-    piece.speed = std::max({start[p], end[p], std::pow(kSpeedRemembered, share) * piece.speed});
+    const double turn[2] = {spin_speed(p, first[p]), spin_speed(p, end_[p])};
+    piece.speed = std::max({without(start[p], turn[0]), without(end[p], turn[1]),
+                            std::pow(kSpeedRemembered, share) * piece.speed});
+    piece.spin = std::max(turn[0], turn[1]);
     piece.closing *= std::pow(kClosingFades, share);
     for (const Loads* loads : {&at_stage_, &at_end_})
       if (!loads->pieces.empty() && loads->pieces[p].push > 0)
@@ -36,7 +52,11 @@ double StageFem::least_motion() const {
   const std::vector<PieceMemory>& memory = now_->stages.pieces;
   double least = std::numeric_limits<double>::infinity();
   for (size_t p = 0; p < rms.size(); ++p) {
-    const double speed = std::max(rms[p], memory.empty() ? 0 : memory[p].speed);
+    const PieceMemory of = memory.empty() ? PieceMemory{} : memory[p];
+    const Loads& now = now_->stages.now;
+    const bool touches = !now.pieces.empty() && now.pieces[p].push > 0;
+    const double speed =
+        counted_speed(std::max(without(rms[p], of.spin), of.speed), of.spin, touches);
     least = std::min(least, std::max(scene_.dt * speed, kMotionFloor * pieces_.size(p)));
   }
   return least;
@@ -72,7 +92,8 @@ TimeError StageFem::worst(const Array<double>& y, const StepWeights& weights) co
   TimeError result;
   for (size_t p = 0; p < rms.size(); ++p) {
     const double estimate = kErrorSafety * (rms[p] + contact_error(p, weights));
-    const double motion = std::max(scene_.dt * memory_[p].speed, kMotionFloor * pieces_.size(p));
+    const double speed = counted_speed(memory_[p].speed, memory_[p].spin, touched(p));
+    const double motion = std::max(scene_.dt * speed, kMotionFloor * pieces_.size(p));
     const double ratio = estimate / (share * options_.time_error * motion);
     if (!(ratio <= result.ratio)) result = {estimate, ratio};
   }

@@ -69,11 +69,13 @@ class StageFem {
   Loads loads(const Array<double>& u);
   PieceMotion aim(size_t piece, const PieceMotion& end) const;
   void correct_momentum();
+  bool touched(size_t piece) const;
   bool touched() const;
   double take_energy(const Array<double>& D, double rise);
   bool guard(double elastic_energy);
 
   // stage_error.cpp: the time error
+  double spin_speed(size_t piece, const PieceMotion& motion) const;
   void remember_speeds(double share);
   double least_motion() const;
   double contact_error(size_t piece, const StepWeights& weights) const;

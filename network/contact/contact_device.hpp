@@ -40,6 +40,7 @@ class DeviceContact {
   bool renew_lag(const double* u);  ///< waits for the device
   void keep_bonds(const double* u);
   void forget_bonds();
+  void download_bonds(Array<double>& bonds) const;  ///< Contact::bonds; waits for the device
   /// Waits for the device.
   ActionSums act(const double* u, const double* v, const std::vector<Vec3>& about);
 

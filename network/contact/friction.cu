@@ -88,6 +88,13 @@ void DeviceContact::forget_bonds() {
   check(cudaMemsetAsync(held.data(), 0, size_t(held.size()) * sizeof(Vec3), cudaStreamPerThread));
 }
 
+void DeviceContact::download_bonds(Array<double>& bonds) const {
+  const DeviceArray<Vec3>& held = impl_->bonds->held;
+  if (bonds.rows() != held.size()) bonds = Array<double>(held.size(), 3);
+  check(cudaMemcpy(bonds.data(), held.data(), size_t(held.size()) * sizeof(Vec3),
+                   cudaMemcpyDeviceToHost));
+}
+
 /// Adds up what colliders do to the points of each piece.
 void DeviceContact::Impl::sum_actions(const double* u, const double* velocities) {
   const ContactView v = view();

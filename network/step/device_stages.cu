@@ -58,6 +58,15 @@ StageEnd StepOnDevice::end_step(const TimeErrorOptions* options) {
   return end;
 }
 
+StageData StepOnDevice::stage_data() {
+  if (!stages_) return {};
+  if (first_stage_.empty()) first_stage_ = Array<double>(size() / 3, 3);
+  check(cudaMemcpy(first_stage_.data(), stage_machine_->first_stage(),
+                   size_t(size()) * sizeof(double), cudaMemcpyDeviceToHost));
+  if (DeviceContact* contact = potential().contact()) contact->download_bonds(bonds_);
+  return {first_stage_, bonds_};
+}
+
 /// The velocities of end_step() are those of the state that comes.
 void StepOnDevice::accept_stages() {
   find_energies();

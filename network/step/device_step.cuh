@@ -66,6 +66,7 @@ class StepOnDevice : public StepWork {
   bool renew_friction() override;
   void keep_stage() override { stages_.value().keep_stage(quasi_.u()); }
   StageEnd end_step(const TimeErrorOptions* options) override;
+  StageData stage_data() override;
   MotionEnergy finish() override;
   void download_gradient(double* gradient) const override { gradient_.download(gradient); }
 
@@ -134,6 +135,7 @@ class StepOnDevice : public StepWork {
   std::optional<PinnedChunks> chunks_;    // that arrays of the state go through, if any did
   std::unique_ptr<DeviceFrames> frames_;  // where the card has memory for them, else
   std::optional<HostFrames> host_frames_;
+  Array<double> first_stage_, bonds_;                // of stage_data(), on the host
   std::optional<DeviceStageMachine> stage_machine_;  // where the scene's scheme has some
   std::optional<Stages> stages_;
   StepScheme scheme_;

@@ -61,7 +61,8 @@ class HostStep : public StepWork {
   void keep_stage() override { stages_.value().keep_stage(u_.data()); }
   StageData stage_data() override {
     if (!stages_) return {};
-    return {{stage_machine_->first_stage(), scene_.grid.node_count(), 3}, potential_.contact().bonds()};
+    return {{stage_machine_->first_stage(), scene_.grid.node_count(), 3},
+            potential_.contact().bonds()};
   }
   StageEnd end_step(const TimeErrorOptions* options) override;
   MotionEnergy finish() override;

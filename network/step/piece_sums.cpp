@@ -54,4 +54,8 @@ Vec3 spin_about(const PieceState& state, double mass, const Vec3& point) {
   return times(motion.per_inertia, motion.spin);
 }
 
+double spin_square(const PieceState& state) {
+  return dot(state.spin, times(rigid_motion(state).per_inertia, state.spin));
+}
+
 }  // namespace elastogen

@@ -59,6 +59,9 @@ class Pieces {
   std::vector<Vec3> pins_;
 };
 
+/// sum m |w x r|^2 of the spin w of a piece [J].
+double spin_square(const PieceState& state);
+
 /// The motion of a free piece without forces from there on.
 RigidMotion rigid_motion(const PieceState& state);
 

@@ -9,10 +9,16 @@ namespace elastogen {
 void Stages::note_speeds(const double* v, double share) {
   const std::vector<PieceSums> squares = machine_.sum(Products{at_, at_.state.v, v});
   speed_next_.resize(pieces_.count());
+  spin_next_.resize(pieces_.count());
   closing_next_.resize(pieces_.count());
   for (size_t p = 0; p < pieces_.count(); ++p) {
-    const double fastest = std::sqrt(std::max(squares[p][0], squares[p][2]) / pieces_.mass(p));
-    speed_next_[p] = std::max(fastest, std::pow(kSpeedRemembered, share) * speed_[p]);
+    // at the start and at the end
+    const double m = pieces_.mass(p), whole[2] = {squares[p][0] / m, squares[p][2] / m};
+    const double turn[2] = {pieces_.is_free(p) ? spin_square(now_[p]) / m : 0,
+                            pieces_.is_free(p) ? spin_square(last_[p]) / m : 0};
+    const double rest = std::max({whole[0] - turn[0], whole[1] - turn[1], 0.0});
+    speed_next_[p] = std::max(std::sqrt(rest), std::pow(kSpeedRemembered, share) * speed_[p]);
+    spin_next_[p] = std::sqrt(std::max(turn[0], turn[1]));
     closing_next_[p] = std::pow(kClosingFades, share) * closing_[p];
     for (const Forces* f : {&at_stage_, &at_end_})
       if (!f->pieces.empty() && f->pieces[p].normal > 0)
@@ -25,7 +31,10 @@ double Stages::least_motion(const double* v, double interval) {
   double least = 1e300;
   const std::vector<PieceSums> squares = machine_.sum(Products{at_, v, v});
   for (size_t p = 0; p < pieces_.count(); ++p) {
-    const double speed = std::max(std::sqrt(squares[p][0] / pieces_.mass(p)), speed_[p]);
+    const double whole = squares[p][0] / pieces_.mass(p), spin = spin_[p];
+    const bool touches = !at_start_.pieces.empty() && at_start_.pieces[p].normal > 0;
+    const double rest = std::sqrt(std::max(whole - spin * spin, 0.0));
+    const double speed = counted_speed(std::max(rest, speed_[p]), spin, touches);
     least = std::min(least, std::max(interval * speed, kMotionFloor * pieces_.size(p)));
   }
   return least;
@@ -63,8 +72,8 @@ TimeError Stages::worst_error(const StepWeights& weights, const TimeErrorOptions
   for (size_t p = 0; p < pieces_.count(); ++p) {
     const double rms = std::sqrt(squares[p][0] / pieces_.mass(p));
     const double estimate = kErrorSafety * (rms + contact_error(p, weights, options));
-    const double motion =
-        std::max(options.interval * speed_next_[p], kMotionFloor * pieces_.size(p));
+    const double speed = counted_speed(speed_next_[p], spin_next_[p], touched(p));
+    const double motion = std::max(options.interval * speed, kMotionFloor * pieces_.size(p));
     const double ratio = estimate / (share * options.tolerance * motion);
     if (!(ratio <= worst.ratio)) worst = {estimate, ratio};
   }

@@ -17,6 +17,7 @@ Stages::Stages(StageMachine& machine)
 void Stages::forget() {
   at_start_ = at_before_ = {};
   speed_.assign(pieces_.count(), 0);
+  spin_.assign(pieces_.count(), 0);
   closing_.assign(pieces_.count(), 0);
   turn_.assign(pieces_.count(), {});
   turn_last_ = turn_;
@@ -172,10 +173,15 @@ bool Stages::flies_fast() const {
   return fast;
 }
 
-bool Stages::touched() const {
+bool Stages::touched(size_t p) const {
   for (const Forces* f : {&at_start_, &at_before_, &at_stage_, &at_end_})
-    for (const ContactAction& piece : f->pieces)
-      if (piece.normal > 0) return true;
+    if (!f->pieces.empty() && f->pieces[p].normal > 0) return true;
+  return false;
+}
+
+bool Stages::touched() const {
+  for (size_t p = 0; p < pieces_.count(); ++p)
+    if (touched(p)) return true;
   return false;
 }
 
@@ -250,6 +256,7 @@ void Stages::accept(double time) {
   turn_last_ = turn_;
   h_last_ = at_.stage.t;
   speed_ = speed_next_;
+  spin_ = spin_next_;
   closing_ = closing_next_;
 }
 

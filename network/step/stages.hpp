@@ -50,8 +50,7 @@ class Stages {
   /// @param energy  of the voxels there [J].
   /// @return false where the energy rises by more than the velocities can make good.
   bool end_step(const double* x, const double* u, double energy, double* v);
-  /// Whether end_step() took energy from the velocities.
-  bool guarded() const { return guarded_; }
+  bool guarded() const { return guarded_; }  ///< end_step() took energy from the velocities
   /// What the step adds to the time error; after end_step().
   TimeError error(const double* v, const TimeErrorOptions& options, const Filter& filter);
   /// The least of max(T v, 0.04 size) of the pieces at velocities v [m].
@@ -79,6 +78,7 @@ class Stages {
   void relative_velocities(const double* x, const double* v, bool rigid);
   double take_energy(double rise, double* v);
   bool touched() const;
+  bool touched(size_t piece) const;
   double contact_error(size_t piece, const StepWeights& weights, const TimeErrorOptions& options);
   TimeError worst_error(const StepWeights& weights, const TimeErrorOptions& options);
   void note_speeds(const double* v, double share);
@@ -98,7 +98,7 @@ class Stages {
   Forces at_start_, at_before_, at_stage_, at_end_;
   double voxels_start_ = 0, voxels_end_ = 0;  // energy of the voxels [J]
   // of the pieces, in this step and as the last one left them
-  std::vector<double> speed_, closing_, speed_next_, closing_next_;
+  std::vector<double> speed_, spin_, closing_, speed_next_, spin_next_, closing_next_;
   bool moving_colliders_ = false, guarded_ = false;
 };
 

@@ -57,14 +57,17 @@ TEST_F(MotionOnCard, DampedBallAndBarMoveAsOnTheHost) {
   for (MovingScene* m : {&ball, &bar}) {
     m->scene.materials[0].loss_factor = 0.2;
     m->scene.materials[0].loss_frequency = 5;
-    const std::vector<MotionFrame> host = play_on(Device::kCpu, *m, TimeScheme::kAuto, 20),
-                                   card = play_on(Device::kCuda, *m, TimeScheme::kAuto, 20);
+    // each of the default tolerances, which follow the time error, moves the ball by 6e-4 of its way
+    const auto run = [&](Device device) {
+      return play_exactly(device, *m, TimeScheme::kAuto, 20, 1e-6);
+    };
+    const std::vector<MotionFrame> host = run(Device::kCpu), card = run(Device::kCuda);
     double moved = 0;
     for (size_t k = 0; k < host.size(); ++k) {
       moved = std::max(moved, rms_distance(m->scene, host[k].state.x, m->start.x));
       EXPECT_EQ(card[k].solves, host[k].solves) << "frame " << k;
     }
-    EXPECT_LT(rms_distance(m->scene, card.back().state.x, host.back().state.x), 1e-6 * moved);
+    EXPECT_LT(rms_distance(m->scene, card.back().state.x, host.back().state.x), 1e-5 * moved);
   }
 }
 
