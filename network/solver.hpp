@@ -101,7 +101,7 @@ class Solver {
   StepReport advance();
   void read(State& state, StateParts parts = StateParts::kAll) const;
 
-  /// Of the clip's last step, where that was made by stages on the host; else empty.
+  /// Of the clip's last step, where that was made by stages; else empty.
   StageData stage_data() const;
 
   /// Largest |x| of a component in a clip [m].

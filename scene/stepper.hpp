@@ -30,7 +30,7 @@ class Stepper {
   /// The present state of the nodes, of which the first are those of the scene's grid. Valid until
   /// the next call. It is copied from the card if steps run there.
   virtual const State& state() = 0;
-  /// Of the last step, where that was made by stages on the host.
+  /// Of the last step, where that was made by stages.
   virtual StageData stage_data() const { return {}; }
   /// Whether animations, which are in single precision, can hold the positions.
   virtual bool fits_single() const = 0;
