@@ -6,7 +6,7 @@ import math
 
 from common import SCENES, claim, elastogen, steps, vertices
 
-GRAVITY, FPS, FRAMES, SPIN, TILT = 9.81, 60, 90, 150.0, math.radians(12)
+GRAVITY, FPS, FRAMES, SPIN, TILT = 9.81, 60, 40, 150.0, math.radians(12)
 PROFILE = [(0, 0), (0.045, 0.045), (0.045, 0.06), (0.008, 0.065), (0.008, 0.095), (0, 0.095)]  # r, y [m]
 AROUND = 24
 
@@ -62,8 +62,10 @@ for frame in range(1, FRAMES + 1):
     turned += (now - before + math.pi) % (2 * math.pi) - math.pi
     before = now
 expected = GRAVITY * arm_over_inertia() / SPIN
-claim("rate at which it goes round over m g l / (I w)", abs(turned) * FPS / FRAMES / expected, 0.7, 1.5)
-height = [y for _, y, _ in vertices(f"top_{FRAMES:05d}.ply")]
-claim("height of its end after 1.5 s over that at the start", max(height) / 0.0929, 0.95, 1.05)
+# the formula is that of a fast top on a point; this one has a blunt tip
+claim("rate at which it goes round over m g l / (I w)", abs(turned) * FPS / FRAMES / expected, 0.9, 1.3)
+points = vertices(f"top_{FRAMES:05d}.ply")
+claim("height of its end at last over that at the start",
+      (points[-1][1] - points[0][1]) / (PROFILE[-1][1] * math.cos(TILT)), 0.95, 1.02)
 kinetic = [step["energies"]["kinetic"] for step in steps("top.log")]
-claim("kinetic energy that is left", kinetic[-1] / kinetic[0], 0.6, 1.01)
+claim("kinetic energy that is left", kinetic[-1] / kinetic[0], 0.95, 1.001)
