@@ -364,6 +364,14 @@ def inputs() -> list[Case]:
     return cases
 
 
+def steps_by_time_error() -> list[Case]:
+    """Scenes at the scheme that is the default."""
+    auto = ("--time-scheme", "auto", "--substeps", "auto")
+    return [Case(f"auto.{scene}", scene, auto) for scene in ("beam", "drop", "tumble", "heavy", "offset")] + [
+        Case("auto.soft", "drop", (*auto, "--young", "1e3")), Case("auto.stiff", "drop", (*auto, "--young", "1e9")),
+        Case("auto.fast", "drop", (*auto, "--velocity", "0,-50,0"))]
+
+
 def solvers() -> list[Case]:
     """Threads, starvation, sizes."""
     cases = [Case(f"threads.{mode}", "tumble", ("--solver", mode), NETWORK, extra=all_threads)
@@ -377,4 +385,4 @@ def solvers() -> list[Case]:
     return cases
 
 
-CASES = [*materials(), *loads(), *shapes(), *inputs(), *solvers()]
+CASES = [*materials(), *loads(), *shapes(), *inputs(), *solvers(), *steps_by_time_error()]

@@ -36,6 +36,7 @@ from state_file import LayoutError, State, read_state  # noqa: E402
 DOCUMENTED = {0, 2, 3, 4, 5, 6, 7, 130, 143}
 REFUSED = {2, 3, 6}  # before the first step
 ENERGY_SHARE = 1e-6  # of the largest energy of the run
+STAGE_SHARE = 5e-3  # of the range of the energy that it may rise by, in steps of stages
 SLOW, NOMINAL = 20, 50  # times the median work; evaluations of a step that is no trouble
 BYTES_A_VOXEL, BASE = 2560, 64 << 20
 
@@ -129,9 +130,30 @@ def judge(run: Finished, passive: bool) -> Iterator[str]:
                 yield from (f"U8: {check.quantity} {check.own:.3e}, recorded {check.recorded:.3e}"
                             for check in verdict.disagreements[:1])
                 return
-            yield from judge_steps(state, passive)
+            yield from (judge_stages if state.has_stages else judge_steps)(state, passive)
         except LayoutError as error:
             yield f"U2: {error}"
+
+
+def judge_stages(state: State, passive: bool) -> Iterator[str]:
+    """The same of a run by sdirk2 or auto. The contact energy holds the work of friction in the last stage."""
+    verdict = referee.judge(state, False)
+    lost = 1e6 * state.tolerance  # a draft there stands on points within rounding of a wall
+    body = equations.make_body(state)
+    faults = [c for c in verdict.disagreements if c.quantity != "residual" or (
+        min(c.own, c.recorded) < lost and abs(c.own - c.recorded)
+        > c.allowed + floor(state, body, referee.read_record(state, c.step + 1)[0]))]
+    yield from (f"U8: {c.quantity} of step {c.step} is {c.own:.3e}, recorded {c.recorded:.3e}"
+                for c in faults[:1])
+    if not passive:
+        return
+    mass = state.grid["mass"]
+    total = sum(state.steps[f"energy_{name}"] for name in ("elastic", "hourglass", "gravity", "contact"))
+    total = total + [mass @ (referee.read_record(state, k + 1)[1] ** 2).sum(1) / 2 for k in range(len(total))]
+    rises = total - np.minimum.accumulate(total)
+    worst, scale = int(rises.argmax()), np.ptp(total) + np.abs(total).max() * 1e-9
+    if len(total) > 1 and rises[worst] > STAGE_SHARE * max(scale, state.steps["energy_kinetic"].max()):
+        yield f"U4: energy rises by {rises[worst] / scale:.1e} of its range up to step {worst}"
 
 
 def judge_steps(state: State, passive: bool) -> Iterator[str]:

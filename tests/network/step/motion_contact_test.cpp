@@ -6,8 +6,6 @@
 namespace elastogen::test {
 namespace {
 
-constexpr TimeScheme kAuto = TimeScheme::kAuto, kSdirk2 = TimeScheme::kSdirk2;
-
 void expect_hop(Device device) {
   const MovingScene m = dropped_ball(1e6, 1);
   const std::vector<MotionFrame> run = play_on(device, m, kAuto, 30),

@@ -10,6 +10,8 @@ namespace elastogen::test {
 
 using MotionOnCard = OnCard;
 
+inline constexpr TimeScheme kAuto = TimeScheme::kAuto, kSdirk2 = TimeScheme::kSdirk2;
+
 /// A run on a machine, with a tolerance of its own at the default one.
 inline std::vector<MotionFrame> play_on(Device device, const MovingScene& m, TimeScheme scheme,
                                         int frames) {

@@ -7,8 +7,6 @@
 namespace elastogen::test {
 namespace {
 
-constexpr TimeScheme kAuto = TimeScheme::kAuto, kSdirk2 = TimeScheme::kSdirk2;
-
 double size_of(const Vec3& v) {
   return safe_norm(v);
 }
