@@ -204,14 +204,16 @@ void set_yield(const Yield& yield, SceneValue& t) {
   }
 }
 
-SceneValue material_table(const Material& m, const Yield& yield) {
+/// @param scheme  with stages the preset's damping holds where none was chosen (scene/set_up.cpp)
+SceneValue material_table(const Material& m, const Yield& yield, TimeScheme scheme) {
   SceneValue t;
   t.set("preset", scene_text(m.name == "custom" ? preset_like(yield) : m.name));
   t.set("law", scene_text(law_name(m.law)));
   t.set("young", scene_number(m.young));
   t.set("poisson", scene_number(m.poisson));
   t.set("density", scene_number(m.density));
-  if (m.loss_factor) t.set("damping", scene_number(*m.loss_factor));
+  const double usual = has_stages(scheme) && yield.index() == 0 ? m.usual_loss : 0;
+  t.set("damping", scene_number(m.loss_factor.value_or(usual)));
   t.set("damping_frequency", scene_number(m.loss_frequency));
   set_yield(yield, t);
   return t;
@@ -346,7 +348,7 @@ SceneValue resolved_scene(const AnimateOptions& o) {
   scene.set("gravity", o.gravity ? vector(o.gravity->data()) : scene_text("auto"));
   scene.set("asset", asset_table(o));
   if (o.shape) scene.set("shape", shape_table(*o.shape));
-  scene.set("material", material_table(o.material, o.yield));
+  scene.set("material", material_table(o.material, o.yield, o.scheme));
   scene.set("motion", motion_table(o.motion));
   scene.set("floor", floor_table(o));
   scene.set("time", time_table(o));

@@ -54,8 +54,8 @@ int edit_distance(std::string_view a, std::string_view b) {
 }
 
 std::string_view si_unit(Quantity quantity) {
-  static constexpr std::string_view kUnits[] = {"",     "m",   "Pa",    "kg/m3", "s",    "m/s",
-                                                "m/s2", "rad", "rad/s", "N",     "bytes"};
+  static constexpr std::string_view kUnits[] = {"",     "m",   "Pa",    "kg/m3", "s",  "m/s",
+                                                "m/s2", "rad", "rad/s", "N",     "Hz", "bytes"};
   return kUnits[int(quantity)];
 }
 

@@ -222,7 +222,7 @@ TEST(Options, TheDefaultsAreThoseOfTheTable) {
                            "asset.h",           "asset.splat_scales", "asset.grid",
                            "gravity",           "floor.axis",         "floor.place",
                            "floor.friction",    "time.frames",        "time.fps",
-                           "time.substeps",     "time.scheme",        "solver.mode",
+                           "time.substeps",     "solver.mode",        "time.error",
                            "solver.tolerance",  "solver.outer",       "solver.inner",
                            "solver.modes",      "solver.threads",     "particles.integrator",
                            "particles.dt",      "particles.substeps", "particles.per_edge",
@@ -230,7 +230,7 @@ TEST(Options, TheDefaultsAreThoseOfTheTable) {
                            "particles.flip",    "particles.passes",   "solver.device",
                            "limits.max_voxels", "limits.max_memory",  "limits.max_time",
                            "output.camera",     "output.image_size",  "output.glb_profile",
-                           "time.error",        "solver.energy",      "solver.method"}) {
+                           "solver.energy",     "solver.method"}) {
     const std::string text = path;
     const size_t dot = text.find('.');
     const std::string table = dot == std::string::npos ? "" : text.substr(0, dot);
