@@ -15,9 +15,9 @@ struct Column {
   double mpm::Likeness::*value;
 };
 constexpr Column kLikeness[] = {{"iou_w", &mpm::Likeness::iou_weighted},
-                               {"iou_b", &mpm::Likeness::iou_binary},
-                               {"iou_soft", &mpm::Likeness::iou_soft},
-                               {"iou_soft_scaled", &mpm::Likeness::iou_soft_scaled}};
+                                {"iou_b", &mpm::Likeness::iou_binary},
+                                {"iou_soft", &mpm::Likeness::iou_soft},
+                                {"iou_soft_scaled", &mpm::Likeness::iou_soft_scaled}};
 
 /// Half the extent along x and z, and the top along y [m].
 Vec3 extents(const CloudReport& cloud) {
@@ -122,7 +122,8 @@ std::string csv(const ParticleStudyResult& r) {
       "run,time [s],half_width [m],half_depth [m],top [m],volume [m3],kinetic [J],elastic [J],"
       "solves [1],iterations [1],not_converged [1],residual [-]";
   for (const char* reference : {"to_sub", "to_explicit"})
-    for (const Column& column : kLikeness) text += fmt::format(",{}.{} [-]", reference, column.name);
+    for (const Column& column : kLikeness)
+      text += fmt::format(",{}.{} [-]", reference, column.name);
   for (const ParticleRun& run : r.runs)
     for (const ParticleFrame& f : run.frames) {
       const Vec3 size = extents(f.cloud);

@@ -18,8 +18,8 @@ struct Typed {
   std::vector<std::string> floor;
   bool has_floor = false;
   std::string splat_scales = "auto", grid = "auto", thickness = "auto";
-  std::string up = "auto", scheme, time_error = "0.5%", solver = "auto",
-              hourglass = "auto", profile = "modal";
+  std::string up = "auto", scheme, time_error = "0.5%", solver = "auto", hourglass = "auto",
+              profile = "modal";
   std::string device = "auto", energy = "auto";
   std::string camera = "three-quarter", image_size = "auto";
   std::string element = "auto", mass = "lumped";  ///< only for simulate

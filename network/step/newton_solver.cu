@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/cuda/reduce.cuh"
 #include "core/cuda/signal.cuh"
+#include "core/time_error.hpp"
 #include "network/precondition/preconditioner.cuh"
 #include "network/step/newton_loop.hpp"
 #include "network/step/newton_solver_device.hpp"
-#include "core/time_error.hpp"
 
 #include <cmath>
 #include <limits>
