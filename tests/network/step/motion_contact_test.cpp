@@ -173,6 +173,30 @@ TEST_F(MotionOnCard, APendulumMovesAsOnTheHost) {
   expect_agreement(pendulum(1.2), 12);
 }
 
+TEST_F(MotionOnCard, FirstStagesAndBondsAreHandedOutAsByTheHost) {
+  MovingScene m = block_on_slope(1e6, 20 * std::numbers::pi / 180, 0.5);
+  m.scene.scheme = kSdirk2;
+  m.scene.dt = kFrame;
+  SolverOptions options;
+  options.tolerance = 1e-7;
+  Solver host(m.scene, options);
+  options.device = Device::kCuda;
+  Solver card(m.scene, options);
+  host.begin(m.start);
+  card.begin(m.start);
+  for (int k = 0; k < 6; ++k) host.advance(), card.advance();
+  const StageData a = host.stage_data(), b = card.stage_data();
+  ASSERT_EQ(a.first.size(), b.first.size());
+  ASSERT_EQ(a.bonds.size(), b.bonds.size());
+  double held = 0;
+  for (int64_t i = 0; i < a.first.size(); ++i) EXPECT_NEAR(a.first.data[i], b.first.data[i], 1e-7);
+  for (int64_t i = 0; i < a.bonds.size(); ++i) {
+    held = std::max(held, std::abs(a.bonds.data[i]));
+    EXPECT_NEAR(a.bonds.data[i], b.bonds.data[i], 1e-7);
+  }
+  EXPECT_GT(held, 1e-6);
+}
+
 #endif
 
 }  // namespace
