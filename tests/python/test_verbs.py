@@ -106,8 +106,7 @@ class Scenes(Verbs):
         for key, value in resolved.items():
             known = schema["properties"][key]
             if known.get("type") == "object":
-                # damping is not there either unless it is asked for: it depends on the time scheme
-                left_out = of_yield | {"damping"} if key == "material" else set()
+                left_out = of_yield if key == "material" else set()
                 self.assertEqual(set(value), set(known["properties"]) - left_out, key)
         damped = self.printed("animate", "--scene", self.scene(), "--damping", "0.1", "--print-resolved")
         self.assertEqual(damped["material"]["damping"], 0.1)
