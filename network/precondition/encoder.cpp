@@ -35,7 +35,7 @@ Box rest_box(const Scene& scene, const std::vector<int32_t>& nodes) {
 template <class T>
 Encoder<T>::Encoder(const IncrementalPotential& potential) {
   build_modes(potential.scene());
-  take_operators(rest_operators(potential, 1));
+  take_operators(potential.scene(), rest_operators(potential, 1));
 }
 
 template <class T>
@@ -46,10 +46,10 @@ std::optional<Encoder<T>> Encoder<T>::if_soft(const IncrementalPotential& potent
   Encoder encoder;
   encoder.build_modes(potential.scene());
   if (stride > 1) {
-    encoder.take_operators(encoder.rest_operators(potential, stride));
+    encoder.take_operators(potential.scene(), encoder.rest_operators(potential, stride));
     if (encoder.softness() < least) return {};
   }
-  encoder.take_operators(encoder.rest_operators(potential, 1));
+  encoder.take_operators(potential.scene(), encoder.rest_operators(potential, 1));
   if (encoder.softness() < least) return {};
   return encoder;
 }
@@ -102,9 +102,10 @@ std::vector<std::vector<double>> Encoder<T>::rest_operators(const IncrementalPot
 }
 
 template <class T>
-void Encoder<T>::take_operators(std::vector<std::vector<double>>&& operators) {
+void Encoder<T>::take_operators(const Scene& scene, std::vector<std::vector<double>>&& operators) {
+  const double known = known_share(scene);
   for (size_t s = 0; s < pieces_.size(); ++s)
-    static_cast<ReducedOperator&>(pieces_[s]) = ReducedOperator(std::move(operators[s]));
+    static_cast<ReducedOperator&>(pieces_[s]) = ReducedOperator(std::move(operators[s]), known);
   reduced_.resize(pieces_.size() * 3 * kModes);
   solution_.resize(reduced_.size());
 }

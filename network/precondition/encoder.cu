@@ -130,9 +130,10 @@ std::vector<ReducedOperator> rest_operators(DevicePotential& potential,
   cuda::for_each(modes.nodes.size(), [=] __device__(int64_t k) { entry_of[node[k]] = int32_t(k); });
   const DeviceModes<T> of{modes.values.data(), node, entry_of};
   std::vector<ReducedOperator> operators;
+  const double known = known_share(potential.terms().scene());
   for (size_t p = 0; p + 1 < modes.first.size(); ++p)
-    operators.emplace_back(
-        reduced_rest_operator(potential, of, modes.first[p], modes.first[p + 1]));
+    operators.emplace_back(reduced_rest_operator(potential, of, modes.first[p], modes.first[p + 1]),
+                           known);
   return operators;
 }
 

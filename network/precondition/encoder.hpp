@@ -8,8 +8,9 @@
 //                                   beside multigrid:   z += B (A_r^-1 - s D_r^-1) B^T r,
 //
 // D_r has the blocks of A_r within a component. Multigrid knows this part of A_r and has answered
-// to it already, up to its own error, for which s = 0.8 leaves a margin: the sum stays positive
-// definite if multigrid gives at least 7/15 of B D_r^-1 B^T, as A_r <= 3 D_r. Where A_r is close to
+// to it already, up to its own error, for which s = 0.8 leaves a margin (less close to nu = 0.5:
+// known_share): the sum stays positive definite if multigrid gives at least s - 1/3 of
+// B D_r^-1 B^T, as A_r <= 3 D_r. Where A_r is close to
 // D_r, in bodies that elastic waves do not cross within a step, the encoder has nothing to add.
 //
 // The modes of each displacement component are the 18 cosines of lowest frequency and the three
@@ -82,7 +83,7 @@ class Encoder {
   void fill_modes(const Scene& scene, const PinTrees& pins, Piece& piece);
   std::vector<std::vector<double>> rest_operators(const IncrementalPotential& potential,
                                                   int64_t stride) const;
-  void take_operators(std::vector<std::vector<double>>&& operators);
+  void take_operators(const Scene& scene, std::vector<std::vector<double>>&& operators);
   void add_nodal(const std::vector<int32_t>& nodes, const std::vector<double>& blocks,
                  std::vector<std::vector<double>>& A) const;
   static void load_modes(const Piece& piece, int64_t k, Pack<T> mode[kPacks]);

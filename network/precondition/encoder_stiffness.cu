@@ -86,7 +86,8 @@ static_assert(kWidth <= ReducedTile::kRows);
 /// diagonal, is spread over the registers of the block (InverseTile). The block inverts D_r, the
 /// part of A_r within components, then A_r, and writes the difference with the scale undone.
 __global__ void __launch_bounds__(ReducedTile::kThreads)
-    correction_kernel(const double* rest, const double* sums, double* corrections) {
+    correction_kernel(const double* rest, const double* sums, double known_share,
+                      double* corrections) {
   __shared__ ReducedTile::Scratch scratch;
   __shared__ double scale[kWidth];
   const double* from = rest + int64_t(blockIdx.x) * kWidth * kWidth;
@@ -111,7 +112,7 @@ __global__ void __launch_bounds__(ReducedTile::kThreads)
   double* to = corrections + int64_t(blockIdx.x) * kWidth * kWidth;
   tile.for_entries(known, [&](int a, int b, double value, double of_known) {
     if (a < kWidth && b < kWidth)
-      to[a * kWidth + b] = scale[a] * (value - ReducedOperator::kKnown * of_known) * scale[b];
+      to[a * kWidth + b] = scale[a] * (value - known_share * of_known) * scale[b];
   });
 }
 
@@ -170,7 +171,8 @@ void DeviceEncoder<T>::set_nodal_stiffness(const NodalStiffness& stiffness) {
                           cudaStreamPerThread));
   check(cudaGetLastError());
   constexpr dim3 kSquare(ReducedTile::kWidth, ReducedTile::kWidth);
-  correction_kernel<<<unsigned(pieces), kSquare>>>(rest_.data(), of_pieces,
+  const double known = operators_.empty() ? 0 : operators_[0].known;
+  correction_kernel<<<unsigned(pieces), kSquare>>>(rest_.data(), of_pieces, known,
                                                    stiff_corrections_.data());
   check(cudaGetLastError());
 }

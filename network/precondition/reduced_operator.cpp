@@ -4,6 +4,7 @@
 #include <Eigen/Cholesky>
 
 #include <algorithm>
+#include <cmath>
 
 namespace elastogen {
 namespace {
@@ -22,7 +23,16 @@ Reduced within_components(const Reduced& A) {
 
 }  // namespace
 
-ReducedOperator::ReducedOperator(std::vector<double>&& at_rest) : rest(std::move(at_rest)) {
+double known_share(const Scene& scene) {
+  double poisson = 0;
+  for (const Material& m : scene.materials) poisson = std::max(poisson, m.poisson);
+  // a tenth less for each halving of 1 - 2 nu beyond nu = 0.49
+  const double halvings = std::log2(0.02 / std::max(1 - 2 * poisson, 1e-3));
+  return std::clamp(0.8 - 0.1 * halvings, 0.0, 0.8);
+}
+
+ReducedOperator::ReducedOperator(std::vector<double>&& at_rest, double share)
+    : known(share), rest(std::move(at_rest)) {
   invert(rest);
 }
 
@@ -37,7 +47,7 @@ void ReducedOperator::invert(const std::vector<double>& A) {
     return Reduced(scale.asDiagonal() * (result + result.transpose()) * scale.asDiagonal() / 2);
   };
   const Reduced whole = take_inverse(scaled);
-  const Reduced more = whole - kKnown * take_inverse(within_components(scaled));
+  const Reduced more = whole - known * take_inverse(within_components(scaled));
   inverse.assign(whole.data(), whole.data() + whole.size());
   correction.assign(more.data(), more.data() + more.size());
 }

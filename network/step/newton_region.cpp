@@ -36,6 +36,7 @@ bool NewtonRegion::take_step(const PcgScalars& end, double unit, const StepTaken
     bounded_ = bounded_ || end.at_edge || step.halved;
   } else if (++steps_ == kCreep || !moved) {
     tangent_ = TangentKind::kTrue;
+    return true;
   }
   return moved || (failures_ <= kMostFailures && -step.slope > step.noise);
 }
