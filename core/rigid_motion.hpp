@@ -90,6 +90,9 @@ ELASTOGEN_HD inline RigidPose pose_at(const RigidMotion& m, double t) {
   return pose;
 }
 
+/// Angular velocity below which a piece does not turn [rad/s]: its inverse and square are numbers.
+inline constexpr double kStill = 1e-100;
+
 /// The pose at time t of a piece that turns about a fixed point, by w t + gain t^2 / 2 about the axis
 /// of w; the gain is a change of |w| [rad/s^2]. The reference of a piece with pins: any will do.
 ELASTOGEN_HD inline RigidPose turned_about(const Vec3& centre, const Vec3& w, double gain,
@@ -97,7 +100,7 @@ ELASTOGEN_HD inline RigidPose turned_about(const Vec3& centre, const Vec3& w, do
   RigidPose pose;
   pose.start = centre;
   const double rate = safe_norm(w), angle = rate * t + gain * t * t / 2;
-  if (!(rate > 0)) return pose;
+  if (!(rate > kStill)) return pose;
   const Vec3 axis = scaled(w, 1 / rate);
   const double s = sin(angle / 2);
   pose.turn =

@@ -42,6 +42,7 @@ struct Scene {
   Array<uint8_t> pinned;    ///< 1 where a node keeps its position, (nodes, 1)
   Vec3 gravity = {};        ///< [m/s^2]
   std::vector<Collider> colliders;
+  double impact_speed = 0;  ///< at which colliders may be met [m/s]: contact_young
   SurfacePoints surface;
   double dt = 1.0 / 60;  ///< [s]
   TimeScheme scheme = TimeScheme::kEuler;

@@ -125,7 +125,9 @@ void describe_fem(const Setup& setup, const RunDescription& run, const fem::FemS
   header.traction = scene.traction;
   header.moved = bool(scene.motion);
   if (!scene.colliders.empty())
-    header.contact = {{"layer", scene.contact.layer}, {"slip_range", scene.contact.slip_range}};
+    header.contact = {{"layer", scene.contact.layer},
+                      {"slip_range", scene.contact.slip_range},
+                      {"impact_speed", setup.scene.impact_speed}};
   if (!is_tets(scene.mesh.element)) return;
   StateMesh& mesh = header.mesh.emplace();
   mesh.rest = scene.mesh.rest;

@@ -49,7 +49,9 @@ class NetworkStepper : public Stepper {
     for (const auto& net : nets_) header.nets.push_back(net ? state_net(*net) : StateNet());
     if (!nets_.empty()) header.energy = "neural";
     if (!scene_.colliders.empty())
-      header.contact = {{"layer", contact_layer(scene_)}, {"slip_range", slip_range(scene_)}};
+      header.contact = {{"layer", contact_layer(scene_)},
+                        {"slip_range", slip_range(scene_)},
+                        {"impact_speed", scene_.impact_speed}};
   }
 
  private:

@@ -12,6 +12,7 @@
 #include "scene/asset_stages.hpp"
 #include "scene/fem_boundary.hpp"
 #include "scene/fem_scene.hpp"
+#include "scene/impact_speed.hpp"
 #include "scene/loose_pieces.hpp"
 #include "scene/particle_setup.hpp"
 #include "voxelize/regions.hpp"
@@ -342,6 +343,7 @@ Setup set_up(const Asset& asset, const RunDescription& run) {
   if (!scene.colliders.empty()) scene.surface = surface_points(scene.grid, setup.body.surface);
   for (const Collider& collider : scene.colliders) check_clear(scene, collider);
   add_time(run, setup);
+  scene.impact_speed = impact_speed(scene, run.motion);
   judge_pieces(asset, run, setup);
   finish_scene(scene);
   // particles in place of voxels, if the body falls apart into grains
@@ -368,6 +370,7 @@ Setup set_up(const TetAsset& tets, const RunDescription& run) {
                                                      : vertex_points(setup.body.surface);
   for (const Collider& collider : scene.colliders) check_clear(scene, collider);
   add_time(run, setup);
+  scene.impact_speed = impact_speed(scene, run.motion);
   judge(tets.asset, run, setup);
   setup.other_seconds = watch.seconds();
   return setup;

@@ -30,7 +30,8 @@ ContactPoints voxel_contact(const Scene& scene) {
   for (int64_t p = 0; p < s.voxel.rows(); ++p) {
     std::copy_n(scene.grid.corners.row(s.voxel(p)), 8, points.nodes.row(p));
     const Material& m = scene.materials[size_t(scene.material(s.voxel(p)))];
-    points.stiffness(p) = contact_stiffness(m.young, points.layer, scene.grid.h);
+    const double held = contact_young(m, scene.impact_speed);
+    points.stiffness(p) = contact_stiffness(held, points.layer, scene.grid.h);
   }
   return points;
 }
@@ -40,7 +41,8 @@ ContactPoints node_contact(const Scene& scene, const ElementMesh& mesh, In<int32
   for (int64_t e = 0; e < mesh.elements.rows(); ++e)
     for (int64_t c = 0; c < mesh.elements.cols(); ++c) {
       double& largest = young[size_t(mesh.elements(e, c))];
-      largest = std::max(largest, scene.materials[size_t(mesh.material(e))].young);
+      const Material& m = scene.materials[size_t(mesh.material(e))];
+      largest = std::max(largest, contact_young(m, scene.impact_speed));
     }
   ContactPoints points = points_of(scene, 1);
   points.weights = Array<double>(nodes.rows);

@@ -29,7 +29,7 @@ void StageMotion::find_turns() {
     if (!pieces_.is_pinned(p)) continue;
     turn_[p] = pieces_.turn_about_pins(p, now_[p]);
     const double rate = safe_norm(turn_[p]);
-    if (!(rate > 0) || history.pieces.empty() || !(history.h_before > 0)) continue;
+    if (!(rate > kStill) || history.pieces.empty() || !(history.h_before > 0)) continue;
     const Vec3 change = minus(turn_[p], history.pieces[p].turn);
     gain_[p] = dot(change, turn_[p]) / (rate * history.h_before);
   }

@@ -30,7 +30,8 @@ Contact::Contact(const Scene& scene) : scene_(scene) {
   stiffness_.resize(points);
   for (int64_t p = 0; p < points_; ++p) {
     const Material& m = scene.materials[size_t(scene.material(s.voxel(p)))];
-    stiffness_[size_t(p)] = contact_stiffness(s.area(p) * m.young, lengths_.layer, scene.grid.h);
+    const double young = contact_young(m, scene.impact_speed);
+    stiffness_[size_t(p)] = contact_stiffness(s.area(p) * young, lengths_.layer, scene.grid.h);
   }
   stiff_place_.assign(size_t(scene.grid.node_count()), -1);
   carried_.resize(size_t(scene.grid.node_count()));

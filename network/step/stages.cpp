@@ -63,7 +63,7 @@ void Stages::turn_about_pins(size_t p) {
   turn_[p] = spin_about(now_[p], pieces_.mass(p), pieces_.pins(p));
   const double rate = safe_norm(turn_[p]);
   gain_[p] = 0;
-  if (h_last_ > 0 && rate > 0)
+  if (h_last_ > 0 && rate > kStill)
     gain_[p] = dot(minus(turn_[p], turn_last_[p]), turn_[p]) / (rate * h_last_);
 }
 

@@ -36,5 +36,16 @@ TEST(PointContact, StiffnessIsThatOfAVoxel) {
   EXPECT_EQ(contact_stiffness(3200, 0.25, 1), 200);
 }
 
+// at a quarter of the layer an area has the kinetic energy of the voxel behind it
+TEST(PointContact, TheLayerStopsTheOutermostVoxelsAtTheSpeedOfAnImpact) {
+  const double h = 0.1, layer = h / 4, area = 1e-4, v = 3;
+  const Material soft{.young = 1e3, .density = 1100}, stiff{.young = 1e7, .density = 1100};
+  const double held = contact_stiffness(contact_young(soft, v), layer, h);
+  const double kinetic = soft.density * area * h * v * v / 2;
+  EXPECT_NEAR(area * held * barrier(0.2387).value / kinetic, 1, 0.2);
+  EXPECT_EQ(contact_young(stiff, v), stiff.young);
+  EXPECT_EQ(contact_young(soft, 0), soft.young);
+}
+
 }  // namespace
 }  // namespace elastogen

@@ -89,5 +89,14 @@ TEST(RigidMotion, WhatIsHeldStays) {
   EXPECT_EQ(reference_velocity(p, {1, 2, 3}), (Vec3{}));
 }
 
+// a body that has come to rest may turn by the smallest numbers there are
+TEST(RigidMotion, ATurnTooSlowForItsInverseIsNone) {
+  const Vec3 x0 = {1, 2, 3};
+  const RigidPose p = turned_about({}, {0, 4.9e-324, 0}, 0, 0.1);
+  EXPECT_EQ(reference_motion(p, x0), (Vec3{}));
+  EXPECT_EQ(reference_velocity(p, x0), (Vec3{}));
+  EXPECT_EQ(reference_acceleration(p, x0), (Vec3{}));
+}
+
 }  // namespace
 }  // namespace elastogen

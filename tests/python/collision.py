@@ -69,7 +69,8 @@ def _pressed(state: State, collider: int, offset: Floats, places: Floats,
 def carriers(state: State) -> tuple[Ints, Floats]:
     """Corners that carry each point (points, 8), and the stiffness A kappa of its barrier [J]."""
     c = state.contact
-    young = np.array([m.young for m in state.materials])[state.grid["material"][c["voxel"]]]
+    held = [max(m.young, 8 * m.density * float(c["impact_speed"]) ** 2) for m in state.materials]
+    young = np.array(held)[state.grid["material"][c["voxel"]]]
     return (state.grid["corners"][c["voxel"]].astype(np.int64),
             c["area"] * young * float(c["layer"]) ** 2 / state.h)
 

@@ -89,7 +89,7 @@ WORDS: dict[str, tuple[str, ...] | None] = {
     "commit": None,
 }
 POSITIVE = ("h", "dt", "g_ref", "fps", "tolerance")
-LENGTHS = ("layer", "slip_range")  # attributes of /contact
+LENGTHS = ("layer", "slip_range", "impact_speed")  # attributes of /contact
 PLANE, SPHERE, BOX = 0, 1, 2
 FIELDS = ("name", "law", "young", "poisson", "density", "loss_factor", "loss_frequency")
 EULER, BDF2, SDIRK2 = 0, 1, 2  # of /steps/scheme
@@ -144,7 +144,7 @@ class State:
     steps: dict[str, NDArray[Any]]
     x: h5py.Dataset  # (records, nodes, 3) [m]
     v: h5py.Dataset  # (records, nodes, 3) [m/s]
-    contact: dict[str, NDArray[Any]] | None = None  # datasets of CONTACT, BONDS, LENGTHS [m]
+    contact: dict[str, NDArray[Any]] | None = None  # datasets of CONTACT, BONDS, LENGTHS
     nets: tuple[Net | None, ...] = ()  # of each material, None: its law; empty: analytic
     x_stage: h5py.Dataset | None = None  # of STAGES
     moved: bool = False  # prescribed components follow a motion
@@ -352,7 +352,8 @@ def _read_contact(file: h5py.File, voxels: int) -> dict[str, NDArray[Any]] | Non
     for name in LENGTHS:
         require(name in group.attrs, f"/contact lacks the attribute '{name}'")
         contact[name] = np.array(number(group.attrs[name], f"/contact attribute '{name}'"))
-        require(contact[name] > 0, f"/contact attribute '{name}' must be positive")
+        positive = contact[name] > 0 or (name == "impact_speed" and contact[name] == 0)
+        require(positive, f"/contact attribute '{name}' must be positive")
     for name in ("weights", "area", "centre", "normal", "half", "radius", "friction", "offset",
                  *({"bonds"} & set(contact))):
         require(np.isfinite(contact[name]).all(), f"/contact/{name} has values that are not finite")

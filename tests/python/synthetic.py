@@ -85,7 +85,8 @@ def add_contact(state: State, x: Floats, offsets: Floats) -> None:
         "normal": np.array([normal, [0, 1, 0], [0, 1, 0]]), "radius": np.array([0.0, 1.0, 0.0]),
         "half": np.array([[0.0] * 3, [0.0] * 3, [0.1, 1.0, 1.0]]),
         "friction": np.array([0.3, 0.0, 0.6]), "name": np.array([b"plane", b"ball", b"box"]),
-        "offset": offsets, "layer": np.array(layer), "slip_range": np.array(1e-4 * H)}
+        "offset": offsets, "layer": np.array(layer), "slip_range": np.array(1e-4 * H),
+        "impact_speed": np.array(0.5)}
 
 
 def central_differences(function: Callable[[Floats], Any], x: Floats, width: float) -> Floats:

@@ -319,7 +319,7 @@ class Outputs(Command):
         self.animated("--voxels", 8, "--frames", 3, "--floor", "--friction", 0.3, "--state", state)
         with h5py.File(state) as file:
             contact = file["contact"]
-            self.assertEqual(set(contact.attrs), {"layer", "slip_range"})
+            self.assertEqual(set(contact.attrs), {"layer", "slip_range", "impact_speed"})
             self.assertEqual(contact["name"][()].tolist(), [b"floor"])
             self.assertEqual(contact["friction"][()].tolist(), [0.3])
             self.assertEqual(contact["normal"][()].tolist(), [[0, 1, 0]])

@@ -367,8 +367,11 @@ def inputs() -> list[Case]:
 def steps_by_time_error() -> list[Case]:
     """Scenes at the scheme that is the default."""
     auto = ("--time-scheme", "auto", "--substeps", "auto")
-    return [*(Case(f"auto.{scene}", scene, auto) for scene in ("beam", "drop", "offset")),
-            *(Case(f"auto.{scene}", scene, auto, NETWORK) for scene in ("heavy", "tumble"))]
+    drops = {"soft": ("--young", "1e3"), "fast": ("--velocity", "0,-50,0")}
+    return [*(Case(f"auto.{scene}", scene, auto) for scene in ("beam", "drop", "offset", "heavy")),
+            *(Case(f"auto.{name}", "drop", (*auto, *options)) for name, options in drops.items()),
+            Case("auto.stiff", "drop", (*auto, "--young", "1e9"), NETWORK),
+            Case("auto.tumble", "tumble", auto, NETWORK)]
 
 
 def solvers() -> list[Case]:
