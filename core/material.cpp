@@ -199,4 +199,8 @@ void check_material(const Material& m) {
                   entry.most, ", got ", m.law.shape);
 }
 
+double contact_young(const Material& material, double v) {
+  return std::max(material.young, 8 * material.density * v * v);
+}
+
 }  // namespace elastogen

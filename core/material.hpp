@@ -94,4 +94,13 @@ const MaterialPreset& material_preset(std::string_view name);
 /// in the range of law_from_name.
 void check_material(const Material& material);
 
+/// Young's modulus of the contact layer of a material [Pa]: its own, or what stops the outermost
+/// voxels at a speed v [m/s] within the layer, where that is more,
+///
+///     max(E, 8 rho v^2):   A kappa b(s) = rho A h v^2 / 2 at b(s) = 1, s = 0.24
+///
+/// (core/point_contact.hpp). A body that lands faster than elastic waves run in it would else be
+/// driven through the layer.
+double contact_young(const Material& material, double v);
+
 }  // namespace elastogen

@@ -2,7 +2,6 @@
 #include "core/point_contact.hpp"
 
 #include "core/constants.hpp"
-#include "core/material.hpp"
 #include "core/scene.hpp"
 #include "core/vec3.hpp"
 
@@ -13,10 +12,6 @@ namespace elastogen {
 
 double contact_layer(const Scene& scene) {
   return scene.grid.h / 4;
-}
-
-double contact_young(const Material& material, double impact_speed) {
-  return std::max(material.young, 8 * material.density * impact_speed * impact_speed);
 }
 
 double slip_range(const Scene& scene) {

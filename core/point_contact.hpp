@@ -31,7 +31,6 @@ struct ContactLengths {
 /// Stiffness of friction that holds, in units of A E / h.
 inline constexpr double kBond = 10;
 
-struct Material;
 struct Scene;
 
 /// Depth dhat of the contact layer below a collider's surface, h/4 [m].
@@ -43,14 +42,6 @@ double contact_layer(const Scene& scene);
 double slip_range(const Scene& scene);
 
 ContactLengths contact_lengths(const Scene& scene);
-
-/// Young's modulus of the contact layer [Pa]: the material's, or what stops the outermost voxels at
-/// a speed v within the layer, where that is more,
-///
-///     max(E, 8 rho v^2):   A kappa b(s) = rho A h v^2 / 2 at b(s) = 1, s = 0.24.
-///
-/// A body that lands faster than elastic waves run in it would else be driven through the layer.
-double contact_young(const Material& material, double impact_speed);
 
 /// Factor of the barrier of a point, kappa = E dhat^2 / h [N/m], so that a voxel in contact is held
 /// with a stiffness of about E h. For E times a point's area it is A kappa [J].
