@@ -68,6 +68,39 @@ struct MotionEnergies {
   }
 };
 
-using NodeSum = std::variant<FirstMoments, SecondMoments, Products, MotionEnergies>;
+/// m v, r x m v, kinetic energy and that of gravity; r from a fixed point.
+struct WholeMotion {
+  StageNodes of;
+  Vec3 about;
+  const double *x, *v;
+  ELASTOGEN_HD void operator()(int64_t n, double* sum) const {
+    const Vec3 place = vector_at(x, n), speed = vector_at(v, n);
+    const Vec3 P = scaled(speed, of.mass[n]), L = cross(minus(place, about), P);
+    for (size_t i = 0; i < 3; ++i) sum[i] += P[i], sum[3 + i] += L[i];
+    sum[6] += dot(P, speed) / 2;
+    sum[7] -= of.mass[n] * dot(of.gravity, place);
+  }
+};
+
+/// At a stage f = m a - r and arm x f, a the acceleration of free nodes, r the gradient of Phi and arm
+/// from a fixed point; then r.v and kinetic energy.
+struct StageForces {
+  StageNodes of;
+  Vec3 about;
+  const double *gradient, *x, *v;
+  ELASTOGEN_HD void operator()(int64_t n, double* sum) const {
+    if (of.pinned[n]) return;
+    const Vec3 place = vector_at(x, n), speed = vector_at(v, n), r = vector_at(gradient, n);
+    const Vec3 away = minus(minus(place, of.x0(n)), of.predicted(n));
+    const Vec3 a = plus(of.gravity, scaled(away, 1 / (of.stage.k * of.stage.k)));
+    const Vec3 f = minus(scaled(a, of.mass[n]), r), torque = cross(minus(place, about), f);
+    for (size_t i = 0; i < 3; ++i) sum[i] += f[i], sum[3 + i] += torque[i];
+    sum[6] += dot(r, speed);
+    sum[7] += of.mass[n] * dot(speed, speed) / 2;
+  }
+};
+
+using NodeSum = std::variant<FirstMoments, SecondMoments, Products, MotionEnergies, WholeMotion,
+                             StageForces>;
 
 }  // namespace elastogen

@@ -216,7 +216,7 @@ TEST(Contact, ActsOnAPieceWithTheSumOfItsNodalForces) {
   std::vector<double> g(u.size());
   const double energy = contact.evaluate(u.data(), g.data());
   const Vec3 about = {0.3, -0.2, 0.1};
-  const ActionSums sums = contact.act(u.data(), v.data(), {about});
+  const ActionSums sums = contact.act(u.data(), v.data(), v.data(), {about});
   ASSERT_EQ(sums.pieces.size(), 1u);
 
   Vec3 force = {}, torque = {};
@@ -238,7 +238,7 @@ TEST(Contact, ActsOnAPieceWithTheSumOfItsNodalForces) {
   EXPECT_LT(sums.energy, energy);
   // a body that sinks at 2 m/s gives the floor that power
   for (size_t k = 0; k < v.size(); ++k) v[k] = k % 3 == 1 ? -2 : 0;
-  EXPECT_NEAR(contact.act(u.data(), v.data(), {about}).pieces[0].power, -2 * action.normal,
+  EXPECT_NEAR(contact.act(u.data(), v.data(), v.data(), {about}).pieces[0].power, -2 * action.normal,
               1e-12 * action.normal);
 }
 
