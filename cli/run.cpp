@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/run.hpp"
 
+#include "cli/ledger_lines.hpp"
 #include "cli/picture/picture_writer.hpp"
 #include "cli/progress.hpp"
 #include "cli/signals.hpp"
@@ -143,6 +144,9 @@ void print_summary(const RunReport& r) {
         "solves a frame, {} of {} steps made again\n",
         r.time_error, r.largest_time_error,
         double(r.solves) / double(std::max<int64_t>(r.frames, 1)), r.rejected_steps, r.steps);
+  if (r.frames_over > 0)
+    fmt::print("time error: above its tolerance in {} of {} frames\n", r.frames_over, r.frames);
+  fmt::print("{}", ledger_lines(r.ledger));
   fmt::print("{:.1f} ms a step (median), {:.2f} s in all\n", quantile(r.step_ms, 0.5),
              r.stage_seconds.read + r.stage_seconds.voxelize + r.stage_seconds.setup +
                  r.stage_seconds.steps + r.stage_seconds.write);

@@ -11,8 +11,6 @@
 #include "core/time_stage.hpp"
 #include "core/vec3.hpp"
 
-#include <algorithm>
-
 namespace elastogen {
 
 /// Momentum [kg m/s] and angular momentum about a fixed point [kg m^2/s]; or a force [N] and its torque
@@ -20,10 +18,7 @@ namespace elastogen {
 struct TwoMomenta {
   Vec3 linear = {}, angular = {};
 
-  void add(const TwoMomenta& o, double weight) {
-    linear = plus(linear, scaled(o.linear, weight));
-    angular = plus(angular, scaled(o.angular, weight));
-  }
+  void add(const TwoMomenta& o, double weight);
 };
 
 /// Forces and powers at a stage [N], [W]; or their impulses and works in a step [N s], [J].
@@ -32,7 +27,7 @@ struct BodyActions {
   double colliders = 0;  ///< of colliders that move: their forces times their velocities
   double moved = 0;      ///< of pins that move
   double loaded = 0;     ///< of loads
-  double rubbed = 0;     ///< of sliding against friction: what heats or strains the bonds
+  double rubbed = 0;     ///< against friction, what bonds take up of that included
   double damped = 0;     ///< that damping takes
   double residual = 0;   ///< of the forces that the solver left, r.v
 
@@ -47,7 +42,7 @@ struct BodyEnergies {
   double total() const { return kinetic + elastic + gravity + contact + bonds; }
 };
 
-/// A body at one time.
+/// A body at one time; elastic energy has that of the hourglass terms in it.
 struct BodyAccount {
   TwoMomenta momentum;
   BodyEnergies energy;
@@ -56,8 +51,9 @@ struct BodyAccount {
 /// A step, or several of them one after the other.
 struct StepLedger {
   bool known = false;
-  Vec3 about = {};         ///< the point of angular momenta: the centre of mass at the start [m]
-  BodyAccount start, end;  ///< elastic with hourglass
+  bool opens = false;  ///< the start of a run: all but its end is empty
+  Vec3 about = {};     ///< the point of angular momenta: the centre of mass at the start [m]
+  BodyAccount start, end;
   BodyActions done;
   TwoMomenta guarded;     ///< change of momentum by the guard of energy
   double guard = 0;       ///< energy that it took [J]
@@ -65,7 +61,7 @@ struct StepLedger {
 
   /// Momentum that no impulse accounts for.
   TwoMomenta gap() const;
-  /// Energy that friction took.
+  /// Energy that friction took: the work against it but for what bonds hold of that.
   double friction() const { return done.rubbed - (end.energy.bonds - start.energy.bonds); }
   /// Work from outside, without gravity.
   double work() const { return done.colliders + done.moved + done.loaded; }
@@ -73,20 +69,33 @@ struct StepLedger {
   double numerical() const {
     return start.energy.total() - end.energy.total() + work() - done.damped - friction() - guard;
   }
-  /// Of that, with the opposite sign: what the solver's residual and the correction of momentum brought.
-  double unaccounted() const { return done.residual + correction; }
 };
+
+/// What the end of a step adds to its ledger.
+struct StepBooking {
+  BodyActions at_first;     ///< at the first stage of SDIRK2
+  BodyActions at_end;       ///< at the last stage
+  TwoMomenta of_reference;  ///< of pins: what their reference brings beyond its integral by stages
+  double kinetic = 0;       ///< energy of the velocities that the scheme gives [J]
+  BodyAccount corrected,
+      end;  ///< before and after the guard of energy, the same where it did nothing
+};
+
+/// The ledger of a step.
+/// @param before  that of the step before, or one that opens
+/// @param last    the stage that the step ends with
+StepLedger step_ledger(const StepLedger& before, const TimeStage& last, const StepBooking& booking);
 
 /// That of a run.
 struct Ledger {
   StepLedger sum;
   int64_t steps = 0;
-  double largest_kinetic = 0;           ///< at the end of a step, or at the start [J]
-  double largest_linear = 0;            ///< momentum
-  double largest_angular = 0;           ///< angular momentum
-  double largest_gap_of_a_step = 0;     ///< momentum
-  double largest_angular_gap = 0;       ///< angular momentum, of a step
-  double largest_rise = 0;              ///< of energy, beyond works, over any time [J]
+  double kinetic = 0;      ///< the largest kinetic energy [J]
+  double linear = 0;       ///< the largest momentum
+  double angular = 0;      ///< the largest angular momentum
+  double linear_gap = 0;   ///< the largest gap of a step in momentum
+  double angular_gap = 0;  ///< and in angular momentum
+  double rise = 0;         ///< the largest rise of energy, over any time, beyond work [J]
 
   /// Adds the next step; one without a ledger changes nothing.
   void add(const StepLedger& step);
@@ -94,12 +103,5 @@ struct Ledger {
  private:
   double lost_ = 0, most_lost_ = 0;  // energy [J]
 };
-
-/// The integral over a step from the powers or forces at its stages.
-/// @param at_first  of the first stage of SDIRK2
-/// @param at_end    of the last stage
-/// @param before    the integral over the step before, for BDF2
-BodyActions done_in_step(const TimeStage& last, const BodyActions& at_first,
-                         const BodyActions& at_end, const BodyActions& before);
 
 }  // namespace elastogen

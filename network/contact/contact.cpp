@@ -144,6 +144,7 @@ ActionSums Contact::act(const double* u, const double* v, const double* v_stage,
     if (!obstacle.rubs && !reaches(obstacle, body, lengths_.layer)) continue;
     const Vec3 speed = scaled(minus(obstacle.to, obstacle.from), 1 / dt_);
     find_distances(obstacle, obstacle.to);
+    // the points that feel it
     for (int64_t p = 0; p < points_; ++p) {
       const Proximity& near = near_[size_t(p)];
       if (!touches(near, lag(w, p), lengths_.layer)) continue;

@@ -31,7 +31,7 @@ void StepOnDevice::begin_stage() {
   });
   has_rotations_ = false;
   potential().freeze_rotations(now);
-  if (stages_->has_no_account()) open_account(now);
+  if (stages_->has_no_ledger()) open_ledger(now);
   potential().set_scheme(scheme_);
   const double t_b = scheme_.stage.t_b;
   potential().begin_damping(scheme_, now, t_b > 0 ? quasi_.u() : before());
@@ -44,14 +44,14 @@ void StepOnDevice::begin_stage() {
 }
 
 /// Opens the ledger of steps with the energies at the start, those of a step of no length.
-void StepOnDevice::open_account(double* now) {
+void StepOnDevice::open_ledger(double* now) {
   const StepScheme at_once(TimeScheme::kEuler, euler_stage(kNoTime * scene_.dt));
   potential().set_scheme(at_once);
   potential().begin_damping(at_once, now, nullptr);
   if (DeviceContact* contact = potential().contact())
     contact->begin_stage(now, time_, at_once.end(), now, time_);
   const PotentialValue value = potential().evaluate(now, static_cast<double*>(nullptr));
-  stages_->open_account(now, value.elastic + value.hourglass);
+  stages_->open_ledger(now, value.elastic + value.hourglass);
 }
 
 bool StepOnDevice::renew_friction() {

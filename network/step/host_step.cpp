@@ -83,7 +83,7 @@ void HostStep::begin_stage() {
   const double* motion = stages_.value().begin(
       {state_->x.data(), state_->v.data(), state_->x_before.data(), state_->v_before.data()},
       scheme_);
-  if (stages_->has_no_account()) open_account(motion);
+  if (stages_->has_no_ledger()) open_ledger(motion);
   // u_ is still that of the first stage where this is the second one
   const double* stage_before = scheme_.stage.t_b > 0 ? u_.data() : nullptr;
   potential_.begin_stage(*state_, scheme_, motion, stage_before);
@@ -92,12 +92,12 @@ void HostStep::begin_stage() {
 }
 
 /// Opens the ledger of steps with the energies at the start, those of a step of no length.
-void HostStep::open_account(const double* motion) {
+void HostStep::open_ledger(const double* motion) {
   const StepScheme at_once(TimeScheme::kEuler, euler_stage(kNoTime * scene_.dt));
   potential_.begin_stage(*state_, at_once, motion, nullptr);
   const PotentialValue value =
       potential_.evaluate(potential_.now().data(), static_cast<double*>(nullptr));
-  stages_->open_account(potential_.now().data(), value.elastic + value.hourglass);
+  stages_->open_ledger(potential_.now().data(), value.elastic + value.hourglass);
 }
 
 void HostStep::evaluate_starts(int count, double* phi) {

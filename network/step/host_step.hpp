@@ -91,7 +91,7 @@ class HostStep : public StepWork {
   void conserve_momentum(Array<double>& v);
   Array<double> next_velocities() const;
   void begin_stage();
-  void open_account(const double* motion);
+  void open_ledger(const double* motion);
   void forget();
   void filter(double interval, double* y);
   template <class P>
@@ -112,8 +112,8 @@ class HostStep : public StepWork {
   std::optional<HostStageMachine> stage_machine_;  // where the scene's scheme has some
   std::optional<Stages> stages_;
   StageCertificate certificate_;  // the last one
-  bool is_cut_ = false;      // by clear_start
-  bool in_flight_ = false;   // free pieces are there, and nothing touches
+  bool is_cut_ = false;           // by clear_start
+  bool in_flight_ = false;        // free pieces are there, and nothing touches
 
   // where float has too few digits for the scene, the preconditioner in double; else that in float
   std::optional<Preconditioner<float>> single_;

@@ -34,7 +34,7 @@ void Stages::forget() {
   gain_.assign(pieces_.count(), 0);
   h_last_ = 0;
   known_time_ = -1e300;
-  account_ = {};
+  ledger_before_ = {};
 }
 
 /// Centres of mass at positions x, and their velocities; null: at rest.
@@ -121,23 +121,24 @@ void Stages::start(int order, double* u) {
   machine_.run(StartDisplacement{at_, order, machine_.field(), u});
 }
 
-/// Contact at u with velocities v, and torques about the centres of the pieces.
-Stages::Forces Stages::forces(const double* u, const double* v, std::vector<Vec3> centres) {
+/// Contact at u, where positions are x, and torques about the centres of the pieces. The field of the
+/// machine gets velocities.
+Stages::Forces Stages::forces(const double* u, const double* x, std::vector<Vec3> centres) {
   Forces f;
   f.known = true;
   f.centres = std::move(centres);
   f.pieces.resize(f.centres.size());
-  if (machine_.has_contact())
-    static_cast<ActionSums&>(f) = machine_.act(u, at_.state.v, v, f.centres);
+  if (!machine_.has_contact()) return f;
+  machine_.run(TakeVelocities{at_, x, machine_.field()});
+  static_cast<ActionSums&>(f) = machine_.act(u, at_.state.v, machine_.field(), f.centres);
   return f;
 }
 
 void Stages::keep_stage(const double* u, const StageCertificate& certificate) {
-  double *const x = machine_.first_stage(), *const v = machine_.field();
+  double* const x = machine_.first_stage();
   machine_.run(PlaceNodes{at_, u, x});
-  machine_.run(TakeVelocities{at_, x, v});
-  at_stage_ = forces(u, v, centres_of(means(x, nullptr)));
-  actions_first_ = actions(x, v, at_stage_, certificate);
+  at_stage_ = forces(u, x, centres_of(means(x, nullptr)));
+  booking_.at_first = actions(x, at_stage_, certificate);
 }
 
 /// Velocity and angular momentum that the scheme gives a free piece at the end of the step.
@@ -263,12 +264,18 @@ bool Stages::end_step(const double* x, const double* u, const StageCertificate& 
                       double* v) {
   machine_.run(TakeVelocities{at_, x, v});
   last_ = states(x, v);
-  at_end_ = forces(u, v, centres_of(last_));
-  const BodyActions at_end = actions(x, v, at_end_, certificate);
+  at_end_ = forces(u, x, centres_of(last_));
+  booking_.at_end = actions(x, at_end_, certificate);
+  booking_.of_reference = gain_of_references();
   correct_momentum(x, v);
-  const BodyAccount corrected = account_of(x, v);
+  booking_.corrected = account_of(x, v);
   const bool keeps_energy = guard(x, certificate.energy, v);
-  write_ledger(at_end, corrected, x, v);
+  // the ledger
+  booking_.end = guarded_ ? account_of(x, v) : booking_.corrected;
+  booking_.end.energy.elastic = certificate.energy;
+  booking_.end.energy.contact = at_end_.energy;
+  booking_.end.energy.bonds = at_end_.bonds;
+  ledger_ = step_ledger(ledger_before_, at_.stage, booking_);
   return keeps_energy;
 }
 
@@ -282,7 +289,7 @@ void Stages::accept(double time) {
   speed_ = speed_next_;
   spin_ = spin_next_;
   closing_ = closing_next_;
-  account_ = account_next_;
+  ledger_before_ = ledger_;
 }
 
 }  // namespace elastogen

@@ -62,10 +62,10 @@ class Stages {
   bool guarded() const { return guarded_; }  ///< end_step() took energy from the velocities
   const StepLedger& ledger() const { return ledger_; }  ///< of the step, after end_step()
   /// Whether the ledger waits for the energies at the start of the step.
-  bool has_no_account() const { return !account_.known; }
+  bool has_no_ledger() const { return !ledger_before_.known; }
   /// Opens it there; after begin(), while colliders stand as at the start.
   /// @param energy  of the voxels [J].
-  void open_account(const double* u, double energy);
+  void open_ledger(const double* u, double energy);
   /// What the step adds to the time error; after end_step().
   TimeError error(const double* v, const TimeErrorOptions& options, const Filter& filter);
   /// The least of max(T v, 0.04 size) of the pieces at velocities v [m].
@@ -82,20 +82,13 @@ class Stages {
     bool known = false;
     std::vector<Vec3> centres;  // of mass, which torques are about [m]
   };
-  /// The body at the end of a step, and what was done in that.
-  struct Account {
-    bool known = false, has_step = false;
-    BodyAccount body;
-    BodyActions done;
-    TwoMomenta guarded;
-  };
 
   void take_poses();
   void turn_about_pins(size_t piece);
   RigidPose pose(size_t piece, double t) const;
   std::vector<PieceMotion> means(const double* x, const double* v);
   std::vector<PieceState> states(const double* x, const double* v);
-  Forces forces(const double* u, const double* v, std::vector<Vec3> centres);
+  Forces forces(const double* u, const double* x, std::vector<Vec3> centres);
   PieceState aim(size_t piece, const PieceState& end) const;
   void correct_momentum(const double* x, double* v);
   bool guard(const double* x, double energy, double* v);
@@ -108,10 +101,8 @@ class Stages {
   void note_speeds(const double* v, double share);
   // stage_ledger.cpp
   BodyAccount account_of(const double* x, const double* v);
-  BodyActions actions(const double* x, const double* v, const Forces& contact,
-                      const StageCertificate& certificate);
-  void write_ledger(const BodyActions& at_end, const BodyAccount& corrected, const double* x,
-                    const double* v);
+  BodyActions actions(const double* x, const Forces& contact, const StageCertificate& certificate);
+  TwoMomenta gain_of_references();
 
   StageMachine& machine_;
   const Scene& scene_;
@@ -131,11 +122,8 @@ class Stages {
   std::vector<double> speed_, spin_, closing_, speed_next_, spin_next_, closing_next_;
   bool moving_colliders_ = false, guarded_ = false;
   // of the ledger
-  Vec3 about_ = {};
-  Account account_, account_next_;  // at the start and at the end
-  BodyActions actions_first_;       // at the first stage of SDIRK2
-  double kinetic_ = 0;              // at the last stage [J]
-  StepLedger ledger_;
+  StepLedger ledger_, ledger_before_;  // of the step, and of that before
+  StepBooking booking_;                // of the step
 };
 
 }  // namespace elastogen
