@@ -3,14 +3,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace elastogen {
 namespace {
 
-/// A number of a table beside a scale: what is far below that is 0.
-std::string figure(double value, double scale) {
-  return fmt::format("{:>10.4g}", std::abs(value) < 1e-6 * scale ? 0 : value);
+/// What is far below a scale is 0.
+double rounded(double value, double scale) {
+  return std::abs(value) < 1e-6 * scale ? 0 : value;
 }
 
 /// A line for what took energy, or brought it. Nothing where that is 0.
@@ -22,8 +23,8 @@ std::string energy_line(const char* what, double value, double scale) {
 /// A vector and its name. Nothing where it is 0.
 std::string impulse(const char* name, const Vec3& value, double scale) {
   if (safe_norm(value) < 1e-6 * scale) return {};
-  return fmt::format("  {:<10}{}{}{}\n", name, figure(value[0], scale), figure(value[1], scale),
-                     figure(value[2], scale));
+  return fmt::format("  {:<10}{:>10.4g}{:>10.4g}{:>10.4g}\n", name, rounded(value[0], scale),
+                     rounded(value[1], scale), rounded(value[2], scale));
 }
 
 }  // namespace
@@ -37,7 +38,9 @@ std::string ledger_lines(const Ledger& ledger) {
   std::string text = fmt::format(
       "energy [J]: {:.4g} at the start, {:.4g} at the end (kinetic {:.4g}, elastic {:.4g}, gravity "
       "{:.4g}, contact {:.4g})\n",
-      start.total(), end.total(), end.kinetic, end.elastic, end.gravity, end.contact + end.bonds);
+      rounded(start.total(), scale), rounded(end.total(), scale), rounded(end.kinetic, scale),
+      rounded(end.elastic, scale), rounded(end.gravity, scale),
+      rounded(end.contact + end.bonds, scale));
   text += energy_line("brought by colliders that move", sum.done.colliders, scale);
   text += energy_line("brought by pins that move", sum.done.moved, scale);
   text += energy_line("brought by loads", sum.done.loaded, scale);
@@ -45,14 +48,14 @@ std::string ledger_lines(const Ledger& ledger) {
   text += energy_line("taken by friction", sum.friction(), scale);
   text += energy_line("taken by the guard of contact", sum.guard, scale);
   text += energy_line("lost by the time scheme", sum.numerical(), scale);
-  text += fmt::format(
-      "  of the largest kinetic energy, {:.4g} J: the scheme {:.2g} %, the solver's residual "
-      "{:.1g} %, "
-      "the correction of momentum {:.1g} %\n",
-      ledger.kinetic, 100 * sum.numerical() / ledger.kinetic,
-      100 * sum.done.residual / ledger.kinetic, 100 * sum.correction / ledger.kinetic);
-  // momentum
-  const double largest = ledger.linear;
+  if (ledger.kinetic > 0)
+    text += fmt::format(
+        "  of the largest kinetic energy, {:.4g} J: the scheme {:.2g} %, the solver's residual "
+        "{:.1g} %, the correction of momentum {:.1g} %\n",
+        ledger.kinetic, 100 * sum.numerical() / ledger.kinetic,
+        100 * sum.done.residual / ledger.kinetic, 100 * sum.correction / ledger.kinetic);
+  // momentum; a body that it moves at a million metres a second has none
+  const double largest = std::max(ledger.linear, 1e-6 * ledger.kinetic);
   text += "momentum [N s]:\n";
   text += impulse("start", sum.start.momentum.linear, largest);
   text += impulse("gravity", sum.done.gravity.linear, largest);
