@@ -10,7 +10,7 @@ namespace elastogen {
 namespace {
 
 /// What is far below a scale is 0.
-double rounded(double value, double scale) {
+double figure(double value, double scale) {
   return std::abs(value) < 1e-6 * scale ? 0 : value;
 }
 
@@ -23,8 +23,8 @@ std::string energy_line(const char* what, double value, double scale) {
 /// A vector and its name. Nothing where it is 0.
 std::string impulse(const char* name, const Vec3& value, double scale) {
   if (safe_norm(value) < 1e-6 * scale) return {};
-  return fmt::format("  {:<10}{:>10.4g}{:>10.4g}{:>10.4g}\n", name, rounded(value[0], scale),
-                     rounded(value[1], scale), rounded(value[2], scale));
+  return fmt::format("  {:<10}{:>10.4g}{:>10.4g}{:>10.4g}\n", name, figure(value[0], scale),
+                     figure(value[1], scale), figure(value[2], scale));
 }
 
 }  // namespace
@@ -38,9 +38,9 @@ std::string ledger_lines(const Ledger& ledger) {
   std::string text = fmt::format(
       "energy [J]: {:.4g} at the start, {:.4g} at the end (kinetic {:.4g}, elastic {:.4g}, gravity "
       "{:.4g}, contact {:.4g})\n",
-      rounded(start.total(), scale), rounded(end.total(), scale), rounded(end.kinetic, scale),
-      rounded(end.elastic, scale), rounded(end.gravity, scale),
-      rounded(end.contact + end.bonds, scale));
+      figure(start.total(), scale), figure(end.total(), scale), figure(end.kinetic, scale),
+      figure(end.elastic, scale), figure(end.gravity, scale),
+      figure(end.contact + end.bonds, scale));
   text += energy_line("brought by colliders that move", sum.done.colliders, scale);
   text += energy_line("brought by pins that move", sum.done.moved, scale);
   text += energy_line("brought by loads", sum.done.loaded, scale);
