@@ -171,6 +171,8 @@ void add_run_options(CLI::App& app, AnimateOptions& o, Typed& t) {
   app.add_option("--max-time", t.max_time, "wall time of the steps, e.g. '10 min'");
   app.add_flag("--no-skip,!--skip", t.no_skip, "take no shortcut that the scene would allow");
   app.add_flag("--strict,!--no-strict", o.strict, "warnings are errors");
+  app.add_flag("--strict-time,!--no-strict-time", o.strict_time,
+               "frames above the time error are drafts");
   app.add_flag("--quiet,!--no-quiet", o.quiet, "print errors only");
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/run.hpp"
 
+#include "cli/ledger_lines.hpp"
 #include "cli/picture/picture_writer.hpp"
 #include "cli/progress.hpp"
 #include "cli/signals.hpp"
@@ -129,7 +130,8 @@ void print_setup(const Setup& setup, const AnimateOptions& o) {
   std::fflush(stdout);
 }
 
-void print_summary(const RunReport& r) {
+/// @param time_error  what was asked for
+void print_summary(const RunReport& r, double time_error) {
   fmt::print("{} of {} steps converged, worst residual {:.2e}, min J {:.3f}\n",
              std::llround(r.converged_share * double(r.steps)), r.steps, r.worst_residual, r.min_j);
   if (r.loosest_tolerance > SolverOptions{}.tolerance)
@@ -143,6 +145,12 @@ void print_summary(const RunReport& r) {
         "solves a frame, {} of {} steps made again\n",
         r.time_error, r.largest_time_error,
         double(r.solves) / double(std::max<int64_t>(r.frames, 1)), r.rejected_steps, r.steps);
+  if (r.frames_over > 0)
+    fmt::print(
+        "time error: {} of {} frames missed {:.3g} % of their motion at the most steps; they are "
+        "drafts in time\n",
+        r.frames_over, r.frames, 100 * time_error);
+  fmt::print("{}", ledger_lines(r.ledger));
   fmt::print("{:.1f} ms a step (median), {:.2f} s in all\n", quantile(r.step_ms, 0.5),
              r.stage_seconds.read + r.stage_seconds.voxelize + r.stage_seconds.setup +
                  r.stage_seconds.steps + r.stage_seconds.write);
@@ -244,7 +252,9 @@ CommandResult run_animation(const Asset& asset, const AnimateOptions& options, d
   warn({report.warnings.begin() + int64_t(warned), report.warnings.end()}, hooks);
   if (options.strict && report.warnings.size() > warned && result.code == kExitDone)
     result.code = kExitUsage;
-  if (!options.quiet) print_summary(report);
+  if (options.strict_time && report.frames_over > 0 && result.code == kExitDone)
+    result.code = kExitDraft;
+  if (!options.quiet) print_summary(report, options.solver.time_error);
   return result;
 }
 

@@ -298,6 +298,7 @@ SceneValue limits_table(const AnimateOptions& o) {
   t.set("max_memory", quantity(double(o.max_memory), "none"));
   t.set("max_time", quantity(o.max_time, "none"));
   t.set("strict", scene_flag(o.strict));
+  t.set("strict_time", scene_flag(o.strict_time));
   return t;
 }
 

@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include "core/ledger.hpp"
 #include "core/scene.hpp"
 
 #include <string>
@@ -41,6 +42,7 @@ struct StepReport {
   double min_corner_j = 1;   ///< smallest det F at a corner of a full voxel
   EnergyParts energy;
   double damped = 0;           ///< energy that damping took in the step [J]
+  StepLedger ledger;           ///< of steps of stages
   int64_t outside_fit = 0;     ///< voxels whose net handed over to its law, in the end state
   double active_share = 1;     ///< share of the voxels that was stepped
   double deepest_overlap = 0;  ///< of a surface point with a collider [voxel edges]

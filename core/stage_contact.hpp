@@ -17,12 +17,16 @@ struct ContactAction {
   Vec3 torque = {};   ///< about the point asked for [N m]
   double normal = 0;  ///< sum of the sizes of the normal forces [N]
   double power = 0;   ///< of the normal forces [W], relative to the colliders
+  double rubbed = 0;  ///< power of sliding against the other forces [W], relative to the colliders
+  double driven = 0;  ///< power of the colliders: their forces times their velocities [W]
 
   void add(const ContactAction& o) {
     force = plus(force, o.force);
     torque = plus(torque, o.torque);
     normal += o.normal;
     power += o.power;
+    rubbed += o.rubbed;
+    driven += o.driven;
   }
 };
 
@@ -30,12 +34,20 @@ struct ContactAction {
 struct ActionSums {
   std::vector<ContactAction> pieces;
   double energy = 0;  ///< of the normal forces [J]
+  double bonds = 0;   ///< that bonds would hold, where a step ends there [J]
 };
 
 /// What a point adds to them.
 struct PointAction {
   ContactAction action;
-  double energy = 0;
+  double energy = 0, bond = 0;
+};
+
+/// Velocities of a point relative to a collider, and that of the collider [m/s].
+struct PointSpeeds {
+  Vec3 start = {};  ///< at the start of the step, for the power of the normal forces
+  Vec3 stage = {};  ///< at the stage, for that of friction
+  Vec3 collider = {};
 };
 
 /// The part of a bond's slip across the normal that the friction of a lag holds.
@@ -57,12 +69,11 @@ ELASTOGEN_HD inline Vec3 kept_slip(const ContactLengths& of, const ContactPoint&
 }
 
 /// What a collider does to a point that feels it.
-/// @param about     point of the torque [m].
-/// @param velocity  of the point relative to the collider [m/s].
+/// @param about  point of the torque [m].
 ELASTOGEN_HD inline PointAction point_action(const ContactLengths& of, const ContactPoint& point,
                                              const ObstaclePath& path, const ContactLag& lag,
-                                             const Proximity& near, const Vec3& about,
-                                             const Vec3& velocity) {
+                                             const Proximity& near, double friction,
+                                             const Vec3& about, const PointSpeeds& speeds) {
   PointAction result;
   Vec3 gradient;
   point_energy(of, point, path, lag, near, gradient);
@@ -72,7 +83,12 @@ ELASTOGEN_HD inline PointAction point_action(const ContactLengths& of, const Con
   const Curve b = barrier(near.distance / of.layer);
   result.energy = point.stiffness * b.value;
   result.action.normal = -point.stiffness * b.first / of.layer;
-  result.action.power = result.action.normal * dot(near.normal, velocity);
+  result.action.power = result.action.normal * dot(near.normal, speeds.start);
+  const Vec3 across = minus(result.action.force, scaled(near.normal, result.action.normal));
+  result.action.rubbed = -dot(across, speeds.stage);
+  result.action.driven = dot(result.action.force, speeds.collider);
+  const Vec3 kept = kept_slip(of, point, path, lag, near, friction);
+  result.bond = of.bond * point.stiffness * dot(kept, kept) / 2;
   return result;
 }
 

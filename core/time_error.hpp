@@ -13,7 +13,7 @@
 
 #pragma once
 
-#include "core/time_stage.hpp"
+#include "core/ledger.hpp"
 
 #include <algorithm>
 
@@ -56,6 +56,7 @@ struct StageEnd {
   bool keeps_energy = true;  ///< false: contact brought more than velocities can make good
   TimeError error;           ///< where it was asked for
   bool guarded = false;      ///< contact brought some, which was taken from the velocities
+  StepLedger ledger;
 };
 
 /// Weights a_1, a_0, a_b of y [s].

@@ -22,7 +22,6 @@ struct TimeStage {
   double t_b = 0;       ///< time of the other point [s], < 0: before the step; 0: there is none
   double w_d = 0, w_v = 0;
   double w_e = 0, w_0 = 0;  ///< [s]
-  double lasts = 0;         ///< its weight in an integral over the step [s]
 };
 
 /// s of SDIRK2, with which it is L-stable.
@@ -30,7 +29,7 @@ inline constexpr double kSdirkStage = 0.29289321881345247560;  // 1 - 1/sqrt(2)
 
 /// Implicit Euler. Order 1.
 inline TimeStage euler_stage(double h) {
-  return {.t = h, .k = h, .w_0 = h, .lasts = h};
+  return {.t = h, .k = h, .w_0 = h};
 }
 
 /// BDF2 after a step of length h_before. Order 2; stable for h / h_before <= 2.4.
@@ -43,8 +42,7 @@ inline TimeStage bdf2_stage(double h, double h_before) {
           .w_d = before,
           .w_v = before,
           .w_e = k * before,
-          .w_0 = k * (1 - before),
-          .lasts = h};
+          .w_0 = k * (1 - before)};
 }
 
 /// A stage of SDIRK2: number 0 at s h, number 1 at h. With e_a = d_a / k and the relative
@@ -53,9 +51,8 @@ inline TimeStage bdf2_stage(double h, double h_before) {
 ///     xhat = z(h) + (1 - s) h e_a + k (e_0 + (1 - s) h A_a) + k^2 (g - z''(h)).
 inline TimeStage sdirk2_stage(int number, double h) {
   const double k = kSdirkStage * h, rest = h - k;
-  if (number == 0) return {.t = k, .k = k, .w_0 = k, .lasts = rest};
-  return {
-      .t = h, .k = k, .t_b = k, .w_d = 2 * rest / k, .w_v = rest / k, .w_0 = k - rest, .lasts = k};
+  if (number == 0) return {.t = k, .k = k, .w_0 = k};
+  return {.t = h, .k = k, .t_b = k, .w_d = 2 * rest / k, .w_v = rest / k, .w_0 = k - rest};
 }
 
 }  // namespace elastogen

@@ -21,6 +21,7 @@ struct FrameCertificate {
   double residual = 0;    ///< |grad E| / |M g_ref| of the true equations [-]
   double min_j = 1;       ///< smallest det F [-]
   double time_error = 0;  ///< estimate of what its steps add to the time error [m]; 0: none made
+  double time_ratio = 0;  ///< largest of its steps' estimates over what was accepted [-]
 };
 
 /// One frame as writers see it. The carried points are the vertices of the surface, or the asset's

@@ -154,12 +154,18 @@ class GlbWriter : public AnimationWriter {
   }
 
   void add_extras(Json& asset) const {
+    // the certificates of the frames
     Json frames = Json::array();
     for (const FrameCertificate& certificate : certificates_) {
       frames.push_back({{"converged", certificate.converged},
                         {"residual", certificate.residual},
                         {"min_j", certificate.min_j}});
+      if (certificate.time_error > 0) {
+        frames.back()["time_error"] = certificate.time_error;
+        frames.back()["time_ratio"] = certificate.time_ratio;
+      }
     }
+    // the file
     Json record = {{"generator", options_.generator},
                    {"commit", options_.commit},
                    {"command", options_.command},

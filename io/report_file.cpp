@@ -2,6 +2,7 @@
 #include "io/report_file.hpp"
 
 #include "core/error.hpp"
+#include "io/ledger_json.hpp"
 #include "io/safe_file.hpp"
 
 #include <nlohmann/json.hpp>
@@ -95,10 +96,12 @@ void write_report(const std::string& path, const RunReport& report) {
       {"time_error",
        {{"sum", report.time_error},
         {"largest_of_a_frame", report.largest_time_error},
+        {"frames_over", report.frames_over},
         {"loosest_tolerance", report.loosest_tolerance},
         {"solves", report.solves},
         {"rejected", report.rejected_steps}}},
       {"damped", report.damped},
+      {"ledger", report.ledger.steps > 0 ? ledger_json(report.ledger) : Json()},
       {"outside_fit", report.outside_fit},
       {"long_steps", report.long_steps},
       {"stage_seconds", to_json(report.stage_seconds)},

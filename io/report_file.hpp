@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include "core/ledger.hpp"
 #include "core/material.hpp"
 #include "io/asset_pose.hpp"
 
@@ -43,7 +44,9 @@ struct RunReport {
   double time_error = 0;          ///< estimates of the time error, summed over the steps [m]
   double loosest_tolerance = 0;   ///< of a step's residual, where it follows the time error
   double largest_time_error = 0;  ///< of a frame [m]
+  int64_t frames_over = 0;        ///< with a step whose time error is above what was accepted
   double damped = 0;              ///< energy that damping took [J]
+  Ledger ledger;                  ///< of runs by stages
   int64_t solves = 0;             ///< minimisations: stages, those of rejected steps included
   int64_t rejected_steps = 0;     ///< that were made again for their time error
   int64_t outside_fit = 0;        ///< voxels outside the box of their nets, summed over the steps

@@ -296,6 +296,8 @@ Keys limit_keys() {
        {"none"}},
       // what a warning is
       {"limits", "strict", T::kFlag, "false", "--strict", "true: warnings are errors"},
+      {"limits", "strict_time", T::kFlag, "false", "--strict-time",
+       "true: frames above the time error are drafts"},
   };
 }
 

@@ -3,6 +3,7 @@
 
 #include "core/error.hpp"
 #include "core/time_scheme.hpp"
+#include "io/ledger_json.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -19,6 +20,19 @@ nlohmann::ordered_json energies(const StepReport& report) {
                                  {"contact", energy.contact}};
   if (report.yields) json["plastic"] = energy.plastic;
   return json;
+}
+
+/// What only steps of the network and of stages have, and what only the latter.
+void add_stages(const StepReport& report, nlohmann::ordered_json& line) {
+  line["length"] = report.length;
+  line["solves"] = report.solves;
+  line["rejected"] = report.rejected;
+  line["tolerance"] = report.tolerance;
+  line["time_error"] = report.time_error;
+  line["damped"] = report.damped;
+  if (!report.ledger.known) return;
+  line["time_ratio"] = report.time_ratio;
+  line["ledger"] = ledger_json(report.ledger);
 }
 
 }  // namespace
@@ -45,15 +59,7 @@ std::string step_log_line(int64_t frame, const StepReport& report,
       {"deepest_overlap", report.deepest_overlap},
       {"ms", report.ms},
   };
-  // what only steps of the network and of stages have
-  if (report.length > 0) {
-    line["length"] = report.length;
-    line["solves"] = report.solves;
-    line["rejected"] = report.rejected;
-    line["tolerance"] = report.tolerance;
-    line["time_error"] = report.time_error;
-    line["damped"] = report.damped;
-  }
+  if (report.length > 0) add_stages(report, line);
   // what only bodies that yield and particles have
   if (report.yields || cloud) line["fallbacks"] = report.fallbacks;
   if (cloud)

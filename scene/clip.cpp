@@ -129,6 +129,7 @@ class Clip {
 
   /// @return false if the clip ends here; end_ and a warning then say why.
   bool step_frame(int64_t frame, FrameCertificate& certificate) {
+    // steps, until they make up the frame
     for (int k = 0; k < setup_.substeps;) {
       StepReport r;
       r.interrupted = stopped();
@@ -150,14 +151,19 @@ class Clip {
       k += r.completes;
     }
     report_.largest_time_error = std::max(report_.largest_time_error, certificate.time_error);
+    report_.frames_over += certificate.time_ratio > 1;
     return true;
   }
 
   void take(int64_t frame, const StepReport& r, FrameCertificate& certificate) {
+    // the frame
     certificate.converged &= r.converged;
     certificate.residual = std::max(certificate.residual, r.residual);
     certificate.min_j = std::min(certificate.min_j, r.min_j);
     certificate.time_error += r.time_error;
+    certificate.time_ratio = std::max(certificate.time_ratio, r.time_ratio);
+    // the run
+    report_.ledger.add(r.ledger);
     report_.time_error += r.time_error;
     report_.loosest_tolerance = std::max(report_.loosest_tolerance, r.tolerance);
     report_.damped += r.damped;
@@ -172,6 +178,7 @@ class Clip {
     report_.step_ms.push_back(r.ms);
     work_.push_back(r.inner);
     if (!r.converged && !r.refusal.empty()) report_.warnings.push_back(r.refusal);
+    // files
     if (log_) log_->write(frame, r, stepper_->cloud());
     if (state_file_) keep_state(r);
     if (hooks_.on_step) hooks_.on_step(r);

@@ -73,20 +73,36 @@ Array<double> ColliderContact::bonds(In<double> u) {
   return held;
 }
 
-std::vector<PointForce> ColliderContact::forces(In<double> u, In<double> v) {
+/// A field of the nodes at a point.
+Vec3 ColliderContact::carried(In<double> field, int64_t point) const {
+  Vec3 value = {};
+  for (int a = 0; a < points_.nodes.cols(); ++a)
+    for (size_t i = 0; i < 3; ++i)
+      value[i] += points_.weights(point, a) * field(points_.nodes(point, a), int(i));
+  return value;
+}
+
+std::vector<PointForce> ColliderContact::forces(In<double> u, In<double> v, In<double> v_stage) {
   find_touches(u);
   std::vector<PointForce> forces;
   for (const Touch& t : touches_) {
-    PointForce f{points_.nodes(t.point, 0), place(u, t.point), {}, push_of(t), 0, 0};
-    f.energy = points_.area(t.point) * points_.stiffness(t.point) *
-               barrier(t.distance / points_.layer).value;
+    PointForce f;
+    f.node = points_.nodes(t.point, 0);
+    f.place = place(u, t.point);
+    f.push = push_of(t);
+    const double kappa = points_.area(t.point) * points_.stiffness(t.point);
+    f.energy = kappa * barrier(t.distance / points_.layer).value;
+    // forces and their powers
     const double drag = t.lag->limit > 0 ? t.lag->limit * friction_of(t).first_over_y : 0;
-    Vec3 speed = scaled(minus(t.obstacle->from, t.obstacle->to), 1 / dt_);
-    for (int a = 0; a < points_.nodes.cols(); ++a)
-      for (size_t i = 0; i < 3; ++i)
-        speed[i] += points_.weights(t.point, a) * v(points_.nodes(t.point, a), int(i));
-    f.force = minus(scaled(t.normal, f.push), scaled(t.slip, drag));
-    f.closing = -elastogen::dot(t.normal, speed);
+    const Vec3 held = scaled(t.slip, -drag),
+               speed = scaled(minus(t.obstacle->to, t.obstacle->from), 1 / dt_);
+    f.force = plus(scaled(t.normal, f.push), held);
+    f.closing = -elastogen::dot(t.normal, minus(carried(v, t.point), speed));
+    f.rubbed = -elastogen::dot(held, minus(carried(v_stage, t.point), speed));
+    f.driven = elastogen::dot(f.force, speed);
+    // what the bond would keep
+    const Vec3 kept = bonded({t.obstacle->core.friction * f.push, t.normal, {}}, t.point, t.slip);
+    f.bond = bond_ * kappa * elastogen::dot(kept, kept) / 2;
     forces.push_back(f);
   }
   return forces;

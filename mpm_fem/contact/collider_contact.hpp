@@ -25,6 +25,9 @@ struct PointForce {
   double push = 0;     ///< force along the normal [N]
   double energy = 0;   ///< of the barrier [J]
   double closing = 0;  ///< speed against the collider [m/s]
+  double rubbed = 0;   ///< power of sliding against friction [W]
+  double driven = 0;   ///< power of the collider: the force times its velocity [W]
+  double bond = 0;     ///< energy that its bond would hold, where a step ends there [J]
 };
 
 class ColliderContact final : public Term {
@@ -52,8 +55,9 @@ class ColliderContact final : public Term {
   /// Slip that bonds hold at u, the end of a step: what the next begin_stage gets.
   Array<double> bonds(In<double> u);
   /// What colliders do at u to the points that they touch, in a stage.
-  /// @param v  velocities for the closing speed [m/s], (nodes, 3)
-  std::vector<PointForce> forces(In<double> u, In<double> v);
+  /// @param v        velocities for the closing speed [m/s], (nodes, 3)
+  /// @param v_stage  those at the stage, for the power of friction
+  std::vector<PointForce> forces(In<double> u, In<double> v, In<double> v_stage);
 
   /// Moves the colliders to the end of a step from `time` to `time + dt`, without friction:
   /// explicit steps apply that by rub().
@@ -109,6 +113,7 @@ class ColliderContact final : public Term {
   };
 
   Vec3 place(In<double> u, int64_t point) const;
+  Vec3 carried(In<double> field, int64_t point) const;
   void move(In<double> u, double time, double dt);
   void set_lags(In<double> u, double time);
   double longest_bond(int64_t point, double limit) const;

@@ -22,15 +22,19 @@ Loads StageFem::loads(const Array<double>& u) {
   const std::vector<PieceMotion> at = pieces_.motions(u, u);  // for their centres
   Loads result;
   result.pieces.resize(pieces_.count());
+  for (const PieceMotion& piece : at) result.centres.push_back(piece.centre);
   // colliders
   if (terms_.contact.exists())
-    for (const PointForce& f : terms_.contact.forces(u, now_->v)) {
+    for (const PointForce& f : terms_.contact.forces(u, now_->v, motion_.velocities(u))) {
       const size_t p = pieces_.of(f.node);
       PieceLoad& load = result.pieces[p];
       add_force(f.force, minus(f.place, at[p].centre), load.contact);
       load.push += f.push;
       load.closing += f.push * f.closing;
       result.contact_energy += f.energy;
+      result.bond_energy += f.bond;
+      result.rubbed += f.rubbed;
+      result.driven += f.driven;
     }
   for (PieceLoad& load : result.pieces)
     if (load.push > 0) load.closing = std::abs(load.closing) / load.push;

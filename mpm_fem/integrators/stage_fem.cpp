@@ -37,7 +37,6 @@ void add_stage(const FemStepReport& stage, FemStepReport& step) {
   step.min_j = std::min(step.min_j, stage.min_j);
   step.deepest_overlap = std::max(step.deepest_overlap, stage.deepest_overlap);
   step.energy = stage.energy;
-  step.damped += stage.damped;
   if (stage.stop != NewtonStop::kConverged) step.stop = stage.stop;
   if (!stage.refusal.empty()) step.refusal = stage.refusal;
 }
@@ -143,7 +142,6 @@ bool StageFem::make_stage(const TimeStage& stage, FemStepReport& report) {
   Array<double> u = solve_.start_value(now_->u, std::move(starts), now_->time + stage.t);
   const bool clear = solve_.pass_colliders(u);
   minimise(own.tolerance, u, own);
-  own.damped = stage.lasts * terms_.damping_power(u_);
   if (!clear) own.finite = false, own.refusal = kNoRoom;
   ++report.solves;
   add_stage(own, report);
@@ -171,9 +169,10 @@ bool StageFem::make_step(TimeScheme kind, double h, FemStepReport& report) {
   if (kind == TimeScheme::kEuler) return make_stage(euler_stage(h), report);
   if (kind == TimeScheme::kBdf2) return make_stage(bdf2_stage(h, now_->stages.h_before), report);
   if (!make_stage(sdirk2_stage(0, h), report)) return false;
+  at_stage_ = loads(u_);
+  booking_.at_first = actions(motion_.velocities(u_), at_stage_);
   motion_.keep_stage(u_);
   first_ = u_;
-  at_stage_ = loads(u_);
   return make_stage(sdirk2_stage(1, h), report);
 }
 
@@ -182,9 +181,13 @@ bool StageFem::judge(FemStepReport& report) {
   v_ = motion_.velocities(u_);
   end_ = pieces_.motions(u_, v_);
   at_end_ = loads(u_);
+  booking_.at_end = actions(v_, at_end_);
+  booking_.kinetic = pieces_.product(v_, v_) / 2;
   correct_momentum();
+  booking_.corrected = account_of(u_, v_);
   const bool keeps_energy = guard(report.energy.elastic + report.energy.hourglass);
   report.guarded = guarded_;
+  write_ledger(report);
   remember_speeds(report.length / scene_.dt);
   if (scene_.scheme == Scheme::kSdirk2) return true;
   const TimeError found = error();
@@ -207,6 +210,7 @@ void StageFem::complete(double end, FemState& state, FemStepReport& report) {
   history.now = std::move(at_end_);
   history.elastic_energy = report.energy.elastic + report.energy.hourglass;
   history.pieces = std::move(memory_);
+  history.ledger = report.ledger;
   history.control = control_;
   if (terms_.contact.exists()) history.bonds = terms_.contact.bonds(u_);
   // the state, its time rounded to the end of the interval where it ends there
@@ -233,6 +237,7 @@ FemStepReport StageFem::step(FemState& state, const std::function<bool()>& stop)
   const int64_t inner = solve_.iterations();
   terms_.freeze_rotations(state.u);
   motion_.begin(state);
+  open_ledger();
   const double end = interval_end(), left = end - state.time;
   FemStepReport report;
   report.solves = 0;

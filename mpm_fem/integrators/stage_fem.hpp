@@ -65,6 +65,12 @@ class StageFem {
   bool judge(FemStepReport& report);
   void complete(double end, FemState& state, FemStepReport& report);
 
+  // stage_ledger.cpp: what changes momentum and energy of the whole body
+  void open_ledger();
+  BodyAccount account_of(const Array<double>& u, const Array<double>& v) const;
+  BodyActions actions(const Array<double>& v, const Loads& loads);
+  void write_ledger(FemStepReport& report);
+
   // stage_balance.cpp: momentum and energy
   Loads loads(const Array<double>& u);
   PieceMotion aim(size_t piece, const PieceMotion& end) const;
@@ -103,6 +109,8 @@ class StageFem {
   std::vector<PieceMotion> end_;     // the pieces there before velocities are corrected
   Loads at_stage_, at_end_;          // of the first stage of SDIRK2; of the step
   std::vector<PieceMemory> memory_;  // at the end
+  StepLedger ledger_before_;         // of the step before
+  StepBooking booking_;
 };
 
 }  // namespace elastogen::fem

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "core/array.hpp"
+#include "core/ledger.hpp"
 #include "core/time_control.hpp"
 #include "core/vec3.hpp"
 
@@ -27,7 +28,11 @@ struct PieceLoad {
 /// That of all pieces at one time; empty: not known.
 struct Loads {
   std::vector<PieceLoad> pieces;
+  std::vector<Vec3> centres;  ///< of mass, which torques are about [m]
   double contact_energy = 0;  ///< of the normal forces [J]
+  double bond_energy = 0;     ///< that bonds would hold, where a step ends there [J]
+  double rubbed = 0;          ///< power of sliding against friction [W]
+  double driven = 0;          ///< power of colliders that move [W]
 };
 
 /// What is remembered of a piece.
@@ -45,6 +50,7 @@ struct StageHistory {
   double elastic_energy = 0;  ///< at the end of the last step, where `now` is known [J]
   std::vector<PieceMemory> pieces;
   TimeControl control;
+  StepLedger ledger;         ///< of the last step; not known: the next one opens it
   bool in_interval = false;  ///< the last step ended within an interval dt of the scene
 };
 

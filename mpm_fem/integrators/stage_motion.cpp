@@ -149,4 +149,34 @@ Array<double> StageMotion::combined(const StepWeights& weights, const Array<doub
   return y;
 }
 
+TwoMomenta StageMotion::gain_of_references(const Vec3& about, const Array<double>& mass) const {
+  TwoMomenta gain;
+  if (std::none_of(turn_.begin(), turn_.end(), [](const Vec3& w) { return safe_norm(w) > 0; }))
+    return gain;
+  // m times a vector of the reference, and its moment
+  const auto add = [&](const Reference& z, const Array<double>& of, double weight) {
+    for (int64_t n = 0; n < of.rows(); ++n) {
+      const size_t p = pieces_.of(n);
+      if (pieces_.is_free(p) || !pieces_.is_pinned(p)) continue;
+      Vec3 value = scaled(row_of(of, n), weight * mass(n));
+      for (int d = 0; d < 3; ++d)
+        if (is_fixed(3 * n + d)) value[size_t(d)] = 0;
+      const Vec3 place =
+          plus(plus(row_of(scene_.mesh.rest, n), row_of(state_->u, n)), row_of(z.shift, n));
+      gain.add({value, cross(minus(place, about), value)}, 1);
+    }
+  };
+  // from the start to the end, without what the stages integrate
+  const TimeStage& s = stage_;
+  const Reference start = reference_at(0);
+  add(end_, end_.velocity, 1);
+  add(end_, end_.acceleration, -s.k);
+  add(start, start.velocity, s.t_b < 0 ? s.w_d - 1 : -1);
+  if (s.t_b == 0) return gain;
+  const Reference other = reference_at(s.t_b);
+  if (s.t_b < 0) add(other, other.velocity, -s.w_d);
+  if (s.t_b > 0) add(other, other.acceleration, s.k - s.t);
+  return gain;
+}
+
 }  // namespace elastogen::fem

@@ -11,6 +11,7 @@
 
 #pragma once
 
+#include "core/ledger.hpp"
 #include "core/time_error.hpp"
 #include "mpm_fem/integrators/fem_pieces.hpp"
 #include "mpm_fem/integrators/fem_state.hpp"
@@ -43,6 +44,11 @@ class StageMotion {
   Array<double> relative(const Array<double>& v) const;
   /// Combination of e at the end, at the start and at the other point; 0 at prescribed components.
   Array<double> combined(const StepWeights& weights, const Array<double>& v) const;
+
+  /// What momentum and angular momentum about a point of the references gain in the step beyond their
+  /// integral by its stages, at free components of pieces with pins. After the last stage.
+  /// @param mass  M 1 [kg], (nodes, 1)
+  TwoMomenta gain_of_references(const Vec3& about, const Array<double>& mass) const;
 
   const TimeStage& stage() const { return stage_; }
   /// The pieces at the start of the step and, for BDF2, at the start of the one before.

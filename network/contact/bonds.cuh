@@ -9,7 +9,7 @@
 namespace elastogen::cuda {
 
 struct ContactBonds {
-  using Action = Sums<9>;  ///< force, torque, normal, power, energy
+  using Action = Sums<12>;  ///< force, torque, normal, power, rubbed, driven, energy, bond
 
   explicit ContactBonds(const Scene& scene);
 

@@ -135,7 +135,8 @@ double Contact::evaluate(const double* u, T* g) {
 template double Contact::evaluate(const double*, float*);
 template double Contact::evaluate(const double*, double*);
 
-ActionSums Contact::act(const double* u, const double* v, const std::vector<Vec3>& about) {
+ActionSums Contact::act(const double* u, const double* v, const double* v_stage,
+                        const std::vector<Vec3>& about) {
   ActionSums sums;
   sums.pieces.resize(about.size());
   const Ball body = find_places(u, place_);
@@ -144,14 +145,18 @@ ActionSums Contact::act(const double* u, const double* v, const std::vector<Vec3
     if (!obstacle.rubs && !reaches(obstacle, body, lengths_.layer)) continue;
     const Vec3 speed = scaled(minus(obstacle.to, obstacle.from), 1 / dt_);
     find_distances(obstacle, obstacle.to);
+    // the points that feel it
     for (int64_t p = 0; p < points_; ++p) {
       const Proximity& near = near_[size_t(p)];
       if (!touches(near, lag(w, p), lengths_.layer)) continue;
       const auto piece = size_t(scene_.grid.piece(scene_.grid.corners(scene_.surface.voxel(p), 0)));
+      const PointSpeeds speeds = {minus(carried(p, v), speed), minus(carried(p, v_stage), speed),
+                                  speed};
       const PointAction more = point_action(lengths_, point(w, p), obstacle, lag(w, p), near,
-                                            about[piece], minus(carried(p, v), speed));
+                                            obstacle.core.friction, about[piece], speeds);
       sums.pieces[piece].add(more.action);
       sums.energy += more.energy;
+      sums.bonds += more.bond;
     }
   }
   return sums;

@@ -70,7 +70,7 @@ struct DeviceContact::Impl {
   void place_obstacles(double time, double dt, double lag_time);
   void take_lags(const double* u);
   void set_lags(const double* u);
-  void sum_actions(const double* u, const double* velocities);
+  void sum_actions(const double* u, const double* start, const double* stage);
   void sweep(const double* u, const double* end);
   bool crowds(int obstacle, const double* u, double motion);
   void carry(double* u);

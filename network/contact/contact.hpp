@@ -63,9 +63,12 @@ class Contact {
   double evaluate(const double* u, T* g);
 
   /// Adds up what colliders do at u to each piece.
-  /// @param v      velocities of the nodes for the power, (nodes, 3).
-  /// @param about  points of the torques, (pieces).
-  ActionSums act(const double* u, const double* v, const std::vector<Vec3>& about);
+  /// @param v        velocities of the nodes at the start of the step, for the power of the normal
+  ///                 forces [m/s], (nodes, 3).
+  /// @param v_stage  velocities at the stage, for that of friction.
+  /// @param about    points of the torques, (pieces).
+  ActionSums act(const double* u, const double* v, const double* v_stage,
+                 const std::vector<Vec3>& about);
 
   /// Freezes the stiffness at u, along the normal of each point and collider and across it [N/m].
   /// It stays positive, because the rotation of the normal, which lowers it, is left out.

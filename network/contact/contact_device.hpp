@@ -42,7 +42,8 @@ class DeviceContact {
   void forget_bonds();
   void download_bonds(Array<double>& bonds) const;  ///< Contact::bonds; waits for the device
   /// Waits for the device.
-  ActionSums act(const double* u, const double* v, const std::vector<Vec3>& about);
+  ActionSums act(const double* u, const double* v, const double* v_stage,
+                 const std::vector<Vec3>& about);
 
   /// Copies `now` to `clear` and moves nodes that colliders run over along with them. Then cuts the
   /// step from `clear` to u where its path leads into a collider, as Solver::Impl::start does.

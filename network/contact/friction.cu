@@ -96,7 +96,7 @@ void DeviceContact::download_bonds(Array<double>& bonds) const {
 }
 
 /// Adds up what colliders do to the points of each piece.
-void DeviceContact::Impl::sum_actions(const double* u, const double* velocities) {
+void DeviceContact::Impl::sum_actions(const double* u, const double* start, const double* stage) {
   const ContactView v = view();
   const Vec3* const about = bonds->about.data();
   const double per_dt = bonds->per_dt;
@@ -111,9 +111,10 @@ void DeviceContact::Impl::sum_actions(const double* u, const double* velocities)
           const ContactLag& lag = v.lag(w, p);
           if (!touches(near, lag, v.lengths.layer)) continue;
           const Vec3 speed = scaled(minus(of.to, of.from), per_dt);
-          const PointAction more =
-              point_action(v.lengths, v.bonded(point, w, p), of, lag, near, about[piece],
-                           minus(v.carried(p, velocities), speed));
+          const PointSpeeds speeds = {minus(v.carried(p, start), speed),
+                                      minus(v.carried(p, stage), speed), speed};
+          const PointAction more = point_action(v.lengths, v.bonded(point, w, p), of, lag, near,
+                                                of.friction, about[piece], speeds);
           // in the order in which act() reads them
           for (int i = 0; i < 3; ++i) {
             sum.value[i] += more.action.force[i];
@@ -121,23 +122,29 @@ void DeviceContact::Impl::sum_actions(const double* u, const double* velocities)
           }
           sum.value[6] += more.action.normal;
           sum.value[7] += more.action.power;
-          sum.value[8] += more.energy;
+          sum.value[8] += more.action.rubbed;
+          sum.value[9] += more.action.driven;
+          sum.value[10] += more.energy;
+          sum.value[11] += more.bond;
         }
       },
       [=] __device__(int64_t piece, const ContactBonds::Action& sum) { to[piece] = sum; });
 }
 
-ActionSums DeviceContact::act(const double* u, const double* v, const std::vector<Vec3>& about) {
+ActionSums DeviceContact::act(const double* u, const double* v, const double* v_stage,
+                              const std::vector<Vec3>& about) {
   Impl& s = *impl_;
   s.bonds->about.upload(about.data());
-  s.sum_actions(u, v);
+  s.sum_actions(u, v, v_stage);
   synchronise();
   // as the host has them
   ActionSums result;
   for (size_t p = 0; p < about.size(); ++p) {
     const double* sum = s.bonds->actions[int64_t(p)].value;
-    result.pieces.push_back({{sum[0], sum[1], sum[2]}, {sum[3], sum[4], sum[5]}, sum[6], sum[7]});
-    result.energy += sum[8];
+    result.pieces.push_back(
+        {{sum[0], sum[1], sum[2]}, {sum[3], sum[4], sum[5]}, sum[6], sum[7], sum[8], sum[9]});
+    result.energy += sum[10];
+    result.bonds += sum[11];
   }
   return result;
 }

@@ -28,6 +28,11 @@ inline double rate_of(const StepScheme& scheme) {
   return std::sqrt(scheme.a0) / scheme.dt;
 }
 
+/// Power that damping takes at the end of a step or a stage [W].
+inline double damping_power(const PotentialValue& value, const StepScheme& scheme) {
+  return 2 * value.viscous * rate_of(scheme);
+}
+
 class PotentialTerms {
  public:
   /// @param learned  nets of the scene's materials, by their index; missing or null: analytic.

@@ -26,8 +26,9 @@ class DeviceStageMachine : public StageMachine {
   /// Waits for the device.
   std::vector<PieceSums> sum(const NodeSum& sum) override;
   bool has_contact() const override { return potential_.contact() != nullptr; }
-  ActionSums act(const double* u, const double* v, const std::vector<Vec3>& about) override {
-    return potential_.contact()->act(u, v, about);
+  ActionSums act(const double* u, const double* v, const double* v_stage,
+                 const std::vector<Vec3>& about) override {
+    return potential_.contact()->act(u, v, v_stage, about);
   }
 
  private:

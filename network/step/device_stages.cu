@@ -30,8 +30,9 @@ void StepOnDevice::begin_stage() {
     predictor[k] = now[k] + (m.pinned[k / 3] ? 0 : way[k]);
   });
   has_rotations_ = false;
-  potential().set_scheme(scheme_);
   potential().freeze_rotations(now);
+  if (stages_->has_no_ledger()) open_ledger(now);
+  potential().set_scheme(scheme_);
   const double t_b = scheme_.stage.t_b;
   potential().begin_damping(scheme_, now, t_b > 0 ? quasi_.u() : before());
   quasi_.preconditioner().update_inertia(scheme_);
@@ -42,6 +43,17 @@ void StepOnDevice::begin_stage() {
   stages_->start(0, quasi_.u());
 }
 
+/// Opens the ledger of steps with the energies at the start, those of a step of no length.
+void StepOnDevice::open_ledger(double* now) {
+  const StepScheme at_once(TimeScheme::kEuler, euler_stage(kNoTime * scene_.dt));
+  potential().set_scheme(at_once);
+  potential().begin_damping(at_once, now, nullptr);
+  if (DeviceContact* contact = potential().contact())
+    contact->begin_stage(now, time_, at_once.end(), now, time_);
+  const PotentialValue value = potential().evaluate(now, static_cast<double*>(nullptr));
+  stages_->open_ledger(now, value.elastic + value.hourglass);
+}
+
 bool StepOnDevice::renew_friction() {
   return potential().contact() && potential().contact()->renew_lag(quasi_.u());
 }
@@ -50,8 +62,9 @@ StageEnd StepOnDevice::end_step(const TimeErrorOptions* options) {
   StageEnd end;
   // the positions are where certify() has put them
   end.keeps_energy =
-      stages_.value().end_step(quasi_.trial_u(), quasi_.u(), voxel_energy_, v_next_.data());
+      stages_.value().end_step(quasi_.trial_u(), quasi_.u(), certificate_, v_next_.data());
   end.guarded = stages_->guarded();
+  end.ledger = stages_->ledger();
   if (options)
     end.error = stages_->error(v_next_.data(), *options,
                                [&](double* y) { newton_solver().filter(options->interval, y); });

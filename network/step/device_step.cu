@@ -187,7 +187,8 @@ Certificate StepOnDevice::certify() {
   }
   signal_.wait();
   Certificate result{potential().value(), std::sqrt(numbers_[0].square)};
-  voxel_energy_ = result.value.elastic + result.value.hourglass;
+  certificate_ = {result.value.elastic + result.value.hourglass,
+                  damping_power(result.value, scheme_), gradient_.data()};
   result.finite = std::isfinite(result.value.total()) && std::isfinite(result.size) &&
                   numbers_[0].not_finite == 0;
   return result;

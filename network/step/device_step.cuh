@@ -64,7 +64,7 @@ class StepOnDevice : public StepWork {
     return stages_.value().least_motion(v_.data(), interval);
   }
   bool renew_friction() override;
-  void keep_stage() override { stages_.value().keep_stage(quasi_.u()); }
+  void keep_stage() override { stages_.value().keep_stage(quasi_.u(), certificate_); }
   StageEnd end_step(const TimeErrorOptions* options) override;
   StageData stage_data() override;
   MotionEnergy finish() override;
@@ -89,6 +89,7 @@ class StepOnDevice : public StepWork {
   DevicePotential& potential() { return quasi_.potential(); }
   Motion motion();
   void begin_stage();
+  void open_ledger(double* now);
   void round_positions();
   bool balance();
   void extrapolate(int order, double* u);
@@ -139,11 +140,10 @@ class StepOnDevice : public StepWork {
   std::optional<DeviceStageMachine> stage_machine_;  // where the scene's scheme has some
   std::optional<Stages> stages_;
   StepScheme scheme_;
-  double time_ = 0, h_before_ = 0;  // of the state [s]
-  double voxel_energy_ = 0;         // of the last certificate [J]
-  bool has_before_ = false;
-  bool in_flight_ = false;      // that of the certificate
-  bool has_rotations_ = false;  // the preconditioner has the nodal rotations of u
+  double time_ = 0, h_before_ = 0;               // of the state [s]
+  StageCertificate certificate_;                 // the last one
+  bool has_before_ = false, in_flight_ = false;  // in_flight_: that of the certificate
+  bool has_rotations_ = false;                   // the preconditioner has the nodal rotations of u
 };
 
 }  // namespace elastogen::cuda

@@ -23,8 +23,9 @@ class HostStageMachine : public StageMachine {
   void run(const NodePass& pass) override;
   std::vector<PieceSums> sum(const NodeSum& sum) override;
   bool has_contact() const override { return potential_.contact().exists(); }
-  ActionSums act(const double* u, const double* v, const std::vector<Vec3>& about) override {
-    return potential_.contact().act(u, v, about);
+  ActionSums act(const double* u, const double* v, const double* v_stage,
+                 const std::vector<Vec3>& about) override {
+    return potential_.contact().act(u, v, v_stage, about);
   }
 
  private:

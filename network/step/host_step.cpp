@@ -83,11 +83,21 @@ void HostStep::begin_stage() {
   const double* motion = stages_.value().begin(
       {state_->x.data(), state_->v.data(), state_->x_before.data(), state_->v_before.data()},
       scheme_);
+  if (stages_->has_no_ledger()) open_ledger(motion);
   // u_ is still that of the first stage where this is the second one
   const double* stage_before = scheme_.stage.t_b > 0 ? u_.data() : nullptr;
   potential_.begin_stage(*state_, scheme_, motion, stage_before);
   precise_ ? precise_->update_inertia() : single_.value().update_inertia();
   stages_->start(0, u_.data());
+}
+
+/// Opens the ledger of steps with the energies at the start, those of a step of no length.
+void HostStep::open_ledger(const double* motion) {
+  const StepScheme at_once(TimeScheme::kEuler, euler_stage(kNoTime * scene_.dt));
+  potential_.begin_stage(*state_, at_once, motion, nullptr);
+  const PotentialValue value =
+      potential_.evaluate(potential_.now().data(), static_cast<double*>(nullptr));
+  stages_->open_ledger(potential_.now().data(), value.elastic + value.hourglass);
 }
 
 void HostStep::evaluate_starts(int count, double* phi) {
@@ -183,7 +193,8 @@ Certificate HostStep::certify() {
   in_flight_ = balance();
   round_positions();
   Certificate result{potential_.residual(u_.data(), gradient_.data())};
-  voxel_energy_ = result.value.elastic + result.value.hourglass;
+  certificate_ = {result.value.elastic + result.value.hourglass,
+                  damping_power(result.value, scheme_), gradient_.data()};
   result.size = norm(gradient_.data(), int64_t(gradient_.size()));
   result.finite = std::isfinite(result.value.total()) && std::isfinite(result.size) &&
                   all_finite(u_.data(), int64_t(u_.size()));
@@ -241,8 +252,9 @@ void HostStep::filter(double interval, double* y) {
 
 StageEnd HostStep::end_step(const TimeErrorOptions* options) {
   StageEnd end;
-  end.keeps_energy = stages_.value().end_step(x_.data(), u_.data(), voxel_energy_, v_.data());
+  end.keeps_energy = stages_.value().end_step(x_.data(), u_.data(), certificate_, v_.data());
   end.guarded = stages_->guarded();
+  end.ledger = stages_->ledger();
   if (options)
     end.error =
         stages_->error(v_.data(), *options, [&](double* y) { filter(options->interval, y); });

@@ -58,7 +58,7 @@ class HostStep : public StepWork {
   bool renew_friction() override {
     return potential_.contact().exists() && potential_.contact().renew_lag(u_.data());
   }
-  void keep_stage() override { stages_.value().keep_stage(u_.data()); }
+  void keep_stage() override { stages_.value().keep_stage(u_.data(), certificate_); }
   StageData stage_data() override {
     if (!stages_) return {};
     return {{stage_machine_->first_stage(), scene_.grid.node_count(), 3},
@@ -91,6 +91,7 @@ class HostStep : public StepWork {
   void conserve_momentum(Array<double>& v);
   Array<double> next_velocities() const;
   void begin_stage();
+  void open_ledger(const double* motion);
   void forget();
   void filter(double interval, double* y);
   template <class P>
@@ -110,9 +111,9 @@ class HostStep : public StepWork {
   Array<double> x_, v_;                            // of the new state; v_ of steps of stages
   std::optional<HostStageMachine> stage_machine_;  // where the scene's scheme has some
   std::optional<Stages> stages_;
-  double voxel_energy_ = 0;  // of the last certificate [J]
-  bool is_cut_ = false;      // by clear_start
-  bool in_flight_ = false;   // free pieces are there, and nothing touches
+  StageCertificate certificate_;  // the last one
+  bool is_cut_ = false;           // by clear_start
+  bool in_flight_ = false;        // free pieces are there, and nothing touches
 
   // where float has too few digits for the scene, the preconditioner in double; else that in float
   std::optional<Preconditioner<float>> single_;

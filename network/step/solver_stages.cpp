@@ -77,7 +77,6 @@ bool Solver::Impl::make_stage(const TimeStage& stage, StepReport& report) {
   report.deepest_overlap = std::max(report.deepest_overlap, own.deepest_overlap);
   report.outside_fit = std::max(report.outside_fit, own.outside_fit);
   report.energy = own.energy;
-  report.damped += own.damped;
   if (!own.refusal.empty()) report.refusal = own.refusal;
   report.interrupted = own.interrupted;
   return solved && own.finite;
@@ -106,13 +105,13 @@ bool Solver::Impl::make_step(TimeScheme kind, double h, StepReport& report) {
 
 /// Ends a step and judges it. False: to be made again, on another level or by implicit Euler.
 bool Solver::Impl::judge(StepReport& report) {
-  if (scene.scheme == TimeScheme::kSdirk2) {
-    report.guarded = work->end_step(nullptr).guarded;
-    return true;
-  }
+  const bool is_auto = scene.scheme == TimeScheme::kAuto;
   const TimeErrorOptions of_error{scene.dt, options.time_error};
-  const StageEnd end = work->end_step(&of_error);
+  const StageEnd end = work->end_step(is_auto ? &of_error : nullptr);
   report.guarded = end.guarded;
+  report.ledger = end.ledger;
+  report.damped = end.ledger.done.damped;
+  if (!is_auto) return true;
   report.time_error = end.error.estimate;
   report.time_ratio = end.error.ratio;
   return control.accepts(end.error.ratio) && end.keeps_energy;

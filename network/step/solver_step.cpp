@@ -80,9 +80,7 @@ void Solver::Impl::certify(StepReport& report) {
   report.energy.elastic = value.elastic;
   report.energy.hourglass = value.hourglass;
   report.energy.contact = value.contact;
-  // the power of damping, over the part of the step that the stage stands for
-  const double lasts = scheme.is_stage ? scheme.stage.lasts : scheme.dt;
-  report.damped = lasts * 2 * value.viscous * std::sqrt(scheme.a0) / scheme.dt;
+  report.damped = scheme.dt * damping_power(value, scheme);  // of stages the ledger has it
   report.outside_fit = value.outside;
 }
 

@@ -38,9 +38,11 @@ class StageMachine {
 
   virtual bool has_contact() const = 0;
   /// Adds up what colliders do at a displacement u to each piece, (pieces).
-  /// @param v      velocities for the power [m/s].
-  /// @param about  points of the torques [m], (pieces).
-  virtual ActionSums act(const double* u, const double* v, const std::vector<Vec3>& about) = 0;
+  /// @param v        velocities at the start of the step [m/s].
+  /// @param v_stage  velocities at the stage [m/s].
+  /// @param about    points of the torques [m], (pieces).
+  virtual ActionSums act(const double* u, const double* v, const double* v_stage,
+                         const std::vector<Vec3>& about) = 0;
 };
 
 }  // namespace elastogen

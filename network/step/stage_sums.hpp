@@ -68,6 +68,66 @@ struct MotionEnergies {
   }
 };
 
-using NodeSum = std::variant<FirstMoments, SecondMoments, Products, MotionEnergies>;
+/// m v, r x m v, kinetic energy and that of gravity; r from a fixed point.
+struct WholeMotion {
+  StageNodes of;
+  Vec3 about;
+  const double *x, *v;
+  ELASTOGEN_HD void operator()(int64_t n, double* sum) const {
+    const Vec3 place = vector_at(x, n), speed = vector_at(v, n);
+    const Vec3 P = scaled(speed, of.mass[n]), L = cross(minus(place, about), P);
+    for (size_t i = 0; i < 3; ++i) sum[i] += P[i], sum[3 + i] += L[i];
+    sum[6] += dot(P, speed) / 2;
+    sum[7] -= of.mass[n] * dot(of.gravity, place);
+  }
+};
+
+/// At a stage f = m a - r and arm x f, a the acceleration of free nodes, r the gradient of Phi and arm
+/// from a fixed point; then r.v and kinetic energy, v the velocities that the scheme gives.
+struct StageForces {
+  StageNodes of;
+  Vec3 about;
+  const double *gradient, *x;
+  ELASTOGEN_HD void operator()(int64_t n, double* sum) const {
+    if (of.pinned[n]) return;
+    const Vec3 place = vector_at(x, n), v = of.velocity(n, place), r = vector_at(gradient, n);
+    const Vec3 away = minus(minus(place, of.x0(n)), of.predicted(n));
+    const Vec3 a = plus(of.gravity, scaled(away, 1 / (of.stage.k * of.stage.k)));
+    const Vec3 f = minus(scaled(a, of.mass[n]), r), torque = cross(minus(place, about), f);
+    for (size_t i = 0; i < 3; ++i) sum[i] += f[i], sum[3 + i] += torque[i];
+    sum[6] += dot(r, v);
+    sum[7] += of.mass[n] * dot(v, v) / 2;
+  }
+};
+
+/// What the momentum and the angular momentum of the reference of free nodes gain in a step beyond
+/// their integral by its stages.
+struct ReferenceGain {
+  StageNodes of;
+  Vec3 about;
+
+  /// Adds weight m times a vector of the reference and its moment.
+  ELASTOGEN_HD void add(int64_t n, const RigidPose& pose, double weight, const Vec3& of_reference,
+                        double* sum) const {
+    const Vec3 place = plus(of.x0(n), reference_motion(pose, of.x0(n)));
+    const Vec3 value = scaled(of_reference, weight * of.mass[n]);
+    const Vec3 moment = cross(minus(place, about), value);
+    for (size_t i = 0; i < 3; ++i) sum[i] += value[i], sum[3 + i] += moment[i];
+  }
+  ELASTOGEN_HD void operator()(int64_t n, double* sum) const {
+    const PiecePoses& at = of.poses_of(n);
+    if (of.pinned[n] || at.is_free) return;
+    const TimeStage& s = of.stage;
+    const Vec3 x0 = of.x0(n);
+    add(n, at.end, 1, reference_velocity(at.end, x0), sum);
+    add(n, at.end, -s.k, reference_acceleration(at.end, x0), sum);
+    add(n, at.start, s.t_b < 0 ? s.w_d - 1 : -1, reference_velocity(at.start, x0), sum);
+    if (s.t_b < 0) add(n, at.other, -s.w_d, reference_velocity(at.other, x0), sum);
+    if (s.t_b > 0) add(n, at.other, s.k - s.t, reference_acceleration(at.other, x0), sum);
+  }
+};
+
+using NodeSum = std::variant<FirstMoments, SecondMoments, Products, MotionEnergies, WholeMotion,
+                             StageForces, ReferenceGain>;
 
 }  // namespace elastogen

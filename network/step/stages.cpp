@@ -4,6 +4,16 @@
 #include <algorithm>
 
 namespace elastogen {
+namespace {
+
+template <class Piece>
+std::vector<Vec3> centres_of(const std::vector<Piece>& pieces) {
+  std::vector<Vec3> centres;
+  for (const Piece& piece : pieces) centres.push_back(piece.centre);
+  return centres;
+}
+
+}  // namespace
 
 Stages::Stages(StageMachine& machine)
     : machine_(machine), scene_(machine.scene()), pieces_(machine.pieces()), at_(machine.nodes()) {
@@ -24,18 +34,26 @@ void Stages::forget() {
   gain_.assign(pieces_.count(), 0);
   h_last_ = 0;
   known_time_ = -1e300;
+  ledger_before_ = {};
 }
 
-/// The pieces at positions x with velocities v; null: at rest.
-std::vector<PieceState> Stages::states(const double* x, const double* v) {
+/// Centres of mass at positions x, and their velocities; null: at rest.
+std::vector<PieceMotion> Stages::means(const double* x, const double* v) {
   const std::vector<PieceSums> first = machine_.sum(FirstMoments{at_, x, v});
-  std::vector<PieceState> result(pieces_.count());
   std::vector<PieceMotion> about(pieces_.count());
-  for (size_t p = 0; p < result.size(); ++p) {
+  for (size_t p = 0; p < about.size(); ++p)
     for (size_t i = 0; i < 3; ++i) {
       about[p].centre[i] = first[p][6 + i] + first[p][i] / pieces_.mass(p);
       about[p].velocity[i] = first[p][3 + i] / pieces_.mass(p);
     }
+  return about;
+}
+
+/// The pieces at positions x with velocities v; null: at rest.
+std::vector<PieceState> Stages::states(const double* x, const double* v) {
+  const std::vector<PieceMotion> about = means(x, v);
+  std::vector<PieceState> result(pieces_.count());
+  for (size_t p = 0; p < result.size(); ++p) {
     result[p].centre = about[p].centre;
     result[p].velocity = about[p].velocity;
   }
@@ -103,22 +121,24 @@ void Stages::start(int order, double* u) {
   machine_.run(StartDisplacement{at_, order, machine_.field(), u});
 }
 
-/// Contact at u, with torques about the centres of the pieces.
-Stages::Forces Stages::forces(const double* u, const std::vector<PieceState>& pieces) {
+/// Contact at u, where positions are x, and torques about the centres of the pieces. The field of the
+/// machine gets velocities.
+Stages::Forces Stages::forces(const double* u, const double* x, std::vector<Vec3> centres) {
   Forces f;
   f.known = true;
-  f.pieces.resize(pieces.size());
+  f.centres = std::move(centres);
+  f.pieces.resize(f.centres.size());
   if (!machine_.has_contact()) return f;
-  std::vector<Vec3> centres(pieces.size());
-  for (size_t p = 0; p < pieces.size(); ++p) centres[p] = pieces[p].centre;
-  static_cast<ActionSums&>(f) = machine_.act(u, at_.state.v, centres);
+  machine_.run(TakeVelocities{at_, x, machine_.field()});
+  static_cast<ActionSums&>(f) = machine_.act(u, at_.state.v, machine_.field(), f.centres);
   return f;
 }
 
-void Stages::keep_stage(const double* u) {
+void Stages::keep_stage(const double* u, const StageCertificate& certificate) {
   double* const x = machine_.first_stage();
   machine_.run(PlaceNodes{at_, u, x});
-  at_stage_ = forces(u, machine_.has_contact() ? states(x, nullptr) : now_);
+  at_stage_ = forces(u, x, centres_of(means(x, nullptr)));
+  booking_.at_first = actions(x, at_stage_, certificate);
 }
 
 /// Velocity and angular momentum that the scheme gives a free piece at the end of the step.
@@ -240,12 +260,23 @@ bool Stages::guard(const double* x, double energy, double* v) {
   return left <= allowed;
 }
 
-bool Stages::end_step(const double* x, const double* u, double energy, double* v) {
+bool Stages::end_step(const double* x, const double* u, const StageCertificate& certificate,
+                      double* v) {
   machine_.run(TakeVelocities{at_, x, v});
   last_ = states(x, v);
-  at_end_ = forces(u, last_);
+  at_end_ = forces(u, x, centres_of(last_));
+  booking_.at_end = actions(x, at_end_, certificate);
+  booking_.of_reference = gain_of_references();
   correct_momentum(x, v);
-  return guard(x, energy, v);
+  booking_.corrected = account_of(x, v);
+  const bool keeps_energy = guard(x, certificate.energy, v);
+  // the ledger
+  booking_.end = guarded_ ? account_of(x, v) : booking_.corrected;
+  booking_.end.energy.elastic = certificate.energy;
+  booking_.end.energy.contact = at_end_.energy;
+  booking_.end.energy.bonds = at_end_.bonds;
+  ledger_ = step_ledger(ledger_before_, at_.stage, booking_);
+  return keeps_energy;
 }
 
 void Stages::accept(double time) {
@@ -258,6 +289,7 @@ void Stages::accept(double time) {
   speed_ = speed_next_;
   spin_ = spin_next_;
   closing_ = closing_next_;
+  ledger_before_ = ledger_;
 }
 
 }  // namespace elastogen

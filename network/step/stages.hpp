@@ -22,6 +22,16 @@
 
 namespace elastogen {
 
+/// Length of a step that stands for none, over dt of the scene: it opens the ledger.
+inline constexpr double kNoTime = 1e-9;
+
+/// What the certificate of a stage says of it.
+struct StageCertificate {
+  double energy = 0;                 ///< of the voxels [J]
+  double damping = 0;                ///< power that damping takes [W]
+  const double* gradient = nullptr;  ///< of Phi [N], (nodes, 3), 0 at pinned nodes
+};
+
 class Stages {
  public:
   /// y = S y, S of time_error.hpp; in the memory of the machine, (nodes, 3).
@@ -35,7 +45,7 @@ class Stages {
   /// Whether that of a time is the state that the last step ended with.
   bool knows(double time) const { return std::abs(time - known_time_) < 1e-6 * scene_.dt; }
   /// Begins a stage of a step from a state. The second stage of SDIRK2 follows keep_stage().
-  /// @return xhat - x0 of the stage [m], for predictor and start 0; valid until end_step().
+  /// @return xhat - x0 of the stage [m], for predictor and start 0; valid until the stage ends.
   const double* begin(const StateArrays& state, const StepScheme& scheme);
 
   /// Displacements from which iterations may begin. 0: the predictor, for free pieces without the
@@ -45,12 +55,17 @@ class Stages {
   int start_count() const { return at_.stage.t_b != 0 ? 3 : 2; }
 
   /// Keeps the positions that the first stage of SDIRK2 ended with, and the forces there.
-  void keep_stage(const double* u);
+  void keep_stage(const double* u, const StageCertificate& certificate);
   /// Velocities at the end of the step, where positions are x and displacements u.
-  /// @param energy  of the voxels there [J].
   /// @return false where the energy rises by more than the velocities can make good.
-  bool end_step(const double* x, const double* u, double energy, double* v);
+  bool end_step(const double* x, const double* u, const StageCertificate& certificate, double* v);
   bool guarded() const { return guarded_; }  ///< end_step() took energy from the velocities
+  const StepLedger& ledger() const { return ledger_; }  ///< of the step, after end_step()
+  /// Whether the ledger waits for the energies at the start of the step.
+  bool has_no_ledger() const { return !ledger_before_.known; }
+  /// Opens it there; after begin(), while colliders stand as at the start.
+  /// @param energy  of the voxels [J].
+  void open_ledger(const double* u, double energy);
   /// What the step adds to the time error; after end_step().
   TimeError error(const double* v, const TimeErrorOptions& options, const Filter& filter);
   /// The least of max(T v, 0.04 size) of the pieces at velocities v [m].
@@ -65,13 +80,15 @@ class Stages {
   /// Contact of the pieces at one time, and its energy.
   struct Forces : ActionSums {
     bool known = false;
+    std::vector<Vec3> centres;  // of mass, which torques are about [m]
   };
 
   void take_poses();
   void turn_about_pins(size_t piece);
   RigidPose pose(size_t piece, double t) const;
+  std::vector<PieceMotion> means(const double* x, const double* v);
   std::vector<PieceState> states(const double* x, const double* v);
-  Forces forces(const double* u, const std::vector<PieceState>& pieces);
+  Forces forces(const double* u, const double* x, std::vector<Vec3> centres);
   PieceState aim(size_t piece, const PieceState& end) const;
   void correct_momentum(const double* x, double* v);
   bool guard(const double* x, double energy, double* v);
@@ -82,6 +99,10 @@ class Stages {
   double contact_error(size_t piece, const StepWeights& weights, const TimeErrorOptions& options);
   TimeError worst_error(const StepWeights& weights, const TimeErrorOptions& options);
   void note_speeds(const double* v, double share);
+  // stage_ledger.cpp
+  BodyAccount account_of(const double* x, const double* v);
+  BodyActions actions(const double* x, const Forces& contact, const StageCertificate& certificate);
+  TwoMomenta gain_of_references();
 
   StageMachine& machine_;
   const Scene& scene_;
@@ -100,6 +121,9 @@ class Stages {
   // of the pieces, in this step and as the last one left them
   std::vector<double> speed_, spin_, closing_, speed_next_, spin_next_, closing_next_;
   bool moving_colliders_ = false, guarded_ = false;
+  // of the ledger
+  StepLedger ledger_, ledger_before_;  // of the step, and of that before
+  StepBooking booking_;                // of the step
 };
 
 }  // namespace elastogen

@@ -101,6 +101,7 @@ max_voxels = 1000000
 max_memory = "1 GiB"
 max_time = "2 min"
 strict = true
+strict_time = true
 [output]
 files = ["a.glb", "b.glb"]
 glb_profile = "keyframe"
@@ -155,7 +156,8 @@ TEST(Options, ASceneSetsEveryOption) {
   EXPECT_EQ(o.max_voxels, 1'000'000);
   EXPECT_EQ(o.max_memory, 1 << 30);
   EXPECT_EQ(o.max_time, 120);
-  EXPECT_TRUE(o.strict && o.quiet && o.keyframe && o.glb_colliders && o.part_pieces);
+  EXPECT_TRUE(o.strict && o.strict_time && o.quiet && o.keyframe && o.glb_colliders &&
+              o.part_pieces);
   EXPECT_EQ(o.thickness, 0.002);
   EXPECT_EQ(o.glb_targets, 100);
   EXPECT_EQ(o.outputs, (std::vector<std::string>{"a.glb", "b.glb"}));
@@ -173,8 +175,7 @@ TEST(Options, WhatIsTypedWinsOverTheScene) {
   EXPECT_EQ(o.outputs, std::vector<std::string>{"c.glb"});
   EXPECT_EQ(o.frames, 9);
   EXPECT_TRUE(o.solver.skip);
-  EXPECT_FALSE(o.strict);
-  EXPECT_FALSE(o.floor || o.up || o.gravity);
+  EXPECT_FALSE(o.strict || o.floor || o.up || o.gravity);
   EXPECT_EQ(o.max_time, 0);
   EXPECT_EQ(o.fps, 24);  // the rest stays
   EXPECT_EQ(o.colliders.size(), 2u);

@@ -53,7 +53,7 @@ TEST(ReportFile, HasEveryFieldOfTheDocumentation) {
   report.min_j = 0.5;
   report.damped = 3.5;
   report.time_error = 1e-3;
-  report.largest_time_error = 2e-4;
+  report.largest_time_error = 2e-4, report.frames_over = 1;
   report.loosest_tolerance = 0.1;
   report.solves = 9;
   report.rejected_steps = 1;
@@ -78,15 +78,54 @@ TEST(ReportFile, HasEveryFieldOfTheDocumentation) {
         "loss_frequency": 5.0}], "device": "cpu",
       "steps": 4, "frames": 2,
       "converged_share": 0.75, "worst_residual": 2e-3, "min_j": 0.5,
-      "time_error": {"sum": 1e-3, "largest_of_a_frame": 2e-4, "loosest_tolerance": 0.1,
+      "time_error": {"sum": 1e-3, "largest_of_a_frame": 2e-4, "frames_over": 1, "loosest_tolerance": 0.1,
         "solves": 9, "rejected": 1},
-      "damped": 3.5, "outside_fit": 12,
+      "damped": 3.5, "ledger": null, "outside_fit": 12,
       "long_steps": [3, 7],
       "stage_seconds": {"read": 1, "voxelize": 2, "setup": 3, "steps": 4, "write": 5},
       "ms_per_step": {"median": 3, "p95": 4.8}, "peak_memory_bytes": 123456789012,
       "notes": ["band is taken by its law"], "warnings": ["nothing moved"], "command": "elastogen animate cat.obj",
       "commit": "abc123"})");
   EXPECT_EQ(written(report), expected);
+}
+
+/// A step of a body of 2 kg that is pushed by a floor, rubs, and loses energy.
+StepLedger falling_step() {
+  StepLedger step;
+  step.known = true;
+  step.about = {1, 2, 3};
+  step.start.momentum.linear = {0, -4, 0};
+  step.end.momentum.linear = {0, -1, 0};
+  step.start.energy = {.kinetic = 4, .elastic = 0.5, .gravity = 10};
+  step.end.energy = {.kinetic = 0.25, .elastic = 3, .gravity = 9, .contact = 0.5, .bonds = 0.125};
+  step.done.gravity.linear = {0, -2, 0};
+  step.done.contact.linear = {0, 5, 0};
+  step.done.damped = 0.5;
+  step.done.rubbed = 0.25;
+  step.done.colliders = 0.125;
+  step.done.residual = 0.0625;
+  step.correction = -0.03125;
+  return step;
+}
+
+TEST(ReportFile, HasTheLedgerOfTheRun) {
+  RunReport report;
+  EXPECT_TRUE(written(report)["ledger"].is_null());
+  report.ledger.add(falling_step());
+  const Json ledger = written(report)["ledger"], &energy = ledger["energy"];
+  EXPECT_EQ(ledger["steps"], 1);
+  EXPECT_EQ(ledger["about"], Json({1, 2, 3}));
+  EXPECT_EQ(ledger["momentum"]["contact"], Json({0, 5, 0}));
+  EXPECT_EQ(ledger["momentum"]["unaccounted"], Json({0, 0, 0}));
+  EXPECT_EQ(ledger["momentum"]["largest"], 4);
+  EXPECT_EQ(energy["start"]["total"], 14.5);
+  EXPECT_EQ(energy["end"]["total"], 12.875);
+  EXPECT_EQ(energy["friction"], 0.125);
+  // 14.5 - 12.875 + 0.125 - 0.5 - 0.125
+  EXPECT_EQ(energy["numerical"], 1.125);
+  EXPECT_EQ(energy["of_residual"], 0.0625);
+  EXPECT_EQ(energy["of_correction"], -0.03125);
+  EXPECT_EQ(energy["largest_rise"], 0);
 }
 
 TEST(ReportFile, StaysReadableWithNumbersAndNamesThatJsonLacks) {

@@ -120,7 +120,7 @@ TEST(BondFriction, SlipIsRelativeToTheCollider) {
   contact.begin_stage(start, 0, 0.01, start, 0, {});
   EXPECT_NEAR(gradient(contact, end)(0, 0), 0, 1e-10 * push(0.5));
   const Array<double> v(1, 3);
-  const std::vector<fem::PointForce> forces = contact.forces(end, v);
+  const std::vector<fem::PointForce> forces = contact.forces(end, v, v);
   ASSERT_EQ(forces.size(), 1u);
   EXPECT_NEAR(forces[0].force[1], push(0.5), 1e-12 * push(0.5));
   EXPECT_NEAR(forces[0].push, push(0.5), 1e-12 * push(0.5));

@@ -216,7 +216,7 @@ TEST(Contact, ActsOnAPieceWithTheSumOfItsNodalForces) {
   std::vector<double> g(u.size());
   const double energy = contact.evaluate(u.data(), g.data());
   const Vec3 about = {0.3, -0.2, 0.1};
-  const ActionSums sums = contact.act(u.data(), v.data(), {about});
+  const ActionSums sums = contact.act(u.data(), v.data(), v.data(), {about});
   ASSERT_EQ(sums.pieces.size(), 1u);
 
   Vec3 force = {}, torque = {};
@@ -238,8 +238,38 @@ TEST(Contact, ActsOnAPieceWithTheSumOfItsNodalForces) {
   EXPECT_LT(sums.energy, energy);
   // a body that sinks at 2 m/s gives the floor that power
   for (size_t k = 0; k < v.size(); ++k) v[k] = k % 3 == 1 ? -2 : 0;
-  EXPECT_NEAR(contact.act(u.data(), v.data(), {about}).pieces[0].power, -2 * action.normal,
-              1e-12 * action.normal);
+  EXPECT_NEAR(contact.act(u.data(), v.data(), v.data(), {about}).pieces[0].power,
+              -2 * action.normal, 1e-12 * action.normal);
+}
+
+TEST(Contact, FloorsThatMoveAndSlidingHavePowers) {
+  // all points slide at one velocity along a floor that rises and moves along, with full friction
+  const double h = 0.05, layer = h / 4, dt = 0.01;
+  Scene scene =
+      box_scene(4, 3, 5, h, {0, 0, 0}, solid(1e5, 0.3), {half_space({0, 1, 0}, 0.4 * layer, 0.5)});
+  scene.colliders[0].path = {{0, {}}, {1, {0.3, 0.2, 0}}};
+  Contact contact(scene);
+  std::vector<double> u(size_t(scene.grid.rest.size())), v(u.size());
+  const Vec3 speed = {1, 0.2, -0.5};
+  for (size_t k = 0; k < u.size(); ++k) v[k] = speed[k % 3];
+  contact.begin_stage(u.data(), 0, dt, u.data(), 0);
+  for (size_t k = 0; k < u.size(); ++k) u[k] = dt * v[k];
+  ASSERT_TRUE(contact.renew_lag(u.data()));
+  const ActionSums sums = contact.act(u.data(), v.data(), v.data(), {{}});
+  const ContactAction& action = sums.pieces[0];
+  const double slides = std::hypot(0.7, 0.5);
+  EXPECT_NEAR(action.rubbed, 0.5 * action.normal * slides, 1e-9 * action.normal);
+  EXPECT_NEAR(action.driven, 0.2 * action.normal + 0.3 * action.force[0], 1e-9 * action.normal);
+  EXPECT_NEAR(action.force[0], -0.5 * action.normal * 0.7 / slides, 1e-9 * action.normal);
+  // what bonds hold is (mu N)^2 / (2 k_t) of each point
+  double held = 0;
+  contact.keep_bonds(u.data());
+  for (int64_t p = 0; p < contact.bonds().rows; ++p) {
+    const double kt = contact.lengths().bond * contact.stiffness()[size_t(p)];
+    for (int d = 0; d < 3; ++d) held += kt * std::pow(contact.bonds()(p, d), 2) / 2;
+  }
+  EXPECT_GT(held, 0);
+  EXPECT_NEAR(sums.bonds, held, 1e-12 * held);
 }
 
 /// A block that lies in the layer of a floor, which its points are bonded to, and is pushed along x.

@@ -44,16 +44,19 @@ void expect_forces_of_host(BothContacts& both) {
 void expect_actions_of_host(BothContacts& both) {
   const std::vector<double> v = random_field(both.scene, 1, 8);
   const std::vector<Vec3> about(size_t(both.scene.grid.pieces), Vec3{0.3, -0.2, 0.1});
-  const ActionSums host = both.host().act(both.u.data(), v.data(), about);
+  const ActionSums host = both.host().act(both.u.data(), v.data(), v.data(), about);
   OnDevice<double> speed(v);
-  const ActionSums card = both.card().act(both.place.data(), speed.data(), about);
+  const ActionSums card = both.card().act(both.place.data(), speed.data(), speed.data(), about);
   EXPECT_NEAR(card.energy, host.energy, 1e-12 * host.energy);
+  EXPECT_NEAR(card.bonds, host.bonds, 1e-11 * host.bonds);
   ASSERT_EQ(card.pieces.size(), host.pieces.size());
   for (size_t p = 0; p < host.pieces.size(); ++p) {
     const ContactAction &a = card.pieces[p], &b = host.pieces[p];
     EXPECT_GT(b.normal, 0);
     EXPECT_NEAR(a.normal, b.normal, 1e-12 * b.normal);
     EXPECT_NEAR(a.power, b.power, 1e-11 * b.normal);
+    EXPECT_NEAR(a.rubbed, b.rubbed, 1e-11 * b.normal);
+    EXPECT_NEAR(a.driven, b.driven, 1e-11 * b.normal);
     EXPECT_LT(safe_norm(minus(a.force, b.force)), 1e-12 * b.normal);
     EXPECT_LT(safe_norm(minus(a.torque, b.torque)), 1e-12 * b.normal);
   }

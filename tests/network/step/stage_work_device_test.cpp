@@ -98,7 +98,31 @@ void expect_stage(const StageSaid& card, const StageSaid& host) {
   EXPECT_TRUE(card.certificate.finite);
 }
 
+/// The ledgers of a step; positions of the stages are the same, so impulses and works are.
+void expect_ledger(const StepLedger& card, const StepLedger& host) {
+  ASSERT_TRUE(card.known && host.known);
+  const auto expect_momenta = [](const TwoMomenta& a, const TwoMomenta& b, double size) {
+    EXPECT_LT(safe_norm(minus(a.linear, b.linear)), 1e-8 * size);
+    EXPECT_LT(safe_norm(minus(a.angular, b.angular)), 1e-8 * size);
+  };
+  const double size = safe_norm(host.end.momentum.linear) + safe_norm(host.done.gravity.linear) +
+                      safe_norm(host.done.contact.linear) + safe_norm(host.done.pins.linear);
+  expect_momenta(card.end.momentum, host.end.momentum, size);
+  expect_momenta(card.done.gravity, host.done.gravity, size);
+  expect_momenta(card.done.contact, host.done.contact, size);
+  expect_momenta(card.done.pins, host.done.pins, size);
+  const double energy = host.end.energy.kinetic + host.end.energy.elastic +
+                        std::abs(host.done.residual) + std::abs(host.done.rubbed);
+  EXPECT_NEAR(card.end.energy.total(), host.end.energy.total(), 1e-8 * energy);
+  EXPECT_NEAR(card.end.energy.bonds, host.end.energy.bonds, 1e-8 * energy);
+  EXPECT_NEAR(card.done.residual, host.done.residual, 1e-8 * energy);
+  EXPECT_NEAR(card.done.rubbed, host.done.rubbed, 1e-8 * energy);
+  EXPECT_NEAR(card.done.colliders, host.done.colliders, 1e-8 * energy);
+  EXPECT_NEAR(card.correction, host.correction, 1e-8 * energy);
+}
+
 void expect_step(const StepSaid& card, const StepSaid& host) {
+  expect_ledger(card.end.ledger, host.end.ledger);
   EXPECT_NEAR(card.least, host.least, 1e-11 * host.least);
   for (size_t s = 0; s < host.stages.size(); ++s) {
     SCOPED_TRACE(concat("stage ", s));
