@@ -88,6 +88,24 @@ void check_scene(const Scene& scene) {
   for (const Collider& collider : scene.colliders) check_collider(collider);
 }
 
+/// @throws Error unless the nodes that follow others are those that `pinned` says do.
+void check_dependent(const Scene& scene) {
+  check_range(scene.pinned, kFreeNode, kDependentNode, "pinned");
+  ELASTOGEN_CHECK(scene.dependent.last_node() < scene.pinned.rows(),
+                  "dependent nodes are not in the grid");
+  int64_t marked = 0, listed = 0;
+  for (int64_t n = 0; n < scene.pinned.rows(); ++n) marked += scene.pinned(n) == kDependentNode;
+  for (int64_t i = 0; i < scene.dependent.count(); ++i) {
+    listed += scene.pinned(scene.dependent.node(i)) == kDependentNode;
+    const Span<const int32_t> parents = scene.dependent.parents(i);
+    for (int64_t k = 0; k < parents.rows; ++k)
+      ELASTOGEN_CHECK(scene.pinned(parents(k)) == kFreeNode, "node ", parents(k),
+                      " is a parent node and must be free");
+  }
+  ELASTOGEN_CHECK(marked == listed && listed == scene.dependent.count(),
+                  "the dependent nodes must be those that pinned marks");
+}
+
 /// Factor on rho of every material: the asset's volume over that of the fill, one for the scene.
 double volume_scale(const VoxelGrid& grid) {
   if (grid.volume <= 0) return 1;
@@ -139,6 +157,7 @@ void variance_of_voxel(const VoxelGrid& grid, const Material& m, int64_t v, doub
 
 void finish_scene(Scene& scene) {
   check_scene(scene);
+  check_dependent(scene);
   fill_mass(scene);
   const double total = ordered_sum(scene.mass.rows(), [&](int64_t begin, int64_t end) {
     return std::accumulate(scene.mass.data() + begin, scene.mass.data() + end, 0.0);
@@ -214,6 +233,7 @@ State initial_state(const Scene& scene, const StartMotion& motion) {
                         w[f] * (X(n, e) - centre[size_t(e)]);
     }
   });
+  scene.dependent.fill(state.v.data());
   return state;
 }
 

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "core/collider.hpp"
+#include "core/dependent_nodes.hpp"
 #include "core/material.hpp"
 #include "core/voxel_grid.hpp"
 
@@ -38,9 +39,11 @@ struct Scene {
   VoxelGrid grid;
   Vec3 place = {};  ///< of the scene's zero in the asset's coordinates [m]: files hold the sum
   std::vector<Material> materials = {Material{}};
-  Array<int32_t> material;  ///< index into materials of each voxel, (voxels, 1)
-  Array<uint8_t> pinned;    ///< 1 where a node keeps its position, (nodes, 1)
-  Vec3 gravity = {};        ///< [m/s^2]
+  Array<int32_t> material;   ///< index into materials of each voxel, (voxels, 1)
+  Array<uint8_t> pinned;     ///< NodeKind: 1 where a node keeps its position, 2 where it follows
+                             ///< others, (nodes, 1)
+  DependentNodes dependent;  ///< those that follow others; only the network on the host has some
+  Vec3 gravity = {};         ///< [m/s^2]
   std::vector<Collider> colliders;
   double impact_speed = 0;  ///< at which colliders may be met [m/s]: contact_young
   SurfacePoints surface;

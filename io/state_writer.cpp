@@ -74,6 +74,24 @@ void write_mesh(hid_t file, const StateMesh& mesh) {
   hdf5::write_dataset<int32_t>(group, "material", mesh.material);
 }
 
+/// A row for each parent node of each dependent node.
+void write_dependent(hid_t group, const DependentNodes& dependent) {
+  int64_t rows = 0;
+  for (int64_t i = 0; i < dependent.count(); ++i) rows += dependent.parents(i).rows;
+  Array<int32_t> nodes(rows), parents(rows);
+  Array<double> weights(rows);
+  int64_t row = 0;
+  for (int64_t i = 0; i < dependent.count(); ++i)
+    for (int64_t k = 0; k < dependent.parents(i).rows; ++k, ++row) {
+      nodes(row) = dependent.node(i);
+      parents(row) = dependent.parents(i)(k);
+      weights(row) = dependent.weights(i)(k);
+    }
+  hdf5::write_dataset<int32_t>(group, "dependent", nodes);
+  hdf5::write_dataset<int32_t>(group, "parent", parents);
+  hdf5::write_dataset<double>(group, "parent_weight", weights);
+}
+
 void write_grid(hid_t file, const Scene& scene) {
   const hdf5::Handle group = hdf5::create_group(file, "grid");
   hdf5::write_dataset<double>(group, "rest", scene.grid.rest);
@@ -84,6 +102,7 @@ void write_grid(hid_t file, const Scene& scene) {
   hdf5::write_dataset<uint8_t>(group, "pinned", scene.pinned);
   hdf5::write_dataset<double>(group, "hourglass", scene.variance);
   hdf5::write_dataset<int32_t>(group, "material", scene.material);
+  if (!scene.dependent.empty()) write_dependent(group, scene.dependent);
 }
 
 /// What the raw file has of each entry: a dataset (entries, extents).

@@ -57,6 +57,8 @@ Solver::Impl::Impl(const Scene& s, const SolverOptions& o)
                   "the paper's algorithm has no steps of stages: --time-scheme euler or bdf2");
   ELASTOGEN_CHECK(mode != SolverMode::kPaper || !terms->has_damping(),
                   "the paper's algorithm has no damping: --damping 0");
+  ELASTOGEN_CHECK(mode != SolverMode::kPaper || scene.dependent.empty(),
+                  "the paper's algorithm knows no dependent nodes");
   if (mode == SolverMode::kPaper) {
     check_paper_scene(*terms, o.paper);
     in_float = true;
@@ -74,7 +76,11 @@ Solver::Impl::Impl(const Scene& s, const SolverOptions& o)
 /// On the card where it is asked for or chosen, else on the host.
 void Solver::Impl::make_work(const EncoderChoice* encoder) {
   const bool asked = options.device == Device::kCuda;
-  const bool wanted = asked || (options.device == Device::kAuto && in_float && cuda::has_device());
+  const bool follows = !scene.dependent.empty();
+  const bool wanted =
+      asked || (options.device == Device::kAuto && in_float && !follows && cuda::has_device());
+  ELASTOGEN_CHECK(!asked || !follows,
+                  "the device knows no dependent nodes: leave out --device cuda, or pin nodes");
   if (asked && !cuda::has_device())
     throw Error("there is no CUDA device, or none that this build can use: leave out --device cuda",
                 ErrorKind::kDevice);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scene/carried_points.hpp"
 
+#include "scene/pins.hpp"
 #include "voxelize/labels.hpp"
 
 namespace elastogen {
@@ -12,6 +13,9 @@ CarriedPoints carried_points(const Setup& setup) {
     points.node_of = &setup.node_of;
   else
     points.embedding = embed(setup.scene.grid, setup.body.carried, parts_of_carried(setup.body));
+  if (!points.node_of)
+    rest_behind(setup.borders, setup.body.surface.box, setup.body.carried,
+                points.embedding.weights);
   return points;
 }
 

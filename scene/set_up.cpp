@@ -15,6 +15,7 @@
 #include "scene/impact_speed.hpp"
 #include "scene/loose_pieces.hpp"
 #include "scene/particle_setup.hpp"
+#include "scene/pins.hpp"
 #include "voxelize/regions.hpp"
 #include "voxelize/voxelize.hpp"
 
@@ -73,8 +74,10 @@ std::vector<Collider> make_colliders(const RunDescription& run, const UpAxis& up
 VoxelizeOptions voxelize_options(const RunDescription& run, const std::vector<Collider>& colliders,
                                  const PlacedBox& box) {
   VoxelizeOptions v = resolution(run);
+  add_borders(run, box, v);
   std::vector<Selection> selections;
-  for (const Pin& pin : run.pins) selections.push_back(pin.selection);
+  if (v.borders.empty())
+    for (const Pin& pin : run.pins) selections.push_back(pin.selection);
   for (const Hold& hold : run.holds) selections.push_back(hold.selection);
   for (const Move& move : run.moves) selections.push_back(move.selection);
   for (const Selection& selection : selections) {
@@ -86,34 +89,6 @@ VoxelizeOptions voxelize_options(const RunDescription& run, const std::vector<Co
       if (c.shape == Collider::Shape::kPlane && std::abs(c.normal[d]) == 1 && !v.align[d])
         v.align[d] = c.centre[d] + offset_at(c, 0)[d];
   return v;
-}
-
-/// 1 for each node that an option selects, (nodes, 1); warns if there is none.
-Array<uint8_t> held_nodes(const char* option, const std::string& text, const Selection& selection,
-                          Setup& setup) {
-  const PlacedBox& box = setup.body.surface.box;
-  Array<uint8_t> selected = select_nodes(setup.scene.grid, selection, box);
-  const uint8_t* nodes = selected.data();
-  if (std::any_of(nodes, nodes + selected.rows(), [](uint8_t s) { return s != 0; }))
-    return selected;
-  const Vec3 lower = plus(box.lower, box.origin), upper = plus(box.upper, box.origin);
-  setup.warnings.push_back(fmt::format(
-      "{} '{}' holds nothing: no node of the grid lies in it; the asset spans {:.4g}..{:.4g}, "
-      "{:.4g}..{:.4g}, {:.4g}..{:.4g} m",
-      option, text, lower[0], upper[0], lower[1], upper[1], lower[2], upper[2]));
-  return selected;
-}
-
-/// Pins the scene. Holds and moves are only checked.
-void pin(const RunDescription& run, Setup& setup) {
-  Scene& scene = setup.scene;
-  scene.pinned = Array<uint8_t>(scene.grid.node_count());
-  for (const Pin& pin : run.pins) {
-    const Array<uint8_t> selected = held_nodes("--pin", pin.text, pin.selection, setup);
-    for (int64_t n = 0; n < selected.rows(); ++n) scene.pinned(n) |= selected(n);
-  }
-  for (const Hold& hold : run.holds) held_nodes("--hold", hold.text, hold.selection, setup);
-  for (const Move& move : run.moves) held_nodes("--move", move.text, move.selection, setup);
 }
 
 /// Refuses a body that begins inside a collider, because it can never be stepped.
@@ -166,7 +141,7 @@ void add_asset(const Asset& asset, const RunDescription& run, Setup& setup) {
   setup.scene.colliders = make_colliders(run, setup.up, setup.body.surface.box);
 }
 
-/// Adds body, grid and colliders.
+/// Adds body, grid, colliders and what the pins hold.
 void add_grid(const Asset& asset, const RunDescription& run, Setup& setup) {
   setup.body = make_body(asset, run.size, resolution(run));
   add_asset(asset, run, setup);
@@ -182,6 +157,7 @@ void add_grid(const Asset& asset, const RunDescription& run, Setup& setup) {
         "--thickness {:.4g} m: the shell around the points is {:.4g} m thick, and no thicker",
         run.thickness, setup.body.shell));
   setup.scene.grid = std::move(voxelized.grid);
+  pin(run, options.borders, voxelized.cut, setup);
 }
 
 /// Adds body and colliders for tetrahedra, which replace the grid.
@@ -338,9 +314,12 @@ Setup set_up(const Asset& asset, const RunDescription& run) {
   apply_regions(run.regions, asset, setup.body, scene, setup.yields, setup.warnings);
   drop_elastic(setup.yields);
   damp(run, setup);
-  // pins, contact and time step
-  pin(run, setup);
-  if (!scene.colliders.empty()) scene.surface = surface_points(scene.grid, setup.body.surface);
+  // contact and time step
+  if (!scene.colliders.empty()) {
+    scene.surface = surface_points(scene.grid, setup.body.surface);
+    rest_behind(setup.borders, setup.body.surface.box, scene.surface.position,
+                scene.surface.weights);
+  }
   for (const Collider& collider : scene.colliders) check_clear(scene, collider);
   add_time(run, setup);
   scene.impact_speed = impact_speed(scene, run.motion);
@@ -365,7 +344,7 @@ Setup set_up(const TetAsset& tets, const RunDescription& run) {
                 setup.yields, setup.warnings);
   drop_elastic(setup.yields);
   setup.tets->material = scene.material;
-  pin(run, setup);
+  pin(run, {}, {}, setup);
   scene.surface = fem::is_plane(setup.tets->element) ? rim_points(*setup.tets, setup.node_of)
                                                      : vertex_points(setup.body.surface);
   for (const Collider& collider : scene.colliders) check_clear(scene, collider);

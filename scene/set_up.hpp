@@ -9,6 +9,7 @@
 #include "scene/description.hpp"
 #include "scene/tet_asset.hpp"
 #include "voxelize/body.hpp"
+#include "voxelize/border.hpp"
 
 #include <optional>
 
@@ -34,6 +35,7 @@ struct Setup {
   std::optional<fem::ElementMesh> tets;
   std::optional<ParticleSetup> particles;  ///< for bodies that fall apart into grains
   Array<int32_t> node_of;                  ///< with tets: node of each carried point, (points, 1)
+  std::vector<Border> borders;             ///< that hold the body where they cut voxels
   int substeps = 1;
   double longest_edge = 0;                       ///< of the asset [m]
   double sheet_volume = 0, sheet_thickness = 0;  ///< of sheets and shells [m^3], [m]

@@ -208,7 +208,7 @@ CutBody cut_body(const Surface& surface, const VoxelizeOptions& options,
   return body;
 }
 
-int64_t drop_slivers(CutBody& body) {
+int64_t drop_slivers(CutBody& body, const std::vector<uint8_t>& stays) {
   const Array<int32_t> coords = body.voxels();
   Array<double> fill(coords.rows());
   fill.fill(1);
@@ -216,7 +216,8 @@ int64_t drop_slivers(CutBody& body) {
   for (int64_t c = 0; c < body.cells.count(); ++c) {
     if (!body.kept[c]) continue;
     // layers hold together by their sheet, so they are never slivers, however thin
-    fill(static_cast<int64_t>(cell.size())) = body.layer[c] ? 1 : body.share(c);
+    const bool never = body.layer[c] || (!stays.empty() && stays[c]);
+    fill(static_cast<int64_t>(cell.size())) = never ? 1 : body.share(c);
     cell.push_back(c);
   }
   const std::vector<uint8_t> slivers = find_slivers(coords, fill);

@@ -47,6 +47,7 @@ CutBody cut_body(const Surface& surface, const VoxelizeOptions& options,
                  const std::optional<Lattice>& lattice = {});
 
 /// Drops the slivers of slivers.hpp from the kept cells. @return their number.
-int64_t drop_slivers(CutBody& body);
+/// @param stays  1 for cells that are none in any case, (cells); empty: there are none of them.
+int64_t drop_slivers(CutBody& body, const std::vector<uint8_t>& stays = {});
 
 }  // namespace elastogen

@@ -11,7 +11,7 @@ namespace elastogen {
 /// A voxel and trilinear weights for each point.
 struct Embedding {
   Array<int32_t> voxel;   ///< voxel of each point, (points, 1)
-  Array<double> weights;  ///< of the voxel's corners, (points, 8), rows sum to 1
+  Array<double> weights;  ///< of the voxel's corners, (points, 8), rows sum to 1; all 0: it rests
 };
 
 /// Finds the voxel that holds each point. A point outside all voxels (in a dropped sliver, or an

@@ -46,11 +46,14 @@ ELASTOGEN_HD inline void embedded_gradient(const int32_t* nodes, const double* w
                                            double* gradient) {
   // the weights carry linear functions exactly, so they reproduce the point's own place
   double t[3] = {}, near[3];
-  for (int c = 0; c < 8; ++c)
+  bool rests = true;
+  for (int c = 0; c < 8; ++c) {
+    rests = rests && weights[c] == 0;
     for (int d = 0; d < 3; ++d) t[d] += (c >> d & 1) * weights[c];
+  }
   for (int d = 0; d < 3; ++d) near[d] = t[d] < 0 ? 0 : t[d] > 1 ? 1 : t[d];
   double F[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-  for (int c = 0; c < 8; ++c) {
+  for (int c = 0; c < 8 && !rests; ++c) {
     const int64_t at = 3 * int64_t(nodes[c]);
     double slope[3];
     trilinear_gradient(c, t, near, slope);

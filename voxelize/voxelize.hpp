@@ -5,6 +5,7 @@
 
 #include "core/scene.hpp"
 #include "io/asset.hpp"
+#include "voxelize/border.hpp"
 
 #include <optional>
 #include <string>
@@ -27,6 +28,7 @@ struct VoxelizeOptions {
   double thickness = 0;      ///< of sheets and shells [m], 0: that of a voxel, and of the shell
   double shell = 0;          ///< thickness of a surface that is a shell around points [m], else 0
   bool part_pieces = false;  ///< pieces that do not touch share no node, however near they are
+  std::vector<Border> borders = {};  ///< what lies behind them is held
 };
 
 /// Two pieces of a surface that are too close for their voxels to separate.
@@ -52,6 +54,8 @@ struct Voxelized {
   VoxelGrid grid;
   VoxelizeReport report;
   Array<int32_t> part;  ///< of each triangle of the surface, -1 if unknown; empty: one part
+  /// Voxels with free material in which one of the borders holds something; the grid fits the others.
+  std::vector<BorderVoxel> cut;
 };
 
 /// Voxelises a surface. Every voxel inside it or touched by it is active, except slivers that hold
@@ -59,7 +63,8 @@ struct Voxelized {
 /// shape-function means are exact integrals if the surface bounds a solid once. If it is open,
 /// overlaps or is badly wound, they follow from the winding number (inside: |w| > 1/2). Sheets
 /// become layers: full voxels, or as thick as options.thickness. A shell that is to be thinner than
-/// it is has its fill scaled. Pieces nearer than about a voxel are joined by common nodes, unless
+/// it is has its fill scaled. What lies behind a border that the grid does not fit (border.hpp) is not
+/// in the grid, and of voxels that it cuts only the free part counts, without a least fill. Pieces nearer than about a voxel are joined by common nodes, unless
 /// options.part_pieces keeps them apart: then each part (parts.hpp) is cut and filled by itself.
 /// Any number of threads gives the same bits.
 /// @throws Error (resources) before any allocation if the voxel or memory budget would be exceeded,

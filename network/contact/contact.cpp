@@ -124,7 +124,7 @@ double Contact::evaluate(const double* u, T* g) {
       const int32_t* corners = scene_.grid.corners.row(scene_.surface.voxel(p));
       const double* weights = scene_.surface.weights.row(p);
       for (int c = 0; c < 8; ++c) {
-        if (scene_.pinned(corners[c])) continue;
+        if (scene_.pinned(corners[c]) == kPinnedNode) continue;
         for (size_t i = 0; i < 3; ++i) g[3 * size_t(corners[c]) + i] += T(weights[c] * force[i]);
       }
     }
@@ -212,7 +212,7 @@ void Contact::add_hessian_product(const float* p, float* f) const {
     for (size_t i = 0; i < 3; ++i)
       d[i] = k.across * d[i] + normal * k.n[i] - lagged * k.lagged[i] + along * k.direction[i];
     for (int c = 0; c < 8; ++c) {
-      if (scene_.pinned(corners[c])) continue;
+      if (scene_.pinned(corners[c]) == kPinnedNode) continue;
       for (size_t i = 0; i < 3; ++i) f[3 * size_t(corners[c]) + i] += float(w[c] * d[i]);
     }
   }

@@ -127,7 +127,7 @@ void IncrementalPotential::begin(const State& state, const Motion& motion) {
     for (int d = 0; d < 3; ++d) {
       const double x = state.x(n, d);
       now_[size_t(3 * n + d)] = x - X(n, d);
-      predictor_[size_t(3 * n + d)] = x - X(n, d) + (scene_.pinned(n) ? 0 : motion(n, d));
+      predictor_[size_t(3 * n + d)] = x - X(n, d) + (is_fixed(n) ? 0 : motion(n, d));
     }
   });
   freeze_rotations();
@@ -256,8 +256,7 @@ PotentialValue IncrementalPotential::evaluate_all(const double* u, T* gradient) 
     if (!gradient) return;
     for (int i = 0; i < 3; ++i) {
       const double away = u[3 * n + i] - predictor_[size_t(3 * n + i)];
-      gradient[3 * n + i] =
-          scene_.pinned(n) ? T(0) : T(inertia_[size_t(n)] * away + double(force[i]));
+      gradient[3 * n + i] = is_fixed(n) ? T(0) : T(inertia_[size_t(n)] * away + double(force[i]));
     }
   };
   // voxels and the force at nodes, then inertia
@@ -269,12 +268,12 @@ PotentialValue IncrementalPotential::evaluate_all(const double* u, T* gradient) 
   return value;
 }
 
-/// a0/(2 dt^2) sum m |u - uhat|^2 over the free nodes.
+/// a0/(2 dt^2) sum m |u - uhat|^2 over the nodes that move.
 double IncrementalPotential::inertial_energy(const double* u) const {
   return ordered_sum(scene_.grid.node_count(), [&](int64_t begin, int64_t end) {
     double sum = 0;
     for (int64_t n = begin; n < end; ++n) {
-      if (scene_.pinned(n)) continue;
+      if (is_fixed(n)) continue;
       for (int i = 0; i < 3; ++i) {
         const double away = u[3 * n + i] - predictor_[size_t(3 * n + i)];
         sum += inertia_[size_t(n)] / 2 * away * away;
@@ -288,6 +287,7 @@ template <>
 PotentialValue IncrementalPotential::evaluate<double>(const double* u, double* gradient) {
   PotentialValue value = evaluate_all<double, false>(u, gradient);
   if (contact_.exists()) value.contact = contact_.evaluate(u, gradient);
+  if (gradient) scene_.dependent.fold(gradient);
   return value;
 }
 
@@ -295,6 +295,7 @@ template <>
 PotentialValue IncrementalPotential::evaluate<float>(const double* u, float* gradient) {
   PotentialValue value = evaluate_all<float, false>(u, gradient);
   if (contact_.exists()) value.contact = contact_.evaluate(u, gradient);
+  if (gradient) scene_.dependent.fold(gradient);
   return value;
 }
 
@@ -304,6 +305,7 @@ PotentialValue IncrementalPotential::residual(const double* u, double* gradient)
     value.contact = contact_.evaluate(u, gradient);
     value.deepest_overlap = contact_.deepest_overlap(u);
   }
+  scene_.dependent.fold(gradient);
   return value;
 }
 
@@ -351,9 +353,11 @@ void IncrementalPotential::hessian_product(const float* p, float* product) {
       [&](int64_t n, const float force[3]) {
         for (int i = 0; i < 3; ++i)
           product[3 * n + i] =
-              scene_.pinned(n) ? 0.f : force[i] + float(inertia_[size_t(n)]) * p[3 * n + i];
+              is_fixed(n) ? 0.f : force[i] + float(inertia_[size_t(n)]) * p[3 * n + i];
       });
   if (contact_.exists()) contact_.add_hessian_product(p, product);
+  // the part of dependent nodes
+  scene_.dependent.fold(product);
 }
 
 void IncrementalPotential::rest_hessian_product(const double* p, double* product) {
@@ -373,8 +377,9 @@ void IncrementalPotential::rest_hessian_product(const double* p, double* product
       },
       [&](int64_t n, const double force[3]) {
         for (int i = 0; i < 3; ++i)
-          product[3 * n + i] = scene_.pinned(n) ? 0 : force[i] + inertia_[size_t(n)] * p[3 * n + i];
+          product[3 * n + i] = is_fixed(n) ? 0 : force[i] + inertia_[size_t(n)] * p[3 * n + i];
       });
+  scene_.dependent.fold(product);
 }
 
 }  // namespace elastogen

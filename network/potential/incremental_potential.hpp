@@ -43,7 +43,8 @@ class IncrementalPotential : public PotentialTerms {
   void set_nodal_rotations(const double* u);
 
   /// Value and gradient [N], (nodes, 3), 0 on pinned nodes, at displacement u; null: the value
-  /// alone.
+  /// alone. u of dependent nodes follows that of their parent nodes (Scene::dependent), here and in
+  /// all that follows; the gradient by parent nodes has their share in it, and dependent nodes 0.
   template <class T>
   PotentialValue evaluate(const double* u, T* gradient);
 
@@ -86,6 +87,8 @@ class IncrementalPotential : public PotentialTerms {
     Pack<double> min_j = Pack<double>{} + 1e300, min_corner_j = min_j;
     Pack<double> outside = {};
   };
+  /// Whether a node keeps its position, whatever others do.
+  bool is_fixed(int64_t n) const { return scene_.pinned(n) == kPinnedNode; }
   void fill_weights();
   template <class Motion>
   void begin(const State& state, const Motion& motion);

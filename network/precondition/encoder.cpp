@@ -67,6 +67,25 @@ void Encoder<T>::build_modes(const Scene& scene) {
     pieces_.emplace_back().nodes = std::move(nodes);
     fill_modes(scene, pins, pieces_.back());
   }
+  fill_dependent(scene.dependent);
+}
+
+/// Modes of dependent nodes follow those of their parent nodes.
+template <class T>
+void Encoder<T>::fill_dependent(const DependentNodes& dependent) {
+  for (int64_t i = 0; i < dependent.count(); ++i) {
+    const auto [piece, local] = place_[size_t(dependent.node(i))];
+    if (piece < 0) continue;
+    Zeroed<T>& modes = pieces_[size_t(piece)].modes;
+    const Span<const int32_t> parents = dependent.parents(i);
+    double sum[kModes] = {};
+    for (int64_t k = 0; k < parents.rows; ++k) {
+      const auto [other, place] = place_[size_t(parents(k))];
+      for (int m = 0; m < kModes && other == piece; ++m)
+        sum[m] += dependent.weights(i)(k) * double(modes[size_t(place) * kModes + size_t(m)]);
+    }
+    for (int m = 0; m < kModes; ++m) modes[size_t(local) * kModes + size_t(m)] = T(sum[m]);
+  }
 }
 
 template <class T>
@@ -153,7 +172,7 @@ void Encoder<T>::set_inertia(const Scene& scene, double built, double wanted) {
     std::vector<int32_t> nodes;
     std::vector<double> blocks;
     for (int64_t n = 0; n < scene.grid.node_count(); ++n) {
-      if (scene.pinned(n)) continue;
+      if (scene.pinned(n) == kPinnedNode) continue;
       nodes.push_back(int32_t(n));
       for (int k = 0; k < 9; ++k) blocks.push_back(k % 4 == 0 ? built * scene.mass(n) : 0);
     }

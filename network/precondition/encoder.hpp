@@ -81,6 +81,7 @@ class Encoder {
   Encoder() = default;
   void build_modes(const Scene& scene);
   void fill_modes(const Scene& scene, const PinTrees& pins, Piece& piece);
+  void fill_dependent(const DependentNodes& dependent);
   std::vector<std::vector<double>> rest_operators(const IncrementalPotential& potential,
                                                   int64_t stride) const;
   void take_operators(const Scene& scene, std::vector<std::vector<double>>&& operators);

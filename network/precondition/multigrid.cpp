@@ -4,6 +4,7 @@
 #include "core/error.hpp"
 #include "core/hex8.hpp"
 #include "core/reduce.hpp"
+#include "network/precondition/dependent_diagonal.hpp"
 #include "network/precondition/multigrid_element.hpp"
 #include "network/precondition/multigrid_grid.hpp"
 
@@ -187,7 +188,8 @@ struct Multigrid<T>::Level {
 
 template <class T>
 Multigrid<T>::Multigrid(const Scene& scene, double a0, std::shared_ptr<const BrickRows> rows,
-                        std::optional<int64_t> most_dense) {
+                        std::optional<int64_t> most_dense)
+    : folded_(dependent_diagonal(scene, a0 / (scene.dt * scene.dt))) {
   const int64_t dense = most_dense.value_or(dense_nodes(scene));
   if (!rows) rows = std::make_shared<const BrickRows>(make_brick_rows(scene.grid, scene.material));
   levels_.push_back(std::make_unique<Level>(finest_level(scene, a0, std::move(rows))));
@@ -199,9 +201,11 @@ Multigrid<T>::Multigrid(const Scene& scene, double a0, std::shared_ptr<const Bri
 
   for (const auto& level : levels_) release_setup(level->grid);
   Level& last = *levels_.back();
-  if (last.grid.nodes > dense) return;
-  last.assemble();
-  last.invert();
+  if (last.grid.nodes <= dense) {
+    last.assemble();
+    last.invert();
+  }
+  if (!folded_.empty()) set_nodal_stiffness({});
 }
 
 template <class T>
@@ -210,7 +214,9 @@ void Multigrid<T>::set_nodal_stiffness(const std::vector<double>& stiffness) {
     Level& level = *levels_[l];
     Zeroed<T> added(3 * size_t(level.grid.nodes));
     if (l == 0)
-      for (size_t k = 0; k < stiffness.size(); ++k) added[k] = T(stiffness[k] / level.grid.unit);
+      for (size_t k = 0; k < added.size(); ++k)
+        added[k] = T(((stiffness.empty() ? 0 : stiffness[k]) + (folded_.empty() ? 0 : folded_[k])) /
+                     level.grid.unit);
     else
       restrict_residual(level.grid, levels_[l - 1]->d.data(), added.data());
     std::copy(added.begin(), added.end(), level.d.begin());
@@ -228,6 +234,7 @@ void Multigrid<T>::scale_inertia(double factor) {
     level->inertia_factor = factor;
     level->set_added(Zeroed<T>(3 * size_t(level->grid.nodes)));
   }
+  if (!folded_.empty()) return set_nodal_stiffness({});
   if (!is_dense) return;
   auto known = last.inverses.find(factor);
   if (known == last.inverses.end()) {

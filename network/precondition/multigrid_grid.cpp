@@ -100,7 +100,8 @@ void find_children(const LevelGrid& fine, LevelGrid& coarse) {
   });
 }
 
-/// Moduli of a voxel of the scene.
+}  // namespace
+
 void moduli_of_voxel(const Scene& scene, int64_t v, double k[6]) {
   const Material& m = scene.materials[size_t(scene.material(v))];
   const double fill = scene.grid.fill(v);
@@ -111,8 +112,6 @@ void moduli_of_voxel(const Scene& scene, int64_t v, double k[6]) {
   if (scene.hourglass == Hourglass::kOff)
     for (int j = 0; j < 4; ++j) k[2 + j] = fill * m.mu();
 }
-
-}  // namespace
 
 LevelGrid finest_level(const Scene& scene, double a0, std::shared_ptr<const BrickRows> rows) {
   const VoxelGrid& grid = scene.grid;

@@ -43,6 +43,9 @@ inline bool is_worthwhile(int64_t nodes, int64_t finer) {
   return double(nodes) <= 0.7 * double(finer);
 }
 
+/// Moduli of a voxel of the scene, as in LevelGrid.
+void moduli_of_voxel(const Scene& scene, int64_t v, double k[6]);
+
 /// @param rows  rows of the scene.
 LevelGrid finest_level(const Scene& scene, double a0, std::shared_ptr<const BrickRows> rows);
 

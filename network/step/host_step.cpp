@@ -76,7 +76,9 @@ void HostStep::begin_step(const StepScheme& scheme, double time) {
   state_->time = time;
   if (scheme.is_stage) return begin_stage();
   potential_.begin_step(*state_, scheme);
-  if (!paper_) predictor_.start(*state_, potential_.predictor(), u_.data());
+  if (paper_) return;
+  predictor_.start(*state_, potential_.predictor(), u_.data());
+  scene_.dependent.fill(u_.data());
 }
 
 void HostStep::begin_stage() {
@@ -107,6 +109,7 @@ void HostStep::evaluate_starts(int count, double* phi) {
     Zeroed<double>& start = starts_.emplace_back(u_);
     scheme_.is_stage ? stages_.value().start(order, start.data())
                      : predictor_.extrapolate(*state_, scheme_, order, start.data());
+    scene_.dependent.fill(start.data());
     phi[order] = rough_phi(start);
   }
 }
@@ -128,6 +131,7 @@ const Collider* HostStep::clear_start() {
   is_cut_ = false;
   if (!contact.exists()) return nullptr;
   contact.carry(clear_.data());
+  scene_.dependent.fill(clear_.data());
   if (const Collider* inside = contact.obstacle(clear_.data())) return inside;
   const double share = contact.longest_step(clear_.data(), u_.data());
   is_cut_ = share < 1;
@@ -177,16 +181,23 @@ bool HostStep::balance() {
   return false;
 }
 
-/// x_next = X + u on the free nodes, the present x on the others; u = x_next - X.
+/// x_next = X + u on the free nodes and on those that follow them, the present x on the others;
+/// u = x_next - X.
 void HostStep::round_positions() {
   const Array<double>& X = scene_.grid.rest;
   x_ = state_->x;
-  for_each(X.rows(), [&](int64_t n) {
-    for (int d = 0; d < 3; ++d) {
-      if (!scene_.pinned(n)) x_(n, d) = X(n, d) + u_[size_t(3 * n + d)];
-      u_[size_t(3 * n + d)] = x_(n, d) - X(n, d);
-    }
-  });
+  const auto round = [&](NodeKind kind) {
+    for_each(X.rows(), [&](int64_t n) {
+      for (int d = 0; d < 3; ++d) {
+        if (scene_.pinned(n) == kind) x_(n, d) = X(n, d) + u_[size_t(3 * n + d)];
+        u_[size_t(3 * n + d)] = x_(n, d) - X(n, d);
+      }
+    });
+  };
+  round(kFreeNode);
+  if (scene_.dependent.empty()) return;
+  scene_.dependent.fill(u_.data());
+  round(kDependentNode);
 }
 
 Certificate HostStep::certify() {
@@ -211,7 +222,7 @@ void HostStep::conserve_momentum(Array<double>& v) {
   });
 }
 
-/// Of the free nodes; pinned ones rest.
+/// Of the free nodes and of those that follow them; pinned ones rest.
 Array<double> HostStep::next_velocities() const {
   const Array<double>& x_before = state_->x_before.empty() ? state_->x : state_->x_before;
   Array<double> v(x_.rows(), 3);
@@ -220,6 +231,7 @@ Array<double> HostStep::next_velocities() const {
       if (!scene_.pinned(n))
         v(n, d) = velocity_after(scheme_, x_(n, d), state_->x(n, d), x_before(n, d));
   });
+  scene_.dependent.fill(v.data());
   return v;
 }
 
@@ -238,6 +250,7 @@ void HostStep::filter(Preconditioner<P>& first, double interval, double* y) {
   if (most == 0) most = 1;
   for_each(size,
            [&](int64_t k) { right[size_t(k)] = float(potential_.inertia(k / 3) * y[k] / most); });
+  scene_.dependent.fold(right.data());
   PcgWork<float> work(size);
   pcg(
       right.data(), solution.data(), size, kFilterTolerance, kFilterIterations, work,

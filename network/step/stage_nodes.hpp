@@ -4,6 +4,7 @@
 
 #pragma once
 
+#include "core/dependent_nodes.hpp"
 #include "core/rigid_motion.hpp"
 #include "core/time_stage.hpp"
 
@@ -41,7 +42,7 @@ struct StateArrays {
 struct StageNodes {
   // the scene, in the memory of the machine
   const double *rest = nullptr, *mass = nullptr;     ///< [m], (nodes, 3); [kg], (nodes)
-  const uint8_t* pinned = nullptr;                   ///< (nodes)
+  const uint8_t* pinned = nullptr;                   ///< NodeKind, (nodes)
   const int32_t *piece = nullptr, *first = nullptr;  ///< of each node; first node of each piece
   const double* first_stage = nullptr;               ///< x at the end of SDIRK2's first stage [m]
   Vec3 gravity = {};

@@ -89,7 +89,7 @@ struct StageForces {
   Vec3 about;
   const double *gradient, *x;
   ELASTOGEN_HD void operator()(int64_t n, double* sum) const {
-    if (of.pinned[n]) return;
+    if (of.pinned[n] == kPinnedNode) return;
     const Vec3 place = vector_at(x, n), v = of.velocity(n, place), r = vector_at(gradient, n);
     const Vec3 away = minus(minus(place, of.x0(n)), of.predicted(n));
     const Vec3 a = plus(of.gravity, scaled(away, 1 / (of.stage.k * of.stage.k)));
@@ -116,7 +116,7 @@ struct ReferenceGain {
   }
   ELASTOGEN_HD void operator()(int64_t n, double* sum) const {
     const PiecePoses& at = of.poses_of(n);
-    if (of.pinned[n] || at.is_free) return;
+    if (of.pinned[n] == kPinnedNode || at.is_free) return;
     const TimeStage& s = of.stage;
     const Vec3 x0 = of.x0(n);
     add(n, at.end, 1, reference_velocity(at.end, x0), sum);

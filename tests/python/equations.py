@@ -74,6 +74,24 @@ class Body:
     variance: bool
     torsion: bool
     blocks: list[Block]
+    dependent: NDArray[np.bool_]  # (nodes,): follows parent nodes
+    parents: tuple[Ints, Ints, Floats]  # dependent node, parent node and weight, a row for each pair
+
+    def fold(self, gradient: Floats) -> Floats:
+        """The gradient by free nodes, dependent ones following: their part goes to their parents."""
+        nodes, parents, weights = self.parents
+        folded = gradient.copy()
+        np.add.at(folded, parents, weights[:, None] * gradient[nodes])
+        folded[self.dependent] = 0
+        return folded
+
+    def follow(self, values: Floats) -> Floats:
+        """The same values with those of dependent nodes from their parents."""
+        nodes, parents, weights = self.parents
+        filled = values.copy()
+        filled[self.dependent] = 0
+        np.add.at(filled, nodes, weights[:, None] * values[parents])
+        return filled
 
 
 @dataclass(frozen=True)
@@ -120,11 +138,13 @@ def make_body(state: State) -> Body:
                 Block(grid["corners"][part].astype(np.int64), mean_gradients(mean, state.h),
                       patterns(mean, state.h), grid["fill"][part] * state.h**3,
                       grid["hourglass"][part], law, mu, lam, material.viscous_time))
-    none = np.zeros_like(grid["rest"])
+    none, empty = np.zeros_like(grid["rest"]), np.zeros(0, np.int64)
     loose = (grid["pinned"][:, None] == 0) & (grid.get("fixed", none) == 0)
     return Body(grid["rest"], grid["mass"], loose.any(1), loose, grid.get("traction", none),
                 state.h, mode != "off",
-                mode == "full", blocks)
+                mode == "full", blocks, grid["pinned"] == 2,
+                (grid.get("dependent", empty), grid.get("parent", empty),
+                 grid.get("parent_weight", np.zeros(0))))
 
 
 def deformation_gradient(block: Block, u: Floats) -> Floats:
@@ -249,7 +269,8 @@ def potential_about(body: Body, weight: float, xhat: Floats, x: Floats,
 def residual(body: Body, gradient: Floats, g_ref: float) -> float:
     """|grad Phi|_2 / (g_ref sqrt(sum m_c^2)), over what is loose and over the free nodes."""
     reference = g_ref * np.linalg.norm(body.mass[body.free])
-    return float(np.linalg.norm(gradient[body.loose]) / reference) if reference > 0 else 0.0
+    folded = body.fold(gradient)
+    return float(np.linalg.norm(folded[body.loose]) / reference) if reference > 0 else 0.0
 
 
 def equilibrium(body: Body, gravity: Floats, factor: float, x: Floats) -> tuple[Potential, float]:

@@ -112,6 +112,14 @@ def velocity_slack(state: State, x: Floats, dt: float) -> float:
     return RESIDUAL_FLOOR * state.g_ref * dt + ROUND_OFF * float(np.abs(x).max()) / dt
 
 
+def check_dependent(body: Body, step: int, x: Floats) -> list[Check]:
+    """Dependent nodes against what their parent nodes make of them [m], to rounding."""
+    if not body.dependent.any():
+        return []
+    off = float(np.abs(body.follow(x - body.rest) - (x - body.rest)).max())
+    return [Check(step, "dependent nodes", off, 0.0, ROUND_OFF * float(np.abs(x).max()))]
+
+
 def check_bonds(step: int, own: Floats, recorded: Floats, x: Floats) -> Check:
     """Largest difference of a component of the slip that is held [m] against 0."""
     slack = ROUND_OFF * float(np.abs(x).max())
@@ -197,6 +205,7 @@ def judge(state: State, with_energies: bool) -> Verdict:
         if state.contact is not None:
             found = found.with_contact(*collision.contact(state, step, x, x_next))
         checks += check_residual(state, step, equations.residual(body, found.gradient, state.g_ref))
+        checks += check_dependent(body, step, x_next)
         checks.append(check_velocity(step, equations.velocity(motion, x_next, state.dt), v_next,
                                      velocity_slack(state, x_next, state.dt)))
         own_energies.append(energies(state, body, found, x_next, v_next))
@@ -215,6 +224,7 @@ def judge_stages(state: State, with_energies: bool) -> Verdict:
         x, v = read_record(state, step + 1)
         own = StageStep(state, body, pieces, step, start).recompute(x)
         checks += check_residual(state, step, own.residual, own.slack)
+        checks += check_dependent(body, step, x)
         if not state.steps["guarded"][step]:
             # those of moved components are no result of the step
             recorded = np.where(body.loose, v, own.velocity) if state.moved else v

@@ -312,7 +312,7 @@ class StageStep:
 
     def _corrected(self, first: Solved | None, last: Solved) -> Floats:
         """Velocities with the linear and angular momentum that external forces give free pieces."""
-        s, v = last.stage, np.where(self.body.loose, last.velocity, 0.0)
+        s, v = last.stage, self.body.follow(np.where(self.body.loose, last.velocity, 0.0))
         start, before = self.start, None
         for p in np.flatnonzero(self.pieces.free):
             mine, mass = self.pieces.of == p, self.pieces.mass[p]

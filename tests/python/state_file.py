@@ -43,6 +43,9 @@ BOUNDARY: dict[str, tuple[str, Shape]] = {  # also in /grid, of finite elements
     "fixed": ("u1", ("nodes", 3)),
     "traction": ("f8", ("nodes", 3)),
 }
+DEPENDENT: dict[str, tuple[str, Shape]] = {  # also in /grid, where nodes follow others
+    "dependent": ("i4", ("parents",)), "parent": ("i4", ("parents",)), "parent_weight": ("f8", ("parents",)),
+}
 STEPS: dict[str, tuple[str, Shape]] = {
     "time": ("f8", ("records",)),
     "x": ("f8", ("records", "nodes", 3)),
@@ -227,6 +230,7 @@ def _check_layout(file: h5py.File) -> None:
         require(isinstance(file[place], h5py.Group), f"/{place} must be a group")
     energies = {name for name in file["steps"] if name.startswith("energy_")}
     boundary = {name: BOUNDARY[name] for name in BOUNDARY if name in file["grid"]}
+    boundary |= DEPENDENT if set(DEPENDENT) & set(file["grid"]) else {}
     _check_names(set(file["grid"]), set(GRID) | set(boundary), "/grid")
     _check_names(set(file["steps"]), set(in_steps) | energies, "/steps")
     sizes: dict[str, int] = {}
@@ -305,7 +309,7 @@ def _check_voxels(grid: dict[str, NDArray[Any]], materials: int, h: float) -> No
     nodes = len(grid["rest"])
     for name in ("rest", "fill", "shape_mean", "mass", "hourglass"):
         require(np.isfinite(grid[name]).all(), f"/grid/{name} has values that are not finite")
-    ends = {"corners": nodes, "material": materials, "pinned": 2, "fixed": 2}
+    ends = dict(corners=nodes, material=materials, pinned=3, fixed=2, dependent=nodes, parent=nodes)
     for name, end in ((name, end) for name, end in ends.items() if name in grid):
         inside = (grid[name] >= 0) & (grid[name] < end)
         require(inside.all(), f"/grid/{name} must lie in 0..{end - 1}")
@@ -316,6 +320,10 @@ def _check_voxels(grid: dict[str, NDArray[Any]], materials: int, h: float) -> No
     require((grid["mass"] >= 0).all(), "/grid/mass must be >= 0")
     if "fixed" in grid:
         require(grid["fixed"][grid["pinned"] != 0].all(), "/grid/fixed: a pinned node is not")
+    if "dependent" in grid:
+        require(np.isfinite(grid["parent_weight"]).all(), "/grid/parent_weight is not finite")
+        require((grid["pinned"][grid["dependent"]] == 2).all() and (grid["pinned"][grid["parent"]] == 0).all(),
+                "/grid/dependent must be marked by /grid/pinned, and /grid/parent free")
     if "traction" in grid:
         require(np.isfinite(grid["traction"]).all(), "/grid/traction has values that are not finite")
     corner = grid["rest"][grid["corners"]]

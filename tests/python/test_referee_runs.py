@@ -20,6 +20,7 @@ from state_file import LAWS, read_state
 HOURGLASS = ("full", "variance", "off")
 HELD = ("--pin", "x<8%")
 THROWN = ("--spin", "4,7,-3", "--velocity", "0.5,1,0")
+CUT = (*HELD, "--pin", "x>95%", "--pin", "sphere(50%,50%,50%, 3cm)")  # the last two cut voxels
 SOFT = ("--young", "1e5", "--poisson", "0.4", "--density", "1000")
 
 # held along some axes, moved and pulled, apart from each other
@@ -55,6 +56,8 @@ def cases() -> Case:
                             "--modes", "18", *HELD)
     result["net far from rest"] = ("--law", "neo-hookean", *learned, "--pin", "x<8%",
                                    "--gravity", "3000,0,0", "--fps", "240")
+    result["held at borders that cut voxels"] = (*SOFT, *CUT, "--solver", "newton", "--gravity", "0,-90,0")
+    result["held at such borders, bdf2"] = (*SOFT, *CUT, "--solver", "quasi", "--time-scheme", "bdf2")
     result["without shortcuts"] = ("--law", "stable-neo-hookean", *SOFT, "--no-skip", *THROWN)
     return result
 
@@ -99,6 +102,8 @@ def stage_runs() -> Case:
     falls = (*damped, "--velocity", "0.5,-1,0", "--floor", "--friction", "0.4")
     return {
         "pendulum by auto": (*damped, *HELD, "--time-scheme", "auto"),
+        "held at borders that cut voxels, by auto": (*damped, *CUT, "--time-scheme", "auto"),
+        "held at such borders, by sdirk2": (*damped, *CUT, "--time-scheme", "sdirk2"),
         "pendulum by bdf2 of auto": (*damped, *HELD, "--time-scheme", "auto", "--time-error", "20%"),
         "dropped, with friction and damping, by auto": (*falls, "--spin", "0,0,3", "--time-scheme",
                                                         "auto"),

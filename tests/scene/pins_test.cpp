@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scene/pins.hpp"
+
+#include "scene/carried_points.hpp"
+#include "voxelize/embedding.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace elastogen {
+namespace {
+
+/// A bar 1 x 0.2 x 0.2 m.
+Asset bar() {
+  Mesh mesh;
+  for (int c = 0; c < 8; ++c) {
+    mesh.position.push_back({double(c & 1), 0.2 * (c >> 1 & 1), 0.2 * (c >> 2)});
+    mesh.position_of.push_back(c);
+  }
+  mesh.groups = {{0, {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
+                      2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5}}};
+  Asset asset;
+  asset.path = "bar.obj";
+  asset.meshes = {mesh};
+  asset.materials.resize(1);
+  asset.nodes = {{"bar", -1, kIdentity4, 0}};
+  return asset;
+}
+
+RunDescription run_of(const std::vector<std::string>& pins) {
+  RunDescription run;
+  run.h = 0.05;
+  run.solver.device = Device::kCpu;
+  for (const std::string& text : pins) run.pins.push_back(parse_pin(text));
+  return run;
+}
+
+Setup held(const std::vector<std::string>& pins) {
+  return set_up(bar(), run_of(pins));
+}
+
+bool warns(const Setup& setup, const std::string& words) {
+  return std::ranges::any_of(
+      setup.warnings, [&](const std::string& text) { return text.find(words) != text.npos; });
+}
+
+TEST(Pins, ThatTheGridFitsPinNodesAsEver) {
+  const auto setup = held({"x<1%", "x>91%"});
+  EXPECT_TRUE(setup.scene.dependent.empty());
+  EXPECT_TRUE(setup.borders.empty());
+  const VoxelGrid& grid = setup.scene.grid;
+  for (int64_t n = 0; n < grid.node_count(); ++n) {
+    const double x = grid.rest(n, 0);
+    EXPECT_EQ(setup.scene.pinned(n), x < 0.011 || x > 0.909);
+  }
+}
+
+TEST(Pins, HoldBothEndsWhateverTheirOrder) {
+  const auto a = held({"x<1%", "x>99%"}), b = held({"x>99%", "x<1%"});
+  EXPECT_FALSE(a.scene.dependent.empty());
+  EXPECT_EQ(a.scene.grid.rest, b.scene.grid.rest);
+  EXPECT_EQ(a.scene.grid.fill, b.scene.grid.fill);
+  EXPECT_EQ(a.scene.pinned, b.scene.pinned);
+  EXPECT_EQ(a.scene.dependent.count(), b.scene.dependent.count());
+  EXPECT_TRUE(std::ranges::none_of(
+      a.warnings, [](const std::string& text) { return text.find("--pin") != text.npos; }));
+}
+
+TEST(Pins, BesideTheBodyHoldNothingAndSaySo) {
+  const auto none = held({}), beside = held({"x<-5%"}), near = held({"x<-0.1%"});
+  for (const auto* setup : {&beside, &near}) {
+    EXPECT_EQ(setup->scene.grid.rest, none.scene.grid.rest);
+    EXPECT_EQ(setup->scene.grid.fill, none.scene.grid.fill);
+    EXPECT_EQ(setup->scene.pinned, none.scene.pinned);
+    EXPECT_TRUE(setup->scene.dependent.empty());
+    EXPECT_TRUE(warns(*setup, "holds nothing"));
+    EXPECT_TRUE(warns(*setup, "0..1, 0..0.2, 0..0.2 m"));
+  }
+}
+
+TEST(Pins, OnAFaceOfTheBodyPinTheNodesInIt) {
+  const auto setup = held({"x<0%"});
+  EXPECT_TRUE(setup.scene.dependent.empty());
+  int64_t pinned = 0;
+  for (int64_t n = 0; n < setup.scene.pinned.rows(); ++n) pinned += setup.scene.pinned(n);
+  EXPECT_EQ(pinned, 25);
+}
+
+TEST(Pins, KeepThePointsOfTheAssetBehindTheirBordersAtRest) {
+  const auto setup = held({"x<1%", "x>99%"});
+  const CarriedPoints points = carried_points(setup);
+  Array<double> x = setup.scene.grid.rest, u(points.count, 3), F(points.count, 9);
+  for (int64_t k = 0; k < x.size(); ++k) x.data()[k] += 0.01 * double(k % 7);
+  deform_asset(setup.scene.grid, points.embedding, x, u);
+  deformation_gradient(setup.scene.grid, points.embedding, x, F);
+  int held_points = 0;
+  for (int64_t p = 0; p < points.count; ++p) {
+    if (setup.body.carried(p, 0) < 0.985) continue;
+    ++held_points;
+    for (int d = 0; d < 3; ++d) EXPECT_EQ(u(p, d), 0);
+    for (int k = 0; k < 9; ++k) EXPECT_EQ(F(p, k), k % 4 == 0);
+  }
+  EXPECT_EQ(held_points, 4);
+}
+
+TEST(Pins, OfStepsThatHoldNodesSaySoOnce) {
+  RunDescription run = run_of({"x<1%", "x>99%", "sphere(50%,50%,50%,0.07m)"});
+  run.fem = FemOptions{};
+  const auto setup = set_up(bar(), run);
+  EXPECT_TRUE(setup.scene.dependent.empty());
+  EXPECT_TRUE(warns(setup, "finite elements hold the nodes in it only"));
+  EXPECT_EQ(std::ranges::count_if(
+                setup.warnings,
+                [](const std::string& text) { return text.find("cuts voxels") != text.npos; }),
+            1);
+}
+
+}  // namespace
+}  // namespace elastogen
