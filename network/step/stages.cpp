@@ -76,8 +76,10 @@ RigidPose Stages::pose(size_t p, double t) const {
                             : turned_about(pieces_.pins(p), turn_[p], gain_[p], t);
 }
 
-/// The turn of a piece about its pins, which goes on as it changed in the last step.
+/// The turn of a piece about its pins, which goes on as it changed in the last step; none where nodes
+/// depend on others.
 void Stages::turn_about_pins(size_t p) {
+  if (pieces_.has_dependent(p)) return;
   turn_[p] = spin_about(now_[p], pieces_.mass(p), pieces_.pins(p));
   const double rate = safe_norm(turn_[p]);
   gain_[p] = 0;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Stages of a time step on either machine (core/time_stage.hpp): predictor, velocities, momentum, energy
 // and time error. Free pieces are referred to their own rigid motion from the start of the step,
-// pieces with pins to a turn about these. Nothing but the state goes from a step to the next; what else
-// is kept, forces and energy at its ends, may be missing.
+// pieces with pins to a turn about these, or to rest where nodes depend on others. Nothing but the
+// state goes from a step to the next; what else is kept, forces and energy at its ends, may be missing.
 //
 // Momentum. A scheme conserves linear momentum and loses angular momentum. Both of a free piece are
 // set after a step to what the scheme makes of them alone, P* and L*, from the external forces F and

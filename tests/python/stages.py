@@ -66,7 +66,7 @@ class Pieces:
     of: Ints  # piece of each node
     mass: Floats  # (pieces,) [kg]
     free: list[bool]  # no component of it is prescribed
-    pins: list[Floats | None]  # mean place of its pinned nodes [m], None: it has none or they move
+    pins: list[Floats | None]  # mean place of its pinned nodes [m], None: no reference turns it
 
 
 def find_pieces(state: State, body: Body) -> Pieces:
@@ -87,7 +87,8 @@ def find_pieces(state: State, body: Body) -> Pieces:
     pins: list[Floats | None] = []
     for p in range(count):
         pinned = (of == p) & held.all(1)
-        pins.append(None if state.moved or not pinned.any() else body.rest[pinned].mean(0))
+        rests = state.moved or not pinned.any() or body.dependent[of == p].any()
+        pins.append(None if rests else body.rest[pinned].mean(0))
     return Pieces(of, np.bincount(of, body.mass), free, pins)
 
 
