@@ -94,7 +94,7 @@ class FarAway(unittest.TestCase):
     def test_lengths_are_those_of_the_file(self) -> None:
         def options(place: tuple[float, float, float]) -> list[str]:
             x, y, z = place
-            return ["--floor", f"y={y - 0.5!r}", "--pin", f"box({x - 1!r},{y + 0.4!r},{z - 1!r},"
+            return ["--floor", f"y={y - 0.5!r}", "--pin", f"box({x - 1!r},{y + 0.40625!r},{z - 1!r},"
                     f"{x + 1!r},{y + 1!r},{z + 1!r})",
                     "--collider", f"sphere({x!r},{y + 1!r},{z!r},0.5)"]
 
