@@ -28,7 +28,7 @@ std::string holder_of_nodes(const RunDescription& run) {
   return "";
 }
 
-double longest_edge(const Box& box) {
+double longest_extent(const Box& box) {
   return std::max({box.extent(0), box.extent(1), box.extent(2)});
 }
 
@@ -41,7 +41,7 @@ std::string span_of(const PlacedBox& box) {
 /// Moves the planes of nodes into those of pins, one an axis: the first one where the others lie in
 /// planes of nodes too, else the lowest, whatever their order.
 void align_to_pins(const RunDescription& run, const PlacedBox& box, VoxelizeOptions& options) {
-  const double h = options.h > 0 ? options.h : longest_edge(box) / options.voxels;
+  const double h = options.h > 0 ? options.h : longest_extent(box) / options.voxels;
   std::vector<double> planes[3];
   for (const Pin& pin : run.pins) {
     const auto border = border_of(pin.selection, box);
@@ -151,7 +151,7 @@ void pin(const RunDescription& run, const std::vector<Border>& borders,
 void rest_behind(const std::vector<Border>& borders, const PlacedBox& box, In<double> points,
                  Array<double>& weights) {
   if (borders.empty()) return;
-  const double margin = kOnBorder * longest_edge(box);
+  const double margin = kOnBorder * longest_extent(box);
   for_each(points.rows, [&](int64_t p) {
     for (const Border& border : borders)
       if (distance(border, {points(p, 0), points(p, 1), points(p, 2)}) <= margin)

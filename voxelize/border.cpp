@@ -11,7 +11,7 @@
 namespace elastogen {
 namespace {
 
-constexpr double kFar = std::numeric_limits<double>::infinity();
+constexpr double kNoFace = std::numeric_limits<double>::infinity();
 constexpr double kSameEdge = 1e-12;  // shares of a distance below which two of them are equal
 
 /// Distances of a point beyond the nearer face along each axis, negative between the faces.
@@ -52,8 +52,8 @@ std::optional<Border> border_of(const Selection& selection, const PlacedBox& box
       return std::nullopt;
     case Selection::Kind::kHalfSpace: {
       border.is_plane = true;
-      border.lower = {-kFar, -kFar, -kFar};
-      border.upper = {kFar, kFar, kFar};
+      border.lower = {-kNoFace, -kNoFace, -kNoFace};
+      border.upper = {kNoFace, kNoFace, kNoFace};
       const auto axis = size_t(selection.axis);
       const double place = coordinate(selection.lower[axis], selection.axis, box);
       (selection.below ? border.upper : border.lower)[axis] = place;
@@ -99,7 +99,7 @@ bool reaches(const Border& border, const Box& body) {
 
 bool fits(const Border& border, const Box& body, double h, const Vec3& origin) {
   // all of the body lies behind it
-  double farthest = -kFar;
+  double farthest = -kNoFace;
   for (int c = 0; c < 8; ++c) {
     Vec3 corner;
     for (size_t d = 0; d < 3; ++d) corner[d] = c >> d & 1 ? body.upper[d] : body.lower[d];

@@ -27,7 +27,7 @@ struct MetBorders {
 };
 
 /// A border in lattice coordinates, larger by kOnBorder.
-Border on_lattice(const Border& border, const Lattice& lattice) {
+Border border_on_lattice(const Border& border, const Lattice& lattice) {
   Border result = border;
   result.radius = border.radius > 0 ? border.radius / lattice.h + kOnBorder : 0;
   const double margin = border.radius > 0 ? 0 : kOnBorder;
@@ -109,7 +109,8 @@ void union_of_borders(const Box& box, const std::vector<Border>& borders, double
 class Cutter {
  public:
   Cutter(const CutBody& body, const std::vector<Border>& borders) {
-    for (const Border& border : borders) borders_.push_back(on_lattice(border, body.lattice));
+    for (const Border& border : borders)
+      borders_.push_back(border_on_lattice(border, body.lattice));
     for (const Vec3& vertex : body.mesh.vertices) box_.add(vertex);
   }
 

@@ -54,7 +54,8 @@ WeightedSum mean_on_border(const VoxelGrid& grid, const Border& border, int32_t 
 }
 
 /// Gives the nodes around those of a ring the mean of e over their neighbours in it.
-void spread(const VoxelGrid& grid, NodeMeans& ring, std::unordered_map<int32_t, double>& excess) {
+void spread_excess(const VoxelGrid& grid, NodeMeans& ring,
+                   std::unordered_map<int32_t, double>& excess) {
   NodeMeans next;
   for (const auto& [node, mean] : ring)
     for (int k = 0; k < 8; ++k) {
@@ -81,7 +82,7 @@ LevelledDistance::LevelledDistance(const VoxelGrid& grid, const Border& border,
     for (int c = 0; c < 8; ++c) ring[grid.corners(v, c)].add(mean.sum / mean.weight, mean.weight);
   }
   for (const auto& [node, mean] : ring) excess_[node] = mean.sum / mean.weight;
-  for (int rings = 0; rings < 2; ++rings) spread(grid, ring, excess_);
+  for (int rings = 0; rings < 2; ++rings) spread_excess(grid, ring, excess_);
 }
 
 double LevelledDistance::operator()(int32_t node) const {

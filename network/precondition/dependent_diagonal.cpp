@@ -16,7 +16,7 @@ struct CornerValues {
 };
 
 /// The dependent node of each node, -1 if it is none.
-std::vector<int64_t> places(const Scene& scene) {
+std::vector<int64_t> dependent_places(const Scene& scene) {
   std::vector<int64_t> place(size_t(scene.grid.node_count()), -1);
   for (int64_t i = 0; i < scene.dependent.count(); ++i) place[size_t(scene.dependent.node(i))] = i;
   return place;
@@ -66,7 +66,7 @@ void add_voxel(const Scene& scene, int64_t v, const std::vector<int64_t>& place,
 std::vector<double> dependent_diagonal(const Scene& scene, double inertia) {
   if (scene.dependent.empty()) return {};
   const VoxelGrid& grid = scene.grid;
-  const std::vector<int64_t> place = places(scene);
+  const std::vector<int64_t> place = dependent_places(scene);
   std::vector<double> more(3 * size_t(grid.node_count()));
   // elastic terms of voxels with a dependent corner, then inertia
   for (int64_t v = 0; v < grid.voxel_count(); ++v) {

@@ -12,7 +12,7 @@ namespace elastogen {
 namespace {
 
 /// A bar 1 x 0.2 x 0.2 m.
-Asset bar() {
+Asset long_bar() {
   Mesh mesh;
   for (int c = 0; c < 8; ++c) {
     mesh.position.push_back({double(c & 1), 0.2 * (c >> 1 & 1), 0.2 * (c >> 2)});
@@ -37,7 +37,7 @@ RunDescription run_of(const std::vector<std::string>& pins) {
 }
 
 Setup held(const std::vector<std::string>& pins) {
-  return set_up(bar(), run_of(pins));
+  return set_up(long_bar(), run_of(pins));
 }
 
 bool warns(const Setup& setup, const std::string& words) {
@@ -107,7 +107,7 @@ TEST(Pins, KeepThePointsOfTheAssetBehindTheirBordersAtRest) {
 TEST(Pins, OfStepsThatHoldNodesSaySoOnce) {
   RunDescription run = run_of({"x<1%", "x>99%", "sphere(50%,50%,50%,0.07m)"});
   run.fem = FemOptions{};
-  const auto setup = set_up(bar(), run);
+  const auto setup = set_up(long_bar(), run);
   EXPECT_TRUE(setup.scene.dependent.empty());
   EXPECT_TRUE(warns(setup, "finite elements hold the nodes in it only"));
   EXPECT_EQ(std::ranges::count_if(

@@ -24,7 +24,7 @@ Border above(double place, int axis = 0) {
   return border;
 }
 
-Border ball(const Vec3& centre, double radius) {
+Border ball_border(const Vec3& centre, double radius) {
   return {centre, centre, radius, false};
 }
 
@@ -44,7 +44,7 @@ Held hold(const Surface& surface, const std::vector<Border>& borders, const Vec3
   return held;
 }
 
-double filled(const VoxelGrid& grid) {
+double filled_volume(const VoxelGrid& grid) {
   double sum = 0;
   for (int64_t v = 0; v < grid.voxel_count(); ++v) sum += grid.fill(v);
   return sum * std::pow(grid.h, 3);
@@ -70,7 +70,7 @@ TEST(FreePart, HasTheVolumeAndTheCentroidBesideTwoPlanesInAnyPlaceOfTheGrid) {
     const Held held = hold(box({0, 0, 0}, {1, 0.2, 0.2}).surface(), borders,
                            {0.01 - offset * 0.05, 0.02, 0.02}, 0.05);
     const VoxelGrid& grid = held.body.grid;
-    EXPECT_NEAR(filled(grid), 0.98 * 0.04, 1e-8);
+    EXPECT_NEAR(filled_volume(grid), 0.98 * 0.04, 1e-8);
     EXPECT_NEAR(grid.volume, 0.98 * 0.04, 1e-8);
     Vec3 centre = {};
     for (int64_t v = 0; v < grid.voxel_count(); ++v)
@@ -87,13 +87,13 @@ TEST(FreePart, HasTheVolumeAndTheCentroidBesideTwoPlanesInAnyPlaceOfTheGrid) {
 TEST(FreePart, CountsWhatTwoBordersHoldOnce) {
   const std::vector<Border> borders = {below(0.33), below(0.33, 1), below(0.31)};
   const Held held = hold(box({0, 0, 0}, {1, 1, 1}).surface(), borders, {0, 0, 0}, 0.1);
-  EXPECT_NEAR(filled(held.body.grid), 0.67 * 0.67, 1e-7);
+  EXPECT_NEAR(filled_volume(held.body.grid), 0.67 * 0.67, 1e-7);
 }
 
 TEST(FreePart, OfABallIsThatOfItsPointsInTheLattice) {
-  const Held held =
-      hold(box({0, 0, 0}, {1, 1, 1}).surface(), {ball({0.52, 0.47, 0.5}, 0.3)}, {0, 0, 0}, 0.1);
-  EXPECT_NEAR(filled(held.body.grid), 1 - 4.0 / 3 * 3.14159265 * 0.027, 1e-3);
+  const Held held = hold(box({0, 0, 0}, {1, 1, 1}).surface(), {ball_border({0.52, 0.47, 0.5}, 0.3)},
+                         {0, 0, 0}, 0.1);
+  EXPECT_NEAR(filled_volume(held.body.grid), 1 - 4.0 / 3 * 3.14159265 * 0.027, 1e-3);
 }
 
 TEST(DependentNodes, FollowFieldsThatAreLinearAndZeroOnThePlane) {
@@ -115,7 +115,7 @@ TEST(DependentNodes, FollowFieldsThatAreLinearAndZeroOnThePlane) {
 }
 
 TEST(DependentNodes, FollowTheLevelledDistanceOfABall) {
-  const Border border = ball({0.5, 0.52, 0.47}, 0.23);
+  const Border border = ball_border({0.5, 0.52, 0.47}, 0.23);
   const Held held = hold(box({0, 0, 0}, {1, 1, 1}).surface(), {border}, {0, 0, 0}, 0.1);
   std::vector<int32_t> voxels;
   for (const BorderVoxel& at : held.body.cut) voxels.push_back(at.voxel);
@@ -149,7 +149,7 @@ TEST(DependentNodes, AreNoneBesideABorderJustOutsideOfTheBody) {
   VoxelizeOptions options;
   options.h = 0.07;
   const VoxelGrid alone = voxelize(surface, options).grid;
-  options.borders = {below(-0.001), ball({1.2, 0.1, 0.1}, 0.1999)};
+  options.borders = {below(-0.001), ball_border({1.2, 0.1, 0.1}, 0.1999)};
   const Voxelized beside = voxelize(surface, options);
   EXPECT_TRUE(beside.cut.empty());
   EXPECT_EQ(beside.grid.fill, alone.fill);

@@ -10,16 +10,16 @@
 namespace elastogen::test {
 namespace {
 
-constexpr double kEdge = 0.05;
+constexpr double kCutEdge = 0.05;
 
-Scene bar(double offset, double dt) {
+Scene cut_bar(double offset, double dt) {
   return held_scene(box_surface({0, 0, 0}, {1, 0.2, 0.2}),
-                    {half_space_border(true, 0.01), half_space_border(false, 0.99)}, kEdge,
-                    {0.01 - offset * kEdge, 0.02, 0.02}, dt);
+                    {half_space_border(true, 0.01), half_space_border(false, 0.99)}, kCutEdge,
+                    {0.01 - offset * kCutEdge, 0.02, 0.02}, dt);
 }
 
 /// Iterations to 1e-6 under the weight, on the Hessian at rest.
-int iterations(const Scene& scene) {
+int iterations_when_cut(const Scene& scene) {
   IncrementalPotential potential(scene);
   potential.begin_step(initial_state(scene), {TimeScheme::kEuler, scene.dt, 1});
   Preconditioner<double> preconditioner(potential, {});
@@ -37,7 +37,7 @@ int iterations(const Scene& scene) {
 }
 
 TEST(DependentDiagonal, IsThatOfTheFoldedOperatorWhereItIsLarger) {
-  const Scene scene = bar(0.7, 0.01);
+  const Scene scene = cut_bar(0.7, 0.01);
   const std::vector<double> more = dependent_diagonal(scene, 1 / (scene.dt * scene.dt));
   // the operators on a scene whose dependent nodes are free
   Scene loose = scene;
@@ -71,13 +71,13 @@ TEST(DependentDiagonal, IsThatOfTheFoldedOperatorWhereItIsLarger) {
 }
 
 TEST(DependentDiagonal, KeepsTheIterationsNearThoseOfAGridThatFits) {
-  for (const double dt : {100.0, 30 * kEdge * std::sqrt(1e-5)}) {
+  for (const double dt : {100.0, 30 * kCutEdge * std::sqrt(1e-5)}) {
     const Scene fitted = held_scene(box_surface({0, 0, 0}, {1.02, 0.2, 0.2}),
                                     {half_space_border(true, 0.01), half_space_border(false, 1.01)},
-                                    kEdge, {0.01, 0.02, 0.02}, dt);
-    const int fit = iterations(fitted);
+                                    kCutEdge, {0.01, 0.02, 0.02}, dt);
+    const int fit = iterations_when_cut(fitted);
     for (const double offset : {0.1, 0.3, 0.5, 0.7, 0.9, 0.9999}) {
-      const int cut = iterations(bar(offset, dt));
+      const int cut = iterations_when_cut(cut_bar(offset, dt));
       printf("dt %.3g, offset %.4f: %d iterations, %d where the grid fits\n", dt, offset, cut, fit);
       EXPECT_LE(cut, 1.3 * fit) << offset;
     }

@@ -8,23 +8,23 @@
 namespace elastogen::test {
 namespace {
 
-constexpr double kEdge = 0.05;               // of a voxel: four across the bar
-constexpr double kUnit = 1000 * 9.81 / 1e8;  // of displacements, for those of weight 1 and E 1
+constexpr double kBarEdge = 0.05;               // of a voxel: four across the bar
+constexpr double kSagUnit = 1000 * 9.81 / 1e8;  // of displacements, for those of weight 1 and E 1
 constexpr double kQuarter = -0.64436, kMiddle = -1.0588;  // sag of the reference
 
 const std::vector<Border> kBothEnds = {half_space_border(true, 0.01),
                                        half_space_border(false, 0.99)};
 
 /// The bar, its border at the left an offset [voxels] behind a layer of nodes.
-Scene bar(double offset, double dt = 100) {
-  return held_scene(box_surface({0, 0, 0}, {1, 0.2, 0.2}), kBothEnds, kEdge,
-                    {0.01 - offset * kEdge, 0.02, 0.02}, dt);
+Scene held_bar(double offset, double dt = 100) {
+  return held_scene(box_surface({0, 0, 0}, {1, 0.2, 0.2}), kBothEnds, kBarEdge,
+                    {0.01 - offset * kBarEdge, 0.02, 0.02}, dt);
 }
 
 TEST(HeldBar, SagsAlikeOnAnyGridAndAtBothEnds) {
   double least = 1e300, most = 0;
   for (const double offset : {0.0, 1e-4, 0.1, 0.3, 0.5, 0.7, 0.9, 0.9999}) {
-    const Scene scene = bar(offset);
+    const Scene scene = held_bar(offset);
     const State state = equilibrium(scene);
     const Array<double> u = displacements(scene, state,
                                           {{0.25, 0.1, 0.1},
@@ -32,9 +32,9 @@ TEST(HeldBar, SagsAlikeOnAnyGridAndAtBothEnds) {
                                            {0.75, 0.1, 0.1},
                                            {0.01, 0.05, 0.13},
                                            {0.99, 0.19, 0.01}});
-    const double sag = u(1, 1) / kUnit;
+    const double sag = u(1, 1) / kSagUnit;
     EXPECT_NEAR(sag / kMiddle, 1 - 0.0348, 0.01) << offset;  // the error of a grid that fits
-    EXPECT_NEAR(u(0, 1) / kUnit / kQuarter, 1 - 0.0348, 0.01) << offset;
+    EXPECT_NEAR(u(0, 1) / kSagUnit / kQuarter, 1 - 0.0348, 0.01) << offset;
     EXPECT_LT(std::abs(u(0, 1) - u(2, 1)), 0.005 * std::abs(u(1, 1))) << offset;
     for (int p = 3; p < 5; ++p)
       for (int d = 0; d < 3; ++d) EXPECT_LT(std::abs(u(p, d)), 1e-6 * std::abs(u(1, 1)));
@@ -46,8 +46,8 @@ TEST(HeldBar, SagsAlikeOnAnyGridAndAtBothEnds) {
 
 /// The scene of the bar seen in a mirror.
 Scene mirrored_bar(double offset, double dt) {
-  return held_scene(box_surface({0, 0, 0}, {1, 0.2, 0.2}), kBothEnds, kEdge,
-                    {0.99 + offset * kEdge, 0.02, 0.02}, dt);
+  return held_scene(box_surface({0, 0, 0}, {1, 0.2, 0.2}), kBothEnds, kBarEdge,
+                    {0.99 + offset * kBarEdge, 0.02, 0.02}, dt);
 }
 
 /// Displacements of some points after 20 steps, seen in a mirror or not.
@@ -91,7 +91,7 @@ TEST(HeldBar, SwingsAsItsMirrorImageDoes) {
   for (const TimeScheme scheme :
        {TimeScheme::kEuler, TimeScheme::kBdf2, TimeScheme::kSdirk2, TimeScheme::kAuto})
     for (const SolverMode mode : {SolverMode::kNewton, SolverMode::kQuasi}) {
-      const Array<double> a = swung(bar(0.7, 1.0 / 60), scheme, mode, false),
+      const Array<double> a = swung(held_bar(0.7, 1.0 / 60), scheme, mode, false),
                           b = swung(mirrored_bar(0.7, 1.0 / 60), scheme, mode, true);
       double most = 0;
       for (int p = 0; p < 6; ++p)
@@ -128,7 +128,7 @@ TEST(HeldBlock, OnABallIsThatOfAFineGrid) {
 }
 
 TEST(HeldBar, HasTheDifferencesOfItsPotentialAsGradient) {
-  const Scene scene = bar(0.7);
+  const Scene scene = held_bar(0.7);
   IncrementalPotential potential(scene);
   potential.begin_step(initial_state(scene), {TimeScheme::kEuler, 0.01, 1});
   std::vector<double> u = random_field(scene, 1e-3, 5), p = random_field(scene, 1, 6), g(u.size()),
