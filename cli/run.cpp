@@ -129,6 +129,16 @@ void print_setup(const Setup& setup, const AnimateOptions& o) {
   std::fflush(stdout);
 }
 
+void print_mesh_error(const RunMeshError& e) {
+  fmt::print("mesh error: {:.2g} m rms, {:.2g} m at most (estimates), where the largest motion is "
+             "{:.2g} m\n",
+             e.rms, e.largest, e.largest_motion);
+  if (e.untrusted > 0)
+    fmt::print("mesh error not to be trusted in {} of {} frames: voxels of twice the edge are too "
+               "coarse for it\n",
+               e.untrusted, e.frames);
+}
+
 void print_summary(const RunReport& r) {
   fmt::print("{} of {} steps converged, worst residual {:.2e}, min J {:.3f}\n",
              std::llround(r.converged_share * double(r.steps)), r.steps, r.worst_residual, r.min_j);
@@ -143,6 +153,7 @@ void print_summary(const RunReport& r) {
         "solves a frame, {} of {} steps made again\n",
         r.time_error, r.largest_time_error,
         double(r.solves) / double(std::max<int64_t>(r.frames, 1)), r.rejected_steps, r.steps);
+  if (r.mesh_error.frames > 0) print_mesh_error(r.mesh_error);
   fmt::print("{:.1f} ms a step (median), {:.2f} s in all\n", quantile(r.step_ms, 0.5),
              r.stage_seconds.read + r.stage_seconds.voxelize + r.stage_seconds.setup +
                  r.stage_seconds.steps + r.stage_seconds.write);

@@ -159,6 +159,9 @@ class GlbWriter : public AnimationWriter {
       frames.push_back({{"converged", certificate.converged},
                         {"residual", certificate.residual},
                         {"min_j", certificate.min_j}});
+      if (const auto& mesh = certificate.mesh_error)
+        frames.back()["mesh_error"] = {
+            {"rms", mesh->rms}, {"largest", mesh->largest}, {"trusted", mesh->trusted}};
     }
     Json record = {{"generator", options_.generator},
                    {"commit", options_.commit},

@@ -244,6 +244,16 @@ Keys effort_keys() {
        Q::kNumber,
        {},
        {"auto", "mpm", "fem"}},
+      // the mesh number
+      {"solver",
+       "mesh_error",
+       T::kText,
+       "on",
+       "--mesh-error",
+       "estimate by how much frames are wrong because of the voxels' size",
+       Q::kNumber,
+       {},
+       {"on", "off"}},
       // speed and hardware
       {"solver", "skip", T::kFlag, "true", "--no-skip", "false: take no shortcut"},
       {"solver", "threads", T::kWhole, "0", "--threads", "0: all cores", Q::kNumber,

@@ -54,6 +54,11 @@ std::string step_log_line(int64_t frame, const StepReport& report,
     line["time_error"] = report.time_error;
     line["damped"] = report.damped;
   }
+  // what only steps at the end of a frame have
+  if (report.mesh_error)
+    line["mesh_error"] = {{"rms", report.mesh_error->rms},
+                          {"largest", report.mesh_error->largest},
+                          {"trusted", report.mesh_error->trusted}};
   // what only bodies that yield and particles have
   if (report.yields || cloud) line["fallbacks"] = report.fallbacks;
   if (cloud)

@@ -13,6 +13,7 @@
 
 #pragma once
 
+#include "core/mesh_error.hpp"
 #include "core/pcg.hpp"
 #include "network/mesh_number/coarse_scene.hpp"
 #include "network/precondition/preconditioner.hpp"
@@ -20,12 +21,6 @@
 #include "voxelize/embedding.hpp"
 
 namespace elastogen {
-
-struct MeshError {
-  double rms = 0, largest = 0;  ///< of |d| at the points [m]
-  /// False where 2h is too coarse for a number: det F of a voxel falls below kTrustedJ of that on h.
-  bool trusted = true;
-};
 
 /// Least det F on 2h over the least on h (over 1 where that is more) of an estimate to be trusted.
 inline constexpr double kTrustedJ = 0.7;
