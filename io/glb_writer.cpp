@@ -163,6 +163,7 @@ class GlbWriter : public AnimationWriter {
         frames.back()["mesh_error"] = {
             {"rms", mesh->rms}, {"largest", mesh->largest}, {"trusted", mesh->trusted}};
     }
+    // origin, form and quality of the file
     Json record = {{"generator", options_.generator},
                    {"commit", options_.commit},
                    {"command", options_.command},

@@ -21,6 +21,10 @@ nlohmann::ordered_json energies(const StepReport& report) {
   return json;
 }
 
+nlohmann::ordered_json to_json(const MeshError& error) {
+  return {{"rms", error.rms}, {"largest", error.largest}, {"trusted", error.trusted}};
+}
+
 }  // namespace
 
 std::string step_log_line(int64_t frame, const StepReport& report,
@@ -45,7 +49,7 @@ std::string step_log_line(int64_t frame, const StepReport& report,
       {"deepest_overlap", report.deepest_overlap},
       {"ms", report.ms},
   };
-  // what only steps of the network and of stages have
+  // what only steps of the network, of stages and at the end of a frame have
   if (report.length > 0) {
     line["length"] = report.length;
     line["solves"] = report.solves;
@@ -54,12 +58,8 @@ std::string step_log_line(int64_t frame, const StepReport& report,
     line["time_error"] = report.time_error;
     line["damped"] = report.damped;
   }
-  // what only steps at the end of a frame have
-  if (report.mesh_error)
-    line["mesh_error"] = {{"rms", report.mesh_error->rms},
-                          {"largest", report.mesh_error->largest},
-                          {"trusted", report.mesh_error->trusted}};
-  // what only bodies that yield and particles have
+  if (report.mesh_error) line["mesh_error"] = to_json(*report.mesh_error);
+  // what only bodies that yield have, and particles
   if (report.yields || cloud) line["fallbacks"] = report.fallbacks;
   if (cloud)
     line["particles"] = {

@@ -134,6 +134,7 @@ class Clip {
   /// @return false if the clip ends here; end_ and a warning then say why.
   bool step_frame(int64_t frame, FrameCertificate& certificate) {
     for (int k = 0; k < setup_.substeps;) {
+      // a step, unless the clip ends here
       StepReport r;
       r.interrupted = stopped();
       if (!r.interrupted) r = stepper_->advance();
@@ -159,6 +160,7 @@ class Clip {
   }
 
   void take(int64_t frame, const StepReport& r, FrameCertificate& certificate) {
+    // the certificate of the frame, then that of the run
     certificate.converged &= r.converged;
     certificate.residual = std::max(certificate.residual, r.residual);
     certificate.min_j = std::min(certificate.min_j, r.min_j);

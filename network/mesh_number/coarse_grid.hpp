@@ -37,6 +37,7 @@ void restrict_sum(const CoarseGrid& coarse, int columns, const double* fine, dou
 /// fits the nodes of the voxels around best, which affine motions are carried by exactly.
 class NodeFit {
  public:
+  NodeFit() = default;
   NodeFit(const CoarseGrid& coarse, const VoxelGrid& fine);
   /// (fine nodes, 3) to (nodes, 3).
   void apply(const double* fine, double* values) const;

@@ -45,14 +45,14 @@ CoarseScene coarse_scene(const Scene& fine, const Array<uint8_t>& fixed, double 
   for_each(held.rows(), [&](int64_t n) { held(n) = fixed(n, 0) | fixed(n, 1) | fixed(n, 2); });
   CoarseScene coarse;
   coarse.transfer = coarse_grid(fine.grid, held);
+  coarse.fit = NodeFit(coarse.transfer, fine.grid);
   Scene& scene = coarse.scene;
   scene.grid = std::move(coarse.transfer.grid);
   // materials
   scene.materials = fine.materials;
   scene.material = Array<int32_t>(scene.grid.voxel_count());
-  for_each(scene.grid.voxel_count(), [&](int64_t v) {
-    scene.material(v) = heaviest(fine, coarse.transfer.children.row(v));
-  });
+  for_each(scene.grid.voxel_count(),
+           [&](int64_t v) { scene.material(v) = heaviest(fine, coarse.transfer.children.row(v)); });
   // what is held
   coarse.fixed = fixed_nodes(coarse.transfer, fixed);
   scene.pinned = Array<uint8_t>(scene.grid.node_count());

@@ -9,9 +9,10 @@
 namespace elastogen {
 
 struct CoarseScene {
-  CoarseGrid transfer;    ///< without its grid, which is that of the scene
-  Scene scene;            ///< without gravity and colliders; mass = P^T that of h
-  Array<uint8_t> fixed;   ///< 1 where a component does not move, (nodes, 3)
+  CoarseGrid transfer;     ///< without its grid, which is that of the scene
+  NodeFit fit;             ///< from h to 2h
+  Scene scene;             ///< without gravity and colliders; mass = P^T that of h
+  Array<uint8_t> fixed;    ///< 1 where a component does not move, (nodes, 3)
   bool has_rails = false;  ///< a node is fixed in some components only
 };
 

@@ -16,8 +16,7 @@ constexpr int kLinearIterations = 3;
 /// The constraints of a scene that knows pins only.
 Array<uint8_t> pins_of(const Scene& scene) {
   Array<uint8_t> fixed(scene.grid.node_count(), 3);
-  for (int64_t n = 0; n < fixed.rows(); ++n)
-    std::fill_n(fixed.row(n), 3, scene.pinned(n));
+  for (int64_t n = 0; n < fixed.rows(); ++n) std::fill_n(fixed.row(n), 3, scene.pinned(n));
   return fixed;
 }
 
@@ -43,7 +42,6 @@ MeshNumber::MeshNumber(const Scene& scene, double interval, const Array<uint8_t>
     : scene_(scene),
       fixed_(fixed),
       coarse_(coarse_scene(scene, fixed, interval > 0 ? interval : endless(scene))),
-      fit_(coarse_.transfer, scene.grid),
       pieces_(coarse_.scene),
       potential_(scene),
       coarse_potential_(PotentialTerms(
@@ -73,7 +71,7 @@ void MeshNumber::begin(In<double> x) {
     std::fill(values->begin(), values->end(), 0);
   last_interval_ = 0;
   for_each(x.size(), [&](int64_t k) { u_[size_t(k)] = x.data[k] - scene_.grid.rest.data()[k]; });
-  fit_.apply(u_.data(), uc_.data());
+  coarse_.fit.apply(u_.data(), uc_.data());
 }
 
 MeshError MeshNumber::estimate(In<double> x, double interval, const Embedding& points) {
@@ -96,7 +94,7 @@ void MeshNumber::find_defect(In<double> x) {
   });
   restrict_sum(coarse_.transfer, 3, forces_.data(), defect_.data());
   // those of 2h
-  fit_.apply(u_.data(), uc_.data());
+  coarse_.fit.apply(u_.data(), uc_.data());
   const Array<double>& X = coarse_.scene.grid.rest;
   for_each(X.size(), [&](int64_t k) { xc_.data()[k] = X.data()[k] + uc_[size_t(k)]; });
   coarse_potential_.begin_still(xc_, still_scheme());
@@ -154,6 +152,7 @@ void MeshNumber::turn() {
     const auto mass = [&](int64_t n) { return coarse_.scene.mass(n); };
     const auto now = [&](int64_t n, int d) { return X(n, d) + uc_[size_t(3 * n + d)]; };
     const auto then = [&](int64_t n, int d) { return X(n, d) + before_[size_t(3 * n + d)]; };
+    // centres of mass
     const auto centre = pieces_.sum<7>(p, [&](int64_t n, auto& sum) {
       sum[6] += mass(n);
       for (int d = 0; d < 3; ++d) {
@@ -161,6 +160,7 @@ void MeshNumber::turn() {
         sum[size_t(3 + d)] += mass(n) * then(n, d);
       }
     });
+    // the rotation nearest to the moments of the two
     const auto moments = pieces_.sum<9>(p, [&](int64_t n, auto& sum) {
       for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j)
@@ -189,51 +189,64 @@ void MeshNumber::mask(float* values) const {
   });
 }
 
-/// The next d, from (a0 M/dt^2 + (1 + beta) K) d = t + a0 M/dt^2 dhat + beta K d*, d* where the
-/// damping's rate is measured from; the iteration starts there.
-void MeshNumber::solve(double interval) {
+/// The scheme of the step to the next d.
+StepScheme MeshNumber::scheme_of(double interval) const {
+  if (!moves_) return {TimeScheme::kEuler, coarse_.scene.dt, 1};
+  if (interval == last_interval_) return {TimeScheme::kBdf2, interval, 2.25};
+  return {TimeScheme::kEuler, interval, 1};
+}
+
+void MeshNumber::product(const float* p, float* Ap) {
+  coarse_potential_.hessian_product(p, Ap);
+  mask(Ap);
+}
+
+/// The right side for d - start of
+///
+///     (a0 M/dt^2 + (1 + beta) K) d = t + a0 M/dt^2 dhat + beta K start,
+///
+/// start being where the rate of damping is measured from; in place of t. @return its largest entry.
+double MeshNumber::find_right_side(const StepScheme& scheme) {
   const auto size = int64_t(d_.size());
-  const bool second = interval == last_interval_;
-  StepScheme scheme{second ? TimeScheme::kBdf2 : TimeScheme::kEuler, interval, second ? 2.25 : 1};
-  if (!moves_) scheme = {TimeScheme::kEuler, coarse_.scene.dt, 1};
-  coarse_potential_.begin_still(xc_, scheme);
-  coarse_potential_.linearise(uc_.data());
-  coarse_potential_.set_nodal_rotations(uc_.data());
-  if (moves_) preconditioner_.update_inertia();
   const double stiffer = 1 + coarse_potential_.beta(rate_of(scheme));
-  const auto product = [&](const float* p, float* Ap) {
-    coarse_potential_.hessian_product(p, Ap);
-    mask(Ap);
-  };
-  // the right side where the iteration starts
   for_each(size, [&](int64_t k) {
     const auto i = size_t(k);
-    start_[i] = !moves_ ? 0 : second ? (4 * d_[i] - d_before_[i]) / 3 : d_[i];
+    start_[i] = !moves_                              ? 0
+                : scheme.scheme == TimeScheme::kBdf2 ? (4 * d_[i] - d_before_[i]) / 3
+                                                     : d_[i];
     step_[i] = float(start_[i]);
   });
   product(step_.data(), right_.data());
-  double most = 0;
   for_each(size, [&](int64_t k) {
     const auto i = size_t(k);
     const double inertia = moves_ ? coarse_potential_.inertia(k / 3) : 0;
     const double motion = predicted_motion(scheme, d_[i], v_[i], d_before_[i], v_before_[i], 0);
     const double stiff = (double(right_[i]) - inertia * start_[i]) / stiffer;
-    double& t = defect_[i];
-    t = coarse_.fixed.data()[k] ? 0 : t + inertia * (d_[i] + motion - start_[i]) - stiff;
+    const double sum = defect_[i] + inertia * (d_[i] + motion - start_[i]) - stiff;
+    defect_[i] = coarse_.fixed.data()[k] ? 0 : sum;
   });
-  most = largest(size, [&](int64_t k) { return std::abs(defect_[size_t(k)]); });
-  if (!(most > 0)) most = 1;
+  const double most = largest(size, [&](int64_t k) { return std::abs(defect_[size_t(k)]); });
+  return most > 0 ? most : 1;
+}
+
+/// The next d.
+void MeshNumber::solve(double interval) {
+  const auto size = int64_t(d_.size());
+  const StepScheme scheme = scheme_of(interval);
+  coarse_potential_.begin_still(xc_, scheme);
+  coarse_potential_.linearise(uc_.data());
+  coarse_potential_.set_nodal_rotations(uc_.data());
+  if (moves_) preconditioner_.update_inertia();
+  // d - start, scaled so that float holds it
+  const double most = find_right_side(scheme);
   for_each(size, [&](int64_t k) { right_[size_t(k)] = float(defect_[size_t(k)] / most); });
-  // d - start
-  pcg(right_.data(), step_.data(), size, kLinearTolerance, kLinearIterations, pcg_, product,
+  pcg(
+      right_.data(), step_.data(), size, kLinearTolerance, kLinearIterations, pcg_,
+      [&](const float* p, float* Ap) { product(p, Ap); },
       [&](const float* r, float* z) {
         preconditioner_.apply(r, z);
         mask(z);
       });
-  if (!moves_) {
-    for_each(size, [&](int64_t k) { d_[size_t(k)] = most * double(step_[size_t(k)]); });
-    return;
-  }
   for_each(size, [&](int64_t k) {
     const auto i = size_t(k);
     const double next = start_[i] + most * double(step_[i]);
@@ -269,7 +282,8 @@ MeshError MeshNumber::judge(const Embedding& points) {
   });
   if (count > 0) error.rms = std::sqrt(sum / double(count));
   // the body of 2h
-  for_each(int64_t(uc_.size()), [&](int64_t k) { start_[size_t(k)] = uc_[size_t(k)] + d_[size_t(k)]; });
+  for_each(int64_t(uc_.size()),
+           [&](int64_t k) { start_[size_t(k)] = uc_[size_t(k)] + d_[size_t(k)]; });
   const double coarse_j = coarse_potential_.voxel_forces(start_.data(), defect_.data()).min_j;
   error.trusted = coarse_j >= kTrustedJ * std::min(1.0, least_j_) && std::isfinite(error.rms);
   return error;

@@ -51,22 +51,24 @@ class MeshNumber {
   void find_defect(In<double> x);
   void balance();
   void turn();
+  StepScheme scheme_of(double interval) const;
+  double find_right_side(const StepScheme& scheme);
   void solve(double interval);
+  void product(const float* p, float* Ap);
   void mask(float* values) const;
   MeshError judge(const Embedding& points);
 
   const Scene& scene_;
   Array<uint8_t> fixed_;
   CoarseScene coarse_;
-  NodeFit fit_;
   Pieces pieces_;
   IncrementalPotential potential_, coarse_potential_;
   Preconditioner<double> preconditioner_;
   PcgWork<float> pcg_;
   bool moves_;
   double last_interval_ = 0, least_j_ = 1;
-  Zeroed<double> u_, forces_;                 // of h: displacement, later P d; forces
-  Zeroed<double> uc_, before_, defect_;       // of 2h: displacement of x_c, now and before; t
+  Zeroed<double> u_, forces_;            // of h: displacement, later P d; forces
+  Zeroed<double> uc_, before_, defect_;  // of 2h: displacement of x_c, now and before; t
   Zeroed<double> d_, v_, d_before_, v_before_, start_;
   Array<double> xc_;
   std::vector<float> right_, step_;
