@@ -222,13 +222,19 @@ def size_of(errors):
     return math.sqrt(square.mean()), math.sqrt(square.max())
 
 
-def study(program, name, body, statics, folder):
+def study(program, name, body, statics, folder, truths):
     mesh = body['mesh']
     if not isinstance(mesh, Path):
         write_obj(folder / 'a.obj', mesh)
         mesh = folder / 'a.obj'
     finest = body['thick'] / (body.get('finer', 4) * max(body['across']))
-    truth = run(program, statics, mesh, finest, body['words'], folder, False)[0]
+    kept = truths and Path(truths) / (name.replace(' ', '-') + '.npy')
+    if kept and kept.exists():
+        truth = numpy.load(kept)
+    else:
+        truth = run(program, statics, mesh, finest, body['words'], folder, False)[0]
+        if kept:
+            numpy.save(kept, truth)
     rows = []
     for across in body['across']:
         x, numbers, report = run(program, statics, mesh, body['thick'] / across, body['words'], folder,
@@ -256,6 +262,7 @@ def main():
     parser.add_argument('--set', choices=('studied', 'unseen', 'motion'), default='studied')
     parser.add_argument('--assets')
     parser.add_argument('--only', default='')
+    parser.add_argument('--truths', help='folder where the fine solutions are kept')
     options = parser.parse_args()
     statics = options.set != 'motion'
     bodies = {'studied': studied, 'unseen': unseen, 'motion': moving}[options.set]()
@@ -267,7 +274,7 @@ def main():
     for name, body in bodies.items():
         if options.only in name:
             with tempfile.TemporaryDirectory() as folder:
-                ratios += study(options.program, name, body, statics, Path(folder))
+                ratios += study(options.program, name, body, statics, Path(folder), options.truths)
     within = lambda a, b: sum(a <= r <= b for r in ratios)
     print(f'\ntrusted: {len(ratios)}; within 3: {within(1 / 3, 3)}; in 0.33 ... 4.5: '
           f'{within(0.33, 4.5)}')
