@@ -154,7 +154,7 @@ def unseen():
     return {
         'T': case(turned(of_cells(cells_of(T_SHAPE, 3), 0.01, 2), (0, 1, 0), 20), 0.03, 3e4,
                   '--pin', 'y<6%', '--gravity', '5,-5,0'),
-        'S': case(of_cells(cells_of(S_SHAPE, 2), 0.01, 2), 0.02, 1e5, '--pin', 'y<4%', poisson=0.3),
+        'S': case(of_cells(cells_of(S_SHAPE, 2), 0.01, 2), 0.02, 1e5, '--pin', 'y<4%', poisson=0.3, across=(3, 4)),
         'lying ring': case(turned(torus(0.06, 0.02), (1, 0, 0), 90), 0.04, 3e4, '--pin', 'x<12%'),
         'disk': case(ellipsoid(0.08, 0.025, 0.06), 0.05, 2e4, '--pin', 'x<15%', poisson=0.47),
         'tapered bar': case(turned(cone(0.035, 0.012, 0.2), (0.2, 0, 1), 70), 0.045, 1e5,

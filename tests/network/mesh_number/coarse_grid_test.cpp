@@ -76,8 +76,7 @@ TEST(CoarseGrid, HasTheRestPositionsOfItsNodes) {
   for (size_t k = 0; k < rest.size(); ++k) EXPECT_NEAR(rest[k], fine.rest.data()[k], 1e-14);
   std::vector<double> back(size_t(coarse.grid.rest.size()));
   NodeFit(coarse, fine).apply(fine.rest.data(), back.data());
-  for (size_t k = 0; k < back.size(); ++k)
-    EXPECT_NEAR(back[k], coarse.grid.rest.data()[k], 1e-12);
+  for (size_t k = 0; k < back.size(); ++k) EXPECT_NEAR(back[k], coarse.grid.rest.data()[k], 1e-12);
 }
 
 TEST(CoarseGrid, RestrictionIsTheAdjointOfProlongation) {

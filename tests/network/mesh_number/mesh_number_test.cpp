@@ -195,5 +195,65 @@ TEST(MeshNumber, EstimatesTheErrorOfABallOnItsFoot) {
                 solid(5e3, 0.4), 1, -0.04);
 }
 
+/// Frames of a bar that swings from rest, where its points are, and its mesh numbers.
+struct Swing {
+  std::vector<Array<double>> moved;
+  std::vector<MeshError> numbers;
+};
+
+Swing swing(int across, int frames, const Array<double>& points) {
+  const double h = 0.03 / across;
+  Scene scene = scene_on(make_box(3 * across, across, across, h), solid(2e4, 0.4));
+  test::pin_below(scene, 0, h / 2);
+  scene.gravity = {0, -9.81, 0};
+  scene.dt = 1.0 / 30;
+  scene.scheme = TimeScheme::kAuto;
+  finish_scene(scene);
+  Solver solver(scene, {});
+  MeshNumber number(scene, scene.dt);
+  const Embedding embedding = embed(scene.grid, points);
+  State state = initial_state(scene);
+  number.begin(state.x);
+  Swing result;
+  while (int(result.moved.size()) < frames) {
+    while (!solver.step(state).completes) {
+    }
+    result.moved.emplace_back(points.rows(), 3);
+    deform_asset(scene.grid, embedding, state.x, result.moved.back());
+    result.numbers.push_back(number.estimate(state.x, scene.dt, embedding));
+  }
+  return result;
+}
+
+TEST(MeshNumber, EstimatesTheErrorOfAMotion) {
+  const Array<double> points = make_box(12, 4, 4, 0.0075).rest;
+  constexpr int kFrames = 12;
+  const Swing truth = swing(16, kFrames, points), coarse = swing(4, kFrames, points);
+  double number = 0, error = 0;
+  for (size_t k = 0; k < kFrames; ++k) {
+    number += coarse.numbers[k].rms * coarse.numbers[k].rms;
+    error += std::pow(rms_difference(coarse.moved[k], truth.moved[k]), 2);
+    EXPECT_TRUE(coarse.numbers[k].trusted);
+  }
+  const double ratio = std::sqrt(number / error);
+  std::printf("a swing: true %.3e m, ratio %.2f\n", std::sqrt(error / kFrames), ratio);
+  EXPECT_GT(ratio, 1 / 3.0);
+  EXPECT_LT(ratio, 3);
+}
+
+TEST(MeshNumber, SaysWhereVoxelsAreTooCoarse) {
+  // a bar of two voxels that is folded by a right angle within one of them
+  Scene scene = scene_on(make_box(8, 2, 2, 0.02), solid(1e5, 0.3));
+  test::pin_below(scene, 0, 0.01);
+  finish_scene(scene);
+  Array<double> x = scene.grid.rest;
+  for (int64_t n = 0; n < x.rows(); ++n) {
+    const double along = x(n, 0) - 0.08, up = x(n, 1);
+    if (along > 0) x(n, 0) = 0.08 + up, x(n, 1) = 0.04 + along;
+  }
+  MeshNumber number(scene, 0);
+  EXPECT_FALSE(number.estimate(x, 0, at_nodes(scene.grid)).trusted);
+}
+
 }  // namespace
 }  // namespace elastogen
