@@ -164,13 +164,13 @@ def unseen():
 
 def moving():
     def clip(mesh, thick, *words):
-        body = case(mesh, thick, 3e4, *words, '--frames', '20', across=(4, 8))
+        body = case(mesh, thick, 1e5, *words, '--frames', '20', across=(4, 8))
         return {**body, 'finer': 3}
 
     bar = turned(block(12, 3, 3), (1, 2, 3), 27)
     return {
         'bar swings': clip(block(12, 3, 3), 0.03, '--pin', 'x<5%'),
-        'turned bar swings': clip(bar, 0.03, '--pin', 'x<14%'),
+        'turned bar swings': clip(bar, 0.03, '--pin', 'x<20%'),
         'bar spins': clip(bar, 0.03, '--gravity', '0,0,0', '--spin', '0,8,4'),
         'egg falls': clip(ellipsoid(0.03, 0.045, 0.03), 0.06, '--floor', 'y=-0.07'),
         'bar falls': clip(bar, 0.03, '--floor', 'y=-0.03'),
@@ -244,7 +244,7 @@ def study(program, name, body, statics, folder, truths):
         together = lambda pairs: (math.sqrt(sum(p[0] ** 2 for p in pairs) / len(pairs)),
                                   max(p[1] for p in pairs))
         wrong, number = together(true), together([(n['rms'], n['largest']) for n in numbers])
-        ratios = sorted(n['rms'] / t[0] for n, t in zip(numbers, true) if t[0] > 0)
+        ratios = sorted(n['rms'] / t[0] for n, t in zip(numbers, true) if t[0] > wrong[0] / 10)
         moved = numpy.abs(truth - truth[0]).max()
         untrusted = sum(not n['trusted'] for n in numbers)
         rows.append(number[0] / wrong[0])

@@ -11,8 +11,7 @@ namespace elastogen {
 namespace {
 
 constexpr double kLinearTolerance = 0.02;
-constexpr int kLinearIterations = 3;  // where d is known from before
-constexpr int kMostOfStatics = 20;
+constexpr int kLinearIterations = 3;
 
 /// The constraints of a scene that knows pins only.
 Array<uint8_t> pins_of(const Scene& scene) {
@@ -242,8 +241,7 @@ void MeshNumber::solve(double interval) {
   const double most = find_right_side(scheme);
   for_each(size, [&](int64_t k) { right_[size_t(k)] = float(defect_[size_t(k)] / most); });
   pcg(
-      right_.data(), step_.data(), size, kLinearTolerance,
-      moves_ ? kLinearIterations : kMostOfStatics, pcg_,
+      right_.data(), step_.data(), size, kLinearTolerance, kLinearIterations, pcg_,
       [&](const float* p, float* Ap) { product(p, Ap); },
       [&](const float* r, float* z) {
         preconditioner_.apply(r, z);

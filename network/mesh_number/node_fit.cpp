@@ -16,8 +16,7 @@ std::vector<int32_t> nodes_around(const CoarseGrid& coarse, const VoxelGrid& fin
     const int32_t voxel = coarse.grid.voxels(node, c);
     for (int k = 0; k < 8 && voxel >= 0; ++k) {
       const int32_t child = coarse.children(voxel, k);
-      if (child >= 0)
-        nodes.insert(nodes.end(), fine.corners.row(child), fine.corners.row(child) + 8);
+      if (child >= 0) nodes.insert(nodes.end(), fine.corners.row(child), fine.corners.row(child) + 8);
     }
   }
   std::sort(nodes.begin(), nodes.end());
@@ -25,35 +24,22 @@ std::vector<int32_t> nodes_around(const CoarseGrid& coarse, const VoxelGrid& fin
   return nodes;
 }
 
-using Basis = Eigen::Matrix<double, 10, 1>;  // 1, x, y, z, then the products of two
-
-constexpr double kRidge = 0.01;  // on the coefficients of products: those that no node tells are 0
-
-/// Weights of the value at a coarse node of the function that fits values at `nodes` best, each
-/// weighted with the inverse of its distance to the fourth power: affine functions are met exactly,
-/// quadratic ones as far as the nodes tell them apart.
+/// Weights of the value at a coarse node of the affine function that fits values at `nodes` best,
+/// each weighted with the inverse of its distance to the fourth power.
 std::vector<double> fit_weights(const CoarseGrid& coarse, const VoxelGrid& fine, int64_t node,
                                 const std::vector<int32_t>& nodes) {
-  // moments of the basis
-  std::vector<Basis> basis;
+  std::vector<Eigen::Vector4d> basis;
   std::vector<double> weights;
-  Eigen::Matrix<double, 10, 10> moments = decltype(moments)::Zero();
-  for (int k = 4; k < 10; ++k) moments(k, k) = kRidge;
+  Eigen::Matrix4d moments = Eigen::Matrix4d::Zero();
   for (const int32_t n : nodes) {
-    double r[3], square = 0;
-    for (int d = 0; d < 3; ++d) {
-      r[d] = (fine.rest(n, d) - coarse.grid.rest(node, d)) / fine.h;
-      square += r[d] * r[d];
-    }
-    Basis b;
-    b << 1, r[0], r[1], r[2], r[0] * r[0], r[1] * r[1], r[2] * r[2], r[0] * r[1], r[1] * r[2],
-        r[2] * r[0];
-    basis.push_back(b);
+    Eigen::Vector4d b(1, 0, 0, 0);
+    for (int d = 0; d < 3; ++d) b[d + 1] = (fine.rest(n, d) - coarse.grid.rest(node, d)) / fine.h;
+    const double square = b.squaredNorm() - 1;
     weights.push_back(1 / (square * square));
+    basis.push_back(b);
     moments += weights.back() * b * b.transpose();
   }
-  // the value of the fit where r = 0
-  const Basis at_node = moments.ldlt().solve(Basis::Unit(0));
+  const Eigen::Vector4d at_node = moments.ldlt().solve(Eigen::Vector4d(1, 0, 0, 0));
   for (size_t k = 0; k < weights.size(); ++k) weights[k] *= basis[k].dot(at_node);
   return weights;
 }
