@@ -130,13 +130,15 @@ void print_setup(const Setup& setup, const AnimateOptions& o) {
 }
 
 void print_mesh_error(const RunMeshError& e) {
-  fmt::print("mesh error: {:.2g} m rms, {:.2g} m at most (estimates), where the largest motion is "
-             "{:.2g} m\n",
-             e.rms, e.largest, e.largest_motion);
+  fmt::print(
+      "mesh error: {:.2g} m rms, {:.2g} m at most (estimates), where the largest motion is "
+      "{:.2g} m\n",
+      e.rms, e.largest, e.largest_motion);
   if (e.untrusted > 0)
-    fmt::print("mesh error not to be trusted in {} of {} frames: voxels of twice the edge are too "
-               "coarse for it\n",
-               e.untrusted, e.frames);
+    fmt::print(
+        "mesh error not to be trusted in {} of {} frames: voxels of twice the edge are too "
+        "coarse for it\n",
+        e.untrusted, e.frames);
 }
 
 void print_summary(const RunReport& r) {

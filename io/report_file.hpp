@@ -44,7 +44,7 @@ struct RunReport {
   double time_error = 0;          ///< estimates of the time error, summed over the steps [m]
   double loosest_tolerance = 0;   ///< of a step's residual, where it follows the time error
   double largest_time_error = 0;  ///< of a frame [m]
-  RunMeshError mesh_error;
+  RunMeshError mesh_error;        ///< of the frames that got a mesh number
   double damped = 0;              ///< energy that damping took [J]
   int64_t solves = 0;             ///< minimisations: stages, those of rejected steps included
   int64_t rejected_steps = 0;     ///< that were made again for their time error

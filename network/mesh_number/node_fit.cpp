@@ -16,7 +16,8 @@ std::vector<int32_t> nodes_around(const CoarseGrid& coarse, const VoxelGrid& fin
     const int32_t voxel = coarse.grid.voxels(node, c);
     for (int k = 0; k < 8 && voxel >= 0; ++k) {
       const int32_t child = coarse.children(voxel, k);
-      if (child >= 0) nodes.insert(nodes.end(), fine.corners.row(child), fine.corners.row(child) + 8);
+      if (child >= 0)
+        nodes.insert(nodes.end(), fine.corners.row(child), fine.corners.row(child) + 8);
     }
   }
   std::sort(nodes.begin(), nodes.end());
