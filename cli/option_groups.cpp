@@ -162,6 +162,9 @@ void add_run_options(CLI::App& app, AnimateOptions& o, Typed& t) {
   app.add_option("--method", t.method,
                  "of what yields: mpm, fem, or auto: mpm where it falls apart into grains")
       ->capture_default_str();
+  app.add_option("--mesh-error", t.mesh_error,
+                 "on or off: estimate by how much frames are wrong because of the voxels' size")
+      ->capture_default_str();
   app.add_option("--device", t.device, "auto, cpu or cuda")->capture_default_str();
   app.add_flag_callback(
       "--deterministic", [] {}, "the same bits on every run; always so, sums have a fixed order");

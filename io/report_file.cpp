@@ -62,6 +62,16 @@ Json to_json(const StageSeconds& seconds) {
           {"write", seconds.write}};
 }
 
+/// Null where nothing was estimated.
+Json to_json(const RunMeshError& error) {
+  if (error.frames == 0) return nullptr;
+  return {{"rms", error.rms},
+          {"largest", error.largest},
+          {"largest_motion", error.largest_motion},
+          {"frames", error.frames},
+          {"untrusted", error.untrusted}};
+}
+
 }  // namespace
 
 double quantile(std::vector<double> values, double q) {
@@ -100,6 +110,7 @@ void write_report(const std::string& path, const RunReport& report) {
         {"loosest_tolerance", report.loosest_tolerance},
         {"solves", report.solves},
         {"rejected", report.rejected_steps}}},
+      {"mesh_error", to_json(report.mesh_error)},
       {"damped", report.damped},
       {"ledger", report.ledger.steps > 0 ? ledger_json(report.ledger) : Json()},
       {"outside_fit", report.outside_fit},
