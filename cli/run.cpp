@@ -132,8 +132,8 @@ void print_setup(const Setup& setup, const AnimateOptions& o) {
 
 void print_mesh_error(const RunMeshError& e) {
   fmt::print(
-      "mesh error: {:.2g} m rms, {:.2g} m at most (estimates), where the largest motion is "
-      "{:.2g} m\n",
+      "mesh error of the shape: {:.2g} m rms, {:.2g} m at most (estimates), where the largest "
+      "motion is {:.2g} m\n",
       e.rms, e.largest, e.largest_motion);
   if (e.untrusted > 0)
     fmt::print(
