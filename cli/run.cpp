@@ -144,6 +144,7 @@ void print_mesh_error(const RunMeshError& e) {
 
 /// @param time_error  what was asked for
 void print_summary(const RunReport& r, double time_error) {
+  // the certificate: solve, time, mesh; then the ledger
   fmt::print("{} of {} steps converged, worst residual {:.2e}, min J {:.3f}\n",
              std::llround(r.converged_share * double(r.steps)), r.steps, r.worst_residual, r.min_j);
   if (r.loosest_tolerance > SolverOptions{}.tolerance)
