@@ -77,9 +77,13 @@ void MeshNumber::begin(In<double> x) {
 MeshError MeshNumber::estimate(In<double> x, double interval, const Embedding& points) {
   before_.swap(uc_);
   find_defect(x);
-  balance();
+  take_rigid(defect_, Rigid::kForces);
   if (moves_) turn();
   solve(interval);
+  if (moves_) {
+    take_rigid(d_, Rigid::kMotion);
+    take_rigid(v_, Rigid::kMotion);
+  }
   return judge(points);
 }
 
@@ -105,19 +109,26 @@ void MeshNumber::find_defect(In<double> x) {
   });
 }
 
-/// Takes from t of each free piece the force and the torque that its linearisation has brought:
-/// those of elasticity have none on either grid.
-void MeshNumber::balance() {
+/// Takes the rigid part from a field of each free piece: from forces their resultant and torque, from
+/// motions those of their momenta. Elasticity has neither on either grid; the linearisation of t and
+/// the loose solve for d bring some.
+void MeshNumber::take_rigid(Zeroed<double>& field, Rigid kind) {
+  if (coarse_.has_rails) return;
+  const bool of_forces = kind == Rigid::kForces;
   for (size_t p = 0; p < pieces_.count(); ++p) {
-    if (!pieces_.is_free(p) || coarse_.has_rails) continue;
+    if (!pieces_.is_free(p)) continue;
     const auto at = [&](int64_t n) -> Vec3 { return {xc_(n, 0), xc_(n, 1), xc_(n, 2)}; };
     const auto mass = [&](int64_t n) { return coarse_.scene.mass(n); };
+    const auto force = [&](int64_t n) -> Vec3 {
+      const double* f = &field[size_t(3 * n)];
+      return scaled({f[0], f[1], f[2]}, of_forces ? 1 : mass(n));
+    };
     // mass, centre and resultant
     const auto first = pieces_.sum<7>(p, [&](int64_t n, auto& sum) {
       sum[0] += mass(n);
       for (size_t d = 0; d < 3; ++d) {
         sum[1 + d] += mass(n) * at(n)[d];
-        sum[4 + d] += defect_[size_t(3 * n) + d];
+        sum[4 + d] += force(n)[d];
       }
     });
     const Vec3 centre = scaled({first[1], first[2], first[3]}, 1 / first[0]);
@@ -125,8 +136,7 @@ void MeshNumber::balance() {
     // moments of inertia and torque
     const auto second = pieces_.sum<12>(p, [&](int64_t n, auto& sum) {
       const Vec3 r = minus(at(n), centre);
-      const double* t = &defect_[size_t(3 * n)];
-      const Vec3 torque = cross(r, {t[0], t[1], t[2]});
+      const Vec3 torque = cross(r, force(n));
       for (size_t i = 0; i < 3; ++i) {
         for (size_t j = 0; j < 3; ++j)
           sum[3 * i + j] += mass(n) * ((i == j ? dot(r, r) : 0) - r[i] * r[j]);
@@ -140,7 +150,8 @@ void MeshNumber::balance() {
     for (const int32_t n : pieces_.nodes()[p]) {
       const Vec3 rigid = plus(push, cross(twist, minus(at(n), centre)));
       for (size_t d = 0; d < 3; ++d)
-        if (!coarse_.fixed(n, int(d))) defect_[size_t(3 * n) + d] -= mass(n) * rigid[d];
+        if (!coarse_.fixed(n, int(d)))
+          field[size_t(3 * n) + d] -= (of_forces ? mass(n) : 1) * rigid[d];
     }
   }
 }

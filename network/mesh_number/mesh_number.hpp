@@ -49,7 +49,8 @@ class MeshNumber {
 
  private:
   void find_defect(In<double> x);
-  void balance();
+  enum class Rigid { kForces, kMotion };
+  void take_rigid(Zeroed<double>& field, Rigid kind);
   void turn();
   StepScheme scheme_of(double interval) const;
   double find_right_side(const StepScheme& scheme);
