@@ -109,49 +109,56 @@ void MeshNumber::find_defect(In<double> x) {
   });
 }
 
+/// The motion that a rigid body of a piece's masses has of the forces f at its nodes.
+template <class Force>
+MeshNumber::RigidPart MeshNumber::rigid_part(size_t piece, const Force& f) const {
+  const auto at = [&](int64_t n) -> Vec3 { return {xc_(n, 0), xc_(n, 1), xc_(n, 2)}; };
+  const auto mass = [&](int64_t n) { return coarse_.scene.mass(n); };
+  // mass, centre and resultant
+  const auto first = pieces_.sum<7>(piece, [&](int64_t n, auto& sum) {
+    sum[0] += mass(n);
+    for (size_t d = 0; d < 3; ++d) {
+      sum[1 + d] += mass(n) * at(n)[d];
+      sum[4 + d] += f(n)[d];
+    }
+  });
+  RigidPart part;
+  part.centre = scaled({first[1], first[2], first[3]}, 1 / first[0]);
+  part.push = scaled({first[4], first[5], first[6]}, 1 / first[0]);
+  // moments of inertia and torque
+  const auto second = pieces_.sum<12>(piece, [&](int64_t n, auto& sum) {
+    const Vec3 r = minus(at(n), part.centre), torque = cross(r, f(n));
+    for (size_t i = 0; i < 3; ++i) {
+      for (size_t j = 0; j < 3; ++j)
+        sum[3 * i + j] += mass(n) * ((i == j ? dot(r, r) : 0) - r[i] * r[j]);
+      sum[9 + i] += torque[i];
+    }
+  });
+  Mat3<double> inertia;
+  std::copy_n(second.begin(), 9, inertia.m);
+  part.twist = times(inverse(inertia), {second[9], second[10], second[11]});
+  return part;
+}
+
 /// Takes the rigid part from a field of each free piece: from forces their resultant and torque, from
 /// motions those of their momenta. Elasticity has neither on either grid; the linearisation of t and
 /// the loose solve for d bring some.
 void MeshNumber::take_rigid(Zeroed<double>& field, Rigid kind) {
   if (coarse_.has_rails) return;
-  const bool of_forces = kind == Rigid::kForces;
+  const auto weight = [&](int64_t n) { return kind == Rigid::kForces ? 1 : coarse_.scene.mass(n); };
   for (size_t p = 0; p < pieces_.count(); ++p) {
     if (!pieces_.is_free(p)) continue;
-    const auto at = [&](int64_t n) -> Vec3 { return {xc_(n, 0), xc_(n, 1), xc_(n, 2)}; };
-    const auto mass = [&](int64_t n) { return coarse_.scene.mass(n); };
-    const auto force = [&](int64_t n) -> Vec3 {
+    const RigidPart part = rigid_part(p, [&](int64_t n) -> Vec3 {
       const double* f = &field[size_t(3 * n)];
-      return scaled({f[0], f[1], f[2]}, of_forces ? 1 : mass(n));
-    };
-    // mass, centre and resultant
-    const auto first = pieces_.sum<7>(p, [&](int64_t n, auto& sum) {
-      sum[0] += mass(n);
-      for (size_t d = 0; d < 3; ++d) {
-        sum[1 + d] += mass(n) * at(n)[d];
-        sum[4 + d] += force(n)[d];
-      }
+      return scaled({f[0], f[1], f[2]}, weight(n));
     });
-    const Vec3 centre = scaled({first[1], first[2], first[3]}, 1 / first[0]);
-    const Vec3 push = scaled({first[4], first[5], first[6]}, 1 / first[0]);
-    // moments of inertia and torque
-    const auto second = pieces_.sum<12>(p, [&](int64_t n, auto& sum) {
-      const Vec3 r = minus(at(n), centre);
-      const Vec3 torque = cross(r, force(n));
-      for (size_t i = 0; i < 3; ++i) {
-        for (size_t j = 0; j < 3; ++j)
-          sum[3 * i + j] += mass(n) * ((i == j ? dot(r, r) : 0) - r[i] * r[j]);
-        sum[9 + i] += torque[i];
-      }
-    });
-    Mat3<double> inertia;
-    std::copy_n(second.begin(), 9, inertia.m);
-    const Vec3 twist = times(inverse(inertia), {second[9], second[10], second[11]});
-    if (!finite(twist)) continue;
+    if (!finite(part.twist)) continue;
     for (const int32_t n : pieces_.nodes()[p]) {
-      const Vec3 rigid = plus(push, cross(twist, minus(at(n), centre)));
+      const Vec3 r = minus({xc_(n, 0), xc_(n, 1), xc_(n, 2)}, part.centre);
+      const Vec3 rigid =
+          scaled(plus(part.push, cross(part.twist, r)), coarse_.scene.mass(n) / weight(n));
       for (size_t d = 0; d < 3; ++d)
-        if (!coarse_.fixed(n, int(d)))
-          field[size_t(3 * n) + d] -= (of_forces ? mass(n) : 1) * rigid[d];
+        if (!coarse_.fixed(n, int(d))) field[size_t(3 * n) + d] -= rigid[d];
     }
   }
 }

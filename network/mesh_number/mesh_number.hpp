@@ -50,6 +50,11 @@ class MeshNumber {
  private:
   void find_defect(In<double> x);
   enum class Rigid { kForces, kMotion };
+  struct RigidPart {
+    Vec3 centre = {}, push = {}, twist = {};
+  };
+  template <class Force>
+  RigidPart rigid_part(size_t piece, const Force& f) const;
   void take_rigid(Zeroed<double>& field, Rigid kind);
   void turn();
   StepScheme scheme_of(double interval) const;
