@@ -164,9 +164,11 @@ class GlbWriter : public AnimationWriter {
         frames.back()["time_error"] = certificate.time_error;
         frames.back()["time_ratio"] = certificate.time_ratio;
       }
-      if (const auto& mesh = certificate.mesh_error)
-        frames.back()["mesh_error"] = {
-            {"rms", mesh->rms}, {"largest", mesh->largest}, {"trusted", mesh->trusted}};
+      // one number: clips have many frames
+      if (const auto& mesh = certificate.mesh_error) {
+        frames.back()["mesh_error"] = mesh->rms;
+        if (!mesh->trusted) frames.back()["mesh_error_trusted"] = false;
+      }
     }
     // origin, form and quality of the file
     Json record = {{"generator", options_.generator},

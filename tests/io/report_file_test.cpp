@@ -84,7 +84,7 @@ TEST(ReportFile, HasEveryFieldOfTheDocumentation) {
         "solves": 9, "rejected": 1},
       "mesh_error": {"rms": 0.001, "largest": 0.004, "largest_motion": 0.2, "frames": 6,
         "untrusted": 1},
-      "damped": 3.5, "ledger": null, "outside_fit": 12,
+      "damped": 3.5, "outside_fit": 12,
       "long_steps": [3, 7],
       "stage_seconds": {"read": 1, "voxelize": 2, "setup": 3, "steps": 4, "write": 5},
       "ms_per_step": {"median": 3, "p95": 4.8}, "peak_memory_bytes": 123456789012,
@@ -114,7 +114,7 @@ StepLedger falling_step() {
 
 TEST(ReportFile, HasTheLedgerOfTheRun) {
   RunReport report;
-  EXPECT_TRUE(written(report)["ledger"].is_null());
+  EXPECT_FALSE(written(report).contains("ledger"));
   report.ledger.add(falling_step());
   const Json ledger = written(report)["ledger"], &energy = ledger["energy"];
   EXPECT_EQ(ledger["steps"], 1);
