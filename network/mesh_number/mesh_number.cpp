@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kLinearTolerance = 0.02;
 constexpr int kLinearIterations = 3;
+constexpr int64_t kDenseNodes = 200;  // of the coarsest level: little memory
 
 /// The constraints of a scene that knows pins only.
 Array<uint8_t> pins_of(const Scene& scene) {
@@ -46,7 +47,7 @@ MeshNumber::MeshNumber(const Scene& scene, double interval, const Array<uint8_t>
       potential_(scene),
       coarse_potential_(PotentialTerms(
           coarse_.scene, {}, {TimeScheme::kBdf2, coarse_.scene.dt, interval > 0 ? 2.25 : 1})),
-      preconditioner_(coarse_potential_, {true, 5}),
+      preconditioner_(coarse_potential_, {true, 5}, kDenseNodes),
       pcg_(3 * coarse_.scene.grid.node_count()),
       moves_(interval > 0),
       u_(size_t(3 * scene.grid.node_count())),
