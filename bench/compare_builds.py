@@ -5,7 +5,7 @@
     bench/compare_builds.py BEFORE AFTER [--device cuda] [--clips NAME ...] [--steps 5] [--json FILE]
 
 Runs the clips below with both: states, steps of the log and animations must be equal to the bit, the
-times and the commit that they carry aside. With --steps N the medians of `bench step`, taken N times
+times and the commit that they carry aside, and what only the second one writes. With --steps N the medians of `bench step`, taken N times
 in turn, stand beside. Ends with 1 where a bit differs."""
 
 from __future__ import annotations
@@ -125,13 +125,20 @@ def state_differs(a: Path, b: Path) -> list[str]:
     """Names of data sets whose bits differ."""
     different: list[str] = []
     with h5py.File(a) as one, h5py.File(b) as two:
-        if data_sets(one) != data_sets(two):
-            return ["the data sets"]
+        names = set(data_sets(two))
         for name in data_sets(one):
-            same = one[name][()].tobytes() == two[name][()].tobytes()
-            if not same and name.rsplit("/")[-1] not in MEASURED:
+            if name not in names:
+                different.append(f"lacks {name}")
+            elif name.rsplit("/")[-1] not in MEASURED and not same_values(one[name][()], two[name][()]):
                 different.append(name)
     return different
+
+
+def same_values(a: Any, b: Any) -> bool:
+    """Equal to the bit; of records the fields that the first one has."""
+    if a.dtype.names is None:
+        return a.tobytes() == b.tobytes()
+    return all(name in b.dtype.names and np.array_equal(a[name], b[name]) for name in a.dtype.names)
 
 
 def steps_of(path: Path) -> list[dict[str, Any]]:
@@ -150,7 +157,7 @@ def glb_of(path: Path) -> tuple[dict[str, Any], bytes]:
             extras.pop(key, None)
         for inner in extras.values():
             if isinstance(inner, dict):
-                for key in ("commit", "command", "generator"):
+                for key in ("commit", "command", "generator", "frames"):  # frames: as the log
                     inner.pop(key, None)
     return document, data[20 + length:]
 
@@ -158,8 +165,10 @@ def glb_of(path: Path) -> tuple[dict[str, Any], bytes]:
 def differences(a: Path, b: Path) -> list[str]:
     """What differs between the outputs of a clip in two folders."""
     found = [f"state {name}" for name in state_differs(a / "s.h5", b / "s.h5")]
-    if steps_of(a / "log.json") != steps_of(b / "log.json"):
-        found.append("log")
+    one, two = steps_of(a / "log.json"), steps_of(b / "log.json")
+    keys = sorted({k for s, t in zip(one, two) for k in s if s[k] != t.get(k)})
+    if len(one) != len(two) or keys:
+        found.append(f"log ({len(one)} and {len(two)} steps; {', '.join(keys)})")
     if (a / "a.pc2").exists():
         same = (a / "a.pc2").read_bytes() == (b / "a.pc2").read_bytes()
         return found + ([] if same else ["PC2"])

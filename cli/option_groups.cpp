@@ -137,8 +137,24 @@ void add_time_options(CLI::App& app, AnimateOptions& o, Typed& t) {
       ->capture_default_str();
 }
 
+/// Hardware, budgets, what is an error and what is printed.
+void add_machine_options(CLI::App& app, AnimateOptions& o, Typed& t) {
+  app.add_option("--device", t.device, "auto, cpu or cuda")->capture_default_str();
+  app.add_flag_callback(
+      "--deterministic", [] {}, "the same bits on every run; always so, sums have a fixed order");
+  app.add_option("--threads", o.threads, "0: all")->capture_default_str();
+  app.add_option("--max-memory", t.max_memory, "budget, e.g. '8 GB'");
+  app.add_option("--max-voxels", o.max_voxels, "budget")->capture_default_str();
+  app.add_option("--max-time", t.max_time, "wall time of the steps, e.g. '10 min'");
+  app.add_flag("--no-skip,!--skip", t.no_skip, "take no shortcut that the scene would allow");
+  app.add_flag("--strict,!--no-strict", o.strict, "warnings are errors");
+  app.add_flag("--strict-time,!--no-strict-time", o.strict_time,
+               "frames above the time error are drafts");
+  app.add_flag("--quiet,!--no-quiet", o.quiet, "print errors only");
+}
+
 void add_run_options(CLI::App& app, AnimateOptions& o, Typed& t) {
-  // time, solver, energy, hardware, budgets
+  // time, solver, energy, then the rest
   add_time_options(app, o, t);
   app.add_option("--solver", t.solver, "auto, quasi, newton or paper")->capture_default_str();
   app.add_option("--tolerance", o.solver.tolerance, "of the residual |grad E|/|M g|")
@@ -162,18 +178,10 @@ void add_run_options(CLI::App& app, AnimateOptions& o, Typed& t) {
   app.add_option("--method", t.method,
                  "of what yields: mpm, fem, or auto: mpm where it falls apart into grains")
       ->capture_default_str();
-  app.add_option("--device", t.device, "auto, cpu or cuda")->capture_default_str();
-  app.add_flag_callback(
-      "--deterministic", [] {}, "the same bits on every run; always so, sums have a fixed order");
-  app.add_option("--threads", o.threads, "0: all")->capture_default_str();
-  app.add_option("--max-memory", t.max_memory, "budget, e.g. '8 GB'");
-  app.add_option("--max-voxels", o.max_voxels, "budget")->capture_default_str();
-  app.add_option("--max-time", t.max_time, "wall time of the steps, e.g. '10 min'");
-  app.add_flag("--no-skip,!--skip", t.no_skip, "take no shortcut that the scene would allow");
-  app.add_flag("--strict,!--no-strict", o.strict, "warnings are errors");
-  app.add_flag("--strict-time,!--no-strict-time", o.strict_time,
-               "frames above the time error are drafts");
-  app.add_flag("--quiet,!--no-quiet", o.quiet, "print errors only");
+  app.add_option("--mesh-error", t.mesh_error,
+                 "on or off: estimate by how much frames are wrong because of the voxels' size")
+      ->capture_default_str();
+  add_machine_options(app, o, t);
 }
 
 void add_particle_options(CLI::App& app, AnimateOptions& o, Typed& t) {

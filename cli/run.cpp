@@ -130,8 +130,21 @@ void print_setup(const Setup& setup, const AnimateOptions& o) {
   std::fflush(stdout);
 }
 
+void print_mesh_error(const RunMeshError& e) {
+  fmt::print(
+      "mesh error of the shape: {:.2g} m rms, {:.2g} m at most (estimates), where the largest "
+      "motion is {:.2g} m\n",
+      e.rms, e.largest, e.largest_motion);
+  if (e.untrusted > 0)
+    fmt::print(
+        "mesh error not to be trusted in {} of {} frames: voxels of twice the edge are too "
+        "coarse for it\n",
+        e.untrusted, e.frames);
+}
+
 /// @param time_error  what was asked for
 void print_summary(const RunReport& r, double time_error) {
+  // the certificate: solve, time, mesh; then the ledger
   fmt::print("{} of {} steps converged, worst residual {:.2e}, min J {:.3f}\n",
              std::llround(r.converged_share * double(r.steps)), r.steps, r.worst_residual, r.min_j);
   if (r.loosest_tolerance > SolverOptions{}.tolerance)
@@ -150,6 +163,7 @@ void print_summary(const RunReport& r, double time_error) {
         "time error: {} of {} frames missed {:.3g} % of their motion at the most steps; they are "
         "drafts in time\n",
         r.frames_over, r.frames, 100 * time_error);
+  if (r.mesh_error.frames > 0) print_mesh_error(r.mesh_error);
   fmt::print("{}", ledger_lines(r.ledger));
   fmt::print("{:.1f} ms a step (median), {:.2f} s in all\n", quantile(r.step_ms, 0.5),
              r.stage_seconds.read + r.stage_seconds.voxelize + r.stage_seconds.setup +

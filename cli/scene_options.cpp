@@ -256,6 +256,7 @@ SceneValue solver_table(const AnimateOptions& o) {
   t.set("outer", scene_number(o.solver.paper.outer));
   t.set("inner", scene_number(o.solver.paper.inner));
   t.set("modes", scene_number(o.solver.paper.modes));
+  t.set("mesh_error", scene_text(o.mesh_error ? "on" : "off"));
   t.set("skip", scene_flag(o.solver.skip));
   t.set("threads", scene_number(o.threads));
   t.set("device", scene_text(find_scene_key("solver", "device")->words[size_t(o.solver.device)]));

@@ -200,6 +200,7 @@ void convert(const Typed& t, AnimateOptions& o) {
   o.substeps = resolve_substeps(t.substeps);
   o.solver.time_error = resolve_share("--time-error", t.time_error);
   o.solver.follows_time_error = o.solver.tolerance == SolverOptions{}.tolerance;
+  o.mesh_error = choice("--mesh-error", t.mesh_error, {"off", "on"}) == 1;
   resolve_solver(t, o);
   resolve_scheme(t, o);
   // outputs

@@ -20,7 +20,7 @@ struct Typed {
   std::string splat_scales = "auto", grid = "auto", thickness = "auto";
   std::string up = "auto", scheme, time_error = "0.5%", solver = "auto", hourglass = "auto",
               profile = "modal";
-  std::string device = "auto", energy = "auto";
+  std::string device = "auto", energy = "auto", mesh_error = "on";
   std::string camera = "three-quarter", image_size = "auto";
   std::string element = "auto", mass = "lumped";  ///< only for simulate
   std::vector<std::string> pins, regions, colliders, holds, tractions, moves;

@@ -4,8 +4,10 @@
 #pragma once
 
 #include "core/ledger.hpp"
+#include "core/mesh_error.hpp"
 #include "core/scene.hpp"
 
+#include <optional>
 #include <string>
 
 namespace elastogen {
@@ -47,6 +49,7 @@ struct StepReport {
   double active_share = 1;     ///< share of the voxels that was stepped
   double deepest_overlap = 0;  ///< of a surface point with a collider [voxel edges]
   double ms = 0;               ///< wall time
+  std::optional<MeshError> mesh_error = {};  ///< at the end of a frame, where that gets one
 };
 
 }  // namespace elastogen

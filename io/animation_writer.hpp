@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include "core/mesh_error.hpp"
 #include "core/scene.hpp"
 #include "core/state.hpp"
 #include "io/asset.hpp"
@@ -22,6 +23,7 @@ struct FrameCertificate {
   double min_j = 1;       ///< smallest det F [-]
   double time_error = 0;  ///< estimate of what its steps add to the time error [m]; 0: none made
   double time_ratio = 0;  ///< largest of its steps' estimates over what was accepted [-]
+  std::optional<MeshError> mesh_error = {};  ///< none where it was not estimated
 };
 
 /// One frame as writers see it. The carried points are the vertices of the surface, or the asset's

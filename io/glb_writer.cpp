@@ -164,8 +164,13 @@ class GlbWriter : public AnimationWriter {
         frames.back()["time_error"] = certificate.time_error;
         frames.back()["time_ratio"] = certificate.time_ratio;
       }
+      // one number: clips have many frames
+      if (const auto& mesh = certificate.mesh_error) {
+        frames.back()["mesh_error"] = mesh->rms;
+        if (!mesh->trusted) frames.back()["mesh_error_trusted"] = false;
+      }
     }
-    // the file
+    // origin, form and quality of the file
     Json record = {{"generator", options_.generator},
                    {"commit", options_.commit},
                    {"command", options_.command},

@@ -62,6 +62,15 @@ Json to_json(const StageSeconds& seconds) {
           {"write", seconds.write}};
 }
 
+/// Null where nothing was estimated.
+Json to_json(const RunMeshError& error) {
+  return {{"rms", error.rms},
+          {"largest", error.largest},
+          {"largest_motion", error.largest_motion},
+          {"frames", error.frames},
+          {"untrusted", error.untrusted}};
+}
+
 }  // namespace
 
 double quantile(std::vector<double> values, double q) {
@@ -81,7 +90,7 @@ int64_t peak_memory_bytes() {
 }
 
 void write_report(const std::string& path, const RunReport& report) {
-  const Json json = {
+  Json json = {
       {"asset", to_json(report.asset)},
       {"voxels", report.voxels},
       {"nodes", report.nodes},
@@ -101,7 +110,6 @@ void write_report(const std::string& path, const RunReport& report) {
         {"solves", report.solves},
         {"rejected", report.rejected_steps}}},
       {"damped", report.damped},
-      {"ledger", report.ledger.steps > 0 ? ledger_json(report.ledger) : Json()},
       {"outside_fit", report.outside_fit},
       {"long_steps", report.long_steps},
       {"stage_seconds", to_json(report.stage_seconds)},
@@ -113,6 +121,9 @@ void write_report(const std::string& path, const RunReport& report) {
       {"command", report.command},
       {"commit", report.commit},
   };
+  // what not every run has
+  if (report.mesh_error.frames > 0) json["mesh_error"] = to_json(report.mesh_error);
+  if (report.ledger.steps > 0) json["ledger"] = ledger_json(report.ledger);
   // file names need not be UTF-8: invalid bytes are replaced
   write_file(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
 }

@@ -5,6 +5,7 @@
 
 #include "core/ledger.hpp"
 #include "core/material.hpp"
+#include "core/mesh_error.hpp"
 #include "io/asset_pose.hpp"
 
 #include <string>
@@ -45,6 +46,7 @@ struct RunReport {
   double loosest_tolerance = 0;   ///< of a step's residual, where it follows the time error
   double largest_time_error = 0;  ///< of a frame [m]
   int64_t frames_over = 0;        ///< with a step whose time error is above what was accepted
+  RunMeshError mesh_error;        ///< of the frames that got a mesh number
   double damped = 0;              ///< energy that damping took [J]
   Ledger ledger;                  ///< of runs by stages
   int64_t solves = 0;             ///< minimisations: stages, those of rejected steps included

@@ -231,32 +231,30 @@ Keys solver_keys() {
   };
 }
 
+/// A key of the solver that is one of a few words.
+SceneKey solver_word(const char* name, const char* usual, const char* option, const char* text,
+                     std::vector<std::string> words) {
+  return {"solver", name, T::kText, usual, option, text, Q::kNumber, {}, std::move(words)};
+}
+
 Keys effort_keys() {
   return {
       // bodies that yield
-      {"solver",
-       "method",
-       T::kText,
-       "auto",
-       "--method",
-       "what steps a body that yields: particles (mpm) or elements (fem); auto: particles where a "
-       "material falls apart into grains",
-       Q::kNumber,
-       {},
-       {"auto", "mpm", "fem"}},
+      solver_word(
+          "method", "auto", "--method",
+          "what steps a body that yields: particles (mpm) or elements (fem); auto: particles "
+          "where a material falls apart into grains",
+          {"auto", "mpm", "fem"}),
+      // the mesh number
+      solver_word("mesh_error", "on", "--mesh-error",
+                  "estimate by how much frames are wrong because of the voxels' size",
+                  {"off", "on"}),
       // speed and hardware
       {"solver", "skip", T::kFlag, "true", "--no-skip", "false: take no shortcut"},
       {"solver", "threads", T::kWhole, "0", "--threads", "0: all cores", Q::kNumber,
        whole(0, 1 << 20)},
-      {"solver",
-       "device",
-       T::kText,
-       "auto",
-       "--device",
-       "what the iterations run on",
-       Q::kNumber,
-       {},
-       {"auto", "cpu", "cuda"}},
+      solver_word("device", "auto", "--device", "what the iterations run on",
+                  {"auto", "cpu", "cuda"}),
   };
 }
 

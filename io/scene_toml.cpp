@@ -169,7 +169,7 @@ void check_utf8(std::string_view text, const std::string& name) {
 }
 
 /// The first sentence of the parser's message, which continues with a drawing of the place.
-std::string sentence(const std::string& what) {
+std::string one_sentence(const std::string& what) {
   std::string text = what.substr(0, what.find('\n'));
   for (const std::string_view head : {"[error] ", "toml::"})
     if (text.starts_with(head)) text.erase(0, head.size());
@@ -187,11 +187,11 @@ SceneValue parse_scene_toml(std::string_view text, const std::string& name) {
     return Tree(name).value(toml::parse<toml::discard_comments, std::map>(stream, name), "", 0);
   } catch (const toml::exception& error) {
     throw Error(
-        concat(name, ":", error.location().line(), ": is no TOML: ", sentence(error.what())));
+        concat(name, ":", error.location().line(), ": is no TOML: ", one_sentence(error.what())));
   } catch (const Error&) {
     throw;
   } catch (const std::exception& error) {
-    throw Error(concat(name, ": is no TOML: ", sentence(error.what())));
+    throw Error(concat(name, ": is no TOML: ", one_sentence(error.what())));
   }
 }
 

@@ -178,15 +178,15 @@ void write_nets(hid_t file, const StateHeader& header) {
 
 /// Writes one value of each report, dataset (steps).
 template <class T, class Value>
-void write_column(hid_t group, const char* name, const std::vector<StepReport>& reports,
+void write_column(hid_t group, const char* name, const std::vector<ReportFields>& reports,
                   const Value& value) {
   Array<T> column(int64_t(reports.size()));
   for (int64_t t = 0; t < column.rows(); ++t) column(t) = static_cast<T>(value(reports[t]));
   hdf5::write_dataset<T>(group, name, column);
 }
 
-void write_reports(hid_t group, const std::vector<StepReport>& all) {
-  using R = const StepReport&;
+void write_reports(hid_t group, const std::vector<ReportFields>& all) {
+  using R = const ReportFields&;
   write_column<uint8_t>(group, "scheme", all, [](R r) { return r.scheme; });
   write_column<double>(group, "residual", all, [](R r) { return r.residual; });
   write_column<uint8_t>(group, "converged", all, [](R r) { return r.converged; });
@@ -203,8 +203,8 @@ void write_reports(hid_t group, const std::vector<StepReport>& all) {
 
 /// Writes what tells the potential of a step.
 void write_lengths(hid_t group, const Scene& scene, const StateHeader& header,
-                   const std::vector<StepReport>& all) {
-  using R = const StepReport&;
+                   const std::vector<ReportFields>& all) {
+  using R = const ReportFields&;
   write_column<double>(group, "length", all,
                        [&](R r) { return r.length > 0 ? r.length : scene.dt; });
   write_column<double>(group, "tolerance", all,
@@ -214,8 +214,8 @@ void write_lengths(hid_t group, const Scene& scene, const StateHeader& header,
 }
 
 /// Writes the further values of steps of bodies that yield.
-void write_yields(hid_t group, const std::vector<StepReport>& all) {
-  using R = const StepReport&;
+void write_yields(hid_t group, const std::vector<ReportFields>& all) {
+  using R = const ReportFields&;
   write_column<double>(group, "energy_plastic", all, [](R r) { return r.energy.plastic; });
   write_column<int32_t>(group, "fallbacks", all, [](R r) { return r.fallbacks; });
 }
@@ -298,7 +298,9 @@ void StateWriter::keep(const State& state, const ParticleStrain* strain, const S
 void StateWriter::step(const State& state, const StepReport& report, const ParticleStrain* strain,
                        const StageData& data) {
   keep(state, strain, &report, data);
-  reports_.push_back(report);
+  reports_.push_back({report.scheme, report.converged, report.guarded, report.outer, report.inner,
+                      report.fallbacks, report.residual, report.ms, report.min_j, report.length,
+                      report.tolerance, report.energy});
 }
 
 void StateWriter::finish() {

@@ -65,6 +65,15 @@ struct StateHeader {
   bool moved = false;           ///< prescribed displacements may change
 };
 
+/// What the file has of a report: long clips keep many of them.
+struct ReportFields {
+  TimeScheme scheme;
+  bool converged, guarded;
+  int32_t outer, inner, fallbacks;
+  double residual, ms, min_j, length, tolerance;
+  EnergyParts energy;
+};
+
 /// Keeps every step in a raw file in the target's folder and packs all of them into the target at
 /// the end. The raw file has no name, so the system frees it however the process ends.
 class StateWriter {
@@ -100,7 +109,7 @@ class StateWriter {
   SafeFile spill_file_;                                    ///< never committed
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> spill_;  ///< numbers of each entry, raw float64
   std::vector<double> time_;                               ///< of each entry [s]
-  std::vector<StepReport> reports_;                        ///< one fewer than entries
+  std::vector<ReportFields> reports_;                      ///< one fewer than entries
 };
 
 }  // namespace elastogen

@@ -35,6 +35,10 @@ void add_stages(const StepReport& report, nlohmann::ordered_json& line) {
   line["ledger"] = ledger_json(report.ledger);
 }
 
+nlohmann::ordered_json to_json(const MeshError& error) {
+  return {{"rms", error.rms}, {"largest", error.largest}, {"trusted", error.trusted}};
+}
+
 }  // namespace
 
 std::string step_log_line(int64_t frame, const StepReport& report,
@@ -60,7 +64,8 @@ std::string step_log_line(int64_t frame, const StepReport& report,
       {"ms", report.ms},
   };
   if (report.length > 0) add_stages(report, line);
-  // what only bodies that yield and particles have
+  // what only the end of a frame has, and bodies that yield and particles
+  if (report.mesh_error) line["mesh_error"] = to_json(*report.mesh_error);
   if (report.yields || cloud) line["fallbacks"] = report.fallbacks;
   if (cloud)
     line["particles"] = {

@@ -15,9 +15,8 @@
 
 namespace elastogen {
 
-/// quasi: L-BFGS whose first matrix is one V-cycle with encoder. newton: projected Hessian, PCG
-/// with one V-cycle and encoder as preconditioner; where that creeps, the true Hessian in a trust
-/// region. auto: newton above Courant number 100 or Poisson ratio 0.47; else quasi, and where a step
+/// quasi: L-BFGS whose first matrix is one V-cycle with encoder. newton: the Hessian in a
+/// trust region, PCG with one V-cycle and encoder as preconditioner. auto: newton above Courant number 100 or Poisson ratio 0.47; else quasi, and where a step
 /// takes it more than 20 evaluations (contact, buckling) the cheaper of the two by their own counts.
 /// paper: the published algorithm with fixed loops, for study.
 enum class SolverMode { kAuto, kQuasi, kNewton, kPaper };
@@ -46,7 +45,7 @@ struct SolverOptions {
   /// Steps of kAuto far shorter than dt are solved to what their time error needs, where that is more
   /// than the tolerance: an equal residual moves a node by less the shorter the step.
   bool follows_time_error = true;
-  int max_outer = 400;       ///< L-BFGS iterations; a quarter of it for projected Newton steps
+  int max_outer = 400;       ///< L-BFGS iterations, or Newton steps
   int max_inner = 400;       ///< PCG iterations of one Newton step
   PaperLoops paper = {};     ///< loops and modes of the paper mode
   LearnedLaws learned = {};  ///< nets of the scene's materials; missing or null: analytic

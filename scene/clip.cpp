@@ -5,6 +5,7 @@
 #include "io/state_writer.hpp"
 #include "io/step_log.hpp"
 #include "scene/clip_frames.hpp"
+#include "scene/frame_mesh_error.hpp"
 #include "scene/stepper.hpp"
 #include "scene/still.hpp"
 #include "scene/version.hpp"
@@ -26,11 +27,13 @@ class Clip {
         hooks_(hooks),
         report_(report),
         note_([this](std::string text) { note(std::move(text)); }),
-        frames_(asset, setup, run, hooks, note_) {
+        frames_(asset, setup, run, hooks, note_),
+        mesh_(setup, run, frames_.points()) {
     const Stopwatch watch;
     make_stepper();
     stepper_->begin(run.motion);
     frames_.begin(*stepper_);
+    mesh_.begin(*stepper_);
     report_.stage_seconds.setup += watch.seconds();
     if (!run.log.empty()) log_ = std::make_unique<StepLog>(run.log);
     if (!run.state.empty()) open_state();
@@ -49,6 +52,7 @@ class Clip {
     }
     const Stopwatch last;
     frames_.wait();
+    report_.mesh_error.largest_motion = frames_.largest_motion();
     report_.stage_seconds.write += last.seconds();
     report_.stage_seconds.steps = watch_.seconds() - report_.stage_seconds.write;
   }
@@ -131,6 +135,7 @@ class Clip {
   bool step_frame(int64_t frame, FrameCertificate& certificate) {
     // steps, until they make up the frame
     for (int k = 0; k < setup_.substeps;) {
+      // a step, unless the clip ends here
       StepReport r;
       r.interrupted = stopped();
       if (!r.interrupted) r = stepper_->advance();
@@ -147,8 +152,9 @@ class Clip {
                                                                    : r.refusal));
         return false;
       }
-      take(frame, r, certificate);
       k += r.completes;
+      if (k == setup_.substeps) r.mesh_error = mesh_.of_frame(*stepper_, frame);
+      take(frame, r, certificate);
     }
     report_.largest_time_error = std::max(report_.largest_time_error, certificate.time_error);
     report_.frames_over += certificate.time_ratio > 1;
@@ -156,13 +162,16 @@ class Clip {
   }
 
   void take(int64_t frame, const StepReport& r, FrameCertificate& certificate) {
-    // the frame
+    // the frame, then the run
     certificate.converged &= r.converged;
     certificate.residual = std::max(certificate.residual, r.residual);
     certificate.min_j = std::min(certificate.min_j, r.min_j);
     certificate.time_error += r.time_error;
     certificate.time_ratio = std::max(certificate.time_ratio, r.time_ratio);
-    // the run
+    if (r.mesh_error) {
+      certificate.mesh_error = r.mesh_error;
+      elastogen::add_frame(*r.mesh_error, report_.mesh_error);
+    }
     report_.ledger.add(r.ledger);
     report_.time_error += r.time_error;
     report_.loosest_tolerance = std::max(report_.loosest_tolerance, r.tolerance);
@@ -232,6 +241,7 @@ class Clip {
   std::unique_ptr<StateWriter> state_file_;
   std::unique_ptr<Stepper> stepper_;
   ClipFrames frames_;
+  FrameMeshError mesh_;
   int64_t converged_ = 0;
   int64_t steps_outside_ = 0;  ///< steps in which voxels were outside the box of their nets
   std::vector<double> work_;   ///< inner iterations of the steps

@@ -38,6 +38,9 @@ class ClipFrames {
   /// @return their warnings.
   std::vector<std::string> finish(const std::function<void(std::string)>& note);
 
+  /// The points that frames move.
+  const CarriedPoints& points() const { return points_; }
+
   /// Largest component of a displacement in the frames written so far [m], after wait().
   double largest_motion() const { return largest_motion_; }
 

@@ -104,6 +104,7 @@ struct RunDescription {
   std::optional<FemOptions> fem;  ///< if set, finite elements make the steps
   Method method = Method::kAuto;  ///< for a run with a material that yields
   ParticleOptions particles;
+  bool mesh_error = true;  ///< estimate by how much frames are wrong because of the voxels' size
   EnergySource energy = EnergySource::kAuto;
   Hourglass hourglass = Hourglass::kFull;
 

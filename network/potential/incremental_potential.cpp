@@ -121,11 +121,11 @@ void IncrementalPotential::set_scheme(const StepScheme& scheme) {
 
 /// @param motion  of the predictor from x on, by node and component.
 template <class Motion>
-void IncrementalPotential::begin(const State& state, const Motion& motion) {
+void IncrementalPotential::begin(In<double> positions, const Motion& motion) {
   const Array<double>& X = scene_.grid.rest;
   for_each(X.rows(), [&](int64_t n) {
     for (int d = 0; d < 3; ++d) {
-      const double x = state.x(n, d);
+      const double x = positions(n, d);
       now_[size_t(3 * n + d)] = x - X(n, d);
       predictor_[size_t(3 * n + d)] = x - X(n, d) + (is_fixed(n) ? 0 : motion(n, d));
     }
@@ -136,7 +136,7 @@ void IncrementalPotential::begin(const State& state, const Motion& motion) {
 void IncrementalPotential::begin_step(const State& state, const StepScheme& scheme) {
   set_scheme(scheme);
   const bool has_before = !state.x_before.empty();
-  begin(state, [&](int64_t n, int d) {
+  begin(state.x, [&](int64_t n, int d) {
     const double x = state.x(n, d);
     return predicted_motion(scheme, x, state.v(n, d), has_before ? state.x_before(n, d) : x,
                             has_before ? state.v_before(n, d) : 0, scene_.gravity[size_t(d)]);
@@ -148,11 +148,21 @@ void IncrementalPotential::begin_step(const State& state, const StepScheme& sche
 void IncrementalPotential::begin_stage(const State& state, const StepScheme& scheme,
                                        const double* motion, const double* stage_before) {
   set_scheme(scheme);
-  begin(state, [&](int64_t n, int d) { return motion[3 * n + d]; });
+  begin(state.x, [&](int64_t n, int d) { return motion[3 * n + d]; });
   begin_damping(state, scheme.stage.w_v, stage_before);
   const double lag_time = state.time + (stage_before ? scheme.stage.t_b : 0);
   contact_.begin_stage(now_.data(), state.time, scheme.end(),
                        stage_before ? stage_before : now_.data(), lag_time);
+}
+
+void IncrementalPotential::begin_still(In<double> x, const StepScheme& scheme) {
+  set_scheme(scheme);
+  begin(x, [](int64_t, int) { return 0.0; });
+  if (rate_of(scheme) > 0) begin_damping({}, 0, nullptr);
+}
+
+PotentialValue IncrementalPotential::voxel_forces(const double* u, double* forces) {
+  return evaluate_all<double, false>(u, forces);
 }
 
 /// R_v of every row at now_.

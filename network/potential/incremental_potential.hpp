@@ -38,6 +38,12 @@ class IncrementalPotential : public PotentialTerms {
   void begin_stage(const State& state, const StepScheme& scheme, const double* motion,
                    const double* stage_before);
 
+  /// Sets the scheme and freezes everything at positions x [m], (nodes, 3), that do not move.
+  void begin_still(In<double> x, const StepScheme& scheme);
+  /// Energies of the voxels and forces on the free nodes [N] at u, without contact. After begin_still
+  /// at u those of elasticity alone.
+  PotentialValue voxel_forces(const double* u, double* forces);
+
   /// Sets the nodal rotations of the preconditioner, polar factors of the fill-weighted sum of F_v,
   /// from the start value of the iteration.
   void set_nodal_rotations(const double* u);
@@ -91,7 +97,7 @@ class IncrementalPotential : public PotentialTerms {
   bool is_fixed(int64_t n) const { return scene_.pinned(n) == kPinnedNode; }
   void fill_weights();
   template <class Motion>
-  void begin(const State& state, const Motion& motion);
+  void begin(In<double> x, const Motion& motion);
   void freeze_rotations();
   void find_strains(const double* u, Zeroed<double>& strains);
   void begin_damping(const State& state, double weight, const double* other);

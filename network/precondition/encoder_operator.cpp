@@ -23,14 +23,14 @@ using Product = Eigen::Matrix<double, kAxes, kAxes>;
 using ModeProduct = Eigen::Matrix<double, kModes, kModes>;
 
 /// Products of the modes over some voxels and nodes.
-struct Products {
+struct ModeProducts {
   Product mu = Product::Zero(), lambda = Product::Zero();  ///< phi h^3 times modulus, d_ma d_nb
   Product torsion = Product::Zero();                       ///< phi h mu/48 q_ma q_nb
   ModeProduct variance[4] = {ModeProduct::Zero(), ModeProduct::Zero(), ModeProduct::Zero(),
                              ModeProduct::Zero()};  ///< phi h w_k c_k q_mk q_nk
   ModeProduct inertia = ModeProduct::Zero();
 
-  void add(const Products& o) {
+  void add(const ModeProducts& o) {
     mu += o.mu, lambda += o.lambda, torsion += o.torsion, inertia += o.inertia;
     for (int k = 0; k < 4; ++k) variance[k] += o.variance[k];
   }
@@ -71,12 +71,12 @@ class VoxelBlock {
   template <class T>
   void set(int line, const Scene& scene, int64_t v, const PieceModes<T>& piece);
   /// Adds the first `lines` voxels.
-  void add_to(Products& sum, Eigen::Index lines, Hourglass hourglass) const;
+  void add_to(ModeProducts& sum, Eigen::Index lines, Hourglass hourglass) const;
 
  private:
   template <int kColumns>
   using Lines = Eigen::Map<const Block<kColumns>>;
-  void add_unlike(Products& sum, Eigen::Index lines, Hourglass hourglass) const;
+  void add_unlike(ModeProducts& sum, Eigen::Index lines, Hourglass hourglass) const;
 
   std::vector<double> gradient_, patterns_;
   std::vector<Ratios> ratios_;
@@ -127,7 +127,7 @@ void mirror(Sum& sum) {
   sum.template triangularView<Eigen::StrictlyUpper>() = sum.transpose();
 }
 
-void VoxelBlock::add_to(Products& sum, Eigen::Index lines, Hourglass hourglass) const {
+void VoxelBlock::add_to(ModeProducts& sum, Eigen::Index lines, Hourglass hourglass) const {
   const bool alike = std::equal(ratios_.begin() + 1, ratios_.begin() + lines, ratios_.begin());
   const Product mu = square_of(Lines<kAxes>(gradient_.data(), lines, kAxes));
   sum.mu += mu;
@@ -143,7 +143,7 @@ void VoxelBlock::add_to(Products& sum, Eigen::Index lines, Hourglass hourglass) 
 }
 
 /// Adds all but mu, with the ratios of each voxel.
-void VoxelBlock::add_unlike(Products& sum, Eigen::Index lines, Hourglass hourglass) const {
+void VoxelBlock::add_unlike(ModeProducts& sum, Eigen::Index lines, Hourglass hourglass) const {
   Eigen::VectorXd w(lines);
   for (Eigen::Index line = 0; line < lines; ++line) w(line) = ratios_[size_t(line)].lambda;
   sum.lambda += weighted_square_of(Lines<kAxes>(gradient_.data(), lines, kAxes), w);
@@ -159,10 +159,11 @@ void VoxelBlock::add_unlike(Products& sum, Eigen::Index lines, Hourglass hourgla
 /// Sum of part(first, last, sums) over equal shares of [0, n), as many on every machine; first is a
 /// multiple of kBlockVoxels.
 template <class Part>
-Products sum_of_parts(int64_t n, const Part& part) {
+ModeProducts sum_of_parts(int64_t n, const Part& part) {
   const int64_t share =
       std::max<int64_t>(8, (n / kBlockVoxels + kMostParts) / kMostParts) * kBlockVoxels;
-  std::vector<Products, Eigen::aligned_allocator<Products>> parts(size_t((n + share - 1) / share));
+  std::vector<ModeProducts, Eigen::aligned_allocator<ModeProducts>> parts(
+      size_t((n + share - 1) / share));
   for_blocks(
       n, [&](int64_t first, int64_t last) { part(first, last, parts[size_t(first / share)]); },
       share);
@@ -174,9 +175,9 @@ Products sum_of_parts(int64_t n, const Part& part) {
 }
 
 template <class T>
-Products voxel_products(const Scene& scene, const PieceModes<T>& piece, int64_t stride) {
+ModeProducts voxel_products(const Scene& scene, const PieceModes<T>& piece, int64_t stride) {
   return sum_of_parts(int64_t(piece.voxels.size()),
-                      [&](int64_t first, int64_t last, Products& sum) {
+                      [&](int64_t first, int64_t last, ModeProducts& sum) {
                         VoxelBlock block;
                         for (int64_t from = first; from < last; from += kBlockVoxels) {
                           if (from / kBlockVoxels % stride != 0) continue;
@@ -192,7 +193,7 @@ template <class T>
 ModeProduct inertia_products(const IncrementalPotential& potential, const PieceModes<T>& piece,
                              int64_t stride) {
   return sum_of_parts(int64_t(piece.nodes.size()),
-                      [&](int64_t first, int64_t last, Products& sum) {
+                      [&](int64_t first, int64_t last, ModeProducts& sum) {
                         Block<kModes> modes(kBlockVoxels, kModes);
                         for (int64_t from = first; from < last; from += kBlockVoxels) {
                           if (from / kBlockVoxels % stride != 0) continue;
@@ -215,7 +216,7 @@ ModeProduct inertia_products(const IncrementalPotential& potential, const PieceM
 template <class T>
 std::vector<double> reduced_rest_operator(const IncrementalPotential& potential,
                                           const PieceModes<T>& piece, int64_t stride) {
-  const Products p = voxel_products(potential.scene(), piece, stride);
+  const ModeProducts p = voxel_products(potential.scene(), piece, stride);
   // the part that all three components share
   ModeProduct alike = inertia_products(potential, piece, stride);
   for (int a = 0; a < 3; ++a) alike += p.mu.block<kModes, kModes>(a * kModes, a * kModes);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The newton mode on either machine: projected Hessian, PCG with V-cycle and encoder to an
-// Eisenstat-Walker forcing term, line search on the true potential. Gradients are float64,
-// corrections float. Where a surface folds Phi has saddles, along which that creeps: there the
-// Hessian as it is, in a trust region.
+// The newton mode on either machine: the Hessian as it is in a trust region, PCG with V-cycle and
+// encoder to an Eisenstat-Walker forcing term, line search on the true potential. Gradients are
+// float64, corrections float. Where a surface folds Phi has saddles, along which a projected Hessian
+// would creep.
 
 #pragma once
 
@@ -51,7 +51,7 @@ StepTaken newton_descent(Work& work, PotentialValue& value, double& residual) {
 }
 
 /// Improves u until |grad Phi|_2 <= target [N], at most max_outer Newton steps of max_inner PCG
-/// iterations each (more with a trust region: NewtonRegion::most_steps).
+/// iterations each.
 /// @param region  kept from one iteration to the next.
 /// @return outer counts Newton steps, inner PCG iterations.
 template <NewtonWork Work>
@@ -64,11 +64,10 @@ IterationResult newton_loop(Work& work, NewtonRegion& region, double target, int
   while (true) {
     result.converged = residual <= target;
     result.bounded = region.bounded();
-    if (result.converged || result.outer >= region.most_steps(max_outer) || interrupted())
-      return result;
+    if (result.converged || result.outer >= max_outer || interrupted()) return result;
 
     // the linear system, as far as it pays
-    work.linearise(region.tangent(), value);
+    work.linearise(TangentKind::kTrue, value);
     eta = forcing_term(residual, before, eta, target);
     before = residual;
     // its right-hand side is scaled to 1, so that float holds it whatever the units of the scene

@@ -6,7 +6,6 @@
 namespace elastogen {
 namespace {
 
-constexpr int kCreep = 20;        // Newton steps
 constexpr int kMostFailures = 4;  // to shorten a step by 2^12 and the region after it by 2^6
 
 }  // namespace
@@ -21,23 +20,11 @@ double forcing_term(double residual, double before, double last, double target) 
   return std::max(eta, 0.5 * target / residual);
 }
 
-void NewtonRegion::begin() {
-  tangent_ = bounded_ ? TangentKind::kTrue : TangentKind::kProjected;
-  region_ = {};
-  steps_ = failures_ = 0;
-  bounded_ = false;
-}
-
 bool NewtonRegion::take_step(const PcgScalars& end, double unit, const StepTaken& step) {
   const bool moved = step.share > 0;
   failures_ = moved ? 0 : failures_ + 1;
-  if (tangent_ == TangentKind::kTrue) {
-    region_.update(end, unit, step);
-    bounded_ = bounded_ || end.at_edge || step.halved;
-  } else if (++steps_ == kCreep || !moved) {
-    tangent_ = TangentKind::kTrue;
-    return true;
-  }
+  region_.update(end, unit, step);
+  bounded_ = bounded_ || end.at_edge || step.halved;
   return moved || (failures_ <= kMostFailures && -step.slope > step.noise);
 }
 

@@ -24,7 +24,7 @@ IterationResult Solver::Impl::quasi(double target, double precise_below) {
 }
 
 IterationResult Solver::Impl::newton(double target) {
-  return work->newton(target, std::max(1, options.max_outer / 4), options.max_inner,
+  return work->newton(target, std::max(1, options.max_outer), options.max_inner,
                       options.interrupted);
 }
 

@@ -13,6 +13,7 @@ namespace {
 constexpr double kOfTimeError = 0.01;     // that the solver may leave
 constexpr double kLoosest = 0.3;          // residual
 constexpr int kMostFriction = 20;         // solves of a stage for its friction
+constexpr double kRough = 50;             // by which a solve for given friction lowers a residual
 constexpr double kMostGrowth = 2 + 1e-6;  // of BDF2's step over the one before
 
 }  // namespace
@@ -37,18 +38,30 @@ double Solver::Impl::tolerance_of(const TimeStage& stage, double h) {
   return std::max(options.tolerance, std::min(enough, kLoosest));
 }
 
-/// Friction depends on normal forces and normals that a solve takes as given. Solves again until it
-/// has those of the positions that it ends with. False where a solve was interrupted.
-bool Solver::Impl::settle_friction(StepReport& report) {
-  for (int pass = 0; report.finite && work->renew_friction(); ++pass) {
-    certify(report);
-    if (report.converged || pass == kMostFriction) break;
+/// Solves a stage with friction, which depends on normal forces and normals that a solve takes as
+/// given: solves again until it has those of the positions that it ends with. Each solve goes as far
+/// as it pays before they are taken anew. False where a solve was interrupted.
+bool Solver::Impl::solve_with_friction(StepReport& report) {
+  const double wanted = tolerance;
+  bool solved = true, rough = rubs;
+  if (rough) tolerance = std::max(wanted, std::min(kRough * wanted, kLoosest));
+  for (int pass = 0; solved; ++pass) {
     const int outer = report.outer, inner = report.inner;
-    if (!solve(report)) return false;
+    solved = solve(report);
     report.outer += outer;
     report.inner += inner;
+    if (!solved || !report.finite) break;
+    // the certificate is of the friction of the positions that are written
+    rubs = work->renew_friction();
+    tolerance = wanted;
+    if (rubs) certify(report);
+    report.converged = report.residual <= wanted;
+    if (report.converged || !(rubs || rough) || pass == kMostFriction) break;
+    tolerance = std::max(wanted, report.residual / kRough);
+    rough = tolerance > wanted;
   }
-  return true;
+  tolerance = report.tolerance = wanted;
+  return solved;
 }
 
 /// Solves a stage and adds it to the report of the step, which keeps the worst of all stages.
@@ -63,7 +76,7 @@ bool Solver::Impl::make_stage(const TimeStage& stage, StepReport& report) {
                    control.level() < TimeControl::kImpactLevel && work->meets_collider();
   if (meets_collider) return false;
   ++report.solves;
-  solved = solved && solve(own) && settle_friction(own);
+  solved = solved && solve_with_friction(own);
   // counts add up, of the certificates the worst
   report.outer += own.outer;
   report.inner += own.inner;

@@ -231,7 +231,7 @@ TEST(Options, TheDefaultsAreThoseOfTheTable) {
                            "particles.flip",    "particles.passes",   "solver.device",
                            "limits.max_voxels", "limits.max_memory",  "limits.max_time",
                            "output.camera",     "output.image_size",  "output.glb_profile",
-                           "solver.energy",     "solver.method"}) {
+                           "solver.energy",     "solver.method",      "solver.mesh_error"}) {
     const std::string text = path;
     const size_t dot = text.find('.');
     const std::string table = dot == std::string::npos ? "" : text.substr(0, dot);

@@ -28,6 +28,8 @@ WIDTH = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MA
 TRIANGLES = (4, 5, 6)  # modes: list, strip, fan
 ANIMATION = "elastogen"  # the name of ours; those of cameras and lamps stay beside it
 CERTIFICATE = ("converged", "residual", "min_j")
+# of frames whose errors of time and mesh are estimated
+ESTIMATES = ("time_error", "time_ratio", "mesh_error", "mesh_error_trusted")
 
 Values = NDArray[Any]
 Played = dict[int, dict[str, Values]]  # by node and path

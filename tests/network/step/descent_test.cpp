@@ -16,9 +16,7 @@ struct Cut {
 
 /// The state after so many outer iterations of one step from `start`.
 Cut cut_after(const Scene& scene, const State& start, SolverMode mode, int outer) {
-  // newton is given a quarter of max_outer
-  const int limit = mode == SolverMode::kNewton ? 4 * outer : outer;
-  Solver solver(scene, {.mode = mode, .tolerance = 1e-9, .max_outer = limit, .skip = false});
+  Solver solver(scene, {.mode = mode, .tolerance = 1e-9, .max_outer = outer, .skip = false});
   State state = start;
   const StepReport report = solver.step(state);
   EXPECT_EQ(report.outer, outer);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A clamped beam bends under its weight until its lower surface folds at the clamp: there the
-// potential has saddles, along which the projected Hessian creeps.
+// potential has saddles, along which a projected Hessian creeps.
 #include "core/time_scheme.hpp"
 #include "network/solver.hpp"
 #include "network/step/newton_solver.hpp"
@@ -38,22 +38,9 @@ bool take(NewtonRegion& region, double share, double difference, bool at_edge = 
   return region.take_step(end, kUnit, {-1, 1e-9, difference, share, share < 1});
 }
 
-/// One whose last 20 steps were projected.
-NewtonRegion creeping_region() {
-  NewtonRegion region;
-  region.begin();
-  for (int k = 0; k < 20; ++k) {
-    EXPECT_EQ(region.tangent(), TangentKind::kProjected);
-    EXPECT_EQ(region.scalars(kUnit).radius, PcgScalars::kUnbounded);
-    EXPECT_TRUE(take(region, 1, -0.5));
-  }
-  EXPECT_EQ(region.tangent(), TangentKind::kTrue);
-  EXPECT_EQ(region.scalars(kUnit).radius, 0);
-  return region;
-}
-
 TEST(NewtonRegion, FollowsWhatStepsBring) {
-  NewtonRegion region = creeping_region();
+  NewtonRegion region;
+  EXPECT_EQ(region.scalars(kUnit).radius, 0);  // that of the first direction decides
   const struct {
     double share, difference;
     bool at_edge;
@@ -70,9 +57,7 @@ TEST(NewtonRegion, FollowsWhatStepsBring) {
 TEST(NewtonRegion, ShrinksWherePhiDoesNotFallAndGivesUpInTheEnd) {
   NewtonRegion region;
   region.begin();
-  EXPECT_TRUE(take(region, 0, 0));
-  EXPECT_EQ(region.tangent(), TangentKind::kTrue);
-  for (int k = 0; k < 3; ++k) {
+  for (int k = 0; k < 4; ++k) {
     EXPECT_TRUE(take(region, 0, 0));
     EXPECT_DOUBLE_EQ(region.scalars(kUnit).radius, 3.0 / 64);
   }
@@ -83,21 +68,20 @@ TEST(NewtonRegion, ShrinksWherePhiDoesNotFallAndGivesUpInTheEnd) {
   EXPECT_FALSE(other.take_step({}, kUnit, {.slope = -1e-10, .noise = 1e-9}));
 }
 
-TEST(NewtonRegion, StartsWithTheTrueHessianAfterAnIterationThatItBounded) {
-  NewtonRegion region = creeping_region();
+TEST(NewtonRegion, SaysWhetherStepsWereCut) {
+  NewtonRegion region;
+  take(region, 1, -0.5);
+  EXPECT_FALSE(region.bounded());
   take(region, 1, -0.5, true);
   EXPECT_TRUE(region.bounded());
   region.begin();
-  EXPECT_EQ(region.tangent(), TangentKind::kTrue);
-  take(region, 1, -0.5);
   EXPECT_FALSE(region.bounded());
-  region.begin();
-  EXPECT_EQ(region.tangent(), TangentKind::kProjected);
+  EXPECT_EQ(region.scalars(kUnit).radius, 0);
 }
 
 StepReport step_by_newton(const Scene& scene, State state, int steps,
                           Device device = Device::kCpu) {
-  Solver solver(scene, {.mode = SolverMode::kNewton, .device = device, .max_outer = 4 * steps});
+  Solver solver(scene, {.mode = SolverMode::kNewton, .device = device, .max_outer = steps});
   return solver.step(state);
 }
 
@@ -110,11 +94,9 @@ void expect_through(const StepReport& report) {
   EXPECT_LT(report.min_corner_j, 0);
 }
 
-TEST(Fold, NewtonGetsThroughWhereItsProjectedHessianDoesNot) {
+TEST(Fold, NewtonGetsThroughWhereAProjectedHessianCreeps) {
   const Scene scene = folding_beam();
-  const State start = before_the_fold(scene);
-  EXPECT_GT(step_by_newton(scene, start, 19).residual, 1e-2);
-  expect_through(step_by_newton(scene, start, 100));
+  expect_through(step_by_newton(scene, before_the_fold(scene), 100));
 }
 
 TEST(Fold, ThePotentialFallsWithEveryStepOfNewton) {
