@@ -21,7 +21,7 @@ namespace elastogen {
 namespace {
 
 constexpr float kOutside = 1e-3f;     ///< least depth of a continued value over the largest value
-constexpr double kSharpShare = 0.55;  ///< Border::second_share above which the border is sharp
+constexpr double kSharpShare = 0.55;  ///< VdbBorder::second_share above which the border is sharp
 
 /// Largest and smallest value of the active voxels and tiles.
 struct Range {
@@ -41,13 +41,13 @@ Range range_of(const openvdb::FloatGrid& grid) {
 /// Mean value of the second voxel behind the border of a density, over the largest value. If it is
 /// low, the density is a ramp that starts at 0 on the surface, as in fog volumes that OpenVDB makes
 /// from level sets. If it is high, the values are filled shares.
-struct Border {
+struct VdbBorder {
   openvdb::FloatGrid::Ptr outside;  ///< voxels outside the border, with linearly continued values
   double second_share = 1;
 };
 
-Border border_of(const openvdb::FloatGrid& grid, float high) {
-  Border border = {openvdb::FloatGrid::create(-high), 1};
+VdbBorder border_of(const openvdb::FloatGrid& grid, float high) {
+  VdbBorder border = {openvdb::FloatGrid::create(-high), 1};
   auto values = grid.getConstAccessor();
   auto outside = border.outside->getAccessor();
   double sum = 0;
@@ -77,7 +77,7 @@ double density_surface(openvdb::FloatGrid& grid, const std::string& place) {
   const float high = range_of(grid).high;
   ELASTOGEN_CHECK_ASSET(high > 0 && std::isfinite(high), place, "its largest value is ", high,
                         ", no density");
-  const Border border = border_of(grid, high);
+  const VdbBorder border = border_of(grid, high);
   if (border.second_share > kSharpShare) return high / 2.0;
   openvdb::tools::changeBackground(grid.tree(), -high);
   auto values = grid.getAccessor();
