@@ -17,7 +17,8 @@ constexpr int64_t kDenseNodes = 200;  // of the coarsest level: little memory
 /// The constraints of a scene that knows pins only.
 Array<uint8_t> pins_of(const Scene& scene) {
   Array<uint8_t> fixed(scene.grid.node_count(), 3);
-  for (int64_t n = 0; n < fixed.rows(); ++n) std::fill_n(fixed.row(n), 3, scene.pinned(n));
+  for (int64_t n = 0; n < fixed.rows(); ++n)
+    std::fill_n(fixed.row(n), 3, scene.pinned(n) != kFreeNode);
   return fixed;
 }
 
