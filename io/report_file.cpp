@@ -62,7 +62,6 @@ Json to_json(const StageSeconds& seconds) {
           {"write", seconds.write}};
 }
 
-/// Null where nothing was estimated.
 Json to_json(const RunMeshError& error) {
   return {{"rms", error.rms},
           {"largest", error.largest},

@@ -50,6 +50,7 @@ class MeshNumber {
  private:
   void find_defect(In<double> x);
   enum class Rigid { kForces, kMotion };
+  /// A rigid motion: push + twist x (x - centre).
   struct RigidPart {
     Vec3 centre = {}, push = {}, twist = {};
   };

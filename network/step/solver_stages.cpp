@@ -48,9 +48,10 @@ bool Solver::Impl::solve_with_friction(StepReport& report) {
   for (int pass = 0; solved; ++pass) {
     const int outer = report.outer, inner = report.inner;
     solved = solve(report);
+    if (!solved) break;
     report.outer += outer;
     report.inner += inner;
-    if (!solved || !report.finite) break;
+    if (!report.finite) break;
     // the certificate is of the friction of the positions that are written
     rubs = work->renew_friction();
     tolerance = wanted;

@@ -8,7 +8,7 @@ of the referee (tests/python).
     U4  E' <= E + W for a passive run by implicit Euler: W is the work of the forces left unbalanced
     U5  a step takes at most 20 times the evaluations of the median one (50 at least), is a draft, or
         is among the long steps of the report
-    U6  peak memory is at most 3584 bytes a voxel and 64 MiB for the program and its outputs
+    U6  peak memory is at most 3584 bytes a voxel and 72 MiB for the program and its outputs
     U7  the same bits again, with another number of threads
     U8  a step is converged only below the tolerance, and the reported residual is the true one
 """
@@ -38,7 +38,7 @@ REFUSED = {2, 3, 6}  # before the first step
 ENERGY_SHARE = 1e-6  # of the largest energy of the run
 STAGE_SHARE = 5e-3  # of the range of the energy that it may rise by, in steps of stages
 SLOW, NOMINAL = 20, 50  # times the median work; evaluations of a step that is no trouble
-BYTES_A_VOXEL, BASE = 2560 + 1024, 64 << 20  # of the steps and of the mesh number
+BYTES_A_VOXEL, BASE = 2560 + 1024, (64 + 8) << 20  # of the steps and of the mesh number
 
 
 def codes(run: Finished, allowed: set[int]) -> Iterator[str]:
