@@ -82,11 +82,12 @@ void add_constraint_options(CLI::App& app, Typed& t) {
   add_texts("--hold", t.holds,
             "simulate: hold a part along some axes only: 'x<1%: x', 'all: yz'; repeatable");
   add_texts("--traction", t.tractions,
-            "simulate: a force [N] spread over a part of the surface: 'x>99%: 0,-10,0', or a "
+            "a force [N] spread over a part of the surface: 'x>99%: 0,-10,0', or a "
             "pressure [Pa] on it: 'x>99%: 2e3'; repeatable");
   add_texts("--move", t.moves,
-            "simulate: move a part: 'x>99%: shift T:x,y,z; T:x,y,z' or 'x>99%: turn(x,y,z, "
-            "ax,ay,az) T:ANGLE; T:ANGLE' about a point and an axis; repeatable");
+            "move a part: 'x>99%: shift T:x,y,z; T:x,y,z' or 'x>99%: turn(x,y,z, ax,ay,az) "
+            "T:ANGLE; T:ANGLE' about a point and an axis; 'ease' before the keys slows down at "
+            "each, 'loop' begins anew; repeatable");
 }
 
 void add_scene_options(CLI::App& app, AnimateOptions& o, Typed& t) {

@@ -49,6 +49,7 @@ struct StepReport {
   double active_share = 1;     ///< share of the voxels that was stepped
   double deepest_overlap = 0;  ///< of a surface point with a collider [voxel edges]
   double ms = 0;               ///< wall time
+  std::vector<Reaction> reactions;  ///< of each holder of the scene, at the end of the step
   std::optional<MeshError> mesh_error = {};  ///< at the end of a frame, where that gets one
 };
 

@@ -86,6 +86,11 @@ void check_scene(const Scene& scene) {
   ELASTOGEN_CHECK(scene.dt > 0 && std::isfinite(scene.dt), "dt must be positive, got ", scene.dt);
   ELASTOGEN_CHECK(finite(scene.gravity), "gravity must be finite");
   for (const Collider& collider : scene.colliders) check_collider(collider);
+  for (const Holder& holder : scene.holders) check_path(holder.path);
+  ELASTOGEN_CHECK(scene.holder.empty() || is(scene.holder, nodes, 1), "holder must be (nodes, 1)");
+  check_range(scene.holder, -1, double(scene.holders.size()) - 1, "holder");
+  ELASTOGEN_CHECK(scene.load.empty() || is(scene.load, nodes, 3), "load must be (nodes, 3)");
+  check_range(scene.load, -kLargest, kLargest, "load");
 }
 
 /// @throws Error unless the nodes that follow others are those that `pinned` says do.

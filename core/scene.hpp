@@ -5,6 +5,7 @@
 
 #include "core/collider.hpp"
 #include "core/dependent_nodes.hpp"
+#include "core/holder.hpp"
 #include "core/material.hpp"
 #include "core/voxel_grid.hpp"
 
@@ -43,7 +44,11 @@ struct Scene {
   Array<uint8_t> pinned;     ///< NodeKind: 1 where a node keeps its position, 2 where it follows
                              ///< others, (nodes, 1)
   DependentNodes dependent;  ///< those that follow others; only the network on the host has some
-  Vec3 gravity = {};         ///< [m/s^2]
+  std::vector<Holder> holders;
+  Array<int32_t> holder;  ///< of each node in `holders`, -1 if it is free, (nodes, 1); empty: held
+                          ///< nodes rest
+  Array<double> load;     ///< dead load on each node [N], (nodes, 3); empty: none
+  Vec3 gravity = {};      ///< [m/s^2]
   std::vector<Collider> colliders;
   double impact_speed = 0;  ///< at which colliders may be met [m/s]: contact_young
   SurfacePoints surface;
@@ -69,6 +74,12 @@ struct Scene {
 /// @throws Error on inconsistent shapes, indices out of range, a bad material, a fill, dt or mass
 ///         that is not positive, or numbers that are not finite, with their place.
 void finish_scene(Scene& scene);
+
+/// Acceleration of a node by gravity and its load, along an axis [m/s^2]. The scene must be finished.
+inline double pull(const Scene& scene, int64_t n, int axis) {
+  const double g = scene.gravity[size_t(axis)];
+  return scene.load.empty() ? g : g + scene.load(n, axis) / scene.mass(n);
+}
 
 /// Estimate of the residual |grad Phi| / |M g_ref| that a number format leaves, by the rounding of
 /// displacements in the formulas of a voxel:

@@ -3,28 +3,15 @@
 
 #include "core/error.hpp"
 #include "mpm_fem/fem/mesh_pieces.hpp"
-#include "mpm_fem/fem/surface_load.hpp"
+#include "scene/loads.hpp"
+#include "scene/pins.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 namespace elastogen {
 namespace {
-
-/// The given nodes of the grid, and the middles of edges between two of them.
-Array<uint8_t> with_middles(const Array<uint8_t>& grid_nodes, const fem::ElementMesh& mesh) {
-  constexpr int kEdges[6][2] = {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}};
-  Array<uint8_t> nodes(mesh.rest.rows());
-  std::copy_n(grid_nodes.data(), grid_nodes.rows(), nodes.data());
-  for (int64_t e = 0; e < mesh.elements.rows() && mesh.elements.cols() == 10; ++e)
-    for (int k = 0; k < 6; ++k) {
-      const int32_t a = mesh.elements(e, kEdges[k][0]), b = mesh.elements(e, kEdges[k][1]);
-      if (grid_nodes(a) && grid_nodes(b)) nodes(mesh.elements(e, 4 + k)) = 1;
-    }
-  return nodes;
-}
 
 /// An option that holds or moves nodes of the grid.
 struct Claim {
@@ -61,39 +48,14 @@ void check_contradictions(const Setup& setup, const RunDescription& run) {
 struct Motion {
   std::vector<int32_t> nodes;
   std::vector<Vec3> rest;  ///< rest position of each [m]
-  bool turns = false;
-  Vec3 centre = {};  ///< centre of a turn [m]
-  Collider frame;    ///< used for its path: offsets [m] or rotation vectors [rad]
+  Holder holder;
 };
-
-/// r turned by a rotation vector (Rodrigues).
-Vec3 turned(const Vec3& r, const Vec3& rotation) {
-  const double angle = std::hypot(rotation[0], rotation[1], rotation[2]);
-  if (angle == 0) return r;
-  Vec3 n, result;
-  for (size_t d = 0; d < 3; ++d) n[d] = rotation[d] / angle;
-  const double along = n[0] * r[0] + n[1] * r[1] + n[2] * r[2];
-  for (size_t d = 0; d < 3; ++d) {
-    const size_t e = (d + 1) % 3, f = (d + 2) % 3;
-    result[d] = r[d] * std::cos(angle) + (n[e] * r[f] - n[f] * r[e]) * std::sin(angle) +
-                n[d] * along * (1 - std::cos(angle));
-  }
-  return result;
-}
 
 /// Writes the displacements at a time [m].
 void displace(const Motion& motion, double time, Out<double> u) {
-  const Vec3 offset = offset_at(motion.frame, time);
-  for (size_t k = 0; k < motion.nodes.size(); ++k) {
-    Vec3 moved = offset;
-    if (motion.turns) {
-      Vec3 arm;
-      for (size_t d = 0; d < 3; ++d) arm[d] = motion.rest[k][d] - motion.centre[d];
-      moved = turned(arm, offset);
-      for (size_t d = 0; d < 3; ++d) moved[d] -= arm[d];
-    }
-    std::copy(moved.begin(), moved.end(), u.row(motion.nodes[k]));
-  }
+  for (size_t k = 0; k < motion.nodes.size(); ++k)
+    std::ranges::copy(held_displacement(motion.holder, motion.rest[k], time),
+                      u.row(motion.nodes[k]));
 }
 
 Motion make_motion(const Move& move, const Setup& setup, const fem::ElementMesh& mesh) {
@@ -101,10 +63,7 @@ Motion make_motion(const Move& move, const Setup& setup, const fem::ElementMesh&
   const Array<uint8_t> selected =
       with_middles(select_nodes(setup.scene.grid, move.selection, box), mesh);
   Motion motion;
-  motion.turns = move.turns;
-  motion.frame.path = move.path;
-  if (move.turns)
-    for (size_t d = 0; d < 3; ++d) motion.centre[d] = coordinate(move.turn_centre[d], int(d), box);
+  motion.holder = holder_of(move, box);
   for (int64_t n = 0; n < selected.rows(); ++n) {
     if (!selected(n)) continue;
     motion.nodes.push_back(int32_t(n));
@@ -129,31 +88,12 @@ void add_holds(const Setup& setup, const RunDescription& run, fem::FemScene& sce
   }
 }
 
-void add_tractions(const Setup& setup, const RunDescription& run, fem::FemScene& scene) {
-  const PlacedBox& box = setup.body.surface.box;
-  for (const Traction& traction : run.tractions) {
-    const Array<uint8_t> nodes =
-        with_middles(select_nodes(setup.scene.grid, traction.selection, box), scene.mesh);
-    const Array<double> load = traction.pressure
-                                   ? fem::pressure_load(scene.mesh, nodes, *traction.pressure)
-                                   : fem::surface_load(scene.mesh, nodes, traction.force);
-    if (load.empty())
-      throw Error(fmt::format(
-          "--traction '{}': no face of the body has all its nodes in the selection; the asset "
-          "spans {:.4g}..{:.4g}, {:.4g}..{:.4g}, {:.4g}..{:.4g} m",
-          traction.text, box.lower[0], box.upper[0], box.lower[1], box.upper[1], box.lower[2],
-          box.upper[2]));
-    if (scene.traction.empty()) scene.traction = Array<double>(load.rows(), 3);
-    for (int64_t k = 0; k < load.size(); ++k) scene.traction.data()[k] += load.data()[k];
-  }
-}
-
 void add_moves(const Setup& setup, const RunDescription& run, fem::FemScene& scene) {
   if (run.moves.empty()) return;
   std::vector<Motion> motions;
   double end = 0;  // time of the last key
   for (const Move& move : run.moves) {
-    end = std::max(end, move.path.back().time);
+    end = std::max(end, move.path.keys.back().time);
     motions.push_back(make_motion(move, setup, scene.mesh));
     for (const int32_t n : motions.back().nodes) std::fill_n(scene.fixed.row(n), 3, uint8_t(1));
   }
@@ -194,7 +134,7 @@ void add_boundary(const Setup& setup, const RunDescription& run, fem::FemScene& 
   check_contradictions(setup, run);
   add_holds(setup, run, scene);
   add_moves(setup, run, scene);
-  add_tractions(setup, run, scene);
+  scene.traction = surface_loads(setup, run, scene.mesh);
 }
 
 std::vector<std::string> unheld_pieces(const fem::FemScene& scene) {

@@ -31,7 +31,7 @@ struct Obstacle {
   /// Coulomb's coefficient, or kSticks; unset: the scene's friction.
   std::optional<double> friction = {};
   std::string name = {};           ///< empty: named by its number
-  std::vector<PathKey> path = {};  ///< offsets [m]
+  Path path = {};  ///< offsets [m]
 };
 
 /// Reads

@@ -21,7 +21,7 @@ constexpr double kNever = std::numeric_limits<double>::infinity();
 
 bool is_driven(const FemScene& scene) {
   const bool moves = std::any_of(scene.colliders.begin(), scene.colliders.end(),
-                                 [](const Collider& c) { return c.path.size() > 1; });
+                                 [](const Collider& c) { return c.path.moves(); });
   return moves || scene.motion || scene.force || !scene.traction.empty();
 }
 
@@ -65,9 +65,10 @@ StageFem::StageFem(const FemScene& scene, const StageOptions& options)
 double StageFem::interval_end() const {
   const double dt = scene_.dt, close = 1e-6 * dt;
   double end = dt * (std::floor(now_->time / dt + 1e-9) + 1);
-  for (const Collider& collider : scene_.colliders)
-    for (const PathKey& key : collider.path)
-      if (key.time > now_->time + close && key.time < end - close) end = key.time;
+  for (const Collider& collider : scene_.colliders) {
+    const double key = next_key(collider.path, now_->time + close);
+    if (key < end - close) end = key;
+  }
   return end;
 }
 

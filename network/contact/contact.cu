@@ -21,7 +21,7 @@ std::vector<int32_t> corners_of_points(const Scene& scene) {
 
 bool have_paths(const std::vector<Collider>& colliders) {
   return std::any_of(colliders.begin(), colliders.end(),
-                     [](const Collider& c) { return !c.path.empty(); });
+                     [](const Collider& c) { return !c.path.keys.empty(); });
 }
 
 }  // namespace

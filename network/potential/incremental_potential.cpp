@@ -63,7 +63,8 @@ IncrementalPotential::IncrementalPotential(PotentialTerms&& terms)
     : PotentialTerms(std::move(terms)),
       rows_(std::make_shared<const BrickRows>(make_brick_rows(scene_))),
       scratch_float_(*rows_),
-      scratch_double_(*rows_) {
+      scratch_double_(*rows_),
+      held_(scene_) {
   fill_weights();
   const size_t nodes = size_t(scene_.grid.node_count());
   rotation_.resize(size_t(rows_->row_count()) * 9 * kLanes);
@@ -130,16 +131,18 @@ void IncrementalPotential::begin(In<double> positions, const Motion& motion) {
       predictor_[size_t(3 * n + d)] = x - X(n, d) + (is_fixed(n) ? 0 : motion(n, d));
     }
   });
+  held_.place_pinned(predictor_.data());
   freeze_rotations();
 }
 
 void IncrementalPotential::begin_step(const State& state, const StepScheme& scheme) {
   set_scheme(scheme);
+  held_.set_time(state.time + scheme.end());
   const bool has_before = !state.x_before.empty();
   begin(state.x, [&](int64_t n, int d) {
     const double x = state.x(n, d);
     return predicted_motion(scheme, x, state.v(n, d), has_before ? state.x_before(n, d) : x,
-                            has_before ? state.v_before(n, d) : 0, scene_.gravity[size_t(d)]);
+                            has_before ? state.v_before(n, d) : 0, pull(scene_, n, d));
   });
   begin_damping(state, scheme.scheme == TimeScheme::kBdf2 ? -1.0 / 3 : 0, nullptr);
   contact_.begin_step(now_.data(), state.time, scheme.end());
@@ -148,6 +151,7 @@ void IncrementalPotential::begin_step(const State& state, const StepScheme& sche
 void IncrementalPotential::begin_stage(const State& state, const StepScheme& scheme,
                                        const double* motion, const double* stage_before) {
   set_scheme(scheme);
+  held_.set_time(state.time + scheme.end());
   begin(state.x, [&](int64_t n, int d) { return motion[3 * n + d]; });
   begin_damping(state, scheme.stage.w_v, stage_before);
   const double lag_time = state.time + (stage_before ? scheme.stage.t_b : 0);
@@ -266,7 +270,11 @@ PotentialValue IncrementalPotential::evaluate_all(const double* u, T* gradient) 
     if (!gradient) return;
     for (int i = 0; i < 3; ++i) {
       const double away = u[3 * n + i] - predictor_[size_t(3 * n + i)];
-      gradient[3 * n + i] = is_fixed(n) ? T(0) : T(inertia_[size_t(n)] * away + double(force[i]));
+      const double inner = double(force[i]);
+      if (is_fixed(n))
+        gradient[3 * n + i] = kQuality ? T(inner) : T(0);  // of those reactions are made
+      else
+        gradient[3 * n + i] = T(inertia_[size_t(n)] * away + inner);
     }
   };
   // voxels and the force at nodes, then inertia
@@ -312,9 +320,13 @@ PotentialValue IncrementalPotential::evaluate<float>(const double* u, float* gra
 PotentialValue IncrementalPotential::residual(const double* u, double* gradient) {
   PotentialValue value = evaluate_all<double, true>(u, gradient);
   if (contact_.exists()) {
-    value.contact = contact_.evaluate(u, gradient);
+    value.contact = contact_.evaluate(u, gradient, true);
     value.deepest_overlap = contact_.deepest_overlap(u);
   }
+  reactions_ = held_.reactions(gradient, u);
+  for_each(scene_.grid.node_count(), [&](int64_t n) {
+    if (is_fixed(n)) std::fill_n(gradient + 3 * n, 3, 0.0);
+  });
   scene_.dependent.fold(gradient);
   return value;
 }

@@ -4,17 +4,15 @@
 namespace elastogen {
 namespace {
 
-/// The result of a pass that leaves dependent nodes at rest, null where it does not.
+/// Completes the results of passes that leave held nodes at rest.
 template <class Pass>
-double* result_at_parents(const Pass& pass) {
+void place_held(const Pass& pass, const HeldNodes& held, const DependentNodes& dependent) {
   if constexpr (std::is_same_v<Pass, StartDisplacement>)
-    return pass.u;
+    held.place(pass.u);
   else if constexpr (std::is_same_v<Pass, TakeVelocities>)
-    return pass.v;
+    held.set_velocities(pass.x, pass.v);
   else if constexpr (std::is_same_v<Pass, CombineVelocities>)
-    return pass.y;
-  else
-    return nullptr;
+    dependent.fill(pass.y);
 }
 
 }  // namespace
@@ -37,6 +35,7 @@ StageNodes HostStageMachine::nodes() {
   nodes.first = first_.data();
   nodes.first_stage = first_stage_.data();
   nodes.gravity = s.gravity;
+  nodes.load = s.load.empty() ? nullptr : s.load.data();
   return nodes;
 }
 
@@ -44,7 +43,7 @@ void HostStageMachine::run(const NodePass& pass) {
   std::visit(
       [&](const auto& body) {
         for_each(scene().grid.node_count(), body);
-        if (double* const values = result_at_parents(body)) scene().dependent.fill(values);
+        place_held(body, potential_.held(), scene().dependent);
       },
       pass);
 }

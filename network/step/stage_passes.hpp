@@ -46,13 +46,14 @@ struct PlaceNodes {
   }
 };
 
-/// v of the stage at x; pinned nodes rest.
+/// v of the stage at x, of dependent nodes too, as x follows that of their parent nodes; pinned nodes
+/// rest.
 struct TakeVelocities {
   StageNodes of;
   const double* x;
   double* v;
   ELASTOGEN_HD void operator()(int64_t n) const {
-    set_vector(v, n, of.pinned[n] ? Vec3{} : of.velocity(n, vector_at(x, n)));
+    set_vector(v, n, of.pinned[n] == kPinnedNode ? Vec3{} : of.velocity(n, vector_at(x, n)));
   }
 };
 

@@ -21,6 +21,7 @@ struct Certificate {
   PotentialValue value;
   double size = 0;      ///< |grad Phi|_2 over the free nodes [N]
   bool finite = false;  ///< all of these and the displacement
+  std::vector<Reaction> reactions = {};  ///< of each holder
 };
 
 /// Energies that a step has beside the potential [J].

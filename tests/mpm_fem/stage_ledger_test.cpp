@@ -154,7 +154,7 @@ TEST(StageLedger, AFloorCarriesABlockUp) {
   m.scene.colliders[0].path.clear();
   for (int k = 0; k <= 60; ++k) {
     const double t = k * kFrame / 4;
-    m.scene.colliders[0].path.push_back({t, {0, t * t, 0}});
+    m.scene.colliders[0].path.keys.push_back({t, {0, t * t, 0}});
   }
   const Ledger l = keep(m, Scheme::kAuto, 15);
   say("carried", l);

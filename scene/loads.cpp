@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scene/loads.hpp"
+
+#include "core/error.hpp"
+#include "mpm_fem/fem/surface_load.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace elastogen {
+
+Array<uint8_t> with_middles(const Array<uint8_t>& grid_nodes, const fem::ElementMesh& mesh) {
+  constexpr int kEdges[6][2] = {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}};
+  Array<uint8_t> nodes(mesh.rest.rows());
+  std::copy_n(grid_nodes.data(), grid_nodes.rows(), nodes.data());
+  for (int64_t e = 0; e < mesh.elements.rows() && mesh.elements.cols() == 10; ++e)
+    for (int k = 0; k < 6; ++k) {
+      const int32_t a = mesh.elements(e, kEdges[k][0]), b = mesh.elements(e, kEdges[k][1]);
+      if (grid_nodes(a) && grid_nodes(b)) nodes(mesh.elements(e, 4 + k)) = 1;
+    }
+  return nodes;
+}
+
+Array<double> surface_loads(const Setup& setup, const RunDescription& run,
+                            const fem::ElementMesh& mesh) {
+  Array<double> sum;
+  const PlacedBox& box = setup.body.surface.box;
+  for (const Traction& traction : run.tractions) {
+    const Array<uint8_t> nodes =
+        with_middles(select_nodes(setup.scene.grid, traction.selection, box), mesh);
+    const Array<double> load = traction.pressure
+                                   ? fem::pressure_load(mesh, nodes, *traction.pressure)
+                                   : fem::surface_load(mesh, nodes, traction.force);
+    if (load.empty())
+      throw Error(fmt::format(
+          "--traction '{}': no face of the body has all its nodes in the selection; the asset "
+          "spans {:.4g}..{:.4g}, {:.4g}..{:.4g}, {:.4g}..{:.4g} m",
+          traction.text, box.lower[0], box.upper[0], box.lower[1], box.upper[1], box.lower[2],
+          box.upper[2]));
+    if (sum.empty()) sum = Array<double>(load.rows(), 3);
+    for (int64_t k = 0; k < load.size(); ++k) sum.data()[k] += load.data()[k];
+  }
+  return sum;
+}
+
+}  // namespace elastogen

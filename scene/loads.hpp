@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// Dead loads of a run on the nodes of its mesh.
+
+#pragma once
+
+#include "mpm_fem/fem/element_mesh.hpp"
+#include "scene/set_up.hpp"
+
+namespace elastogen {
+
+/// The given nodes of the grid, and the middles of edges between two of them, (nodes of the mesh, 1).
+Array<uint8_t> with_middles(const Array<uint8_t>& grid_nodes, const fem::ElementMesh& mesh);
+
+/// Loads of the tractions of a run [N], (nodes, 3); empty: there is none.
+/// @throws Error (usage) naming a traction that selects no face.
+Array<double> surface_loads(const Setup& setup, const RunDescription& run,
+                            const fem::ElementMesh& mesh);
+
+}  // namespace elastogen
