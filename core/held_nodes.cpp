@@ -34,9 +34,25 @@ HeldNodes::HeldNodes(const Scene& scene) : scene_(scene) {
     dependent_[size_t(holder)].push_back(int32_t(i));
     follows |= scene.holders[size_t(holder)].moves();
   }
+  find_weights();
   place_.resize(moved_.size());
   if (follows) offset_.resize(size_t(scene.dependent.count()));
   set_time(0);
+}
+
+/// The mass that voxels with a node that is not pinned give each node.
+void HeldNodes::find_weights() {
+  const VoxelGrid& grid = scene_.grid;
+  const double scale = volume_scale(grid) * grid.h * grid.h * grid.h;
+  weighing_.assign(size_t(grid.node_count()), 0);
+  for (int64_t v = 0; v < grid.voxel_count(); ++v) {
+    bool is_held = true;
+    for (int c = 0; c < 8; ++c) is_held &= scene_.pinned(grid.corners(v, c)) == kPinnedNode;
+    const double mass =
+        is_held ? 0 : scale * scene_.materials[size_t(scene_.material(v))].density * grid.fill(v);
+    for (int c = 0; c < 8; ++c)
+      weighing_[size_t(grid.corners(v, c))] += mass * grid.shape_mean(v, c);
+  }
 }
 
 const Holder& HeldNodes::holder_of(int64_t node) const {
@@ -103,7 +119,7 @@ std::vector<Reaction> HeldNodes::reactions(const double* r, const double* u) con
     sum.about = centre(h, u);
     const auto arm = [&](int64_t n) { return minus(plus(rest(n), at(u, n)), sum.about); };
     for (const int32_t n : nodes_[h]) {
-      Vec3 force = minus(at(r, n), scaled(scene_.gravity, scene_.mass(n)));
+      Vec3 force = minus(at(r, n), scaled(scene_.gravity, weighing_[size_t(n)]));
       if (!scene_.load.empty()) force = minus(force, at(scene_.load.data(), n));
       sum.force = plus(sum.force, force);
       sum.moment = plus(sum.moment, cross(arm(n), force));
@@ -131,6 +147,12 @@ double HeldNodes::power(const std::vector<Reaction>& reactions) const {
     const Holder& holder = scene_.holders[h];
     const Vec3 rate = rate_at(holder.path, time_);
     sum += dot(holder.turns ? reactions[h].moment : reactions[h].force, rate);
+  }
+  // held voxels
+  for (size_t k = 0; k < moved_.size(); ++k) {
+    const int32_t n = moved_[k];
+    const Vec3 v = held_velocity(holder_of(n), plus(rest(n), place_[k]), time_);
+    sum -= (scene_.mass(n) - weighing_[size_t(n)]) * dot(scene_.gravity, v);
   }
   return sum;
 }

@@ -22,6 +22,10 @@ class HeldNodes {
 
   /// Whether a holder moves.
   bool move() const { return !moved_.empty() || !offset_.empty(); }
+  /// Whether one moves dependent nodes.
+  bool moves_dependent() const { return !offset_.empty(); }
+  /// What a dependent node has beside that from its parent nodes [m], by its number.
+  const Vec3& offset(int64_t i) const { return offset_[size_t(i)]; }
   /// Takes what holders do at a time [s], as all that follows does.
   void set_time(double time);
 
@@ -33,8 +37,9 @@ class HeldNodes {
   /// Sets velocities of pinned nodes that move, at positions x [m/s], (nodes, 3).
   void set_velocities(const double* x, double* v) const;
 
-  /// What each holder does to the body, conjugate to its rigid motion: at a pinned node r_n, less
-  /// its weight and load, and of dependent nodes
+  /// What each holder does to the free part of the body, conjugate to its rigid motion: at a pinned
+  /// node r_n, less its load and the weight of voxels that have nodes which are not pinned, and of
+  /// dependent nodes
   ///
   ///     F = sum_i (1 - sum_m w_im) r_i,     M = sum_i ((x_i - c) - sum_m w_im (x_m - c)) x r_i,
   ///
@@ -43,10 +48,11 @@ class HeldNodes {
   ///           forces alone, (nodes, 3).
   /// @param u  displacement [m], (nodes, 3).
   std::vector<Reaction> reactions(const double* r, const double* u) const;
-  /// Power of the reactions: of what holders that move do to the body [W].
+  /// Power of what holders that move do to the body, the weight of what they hold included [W].
   double power(const std::vector<Reaction>& reactions) const;
 
  private:
+  void find_weights();
   const Holder& holder_of(int64_t node) const;
   Vec3 rest(int64_t node) const;
   Vec3 centre(size_t holder, const double* u) const;
@@ -55,6 +61,7 @@ class HeldNodes {
   double time_ = 0;
   std::vector<int32_t> moved_;               // pinned nodes of holders that move
   std::vector<Vec3> place_;                  // ubar of these
+  std::vector<double> weighing_;             // mass of each node that weighs on its holder [kg]
   std::vector<Vec3> offset_;                 // ubar(X_i) - sum w_im ubar(X_m), of dependent nodes
   std::vector<std::vector<int32_t>> nodes_;  // pinned nodes of each holder
   std::vector<std::vector<int32_t>> dependent_;  // dependent nodes of each holder, as numbers

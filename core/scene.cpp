@@ -111,14 +111,6 @@ void check_dependent(const Scene& scene) {
                   "the dependent nodes must be those that pinned marks");
 }
 
-/// Factor on rho of every material: the asset's volume over that of the fill, one for the scene.
-double volume_scale(const VoxelGrid& grid) {
-  if (grid.volume <= 0) return 1;
-  double filled = 0;
-  for (int64_t v = 0; v < grid.voxel_count(); ++v) filled += grid.fill(v);
-  return grid.volume / (filled * grid.h * grid.h * grid.h);
-}
-
 void fill_mass(Scene& scene) {
   const VoxelGrid& grid = scene.grid;
   const double scale = volume_scale(grid) * grid.h * grid.h * grid.h;
@@ -159,6 +151,13 @@ void variance_of_voxel(const VoxelGrid& grid, const Material& m, int64_t v, doub
 }
 
 }  // namespace
+
+double volume_scale(const VoxelGrid& grid) {
+  if (grid.volume <= 0) return 1;
+  double filled = 0;
+  for (int64_t v = 0; v < grid.voxel_count(); ++v) filled += grid.fill(v);
+  return grid.volume / (filled * grid.h * grid.h * grid.h);
+}
 
 void finish_scene(Scene& scene) {
   check_scene(scene);

@@ -75,6 +75,9 @@ struct Scene {
 ///         that is not positive, or numbers that are not finite, with their place.
 void finish_scene(Scene& scene);
 
+/// Factor s on rho of every material: the asset's volume over that of the fill, one for the scene.
+double volume_scale(const VoxelGrid& grid);
+
 /// Acceleration of a node by gravity and its load, along an axis [m/s^2]. The scene must be finished.
 inline double pull(const Scene& scene, int64_t n, int axis) {
   const double g = scene.gravity[size_t(axis)];

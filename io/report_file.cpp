@@ -3,6 +3,7 @@
 
 #include "core/error.hpp"
 #include "io/ledger_json.hpp"
+#include "io/reaction_json.hpp"
 #include "io/safe_file.hpp"
 
 #include <nlohmann/json.hpp>
@@ -122,6 +123,8 @@ void write_report(const std::string& path, const RunReport& report) {
   };
   // what not every run has
   if (report.mesh_error.frames > 0) json["mesh_error"] = to_json(report.mesh_error);
+  if (!report.reactions.empty())
+    json["reactions"] = reactions_json(report.reactions, report.holders);
   if (report.ledger.steps > 0) json["ledger"] = ledger_json(report.ledger);
   // file names need not be UTF-8: invalid bytes are replaced
   write_file(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n');

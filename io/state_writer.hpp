@@ -110,6 +110,7 @@ class StateWriter {
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> spill_;  ///< numbers of each entry, raw float64
   std::vector<double> time_;                               ///< of each entry [s]
   std::vector<ReportFields> reports_;                      ///< one fewer than entries
+  std::vector<Reaction> reactions_;                        ///< of each step, by holders
 };
 
 }  // namespace elastogen

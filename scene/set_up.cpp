@@ -382,6 +382,7 @@ void add_summary(const Setup& setup, RunReport& report) {
   report.nodes = setup.scene.grid.node_count();
   report.h = setup.scene.grid.h;
   report.materials = setup.scene.materials;
+  for (const Holder& holder : setup.scene.holders) report.holders.push_back(holder.name);
   report.warnings = setup.warnings;
   report.stage_seconds.voxelize = setup.voxelize_seconds;
   report.stage_seconds.setup = setup.other_seconds;

@@ -15,10 +15,6 @@ Pieces::Pieces(const Scene& scene) : held_(held_pieces(scene)) {
   size_.resize(count());
   pins_.resize(count());
   has_dependent_.resize(count());
-  is_moved_.resize(count());
-  for (int64_t n = 0; n < scene.holder.rows(); ++n)
-    if (scene.holder(n) >= 0 && scene.holders[size_t(scene.holder(n))].moves())
-      is_moved_[size_t(scene.grid.piece(n))] = 1;
   for (int64_t i = 0; i < scene.dependent.count(); ++i)
     has_dependent_[size_t(scene.grid.piece(scene.dependent.node(i)))] = 1;
   for (size_t p = 0; p < count(); ++p) {

@@ -31,8 +31,6 @@ class Pieces {
   const Vec3& pins(size_t piece) const { return pins_[piece]; }
   /// Nodes of the piece depend on others: no turn about the pins meets what they must.
   bool has_dependent(size_t piece) const { return has_dependent_[piece]; }
-  /// Whether what holds it moves.
-  bool is_moved(size_t piece) const { return is_moved_[piece]; }
   double mass(size_t piece) const { return mass_[piece]; }  ///< [kg]
   /// Twice the rms distance of its nodes from the centre at rest [m], weighted with mass.
   double size(size_t piece) const { return size_[piece]; }
@@ -58,7 +56,7 @@ class Pieces {
 
  private:
   std::vector<std::vector<int32_t>> nodes_;
-  std::vector<uint8_t> held_, has_dependent_, is_moved_;
+  std::vector<uint8_t> held_, has_dependent_;
   std::vector<double> mass_, size_;
   std::vector<Vec3> pins_;
 };

@@ -17,9 +17,10 @@ std::vector<Vec3> centres_of(const std::vector<Piece>& pieces) {
 
 Stages::Stages(StageMachine& machine)
     : machine_(machine), scene_(machine.scene()), pieces_(machine.pieces()), at_(machine.nodes()) {
+  holders_move_ = std::ranges::any_of(scene_.holders, [](auto& h) { return h.moves(); });
   is_driven_ = !scene_.load.empty() ||
                std::ranges::any_of(scene_.colliders, [](auto& c) { return c.path.moves(); }) ||
-               std::ranges::any_of(scene_.holders, [](auto& h) { return h.moves(); });
+               holders_move_;
   poses_.resize(pieces_.count());
   for (size_t p = 0; p < pieces_.count(); ++p) poses_[p].is_free = pieces_.is_free(p);
   forget();
@@ -78,9 +79,9 @@ RigidPose Stages::pose(size_t p, double t) const {
 }
 
 /// The turn of a piece about its pins, which goes on as it changed in the last step; none where nodes
-/// depend on others or pins move.
+/// depend on others or something that is held moves.
 void Stages::turn_about_pins(size_t p) {
-  if (pieces_.has_dependent(p) || pieces_.is_moved(p)) return;
+  if (pieces_.has_dependent(p) || holders_move_) return;
   turn_[p] = spin_about(now_[p], pieces_.mass(p), pieces_.pins(p));
   const double rate = safe_norm(turn_[p]);
   gain_[p] = 0;

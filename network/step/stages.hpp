@@ -123,6 +123,7 @@ class Stages {
   double voxels_start_ = 0, voxels_end_ = 0;  // energy of the voxels [J]
   // of the pieces, in this step and as the last one left them
   std::vector<double> speed_, spin_, closing_, speed_next_, spin_next_, closing_next_;
+  bool holders_move_ = false;
   bool is_driven_ = false;  // colliders or holders move, or loads act: the energy may rise
   bool guarded_ = false;
   // of the ledger
