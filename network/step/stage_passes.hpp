@@ -108,4 +108,17 @@ struct CombineVelocities {
 using NodePass = std::variant<PredictMotion, StartDisplacement, PlaceNodes, TakeVelocities,
                               AddRigidMotion, RelativeVelocities, AddPart, CombineVelocities>;
 
+/// The result of a pass that leaves dependent nodes at rest, null where it does not.
+template <class Pass>
+double* result_at_parents(const Pass& pass) {
+  if constexpr (std::is_same_v<Pass, StartDisplacement>)
+    return pass.u;
+  else if constexpr (std::is_same_v<Pass, TakeVelocities>)
+    return pass.v;
+  else if constexpr (std::is_same_v<Pass, CombineVelocities>)
+    return pass.y;
+  else
+    return nullptr;
+}
+
 }  // namespace elastogen
