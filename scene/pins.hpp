@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What pins hold. The network on the host holds the body at their borders where these cut voxels
+// What pins hold. The network holds the body at their borders where these cut voxels
 // (voxelize/dependent_nodes.hpp); all other steps hold the nodes that lie in a pin.
 
 #pragma once
