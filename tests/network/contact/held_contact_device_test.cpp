@@ -150,7 +150,7 @@ TEST_F(HeldContactOnCard, RunsEndInTheStatesOfTheHostAndRepeat) {
       const State a = run_on_floor(scheme, mode, Device::kCpu),
                   b = run_on_floor(scheme, mode, Device::kCuda),
                   again = run_on_floor(scheme, mode, Device::kCuda);
-      EXPECT_LT(distance_of_ways(scene, b, a), 1e-4);
+      EXPECT_LT(distance_of_ways(scene, b, a), 1e-5);
       EXPECT_EQ(b.x, again.x);
       EXPECT_EQ(b.v, again.v);
       const std::vector<double> u = displacement(scene, b), exact = followed(scene, u);

@@ -122,11 +122,11 @@ TEST_F(HeldOnCard, StepsOfAllSchemesAndSolversAreThoseOfTheHost) {
       const HeldRun a = run_held(scene, mode, Device::kCpu, from, 12);
       const HeldRun b = run_held(scene, mode, Device::kCuda, from, 12);
       EXPECT_EQ(b.state.time, a.state.time);
-      EXPECT_LT(distance_of_ways(scene, b.state, a.state), 1e-4);
-      EXPECT_LT(relative_difference(b.state.v, a.state.v), 1e-3);
-      EXPECT_NEAR(b.last.energy.kinetic, a.last.energy.kinetic, 1e-3 * a.last.energy.kinetic);
+      EXPECT_LT(distance_of_ways(scene, b.state, a.state), 1e-6);
+      EXPECT_LT(relative_difference(b.state.v, a.state.v), 1e-5);
+      EXPECT_NEAR(b.last.energy.kinetic, a.last.energy.kinetic, 1e-4 * a.last.energy.kinetic);
       EXPECT_NEAR(b.last.energy.gravity, a.last.energy.gravity,
-                  1e-4 * std::abs(a.last.energy.gravity));
+                  1e-6 * std::abs(a.last.energy.gravity));
       EXPECT_LE(norm(b.residual), 1e-6 * reference_force(scene));
       EXPECT_LE(b.last.inner, 4 + 1.3 * a.last.inner);
       expect_constraints(scene, b.state);
@@ -139,7 +139,7 @@ TEST_F(HeldOnCard, ABlockOnABallSwingsAsOnTheHost) {
     const State from = initial_state(scene);
     const HeldRun a = run_held(scene, mode, Device::kCpu, from, 6);
     const HeldRun b = run_held(scene, mode, Device::kCuda, from, 6);
-    EXPECT_LT(distance_of_ways(scene, b.state, a.state), 1e-4);
+    EXPECT_LT(distance_of_ways(scene, b.state, a.state), 1e-6);
     expect_constraints(scene, b.state);
   }
 }
@@ -201,8 +201,8 @@ TEST_F(HeldOnCard, AFreePieceFliesBesideAHeldOne) {
   for (const SolverMode mode : {SolverMode::kQuasi, SolverMode::kNewton}) {
     const HeldRun a = run_held(scene, mode, Device::kCpu, from, 8);
     const HeldRun b = run_held(scene, mode, Device::kCuda, from, 8);
-    EXPECT_LT(distance_of_ways(scene, b.state, a.state), 1e-4);
-    EXPECT_LT(relative_difference(b.state.v, a.state.v), 1e-4);
+    EXPECT_LT(distance_of_ways(scene, b.state, a.state), 1e-6);
+    EXPECT_LT(relative_difference(b.state.v, a.state.v), 1e-5);
     expect_constraints(scene, b.state);
   }
 }
