@@ -33,19 +33,20 @@ Scene bar_on_floor(TimeScheme scheme) {
   return bar_on(half_space({0, 1, 0}, kBottom + 0.3 * kLayer, 0.3), scheme);
 }
 
-std::vector<double> shaken(const Scene& scene, unsigned seed) {
+std::vector<double> followed_shake(const Scene& scene, unsigned seed) {
   return followed(scene, random_field(scene, 0.02 * kHeldEdge, seed));
 }
 
 /// Host and device in a step from a shaken state, and a displacement further on.
 struct HeldInTouch {
-  HeldInTouch(const Scene& scene, bool with_encoder) : potential(scene), u(shaken(scene, 3)) {
+  HeldInTouch(const Scene& scene, bool with_encoder)
+      : potential(scene), u(followed_shake(scene, 3)) {
     potential.begin_step(state_at(scene, u), {TimeScheme::kEuler, scene.dt, 1});
     potential.set_nodal_rotations(u.data());
     first.emplace(potential, EncoderChoice{with_encoder});
     device.emplace(potential, EncoderChoice{with_encoder});
     device->begin_step(potential);
-    const std::vector<double> away = shaken(scene, 4);
+    const std::vector<double> away = followed_shake(scene, 4);
     for (size_t k = 0; k < u.size(); ++k) u[k] += away[k];
     device->set_nodal_rotations(u.data());  // which leaves u there
     potential.set_nodal_rotations(u.data());
@@ -69,7 +70,7 @@ TEST_F(HeldContactOnCard, GradientAndHessianAreThoseOfTheHost) {
   cuda::DevicePotential& device = pair.device->potential();
   expect_like_host<double>(pair.potential, device, pair.u, 1e-11);
   expect_like_host<float>(pair.potential, device, pair.u, 2e-5);
-  expect_hessian_of_host(pair.potential, device, pair.u, shaken(scene, 7));
+  expect_hessian_of_host(pair.potential, device, pair.u, followed_shake(scene, 7));
 }
 
 TEST_F(HeldContactOnCard, FirstMatrixIsThatOfTheHost) {
