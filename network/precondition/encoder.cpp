@@ -85,7 +85,7 @@ void Encoder<T>::fill_dependent(const DependentNodes& dependent) {
         sum[m] += dependent.weights(i)(k) * double(modes[size_t(place) * kModes + size_t(m)]);
     }
     for (int m = 0; m < kModes; ++m)
-      modes[size_t(local) * kModes + size_t(m)] = kept_value(sum[m], T{});
+      modes[size_t(local) * kModes + size_t(m)] = kept_sum(sum[m], T{});
   }
 }
 

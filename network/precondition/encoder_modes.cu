@@ -121,7 +121,7 @@ void follow_parents(const DevicePotential& potential, const int32_t* piece,
       if (piece[parent] != piece[n]) continue;
       sum += of.weights[s] * double(T(values[entry[parent] * int64_t(kEncoderModes) + m]));
     }
-    values[entry[n] * int64_t(kEncoderModes) + m] = ModeNumber<T>(kept_value(sum, T{}));
+    values[entry[n] * int64_t(kEncoderModes) + m] = ModeNumber<T>(kept_sum(sum, T{}));
   });
   synchronise();
 }
