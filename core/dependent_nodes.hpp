@@ -37,6 +37,15 @@ class DependentNodes {
   /// Largest node of the lists, -1 if there is none.
   int32_t last_node() const { return last_node_; }
 
+  /// Lists of weighted sums: those of nodes[i] are sources[begin[i]] to sources[begin[i + 1] - 1].
+  struct Sums {
+    const std::vector<int32_t>&nodes, &begin, &sources;
+    const std::vector<double>& weights;
+  };
+  /// Of fill(), by dependent node, and of fold(), by parent node; for other machines.
+  Sums filled() const { return {nodes_, begin_, parents_, weights_}; }
+  Sums folded() const { return {all_parents_, first_, children_, child_weights_}; }
+
   /// values_i = sum w_im values_m at dependent nodes; (nodes, 3).
   template <class T>
   void fill(T* values) const;

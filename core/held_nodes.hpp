@@ -34,6 +34,8 @@ class HeldNodes {
   /// Sets those of dependent nodes.
   void follow(double* u) const;
   void place(double* u) const { place_pinned(u), follow(u); }  ///< sets both
+  /// Fills values that holders do not move, like directions (DependentNodes::fill).
+  void fill(double* values) const { scene_.dependent.fill(values); }
   /// Sets velocities of pinned nodes that move, at positions x [m/s], (nodes, 3).
   void set_velocities(const double* x, double* v) const;
 

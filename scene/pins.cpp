@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scene/pins.hpp"
 
-#include "core/cuda/card.hpp"
 #include "core/error.hpp"
 #include "core/parallel.hpp"
 #include "core/vec3.hpp"
@@ -43,10 +42,6 @@ std::string holder_of_nodes(const RunDescription& run) {
   if (method_of(run) == Method::kMpm) return "particles hold";
   if (run.fem || method_of(run) != Method::kAuto) return "finite elements hold";
   if (run.solver.mode == SolverMode::kPaper) return "the solver 'paper' holds";
-  const Device device = run.solver.device;
-  const bool may_move = run.moves.empty() && run.tractions.empty();  // else auto takes the host
-  if (device == Device::kCuda || (device == Device::kAuto && may_move && cuda::has_device()))
-    return "the card holds";
   return "";
 }
 
@@ -133,8 +128,7 @@ void say_nodes_hold(const RunDescription& run, Setup& setup) {
     if (setup.tets || fits_grid(border, setup) || !reaches(*border, box)) continue;
     setup.warnings.push_back(fmt::format(
         "--pin '{}': its border cuts voxels, of which {} the nodes in it only, so that the body "
-        "moves "
-        "there by a part of what its voxels do; the network on the CPU holds it at the border",
+        "moves there by a part of what its voxels do; the network holds it at the border",
         pin.text, holder_of_nodes(run)));
     return;
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What pins hold, and moves of the network. The network on the host holds the body at their borders
-// where these cut voxels (voxelize/dependent_nodes.hpp); all other steps hold the nodes in them.
+// What pins hold, and moves of the network. The network holds the body at their borders where these cut
+// voxels (voxelize/dependent_nodes.hpp); all other steps hold the nodes in them.
 
 #pragma once
 

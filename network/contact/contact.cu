@@ -64,12 +64,12 @@ DeviceContact::Impl::Impl(const PotentialTerms& host)
 /// Lists the points of each surface node, in the order of the points.
 void DeviceContact::Impl::list_entries() {
   const Array<double>& w = scene.surface.weights;
-  // body(point, node, weight) for every weight of a node that is not pinned
+  // body(point, node, weight) for every weight of a node that does not keep its position
   const auto for_entries = [&](const auto& body) {
     for (int64_t p = 0; p < w.rows(); ++p)
       for (int c = 0; c < 8; ++c) {
         const int32_t node = scene.grid.corners(scene.surface.voxel(p), c);
-        if (w(p, c) != 0 && !scene.pinned(node)) body(p, node, w(p, c));
+        if (w(p, c) != 0 && scene.pinned(node) != kPinnedNode) body(p, node, w(p, c));
       }
   };
   // nodes with points are surface nodes; the sums of counts are where their lists begin
@@ -200,11 +200,13 @@ void DeviceContact::add_hessian_product(const T* p, T* f) {
   impl_->gather_forces(f);
 }
 
-NodalStiffness DeviceContact::nodal_stiffness(const Quaternion<float>* rotation) {
+NodalStiffness DeviceContact::nodal_stiffness(const Quaternion<float>* rotation,
+                                              const uint8_t* pinned) {
   const GatherView g = impl_->gather();
   const double* frozen = impl_->frozen.data();
   double* to = impl_->blocks.data();
   cuda::for_each(g.count, [=] __device__(int64_t s) {
+    if (pinned[g.nodes[s]]) return;  // the block stays 0
     double sum[6] = {};
     for (int32_t k = g.begin[s]; k < g.begin[s + 1]; ++k)
       for (int m = 0; m < 6; ++m) sum[m] += fabs(g.weight[k]) * frozen[6 * int64_t(g.point[k]) + m];

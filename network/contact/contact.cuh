@@ -13,7 +13,7 @@
 
 namespace elastogen::cuda {
 
-/// For each surface node that is not pinned: its points and their weights.
+/// For each surface node that does not keep its position: its points and their weights.
 struct GatherView {
   const int32_t *nodes, *begin, *point;  ///< (count), (count + 1), (entries)
   const double* weight;                  ///< (entries)

@@ -72,7 +72,7 @@ void DevicePotential::Impl::viscous_pass(const double* u, T* gradient, int place
   // what kernels read, what they do with a voxel and a node, and the loop
   const VoxelTables<T> table = voxels<T>();
   const DampingTables<T> damping{strain_before.data(), materials.data(), rate};
-  const uint8_t* held = pinned.data();
+  const uint8_t* kind = pinned.data();
   DeviceValue* to = value.data() + place;
   const auto read = [=] __device__(int64_t n, int64_t reference, T v[3]) {
     for (int i = 0; i < 3; ++i) v[i] = T(u[3 * n + i] - u[3 * reference + i]);
@@ -90,7 +90,7 @@ void DevicePotential::Impl::viscous_pass(const double* u, T* gradient, int place
   const auto finish = [=] __device__(int64_t n, const NodeSum<T>& given) {
     T force[3];
     given.get(force);
-    for (int i = 0; i < 3; ++i) gradient[3 * n + i] += held[n] ? T(0) : force[i];
+    for (int i = 0; i < 3; ++i) gradient[3 * n + i] += kind[n] == kPinnedNode ? T(0) : force[i];
   };
   const auto then = [=] __device__(const VoxelSums& sum) { to->viscous = sum.elastic; };
   T* const scratch = reinterpret_cast<T*>(parts.data());

@@ -138,7 +138,7 @@ void DevicePotential::Impl::gradient_pass(const double* u, T* gradient, const Ne
                                           int place) {
   const VoxelTables<T> table = voxels<T>();
   const double *mass = inertia.data(), *aim = predictor.data();
-  const uint8_t* held = pinned.data();
+  const uint8_t* kind = pinned.data();
   DeviceValue* to = value.data() + place;
   const auto read = [=] __device__(int64_t n, int64_t reference, T v[3]) {
     for (int i = 0; i < 3; ++i) v[i] = T(u[3 * n + i] - u[3 * reference + i]);
@@ -154,7 +154,7 @@ void DevicePotential::Impl::gradient_pass(const double* u, T* gradient, const Ne
     sums.add(mine);
   };
   const auto finish = [=] __device__(int64_t n, const NodeSum<T>& given) {
-    const bool moves = !held[n];
+    const bool moves = kind[n] != kPinnedNode;
     const double weight = mass[n];
     double away[3];
     T force[3];
@@ -177,6 +177,7 @@ void DevicePotential::Impl::start_gradient(const double* u, T* gradient, int pla
       u, [&](const auto& nets) { gradient_pass<T, kQuality>(u, gradient, nets, place); });
   if (terms.has_damping()) viscous_pass<T>(u, gradient, place);
   if (contact) contact->start_evaluation(u, gradient);
+  if (gradient) dependent.fold(gradient);
 }
 
 void DevicePotential::Impl::sum_inertia(const double* u, int place, Signal::Raise raise) {
@@ -271,6 +272,9 @@ int64_t DevicePotential::nodes() const {
 }
 const uint8_t* DevicePotential::pinned() const {
   return impl_->pinned.data();
+}
+const DeviceDependentNodes& DevicePotential::dependent() const {
+  return impl_->dependent;
 }
 const Quaternion<float>* DevicePotential::nodal_rotation() const {
   return impl_->nodal_rotation.data();

@@ -4,6 +4,7 @@
 
 #pragma once
 
+#include "core/cuda/dependent_nodes.cuh"
 #include "core/cuda/signal.cuh"
 #include "network/law/learned_law.cuh"
 #include "network/potential/incremental_potential_device.hpp"
@@ -115,6 +116,7 @@ struct DevicePotential::Impl {
         predictor(3 * nodes()),
         nodal_rotation(nodes()),
         pinned(terms.scene().pinned.data(), nodes()),
+        dependent(terms.scene().dependent),
         parts((9 * rows.parts() + 1) / 2),
         brick_sums(rows.bricks()),
         inertia_sums(1),
@@ -189,7 +191,8 @@ struct DevicePotential::Impl {
   DeviceArray<double> rest, mass;  // [m], (nodes, 3); [kg], (nodes)
   DeviceArray<double> inertia, predictor;
   DeviceArray<Quaternion<float>> nodal_rotation;
-  DeviceArray<uint8_t> pinned;
+  DeviceArray<uint8_t> pinned;  // NodeKind
+  DeviceDependentNodes dependent;
   DeviceArray<double> parts;  // for each partial sum three in double or nine in float
   DeviceArray<VoxelSums> brick_sums;
   DeviceArray<SumScratch<Sums<1>>> inertia_sums;

@@ -12,6 +12,8 @@
 
 namespace elastogen::cuda {
 
+class DeviceDependentNodes;
+
 /// Terms of the inertial energy, for callers that sum it along with other numbers.
 struct InertiaTerms {
   const double *inertia, *predictor;  ///< of DevicePotential
@@ -25,7 +27,7 @@ struct InertiaTerms {
     double weight[kCount], sum = 0;
     for (int j = 0; j < kCount; ++j) {
       const int64_t node = (first + j) / 3;
-      weight[j] = pinned[node] ? 0 : inertia[node] / 2;
+      weight[j] = pinned[node] == kPinnedNode ? 0 : inertia[node] / 2;
     }
     for (int j = 0; j < kCount; ++j) sum += weight[j] * (u[j] - aim[j]) * (u[j] - aim[j]);
     return sum;
@@ -70,7 +72,8 @@ class DevicePotential {
   void set_nodal_rotations(const double* u);
 
   /// Value, and gradient [N], (nodes, 3), 0 on pinned nodes, unless that is null; both arrays on
-  /// the device.
+  /// the device. As in IncrementalPotential u of dependent nodes follows that of their parent
+  /// nodes, which have their share of the gradient.
   template <class T>
   PotentialValue evaluate(const double* u, T* gradient);
   /// As evaluate() without the wait: value() is complete when the launched kernels have ended.
@@ -106,7 +109,8 @@ class DevicePotential {
   std::vector<double> download_weights() const;
 
   int64_t nodes() const;
-  const uint8_t* pinned() const;                    ///< (nodes), on the device
+  const uint8_t* pinned() const;  ///< NodeKind, (nodes), on the device
+  const DeviceDependentNodes& dependent() const;
   const Quaternion<float>* nodal_rotation() const;  ///< (nodes), on the device
   const double* rest() const;                       ///< [m], (nodes, 3), on the device
   const double* mass() const;                       ///< [kg], (nodes), on the device

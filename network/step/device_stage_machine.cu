@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "core/cuda/dependent_nodes.cuh"
 #include "network/step/device_stage_machine.cuh"
 
 #include <algorithm>
@@ -55,7 +56,12 @@ const PieceMotion* DeviceStageMachine::put(const std::vector<PieceMotion>& of) {
 }
 
 void DeviceStageMachine::run(const NodePass& pass) {
-  std::visit([&](const auto& body) { cuda::for_each(potential_.nodes(), body); }, pass);
+  std::visit(
+      [&](const auto& body) {
+        cuda::for_each(potential_.nodes(), body);
+        complete_held(body, potential_.dependent());
+      },
+      pass);
 }
 
 std::vector<PieceSums> DeviceStageMachine::sum(const NodeSum& sum) {

@@ -27,7 +27,7 @@ void StepOnDevice::begin_stage() {
   double *predictor = potential().predictor(), *now = gradient_.data();  // as in now()
   cuda::for_each(size(), [=] __device__(int64_t k) {
     now[k] = m.x[k] - m.rest[k];
-    predictor[k] = now[k] + (m.pinned[k / 3] ? 0 : way[k]);
+    predictor[k] = now[k] + (m.pinned[k / 3] == kPinnedNode ? 0 : way[k]);
   });
   has_rotations_ = false;
   potential().freeze_rotations(now);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "core/cuda/dependent_nodes.cuh"
 #include "core/parallel.hpp"
 #include "network/step/device_step.cuh"
 #include "network/step/memory_budget.cuh"
@@ -21,12 +22,13 @@ StepOnDevice::StepOnDevice(const PotentialTerms& terms, const EncoderChoice* enc
       v_(size()),
       x_before_(size()),
       v_before_(size()),
-      v_next_(pieces_.count() > 0 || has_stages(scene_.scheme) ? size() : 0),
       gradient_(size()),
       largest_(1),
       pair_sums_(1),
       numbers_(1) {
   if (!encoder) paper_.emplace(quasi_, loops);
+  if (pieces_.count() > 0 || has_stages(scene_.scheme) || !scene_.dependent.empty())
+    v_next_ = DeviceArray<double>(size());
   if (!has_stages(scene_.scheme)) return;
   stage_machine_.emplace(potential());
   stages_.emplace(*stage_machine_);
@@ -127,7 +129,14 @@ double StepOnDevice::phi_at(const double* u) {
   return potential().evaluate<double>(u, static_cast<double*>(nullptr)).total();
 }
 
-/// x_next = X + u on the free nodes, the present x on the others; u = x_next - X.
+double StepOnDevice::rough_phi(const double* u) {
+  potential().start_energy(u, 0);
+  potential().wait_for_energy();
+  return potential().value().total();
+}
+
+/// x_next = X + u on the free nodes and on those that follow them, the present x on the others;
+/// u = x_next - X.
 void StepOnDevice::round_positions() {
   const Motion m = motion();
   double *u = quasi_.u(), *x_next = quasi_.trial_u();
@@ -135,6 +144,14 @@ void StepOnDevice::round_positions() {
     const double place = m.pinned[k / 3] ? m.x[k] : m.rest[k] + u[k];
     x_next[k] = place;
     u[k] = place - m.rest[k];
+  });
+  const DeviceDependentNodes& dependent = potential().dependent();
+  dependent.fill_positions(u);
+  const WeightedSums of = dependent.sums();
+  cuda::for_each(3 * of.count, [=] __device__(int64_t j) {
+    const int64_t k = 3 * int64_t(of.nodes[j / 3]) + j % 3;
+    x_next[k] = m.rest[k] + u[k];
+    u[k] = x_next[k] - m.rest[k];
   });
 }
 
@@ -182,7 +199,7 @@ Certificate StepOnDevice::certify() {
   potential().start_residual(quasi_.u(), gradient_.data());
   find_size();
   if (!scheme_.is_stage) {
-    if (in_flight_) find_flight_velocities();
+    if (has_velocities()) find_velocities();
     find_energies();
   }
   signal_.wait();
@@ -196,7 +213,7 @@ Certificate StepOnDevice::certify() {
 
 namespace {
 
-/// Velocities after a step; pinned nodes rest.
+/// Velocities after a step; pinned nodes rest, as do those that follow others.
 struct NextVelocity {
   Motion m;
   const double* x_next;
@@ -208,12 +225,19 @@ struct NextVelocity {
 
 }  // namespace
 
-/// In flight velocities lose what the rounding of positions brings into their mean.
-void StepOnDevice::find_flight_velocities() {
+bool StepOnDevice::has_velocities() const {
+  return in_flight_ || scheme_.is_stage || !scene_.dependent.empty();
+}
+
+/// Velocities that are not those of single nodes. In flight they lose what the rounding of
+/// positions brings into their mean.
+void StepOnDevice::find_velocities() {
   const Motion m = motion();
   const NextVelocity velocity{m, quasi_.trial_u()};
   double* v_next = v_next_.data();
   cuda::for_each(size(), [=] __device__(int64_t k) { v_next[k] = velocity(k); });
+  potential().dependent().fill(v_next);
+  if (!in_flight_) return;
   pieces_.match_means(potential().mass(), v_next, [=] __device__(int64_t k) {
     return free_velocity(m.scheme, m.v[k], m.v_before[k], m.gravity[k % 3]);
   });
@@ -222,7 +246,7 @@ void StepOnDevice::find_flight_velocities() {
 void StepOnDevice::find_energies() {
   const Motion m = motion();
   const NextVelocity velocity{m, quasi_.trial_u()};
-  const double* v_next = in_flight_ || scheme_.is_stage ? v_next_.data() : nullptr;
+  const double* v_next = has_velocities() ? v_next_.data() : nullptr;
   StepNumbers* to = numbers_.data();
   const Signal::Raise raise = signal_.next();
   ordered_sum(
@@ -243,7 +267,7 @@ void StepOnDevice::find_energies() {
 /// The arrays go round: those of the state before take what comes next.
 MotionEnergy StepOnDevice::finish() {
   if (scheme_.is_stage) accept_stages();
-  if (in_flight_ || scheme_.is_stage) {
+  if (has_velocities()) {
     std::swap(v_before_, v_next_);
   } else {
     const NextVelocity velocity{motion(), quasi_.trial_u()};

@@ -2,21 +2,6 @@
 #include "network/step/host_stage_machine.hpp"
 
 namespace elastogen {
-namespace {
-
-/// Completes the results of passes that leave held nodes at rest.
-template <class Pass>
-void place_held(const Pass& pass, const HeldNodes& held, const DependentNodes& dependent) {
-  if constexpr (std::is_same_v<Pass, StartDisplacement>)
-    held.place(pass.u);
-  else if constexpr (std::is_same_v<Pass, TakeVelocities>)
-    held.set_velocities(pass.x, pass.v);
-  else if constexpr (std::is_same_v<Pass, CombineVelocities>)
-    dependent.fill(pass.y);
-}
-
-}  // namespace
-
 HostStageMachine::HostStageMachine(IncrementalPotential& potential)
     : potential_(potential),
       pieces_(potential.scene()),
@@ -43,7 +28,7 @@ void HostStageMachine::run(const NodePass& pass) {
   std::visit(
       [&](const auto& body) {
         for_each(scene().grid.node_count(), body);
-        place_held(body, potential_.held(), scene().dependent);
+        complete_held(body, potential_.held());
       },
       pass);
 }

@@ -109,4 +109,16 @@ struct CombineVelocities {
 using NodePass = std::variant<PredictMotion, StartDisplacement, PlaceNodes, TakeVelocities,
                               AddRigidMotion, RelativeVelocities, AddPart, CombineVelocities>;
 
+/// Completes the results of passes that leave held nodes at rest, on either machine.
+/// @param held  has place, set_velocities and fill, as HeldNodes.
+template <class Pass, class Held>
+void complete_held(const Pass& pass, const Held& held) {
+  if constexpr (std::is_same_v<Pass, StartDisplacement>)
+    held.place(pass.u);
+  else if constexpr (std::is_same_v<Pass, TakeVelocities>)
+    held.set_velocities(pass.x, pass.v);
+  else if constexpr (std::is_same_v<Pass, CombineVelocities>)
+    held.fill(pass.y);
+}
+
 }  // namespace elastogen

@@ -104,6 +104,14 @@ TEST(Pins, KeepThePointsOfTheAssetBehindTheirBordersAtRest) {
   EXPECT_EQ(held_points, 4);
 }
 
+TEST(Pins, OfRunsOnTheCardHoldAtTheirBordersToo) {
+  RunDescription run = run_of({"x<1%", "x>99%"});
+  run.solver.device = Device::kCuda;
+  const auto setup = set_up(long_bar(), run);
+  EXPECT_EQ(setup.scene.dependent.count(), held({"x<1%", "x>99%"}).scene.dependent.count());
+  EXPECT_FALSE(warns(setup, "cuts voxels"));
+}
+
 TEST(Pins, OfStepsThatHoldNodesSaySoOnce) {
   RunDescription run = run_of({"x<1%", "x>99%", "sphere(50%,50%,50%,0.07m)"});
   run.fem = FemOptions{};
