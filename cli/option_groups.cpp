@@ -84,6 +84,9 @@ void add_constraint_options(CLI::App& app, Typed& t) {
   add_texts("--traction", t.tractions,
             "a force [N] spread over a part of the surface: 'x>99%: 0,-10,0', or a "
             "pressure [Pa] on it: 'x>99%: 2e3'; repeatable");
+  add_texts("--force", t.forces,
+            "a force [N] on a part, spread by mass: 'y>80%: 10,0,0', or in time 'y>80%: "
+            "T:x,y,z; T:x,y,z'; repeatable");
   add_texts("--move", t.moves,
             "move a part: 'x>99%: shift T:x,y,z; T:x,y,z' or 'x>99%: turn(x,y,z, ax,ay,az) "
             "T:ANGLE; T:ANGLE' about a point and an axis; 'ease' before the keys slows down at "
@@ -93,6 +96,10 @@ void add_constraint_options(CLI::App& app, Typed& t) {
 void add_scene_options(CLI::App& app, AnimateOptions& o, Typed& t) {
   add_constraint_options(app, t);
   // forces and motion at the start
+  app.add_option("--wind", t.wind,
+                 "velocity of the air x,y,z [m/s], or in time T:x,y,z; T:x,y,z; it presses on the "
+                 "surface")
+      ->group("Scene");
   app.add_option("--gravity", t.gravity, "x,y,z [m/s^2]; default 9.81 down")->group("Scene");
   app.add_option("--velocity", t.velocity, "start velocity x,y,z [m/s]")->group("Scene");
   app.add_option("--spin", t.spin, "start spin x,y,z [rad/s] about the centre of mass")

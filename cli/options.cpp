@@ -97,9 +97,11 @@ void check_no_holds(const Typed& typed, std::string_view verb) {
 /// @throws Error (usage) naming the first option that studies do not have.
 void check_no_boundary(const Typed& typed) {
   check_no_holds(typed, "study");
-  for (const auto& [option, texts] :
-       {std::pair("--traction", &typed.tractions), {"--move", &typed.moves}})
+  for (const auto& [option, texts] : {std::pair("--traction", &typed.tractions),
+                                      {"--force", &typed.forces},
+                                      {"--move", &typed.moves}})
     ELASTOGEN_CHECK(texts->empty(), "study has no ", option, ", got '", texts->front(), "'");
+  ELASTOGEN_CHECK(typed.wind.empty(), "study has no --wind, got '", typed.wind, "'");
 }
 
 /// Makes the asset's path absolute, so that the printed scene can be read from any folder.
@@ -175,6 +177,11 @@ AnimateOptions take_run(Verb& verb) {
   AnimateOptions& o = verb.scene;
   if (o.print_resolved) return finish_resolved(o);
   if (!o.fem) check_no_holds(verb.typed, name);
+  ELASTOGEN_CHECK(!o.fem || o.wind.keys.empty(), "simulate: finite elements feel no wind, got ",
+                  "--wind '", o.wind_text, "'; use animate");
+  ELASTOGEN_CHECK(o.fem || o.state.empty() || (o.forces.empty() && o.wind.keys.empty()),
+                  "--state does not hold forces that change with time and wind yet: leave it out, ",
+                  "or --force and --wind");
   ELASTOGEN_CHECK(o.method == Method::kAuto || method_of(o) != Method::kAuto, "--method ",
                   verb.typed.method, ": no material of the scene yields");
   const std::string& file = verb.scene_file;

@@ -78,8 +78,8 @@ void HeldNodes::set_time(double time) {
     const Span<const double> weights = scene_.dependent.weights(i);
     offset = held_displacement(holder_of(n), rest(n), time);
     for (int64_t k = 0; k < parents.rows; ++k)
-      offset = minus(offset, scaled(held_displacement(holder_of(n), rest(parents(k)), time),
-                                    weights(k)));
+      offset = minus(offset,
+                     scaled(held_displacement(holder_of(n), rest(parents(k)), time), weights(k)));
   });
 }
 
@@ -111,7 +111,8 @@ Vec3 HeldNodes::centre(size_t holder, const double* u) const {
   return scaled(sum, 1 / double(nodes_[holder].size() + dependent_[holder].size()));
 }
 
-std::vector<Reaction> HeldNodes::reactions(const double* r, const double* u) const {
+std::vector<Reaction> HeldNodes::reactions(const double* r, const double* u,
+                                           const double* load) const {
   std::vector<Reaction> all(scene_.holders.size());
   for (size_t h = 0; h < nodes_.size(); ++h) {
     if (nodes_[h].empty() && dependent_[h].empty()) continue;
@@ -120,7 +121,7 @@ std::vector<Reaction> HeldNodes::reactions(const double* r, const double* u) con
     const auto arm = [&](int64_t n) { return minus(plus(rest(n), at(u, n)), sum.about); };
     for (const int32_t n : nodes_[h]) {
       Vec3 force = minus(at(r, n), scaled(scene_.gravity, weighing_[size_t(n)]));
-      if (!scene_.load.empty()) force = minus(force, at(scene_.load.data(), n));
+      if (load) force = minus(force, at(load, n));
       sum.force = plus(sum.force, force);
       sum.moment = plus(sum.moment, cross(arm(n), force));
     }

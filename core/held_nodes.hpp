@@ -49,7 +49,8 @@ class HeldNodes {
   /// @param r  gradient of the potential before it is folded [N], at pinned nodes of the inner
   ///           forces alone, (nodes, 3).
   /// @param u  displacement [m], (nodes, 3).
-  std::vector<Reaction> reactions(const double* r, const double* u) const;
+  /// @param load  on each node [N], (nodes, 3); null: none.
+  std::vector<Reaction> reactions(const double* r, const double* u, const double* load) const;
   /// Power of what holders that move do to the body, the weight of what they hold included [W].
   double power(const std::vector<Reaction>& reactions) const;
 

@@ -91,6 +91,12 @@ void check_scene(const Scene& scene) {
   check_range(scene.holder, -1, double(scene.holders.size()) - 1, "holder");
   ELASTOGEN_CHECK(scene.load.empty() || is(scene.load, nodes, 3), "load must be (nodes, 3)");
   check_range(scene.load, -kLargest, kLargest, "load");
+  for (const TimedForce& force : scene.forces) {
+    ELASTOGEN_CHECK(is(force.share, nodes, 1), "the shares of a force must be (nodes, 1)");
+    check_path(force.force);
+  }
+  check_path(scene.wind.velocity);
+  check_range(scene.wind.voxel, 0, double(voxels) - 1, "wind.voxel");
 }
 
 /// @throws Error unless the nodes that follow others are those that `pinned` says do.

@@ -6,6 +6,7 @@
 #include "core/collider.hpp"
 #include "core/dependent_nodes.hpp"
 #include "core/holder.hpp"
+#include "core/loads.hpp"
 #include "core/material.hpp"
 #include "core/voxel_grid.hpp"
 
@@ -48,7 +49,9 @@ struct Scene {
   Array<int32_t> holder;  ///< of each node in `holders`, -1 if it is free, (nodes, 1); empty: held
                           ///< nodes rest
   Array<double> load;     ///< dead load on each node [N], (nodes, 3); empty: none
-  Vec3 gravity = {};      ///< [m/s^2]
+  std::vector<TimedForce> forces;
+  Wind wind;
+  Vec3 gravity = {};  ///< [m/s^2]
   std::vector<Collider> colliders;
   double impact_speed = 0;  ///< at which colliders may be met [m/s]: contact_young
   SurfacePoints surface;
@@ -77,12 +80,6 @@ void finish_scene(Scene& scene);
 
 /// Factor s on rho of every material: the asset's volume over that of the fill, one for the scene.
 double volume_scale(const VoxelGrid& grid);
-
-/// Acceleration of a node by gravity and its load, along an axis [m/s^2]. The scene must be finished.
-inline double pull(const Scene& scene, int64_t n, int axis) {
-  const double g = scene.gravity[size_t(axis)];
-  return scene.load.empty() ? g : g + scene.load(n, axis) / scene.mass(n);
-}
 
 /// Estimate of the residual |grad Phi| / |M g_ref| that a number format leaves, by the rounding of
 /// displacements in the formulas of a voxel:

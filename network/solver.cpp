@@ -77,7 +77,7 @@ Solver::Impl::Impl(const Scene& s, const SolverOptions& o)
 void Solver::Impl::make_work(const EncoderChoice* encoder) {
   const bool asked = options.device == Device::kCuda;
   const bool moves = std::ranges::any_of(scene.holders, [](auto& h) { return h.moves(); });
-  const bool on_host = moves || !scene.load.empty();
+  const bool on_host = moves || has_loads(scene);
   const bool wanted =
       asked || (options.device == Device::kAuto && in_float && !on_host && cuda::has_device());
   ELASTOGEN_CHECK(!asked || !on_host,

@@ -155,6 +155,35 @@ Traction parse_traction(std::string_view text) {
                 });
 }
 
+/// Reads a vector that is constant, or keys.
+Path parse_vectors(std::string_view text, Quantity quantity) {
+  if (text.find(':') == text.npos) return {{0, parse_vec3(text, quantity)}};
+  Path path = parse_keys(text, "TIME:x,y,z", [&](std::string_view, std::string_view value) {
+    return parse_vec3(value, quantity);
+  });
+  check_path(path);
+  return path;
+}
+
+Force parse_force(std::string_view text) {
+  return quoted("--force", text,
+                "'SELECTION: x,y,z', e.g. 'y>80%: 10,0,0 N', or 'SELECTION: TIME:x,y,z; "
+                "TIME:x,y,z'",
+                [text](const Parts& parts) {
+                  return Force{std::string(text), parts.selection,
+                               parse_vectors(parts.rest, Quantity::kForce)};
+                });
+}
+
+Path parse_wind(std::string_view text) {
+  try {
+    return parse_vectors(text, Quantity::kSpeed);
+  } catch (const Error& error) {
+    throw Error(concat("--wind '", text, "': ", error.what(),
+                       " (it reads x,y,z in m/s, or TIME:x,y,z; TIME:x,y,z)"));
+  }
+}
+
 Move parse_move(std::string_view text) {
   Move move = quoted("--move", text,
                      "'SELECTION: shift T:x,y,z; T:x,y,z' or 'SELECTION: turn(x,y,z, ax,ay,az) "

@@ -35,6 +35,13 @@ struct Traction {
   std::optional<double> pressure = {};  ///< against the normal of each face [Pa]; replaces force
 };
 
+/// A force on all of a part, spread by mass.
+struct Force {
+  std::string text;
+  Selection selection;  ///< selects nodes
+  Path force;           ///< [N]; one key: at all times
+};
+
 /// A rigid motion along a path.
 struct Move {
   std::string text;
@@ -63,6 +70,12 @@ Traction parse_traction(std::string_view text);
 /// length. Times ascend; the path is straight between keys, or slows down at each with `ease`. With
 /// `loop` it begins anew after its last key, where it must stand as at the first.
 Move parse_move(std::string_view text);
+
+/// Reads 'SELECTION: x,y,z [UNIT]' or 'SELECTION: [ease] [loop] TIME:x,y,z [UNIT]; ...'.
+Force parse_force(std::string_view text);
+
+/// Reads a velocity [m/s]: 'x,y,z [UNIT]' or '[ease] [loop] TIME:x,y,z [UNIT]; ...'.
+Path parse_wind(std::string_view text);
 
 /// Reads [ease] [loop] TIME:x,y,z; TIME:x,y,z ..., offsets [m].
 /// @throws Error (usage) saying what is wrong.

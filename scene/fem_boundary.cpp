@@ -2,6 +2,8 @@
 #include "scene/fem_boundary.hpp"
 
 #include "core/error.hpp"
+#include "core/vec3.hpp"
+#include "mpm_fem/fem/elastic_body.hpp"
 #include "mpm_fem/fem/mesh_pieces.hpp"
 #include "scene/loads.hpp"
 #include "scene/pins.hpp"
@@ -103,6 +105,21 @@ void add_moves(const Setup& setup, const RunDescription& run, fem::FemScene& sce
   };
 }
 
+/// In statics forces are those at the end of their path, times the load factor.
+void add_timed_forces(const Setup& setup, const RunDescription& run, fem::FemScene& scene) {
+  if (run.forces.empty()) return;
+  const Array<double> mass = fem::ElasticBody(scene.mesh, scene.materials).lumped_mass();
+  scene.force = [forces = timed_forces(setup, run, scene.mesh, mass), is_static = run.fem->statics](
+                    double time, Out<double> load) {
+    for (const TimedForce& force : forces) {
+      const Vec3 F =
+          is_static ? scaled(force.force.keys.back().offset, time) : offset_at(force.force, time);
+      for (int64_t n = 0; n < load.rows; ++n)
+        for (int d = 0; d < 3; ++d) load(n, d) += force.share(n) * F[size_t(d)];
+    }
+  };
+}
+
 /// A piece of the mesh.
 struct Piece {
   int64_t nodes = 0;
@@ -135,6 +152,7 @@ void add_boundary(const Setup& setup, const RunDescription& run, fem::FemScene& 
   add_holds(setup, run, scene);
   add_moves(setup, run, scene);
   scene.traction = surface_loads(setup, run, scene.mesh);
+  add_timed_forces(setup, run, scene);
 }
 
 std::vector<std::string> unheld_pieces(const fem::FemScene& scene) {

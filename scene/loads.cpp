@@ -3,6 +3,8 @@
 
 #include "core/error.hpp"
 #include "mpm_fem/fem/surface_load.hpp"
+#include "scene/pins.hpp"
+#include "voxelize/voxelize.hpp"
 
 #include <fmt/format.h>
 
@@ -22,6 +24,37 @@ Array<uint8_t> with_middles(const Array<uint8_t>& grid_nodes, const fem::Element
   return nodes;
 }
 
+std::vector<TimedForce> timed_forces(const Setup& setup, const RunDescription& run,
+                                     const fem::ElementMesh& mesh, const Array<double>& mass) {
+  std::vector<TimedForce> forces;
+  for (const Force& force : run.forces) {
+    const PlacedBox& box = setup.body.surface.box;
+    const Array<uint8_t> nodes =
+        with_middles(select_nodes(setup.scene.grid, force.selection, box), mesh);
+    double all = 0;
+    for (int64_t n = 0; n < nodes.rows(); ++n) all += nodes(n) ? mass(n) : 0;
+    if (!(all > 0))
+      throw Error(fmt::format("--force '{}': no node of the grid lies in it; the asset spans {}",
+                              force.text, span_of(box)));
+    TimedForce& timed = forces.emplace_back();
+    timed.force = force.force;
+    timed.share = Array<double>(nodes.rows());
+    for (int64_t n = 0; n < nodes.rows(); ++n) timed.share(n) = nodes(n) ? mass(n) / all : 0;
+  }
+  return forces;
+}
+
+void add_forces(const RunDescription& run, Setup& setup) {
+  Scene& scene = setup.scene;
+  if (!run.forces.empty())
+    scene.forces =
+        timed_forces(setup, run, fem::voxel_mesh(scene, fem::Element::kVoxel), scene.mass);
+  if (run.wind.keys.empty()) return;
+  scene.wind.velocity = run.wind;
+  scene.wind.share = setup.asset.closed ? 0.5 : 1;
+  add_wind_surface(scene.grid, setup.body.surface, scene.wind);
+}
+
 Array<double> surface_loads(const Setup& setup, const RunDescription& run,
                             const fem::ElementMesh& mesh) {
   Array<double> sum;
@@ -35,9 +68,8 @@ Array<double> surface_loads(const Setup& setup, const RunDescription& run,
     if (load.empty())
       throw Error(fmt::format(
           "--traction '{}': no face of the body has all its nodes in the selection; the asset "
-          "spans {:.4g}..{:.4g}, {:.4g}..{:.4g}, {:.4g}..{:.4g} m",
-          traction.text, box.lower[0], box.upper[0], box.lower[1], box.upper[1], box.lower[2],
-          box.upper[2]));
+          "spans {}",
+          traction.text, span_of(box)));
     if (sum.empty()) sum = Array<double>(load.rows(), 3);
     for (int64_t k = 0; k < load.size(); ++k) sum.data()[k] += load.data()[k];
   }

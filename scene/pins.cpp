@@ -49,12 +49,6 @@ double longest_extent(const Box& box) {
   return std::max({box.extent(0), box.extent(1), box.extent(2)});
 }
 
-std::string span_of(const PlacedBox& box) {
-  const Vec3 lower = plus(box.lower, box.origin), upper = plus(box.upper, box.origin);
-  return fmt::format("{:.4g}..{:.4g}, {:.4g}..{:.4g}, {:.4g}..{:.4g} m", lower[0], upper[0],
-                     lower[1], upper[1], lower[2], upper[2]);
-}
-
 /// Moves the planes of nodes into those of pins and moves, one an axis: the first one where the others lie in
 /// planes of nodes too, else the lowest, whatever their order.
 void align_to_pins(const RunDescription& run, const PlacedBox& box, VoxelizeOptions& options) {
@@ -83,8 +77,9 @@ Array<uint8_t> held_nodes(const std::string& option, const Selection& selection,
   const uint8_t* nodes = selected.data();
   if (std::any_of(nodes, nodes + selected.rows(), [](uint8_t s) { return s != 0; }))
     return selected;
-  setup.warnings.push_back(fmt::format(
-      "{} holds nothing: no node of the grid lies in it; the asset spans {}", option, span_of(box)));
+  setup.warnings.push_back(
+      fmt::format("{} holds nothing: no node of the grid lies in it; the asset spans {}", option,
+                  span_of(box)));
   return selected;
 }
 
@@ -136,8 +131,7 @@ void say_nodes_hold(const RunDescription& run, Setup& setup) {
 
 /// Gives a border to a holder. @throws Error (usage) if another one has it and one of them moves.
 void claim_border(int32_t holder, int32_t& owner, const Scene& scene) {
-  if (owner >= 0 &&
-      (scene.holders[size_t(owner)].moves() || scene.holders[size_t(holder)].moves()))
+  if (owner >= 0 && (scene.holders[size_t(owner)].moves() || scene.holders[size_t(holder)].moves()))
     throw Error(fmt::format("{} and {} contradict each other: both have the same border",
                             scene.holders[size_t(owner)].name, scene.holders[size_t(holder)].name));
   if (owner < 0) owner = holder;
@@ -156,6 +150,12 @@ void add_dependent(const std::vector<Border>& borders, const std::vector<BorderV
 }
 
 }  // namespace
+
+std::string span_of(const PlacedBox& box) {
+  const Vec3 lower = plus(box.lower, box.origin), upper = plus(box.upper, box.origin);
+  return fmt::format("{:.4g}..{:.4g}, {:.4g}..{:.4g}, {:.4g}..{:.4g} m", lower[0], upper[0],
+                     lower[1], upper[1], lower[2], upper[2]);
+}
 
 Holder holder_of(const Move& move, const PlacedBox& box) {
   Holder holder;

@@ -9,6 +9,9 @@
 
 namespace elastogen {
 
+/// The extents of a box, for messages.
+std::string span_of(const PlacedBox& box);
+
 /// What a move does. @param box  of the asset [m].
 Holder holder_of(const Move& move, const PlacedBox& box);
 

@@ -346,6 +346,7 @@ Setup set_up(const Asset& asset, const RunDescription& run) {
   if (!run.fem && !run.tractions.empty())
     scene.load = surface_loads(setup, run, fem::voxel_mesh(scene, fem::Element::kVoxel));
   finish_scene(scene);
+  if (!run.fem) add_forces(run, setup);
   // particles in place of voxels, if the body falls apart into grains
   if (method_of(run) == Method::kMpm) add_particles(asset, run, setup);
   judge(asset, run, setup);

@@ -55,8 +55,8 @@ std::string cause_of(const Setup& setup, const RunDescription& run) {
   };
   if (all(scene.pinned)) return "every node is pinned";
   // loads of the user
-  if (!run.tractions.empty() || !run.moves.empty())
-    return "tractions and moves are too small to show";
+  if (!run.tractions.empty() || !run.forces.empty() || !run.wind.keys.empty() || !run.moves.empty())
+    return "loads and moves are too small to show";
   // gravity: absent, or along an axis that is held
   const Vec3& pull = scene.gravity;
   if (pull == Vec3{}) return "there is no gravity and no start motion";

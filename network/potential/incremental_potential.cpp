@@ -64,7 +64,8 @@ IncrementalPotential::IncrementalPotential(PotentialTerms&& terms)
       rows_(std::make_shared<const BrickRows>(make_brick_rows(scene_))),
       scratch_float_(*rows_),
       scratch_double_(*rows_),
-      held_(scene_) {
+      held_(scene_),
+      loads_(scene_) {
   fill_weights();
   const size_t nodes = size_t(scene_.grid.node_count());
   rotation_.resize(size_t(rows_->row_count()) * 9 * kLanes);
@@ -135,6 +136,12 @@ void IncrementalPotential::begin(In<double> positions, const Motion& motion) {
   freeze_rotations();
 }
 
+void IncrementalPotential::begin_loads(const State& state, const StepScheme& scheme, bool first) {
+  if (!loads_.data()) return;
+  if (first) loads_.begin_step(state.x.data(), state.v.data(), state.time, scheme.end());
+  loads_.set_time(state.time + scheme.end());
+}
+
 void IncrementalPotential::begin_step(const State& state, const StepScheme& scheme) {
   set_scheme(scheme);
   held_.set_time(state.time + scheme.end());
@@ -142,7 +149,7 @@ void IncrementalPotential::begin_step(const State& state, const StepScheme& sche
   begin(state.x, [&](int64_t n, int d) {
     const double x = state.x(n, d);
     return predicted_motion(scheme, x, state.v(n, d), has_before ? state.x_before(n, d) : x,
-                            has_before ? state.v_before(n, d) : 0, pull(scene_, n, d));
+                            has_before ? state.v_before(n, d) : 0, loads_.pull(n, d));
   });
   begin_damping(state, scheme.scheme == TimeScheme::kBdf2 ? -1.0 / 3 : 0, nullptr);
   contact_.begin_step(now_.data(), state.time, scheme.end());
@@ -323,7 +330,7 @@ PotentialValue IncrementalPotential::residual(const double* u, double* gradient)
     value.contact = contact_.evaluate(u, gradient, true);
     value.deepest_overlap = contact_.deepest_overlap(u);
   }
-  reactions_ = held_.reactions(gradient, u);
+  reactions_ = held_.reactions(gradient, u, loads_.data());
   for_each(scene_.grid.node_count(), [&](int64_t n) {
     if (is_fixed(n)) std::fill_n(gradient + 3 * n, 3, 0.0);
   });

@@ -11,6 +11,7 @@
 #pragma once
 
 #include "core/held_nodes.hpp"
+#include "core/loads.hpp"
 #include "core/state.hpp"
 #include "network/potential/brick_rows.hpp"
 #include "network/potential/local_model.hpp"
@@ -31,6 +32,10 @@ class IncrementalPotential : public PotentialTerms {
   /// Sets scheme and inertia alone, for objects that need only the Hessian at rest.
   void set_scheme(const StepScheme& scheme);
 
+  /// Takes the loads at the end of a step or stage of the scheme, and with `first` the wind at its
+  /// start; before the calls below.
+  void begin_loads(const State& state, const StepScheme& scheme, bool first);
+  const NodeLoads& loads() const { return loads_; }
   /// Sets the predictor, the frozen voxel rotations and the lagged normal forces of friction, all
   /// from the state at the start of the step.
   void begin_step(const State& state, const StepScheme& scheme);
@@ -131,6 +136,7 @@ class IncrementalPotential : public PotentialTerms {
   BrickScratch<float> scratch_float_;
   BrickScratch<double> scratch_double_;
   HeldNodes held_;
+  NodeLoads loads_;
   std::vector<Reaction> reactions_;
   std::vector<Sums> sums_;
   std::vector<NoSums> no_sums_;

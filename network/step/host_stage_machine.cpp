@@ -20,7 +20,7 @@ StageNodes HostStageMachine::nodes() {
   nodes.first = first_.data();
   nodes.first_stage = first_stage_.data();
   nodes.gravity = s.gravity;
-  nodes.load = s.load.empty() ? nullptr : s.load.data();
+  nodes.load = potential_.loads().data();
   return nodes;
 }
 

@@ -82,6 +82,7 @@ double HostStep::rough_phi(const Zeroed<double>& u) {
 void HostStep::begin_step(const StepScheme& scheme, double time) {
   scheme_ = scheme;
   state_->time = time;
+  potential_.begin_loads(*state_, scheme, !scheme.is_stage || scheme.stage.t_b <= 0);
   if (scheme.is_stage) return begin_stage();
   potential_.begin_step(*state_, scheme);
   if (paper_) return;
@@ -215,8 +216,8 @@ Certificate HostStep::certify() {
   Certificate result{potential_.residual(u_.data(), gradient_.data())};
   result.reactions = potential_.reactions();
   certificate_ = {result.value.elastic + result.value.hourglass,
-                  damping_power(result.value, scheme_),
-                  potential_.held().power(result.reactions), gradient_.data()};
+                  damping_power(result.value, scheme_), potential_.held().power(result.reactions),
+                  gradient_.data()};
   result.size = norm(gradient_.data(), int64_t(gradient_.size()));
   result.finite = std::isfinite(result.value.total()) && std::isfinite(result.size) &&
                   all_finite(u_.data(), int64_t(u_.size()));
@@ -229,7 +230,7 @@ void HostStep::conserve_momentum(Array<double>& v) {
   flight_.match_means(v.data(), [&](size_t n, size_t d) {
     const auto node = int64_t(n);
     return free_velocity(scheme_, state_->v(node, int64_t(d)), before(node, int64_t(d)),
-                         pull(scene_, node, int(d)));
+                         potential_.loads().pull(node, int(d)));
   });
 }
 

@@ -18,7 +18,7 @@ std::vector<Vec3> centres_of(const std::vector<Piece>& pieces) {
 Stages::Stages(StageMachine& machine)
     : machine_(machine), scene_(machine.scene()), pieces_(machine.pieces()), at_(machine.nodes()) {
   holders_move_ = std::ranges::any_of(scene_.holders, [](auto& h) { return h.moves(); });
-  is_driven_ = !scene_.load.empty() ||
+  is_driven_ = has_loads(scene_) ||
                std::ranges::any_of(scene_.colliders, [](auto& c) { return c.path.moves(); }) ||
                holders_move_;
   poses_.resize(pieces_.count());

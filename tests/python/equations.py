@@ -105,6 +105,7 @@ class Potential:
     contact: float = 0.0
     load: float = 0.0  # of tractions
     viscous: float = 0.0
+    inertial: Floats | None = None  # part of the gradient [N], (nodes, 3)
 
     @property
     def value(self) -> float:
@@ -263,7 +264,8 @@ def potential_about(body: Body, weight: float, xhat: Floats, x: Floats,
     elastic, hourglass, gradient = internal_energy(body, x, R)
     pull = weight * body.mass[:, None] * (x - xhat)
     return Potential(float((pull * (x - xhat)).sum() / 2), elastic, hourglass,
-                     gradient + pull - body.traction, load=-float((body.traction * x).sum()))
+                     gradient + pull - body.traction, load=-float((body.traction * x).sum()),
+                     inertial=pull)
 
 
 def residual(body: Body, gradient: Floats, g_ref: float) -> float:
