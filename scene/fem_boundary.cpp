@@ -119,7 +119,7 @@ void add_holds(const Setup& setup, const RunDescription& run, fem::FemScene& sce
     scene.fixed(n, 2) = fem::is_plane(scene.mesh.element);
   const Array<uint8_t> pinned = pinned_nodes(setup.scene, scene.mesh);
   for (int64_t n = 0; n < pinned.rows(); ++n)
-    if (pinned(n)) std::fill_n(scene.fixed.row(n), 3, uint8_t(1));
+    if (pinned(n) == kPinnedNode) std::fill_n(scene.fixed.row(n), 3, uint8_t(1));
   for (const Hold& hold : run.holds) {
     const Array<uint8_t> nodes = with_middles(
         select_nodes(setup.scene.grid, hold.selection, setup.body.surface.box), scene.mesh);
@@ -167,7 +167,7 @@ void add_moves(const Setup& setup, const RunDescription& run, fem::FemScene& sce
 struct Piece {
   int64_t nodes = 0;
   Box box;                        // at rest [m]
-  std::array<bool, 3> held = {};  // whether a component is prescribed along x, y, z
+  std::array<bool, 3> held = {};  // whether something holds or moves it along x, y, z
 };
 
 std::vector<Piece> pieces_of(const fem::FemScene& scene) {
@@ -181,6 +181,8 @@ std::vector<Piece> pieces_of(const fem::FemScene& scene) {
     own.box.add({scene.mesh.rest(n, 0), scene.mesh.rest(n, 1), scene.mesh.rest(n, 2)});
     for (int d = 0; d < 3; ++d) own.held[size_t(d)] |= scene.fixed(n, d) != 0;
   }
+  for (int64_t i = 0; i < scene.dependent.count(); ++i)
+    pieces[size_t(piece(scene.dependent.node(i)))].held = {true, true, true};
   return pieces;
 }
 
@@ -192,8 +194,12 @@ Array<uint8_t> pinned_nodes(const Scene& scene, const fem::ElementMesh& mesh) {
 
 void add_boundary(const Setup& setup, const RunDescription& run, fem::FemScene& scene) {
   check_contradictions(setup, run);
+  scene.dependent = setup.scene.dependent;
   add_holds(setup, run, scene);
   add_moves(setup, run, scene);
+  // what a pin holds at its border follows that
+  for (int64_t i = 0; i < scene.dependent.count(); ++i)
+    std::fill_n(scene.fixed.row(scene.dependent.node(i)), 3, uint8_t(0));
   add_tractions(setup, run, scene);
 }
 

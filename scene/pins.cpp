@@ -4,6 +4,7 @@
 #include "core/cuda/card.hpp"
 #include "core/parallel.hpp"
 #include "core/vec3.hpp"
+#include "mpm_fem/fem/element_mesh.hpp"
 #include "voxelize/dependent_nodes.hpp"
 #include "voxelize/regions.hpp"
 
@@ -20,7 +21,8 @@ constexpr double kOnBorder = 1e-9;  // of the longest edge, as in regions.cpp
 /// What holds only the nodes in a pin, empty where nothing of the run does.
 std::string holder_of_nodes(const RunDescription& run) {
   if (method_of(run) == Method::kMpm) return "particles hold";
-  if (run.fem || method_of(run) != Method::kAuto) return "finite elements hold";
+  if (run.fem && fem::nodes_of(run.fem->element) != 8) return "tetrahedra hold";
+  if (run.fem || method_of(run) != Method::kAuto) return "";
   if (run.solver.mode == SolverMode::kPaper) return "the solver 'paper' holds";
   const Device device = run.solver.device;
   if (device == Device::kCuda || (device == Device::kAuto && cuda::has_device()))
@@ -99,8 +101,9 @@ void say_nodes_hold(const RunDescription& run, Setup& setup) {
     if (setup.tets || fits_grid(border, setup) || !reaches(*border, box)) continue;
     setup.warnings.push_back(fmt::format(
         "--pin '{}': its border cuts voxels, of which {} the nodes in it only, so that the body "
-        "moves "
-        "there by a part of what its voxels do; the network on the CPU holds it at the border",
+        "moves there by a part of what its voxels do; the network on the CPU and finite elements "
+        "on "
+        "voxels hold it at the border",
         pin.text, holder_of_nodes(run)));
     return;
   }

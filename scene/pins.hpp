@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What pins hold. The network on the host holds the body at their borders where these cut voxels
-// (voxelize/dependent_nodes.hpp); all other steps hold the nodes that lie in a pin.
+// What pins hold. The network on the host and finite elements on voxels hold the body at their borders
+// where these cut voxels (voxelize/dependent_nodes.hpp); all other steps hold the nodes in a pin.
 
 #pragma once
 
