@@ -90,6 +90,8 @@ def finite_elements() -> Case:
                                  "bdf2"),
         "finite elements held at borders that cut voxels": (*SOFT, *CUT),
         "finite elements held at such borders, bdf2": (*SOFT, *CUT, "--time-scheme", "bdf2"),
+        "finite elements held at such borders, under a moving plane": (
+            *soft, *CUT, "--collider", "plane(0,20cm,0, 0,-1,0) path 0s:0,0,0; 250ms:2cm,-9cm,0"),
         "finite elements on a floor": (*soft, "--floor", "--friction", "0.4", "--velocity",
                                        "0.5,0,0"),
         "finite elements under a moving plane": (
