@@ -42,7 +42,7 @@ struct Scene {
   Array<int32_t> material;   ///< index into materials of each voxel, (voxels, 1)
   Array<uint8_t> pinned;     ///< NodeKind: 1 where a node keeps its position, 2 where it follows
                              ///< others, (nodes, 1)
-  DependentNodes dependent;  ///< those that follow others; only the network on the host has some
+  DependentNodes dependent;  ///< those that follow others; card and solver `paper` have none
   Vec3 gravity = {};         ///< [m/s^2]
   std::vector<Collider> colliders;
   double impact_speed = 0;  ///< at which colliders may be met [m/s]: contact_young
