@@ -9,7 +9,7 @@ namespace elastogen::fem {
 namespace {
 
 /// Row `to` of A += factor times row `from`, whose columns it has.
-void add_row(double factor, int64_t from, int64_t to, SparseMatrix& A) {
+void fold_row(double factor, int64_t from, int64_t to, SparseMatrix& A) {
   int32_t k = A.start[size_t(to)];
   for (int32_t l = A.start[size_t(from)]; l < A.start[size_t(from) + 1]; ++l) {
     while (A.column[size_t(k)] < A.column[size_t(l)]) ++k;
@@ -49,7 +49,7 @@ void Constraint::fold(SparseMatrix& H) const {
   for (int64_t i = 0; i < dependent_.count(); ++i)
     for_parents(i, [&](int64_t m, double weight) {
       for (int d = 0; d < 3; ++d)
-        add_row(weight, 3 * int64_t(dependent_.node(i)) + d, 3 * m + d, H);
+        fold_row(weight, 3 * int64_t(dependent_.node(i)) + d, 3 * m + d, H);
     });
   // their columns, in the rows of their neighbours
   for (int64_t i = 0; i < dependent_.count(); ++i) {

@@ -319,8 +319,7 @@ def _check_voxels(grid: dict[str, NDArray[Any]], materials: int, h: float) -> No
             "/grid/shape_mean must be >= 0 with sum 1 in each voxel")
     require((grid["mass"] >= 0).all(), "/grid/mass must be >= 0")
     if "fixed" in grid:
-        require((grid["fixed"] == 1)[grid["pinned"] == 1].all(), "/grid/fixed: a pinned node is not")
-        require(not grid["fixed"][grid["pinned"] == 2].any(), "/grid/fixed: a dependent node is")
+        require((grid["fixed"].T == (grid["pinned"] == 1)).T[grid["pinned"] > 0].all(), "/grid/fixed: not as pinned")
     if "dependent" in grid:
         require(np.isfinite(grid["parent_weight"]).all(), "/grid/parent_weight is not finite")
         require((grid["pinned"][grid["dependent"]] == 2).all() and (grid["pinned"][grid["parent"]] == 0).all(),
