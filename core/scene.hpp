@@ -44,7 +44,7 @@ struct Scene {
   Array<int32_t> material;   ///< index into materials of each voxel, (voxels, 1)
   Array<uint8_t> pinned;     ///< NodeKind: 1 where a node keeps its position, 2 where it follows
                              ///< others, (nodes, 1)
-  DependentNodes dependent;  ///< those that follow others; only the network has some
+  DependentNodes dependent;  ///< those that follow others; the solver `paper` has none
   std::vector<Holder> holders;
   Array<int32_t> holder;  ///< of each node in `holders`, -1 if it is free, (nodes, 1); empty: held
                           ///< nodes rest

@@ -2,6 +2,7 @@
 #include "scene/fem_boundary.hpp"
 
 #include "core/error.hpp"
+#include "core/held_nodes.hpp"
 #include "core/vec3.hpp"
 #include "mpm_fem/fem/elastic_body.hpp"
 #include "mpm_fem/fem/mesh_pieces.hpp"
@@ -11,6 +12,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <memory>
 
 namespace elastogen {
 namespace {
@@ -80,7 +82,7 @@ void add_holds(const Setup& setup, const RunDescription& run, fem::FemScene& sce
     scene.fixed(n, 2) = fem::is_plane(scene.mesh.element);
   const Array<uint8_t> pinned = pinned_nodes(setup.scene, scene.mesh);
   for (int64_t n = 0; n < pinned.rows(); ++n)
-    if (pinned(n)) std::fill_n(scene.fixed.row(n), 3, uint8_t(1));
+    if (pinned(n) == kPinnedNode) std::fill_n(scene.fixed.row(n), 3, uint8_t(1));
   for (const Hold& hold : run.holds) {
     const Array<uint8_t> nodes = with_middles(
         select_nodes(setup.scene.grid, hold.selection, setup.body.surface.box), scene.mesh);
@@ -90,19 +92,40 @@ void add_holds(const Setup& setup, const RunDescription& run, fem::FemScene& sce
   }
 }
 
-void add_moves(const Setup& setup, const RunDescription& run, fem::FemScene& scene) {
-  if (run.moves.empty()) return;
+/// Moves the nodes in the selections of moves.
+void move_nodes(const Setup& setup, const RunDescription& run, double per_time,
+                fem::FemScene& scene) {
   std::vector<Motion> motions;
-  double end = 0;  // time of the last key
   for (const Move& move : run.moves) {
-    end = std::max(end, move.path.keys.back().time);
     motions.push_back(make_motion(move, setup, scene.mesh));
     for (const int32_t n : motions.back().nodes) std::fill_n(scene.fixed.row(n), 3, uint8_t(1));
   }
-  const double per_time = run.fem->statics ? end : 1;
   scene.motion = [motions = std::move(motions), per_time](double time, Out<double> u) {
     for (const Motion& motion : motions) displace(motion, per_time * time, u);
   };
+}
+
+/// Moves what holders of the setup's scene hold, at borders that cut voxels too.
+void move_holders(const Setup& setup, double per_time, fem::FemScene& scene) {
+  const auto held = std::make_shared<HeldNodes>(setup.scene);
+  scene.motion = [held, per_time](double time, Out<double> u) {
+    held->set_time(per_time * time);
+    held->place_pinned(u.data);
+  };
+  if (!held->moves_dependent()) return;
+  scene.dependent_motion = [held, per_time](double time, Out<double> offset) {
+    held->set_time(per_time * time);
+    for (int64_t i = 0; i < offset.rows; ++i) std::ranges::copy(held->offset(i), offset.row(i));
+  };
+}
+
+/// Of statics a load factor of 1 is the end of all paths.
+void add_moves(const Setup& setup, const RunDescription& run, fem::FemScene& scene) {
+  if (run.moves.empty()) return;
+  double end = 0;
+  for (const Move& move : run.moves) end = std::max(end, move.path.keys.back().time);
+  const double per_time = run.fem->statics ? end : 1;
+  moves_apart(run) ? move_nodes(setup, run, per_time, scene) : move_holders(setup, per_time, scene);
 }
 
 /// In statics forces are those at the end of their path, times the load factor.
@@ -124,7 +147,7 @@ void add_timed_forces(const Setup& setup, const RunDescription& run, fem::FemSce
 struct Piece {
   int64_t nodes = 0;
   Box box;                        // at rest [m]
-  std::array<bool, 3> held = {};  // whether a component is prescribed along x, y, z
+  std::array<bool, 3> held = {};  // whether something holds or moves it along x, y, z
 };
 
 std::vector<Piece> pieces_of(const fem::FemScene& scene) {
@@ -138,6 +161,8 @@ std::vector<Piece> pieces_of(const fem::FemScene& scene) {
     own.box.add({scene.mesh.rest(n, 0), scene.mesh.rest(n, 1), scene.mesh.rest(n, 2)});
     for (int d = 0; d < 3; ++d) own.held[size_t(d)] |= scene.fixed(n, d) != 0;
   }
+  for (int64_t i = 0; i < scene.dependent.count(); ++i)
+    pieces[size_t(piece(scene.dependent.node(i)))].held = {true, true, true};
   return pieces;
 }
 
@@ -149,8 +174,12 @@ Array<uint8_t> pinned_nodes(const Scene& scene, const fem::ElementMesh& mesh) {
 
 void add_boundary(const Setup& setup, const RunDescription& run, fem::FemScene& scene) {
   check_contradictions(setup, run);
+  scene.dependent = setup.scene.dependent;
   add_holds(setup, run, scene);
   add_moves(setup, run, scene);
+  // what a pin holds at its border follows that
+  for (int64_t i = 0; i < scene.dependent.count(); ++i)
+    std::fill_n(scene.fixed.row(scene.dependent.node(i)), 3, uint8_t(0));
   scene.traction = surface_loads(setup, run, scene.mesh);
   add_timed_forces(setup, run, scene);
 }

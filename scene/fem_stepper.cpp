@@ -81,6 +81,7 @@ void FemStepper::begin(const StartMotion& motion) {
   State state = initial_state(nodes, motion);
   for (int64_t k = 0; k < state.v.size(); ++k)
     if (scene_.fixed.data()[k]) state.v.data()[k] = 0;
+  scene_.dependent.fill(state.v.data());
   begin_at(state);
 }
 

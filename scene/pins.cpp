@@ -4,6 +4,7 @@
 #include "core/error.hpp"
 #include "core/parallel.hpp"
 #include "core/vec3.hpp"
+#include "mpm_fem/fem/element_mesh.hpp"
 #include "voxelize/dependent_nodes.hpp"
 #include "voxelize/regions.hpp"
 
@@ -24,29 +25,30 @@ struct HeldPart {
   Holder holder;
 };
 
-/// Pins, then moves, which finite elements have by themselves.
-std::vector<HeldPart> held_parts(const RunDescription& run, const PlacedBox& box) {
-  std::vector<HeldPart> parts;
-  for (const Pin& pin : run.pins)
-    parts.push_back({fmt::format("--pin '{}'", pin.text), &pin.selection, {}});
-  for (const Move& move : run.moves)
-    if (!run.fem)
-      parts.push_back(
-          {fmt::format("--move '{}'", move.text), &move.selection, holder_of(move, box)});
-  for (HeldPart& part : parts) part.holder.name = part.option;
-  return parts;
-}
-
 /// What holds only the nodes in a pin, empty where nothing of the run does.
 std::string holder_of_nodes(const RunDescription& run) {
   if (method_of(run) == Method::kMpm) return "particles hold";
-  if (run.fem || method_of(run) != Method::kAuto) return "finite elements hold";
+  if (run.fem && fem::nodes_of(run.fem->element) != 8) return "tetrahedra hold";
+  if (run.fem || method_of(run) != Method::kAuto) return "";
   if (run.solver.mode == SolverMode::kPaper) return "the solver 'paper' holds";
   return "";
 }
 
 double longest_extent(const Box& box) {
   return std::max({box.extent(0), box.extent(1), box.extent(2)});
+}
+
+/// Pins, then moves; finite elements that hold nodes have the latter by themselves.
+std::vector<HeldPart> held_parts(const RunDescription& run, const PlacedBox& box) {
+  std::vector<HeldPart> parts;
+  for (const Pin& pin : run.pins)
+    parts.push_back({fmt::format("--pin '{}'", pin.text), &pin.selection, {}});
+  for (const Move& move : run.moves)
+    if (!moves_apart(run))
+      parts.push_back(
+          {fmt::format("--move '{}'", move.text), &move.selection, holder_of(move, box)});
+  for (HeldPart& part : parts) part.holder.name = part.option;
+  return parts;
 }
 
 /// Moves the planes of nodes into those of pins and moves, one an axis: the first one where the others lie in
@@ -123,7 +125,8 @@ void say_nodes_hold(const RunDescription& run, Setup& setup) {
     if (setup.tets || fits_grid(border, setup) || !reaches(*border, box)) continue;
     setup.warnings.push_back(fmt::format(
         "--pin '{}': its border cuts voxels, of which {} the nodes in it only, so that the body "
-        "moves there by a part of what its voxels do; the network holds it at the border",
+        "moves there by a part of what its voxels do; the network and finite elements on voxels "
+        "hold it at the border",
         pin.text, holder_of_nodes(run)));
     return;
   }
@@ -150,6 +153,10 @@ void add_dependent(const std::vector<Border>& borders, const std::vector<BorderV
 }
 
 }  // namespace
+
+bool moves_apart(const RunDescription& run) {
+  return run.fem && !holder_of_nodes(run).empty();
+}
 
 std::string span_of(const PlacedBox& box) {
   const Vec3 lower = plus(box.lower, box.origin), upper = plus(box.upper, box.origin);
@@ -209,7 +216,7 @@ void pin(const RunDescription& run, const std::vector<Border>& borders,
   for (const Hold& hold : run.holds)
     held_nodes(fmt::format("--hold '{}'", hold.text), hold.selection, setup);
   for (const Move& move : run.moves)
-    if (run.fem) held_nodes(fmt::format("--move '{}'", move.text), move.selection, setup);
+    if (moves_apart(run)) held_nodes(fmt::format("--move '{}'", move.text), move.selection, setup);
 }
 
 std::vector<HeldPoint> rest_behind(const std::vector<HeldBorder>& borders, const PlacedBox& box,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What pins hold, and moves of the network. The network holds the body at their borders where these cut
-// voxels (voxelize/dependent_nodes.hpp); all other steps hold the nodes in them.
+// What pins hold, and moves. The network and finite elements on voxels hold the body at their borders
+// where these cut voxels (voxelize/dependent_nodes.hpp); all other steps hold the nodes in them.
 
 #pragma once
 
@@ -12,6 +12,9 @@ namespace elastogen {
 /// The extents of a box, for messages.
 std::string span_of(const PlacedBox& box);
 
+/// Whether finite elements move nodes by themselves (fem_boundary.cpp), not by holders of the scene.
+bool moves_apart(const RunDescription& run);
+
 /// What a move does. @param box  of the asset [m].
 Holder holder_of(const Move& move, const PlacedBox& box);
 
@@ -20,7 +23,7 @@ Holder holder_of(const Move& move, const PlacedBox& box);
 void add_borders(const RunDescription& run, const PlacedBox& box, VoxelizeOptions& options);
 
 /// Fills what holds the nodes of the scene; warns of pins, holds and moves that hold nothing. Holds, and
-/// moves of finite elements, are only checked.
+/// moves of elements that move nodes apart, are only checked.
 /// @throws Error (usage) naming two options, one of them a move, that have a node or border in common.
 /// @param borders  of the options that the grid was made with.
 /// @param cut      by them (Voxelized).

@@ -22,7 +22,7 @@ constexpr double kNever = std::numeric_limits<double>::infinity();
 bool is_driven(const FemScene& scene) {
   const bool moves = std::any_of(scene.colliders.begin(), scene.colliders.end(),
                                  [](const Collider& c) { return c.path.moves(); });
-  return moves || scene.motion || scene.force || !scene.traction.empty();
+  return moves || scene.motion || scene.dependent_motion || scene.force || !scene.traction.empty();
 }
 
 /// Adds a stage to the report of its step: the worst of both, energies of the last one.
@@ -93,6 +93,7 @@ double StageFem::tolerance_of(const TimeStage& stage, double h) const {
 void StageFem::begin_stage(const TimeStage& stage) {
   const double start = now_->time;
   motion_.begin_stage(stage);
+  terms_.move_dependent(start + stage.t);
   applied_ = applied_force(scene_, start + stage.t, 1);
   potential_.set_force(applied_);
   potential_.set_inertia(1 / (stage.k * stage.k), motion_.predictor());

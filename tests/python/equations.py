@@ -278,15 +278,16 @@ def residual(body: Body, gradient: Floats, g_ref: float) -> float:
 def equilibrium(body: Body, gravity: Floats, factor: float, x: Floats) -> tuple[Potential, float]:
     """Potential at an equilibrium under a load factor, and its relative residual.
 
-    The forces left on what is loose over the larger of the loads there and the forces that hold the
-    rest (2-norms).
+    The forces left on what is loose, with those of dependent nodes folded, over the larger of the loads
+    there and the forces that hold the rest (2-norms).
     """
     elastic, hourglass, gradient = internal_energy(body, x, rotations(body, x))
     load = factor * (body.mass[:, None] * gravity + body.traction)
     left = gradient - load
     reference = max(np.linalg.norm(load[body.loose]), np.linalg.norm(left[~body.loose]))
     found = Potential(0.0, elastic, hourglass, left, load=-float((load * x).sum()))
-    return found, float(np.linalg.norm(left[body.loose]) / reference) if reference > 0 else 0.0
+    off = float(np.linalg.norm(body.fold(left)[body.loose]))
+    return found, off / reference if reference > 0 else 0.0
 
 
 def mass_factors(state: State) -> tuple[Floats, float]:

@@ -216,7 +216,7 @@ def _check_voxels(grid: dict[str, NDArray[Any]], materials: int, h: float) -> No
             "/grid/shape_mean must be >= 0 with sum 1 in each voxel")
     require((grid["mass"] >= 0).all(), "/grid/mass must be >= 0")
     if "fixed" in grid:
-        require(grid["fixed"][grid["pinned"] != 0].all(), "/grid/fixed: a pinned node is not")
+        require((grid["fixed"].T == (grid["pinned"] == 1)).T[grid["pinned"] > 0].all(), "/grid/fixed: not as pinned")
     if "dependent" in grid:
         require(np.isfinite(grid["parent_weight"]).all(), "/grid/parent_weight is not finite")
         require((grid["pinned"][grid["dependent"]] == 2).all() and (grid["pinned"][grid["parent"]] == 0).all(),

@@ -88,6 +88,10 @@ def finite_elements() -> Case:
         "finite elements": ("--law", "neo-hookean", *SOFT, *HELD),
         "finite elements bdf2": ("--law", "stable-neo-hookean", *SOFT, *THROWN, "--time-scheme",
                                  "bdf2"),
+        "finite elements held at borders that cut voxels": (*SOFT, *CUT),
+        "finite elements held at such borders, bdf2": (*SOFT, *CUT, "--time-scheme", "bdf2"),
+        "finite elements held at such borders, under a moving plane": (
+            *soft, *CUT, "--collider", "plane(0,20cm,0, 0,-1,0) path 0s:0,0,0; 250ms:2cm,-9cm,0"),
         "finite elements on a floor": (*soft, "--floor", "--friction", "0.4", "--velocity",
                                        "0.5,0,0"),
         "finite elements under a moving plane": (
@@ -152,7 +156,8 @@ class Runs(unittest.TestCase):
         for options in (("--frames", 8, "--substeps", 1), ("--static",),
                         ("--frames", 8, "--substeps", 1, "--time-scheme", "bdf2", "--floor",
                          "y=-0.12"),
-                        ("--frames", 6, "--time-scheme", "auto", "--damping", 0.1)):
+                        ("--frames", 6, "--time-scheme", "auto", "--damping", 0.1),
+                        ("--static", "--pin", "sphere(0,0,0, 3cm)")):
             done = run("simulate", self.source, "-o", self.path / "out.glb", "--voxels", 16,
                        "--quiet", "--state", state, *BOUNDARY, *options)
             self.assertEqual(done.code, 0, done.err)
