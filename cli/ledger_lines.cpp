@@ -48,12 +48,15 @@ std::string ledger_lines(const Ledger& ledger) {
   text += energy_line("taken by friction", sum.friction(), scale);
   text += energy_line("taken by the guard of contact", sum.guard, scale);
   text += energy_line("lost by the time scheme", sum.numerical(), scale);
-  if (ledger.kinetic > 0)
+  // shares of what is large: slow work of moves and loads has hardly any kinetic energy
+  const double work = std::abs(sum.work());
+  if (const double whole = std::max(ledger.kinetic, work); whole > 0)
     text += fmt::format(
-        "  of the largest kinetic energy, {:.4g} J: the scheme {:.2g} %, the solver's residual "
-        "{:.1g} %, the correction of momentum {:.1g} %\n",
-        ledger.kinetic, 100 * sum.numerical() / ledger.kinetic,
-        100 * sum.done.residual / ledger.kinetic, 100 * sum.correction / ledger.kinetic);
+        "  of {}, {:.4g} J: the scheme {:.2g} %, the solver's residual {:.1g} %, the correction of "
+        "momentum {:.1g} %\n",
+        work > ledger.kinetic ? "the work from outside" : "the largest kinetic energy", whole,
+        100 * sum.numerical() / whole, 100 * sum.done.residual / whole,
+        100 * sum.correction / whole);
   // momentum; a body that it moves at a million metres a second has none
   const double largest = std::max(ledger.linear, 1e-6 * ledger.kinetic);
   text += "momentum [N s]:\n";

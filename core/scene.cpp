@@ -3,6 +3,7 @@
 
 #include "core/constants.hpp"
 #include "core/error.hpp"
+#include "core/held_nodes.hpp"
 #include "core/parallel.hpp"
 #include "core/reduce.hpp"
 #include "core/state.hpp"
@@ -244,6 +245,13 @@ State initial_state(const Scene& scene, const StartMotion& motion) {
     }
   });
   scene.dependent.fill(state.v.data());
+  // what moves stands at the start of its path
+  HeldNodes held(scene);
+  if (!held.move()) return state;
+  Array<double> u(nodes, 3);
+  held.place(u.data());
+  held.add_start_rates(1e-3 * scene.dt, state.v.data());
+  for (int64_t k = 0; k < u.size(); ++k) state.x.data()[k] += u.data()[k];
   return state;
 }
 

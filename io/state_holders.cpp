@@ -25,8 +25,9 @@ void write_dependent(hid_t group, const DependentNodes& dependent) {
   hdf5::write_dataset<double>(group, "parent_weight", weights);
 }
 
-void write_holders(hid_t file, const Scene& scene, const std::vector<double>& times) {
-  if (scene.holders.empty() || scene.holder.empty()) return;
+void write_holders(hid_t file, const Scene& scene, const StateHeader& header,
+                   const std::vector<double>& times) {
+  if (scene.holders.empty() || header.mesh) return;  // of the nodes of a grid
   const hdf5::Handle group = hdf5::create_group(file, "holders");
   std::vector<std::string> names;
   for (const Holder& holder : scene.holders) names.push_back(holder.name);
@@ -40,7 +41,7 @@ void write_holders(hid_t file, const Scene& scene, const std::vector<double>& ti
       group, "offset", H5T_IEEE_F64LE, {hsize_t(times.size()), hsize_t(count), hsize_t(3)});
   Array<double> values(count, 3);
   for (size_t t = 0; t < times.size(); ++t) {
-    held.set_time(times[t]);
+    held.set_time(header.path_time * times[t]);
     for (int64_t i = 0; i < count; ++i) std::ranges::copy(held.offset(i), values.row(i));
     hdf5::write_entry(offsets, t, values);
   }
@@ -48,7 +49,7 @@ void write_holders(hid_t file, const Scene& scene, const std::vector<double>& ti
 
 void write_reactions(hid_t group, size_t holders, const std::vector<Reaction>& reactions) {
   if (holders == 0 || reactions.empty()) return;
-  const auto write = [&](const char* name, Vec3 Reaction::* part) {
+  const auto write = [&](const char* name, Vec3 Reaction::*part) {
     const hdf5::Handle dataset = hdf5::create_dataset(
         group, name, H5T_IEEE_F64LE, {hsize_t(reactions.size() / holders), holders, hsize_t(3)});
     Array<double> values(int64_t(holders), 3);

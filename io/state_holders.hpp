@@ -5,6 +5,7 @@
 
 #include "core/scene.hpp"
 #include "io/hdf5_file.hpp"
+#include "io/state_writer.hpp"
 
 #include <vector>
 
@@ -15,7 +16,8 @@ void write_dependent(hid_t group, const DependentNodes& dependent);
 
 /// Writes /holders: their names, the holder of each node, and where one moves what dependent nodes are
 /// offset by, at each time [s].
-void write_holders(hid_t file, const Scene& scene, const std::vector<double>& times);
+void write_holders(hid_t file, const Scene& scene, const StateHeader& header,
+                   const std::vector<double>& times);
 
 /// Writes the reactions of all steps, of each holder, into /steps; nothing where they are not known.
 void write_reactions(hid_t group, size_t holders, const std::vector<Reaction>& reactions);

@@ -304,7 +304,7 @@ void StateWriter::finish() {
   write_materials(file, scene_.materials);
   write_nets(file, header_);
   write_contact(file, scene_, header_, time_);
-  if (!header_.particles) write_holders(file, scene_, time_);
+  if (!header_.particles) write_holders(file, scene_, header_, time_);
   if (plastic_) write_plastic(file, *plastic_);
   {
     const hdf5::Handle steps = hdf5::create_group(file, "steps");

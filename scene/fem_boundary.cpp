@@ -122,9 +122,7 @@ void move_holders(const Setup& setup, double per_time, fem::FemScene& scene) {
 /// Of statics a load factor of 1 is the end of all paths.
 void add_moves(const Setup& setup, const RunDescription& run, fem::FemScene& scene) {
   if (run.moves.empty()) return;
-  double end = 0;
-  for (const Move& move : run.moves) end = std::max(end, move.path.keys.back().time);
-  const double per_time = run.fem->statics ? end : 1;
+  const double per_time = run.fem->statics ? end_of_moves(run) : 1;
   moves_apart(run) ? move_nodes(setup, run, per_time, scene) : move_holders(setup, per_time, scene);
 }
 
@@ -167,6 +165,12 @@ std::vector<Piece> pieces_of(const fem::FemScene& scene) {
 }
 
 }  // namespace
+
+double end_of_moves(const RunDescription& run) {
+  double end = 0;
+  for (const Move& move : run.moves) end = std::max(end, move.path.keys.back().time);
+  return end;
+}
 
 Array<uint8_t> pinned_nodes(const Scene& scene, const fem::ElementMesh& mesh) {
   return with_middles(scene.pinned, mesh);

@@ -8,6 +8,9 @@
 
 namespace elastogen {
 
+/// Time of the last key of all moves [s].
+double end_of_moves(const RunDescription& run);
+
 /// Scene::pinned of each node, and 1 for middles of edges between two pinned ones, (nodes, 1).
 Array<uint8_t> pinned_nodes(const Scene& scene, const fem::ElementMesh& mesh);
 

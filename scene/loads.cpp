@@ -46,9 +46,11 @@ std::vector<TimedForce> timed_forces(const Setup& setup, const RunDescription& r
 
 void add_forces(const RunDescription& run, Setup& setup) {
   Scene& scene = setup.scene;
-  if (!run.forces.empty())
-    scene.forces =
-        timed_forces(setup, run, fem::voxel_mesh(scene, fem::Element::kVoxel), scene.mass);
+  if (!run.tractions.empty() || !run.forces.empty()) {
+    const fem::ElementMesh mesh = fem::voxel_mesh(scene, fem::Element::kVoxel);
+    scene.load = surface_loads(setup, run, mesh);
+    scene.forces = timed_forces(setup, run, mesh, scene.mass);
+  }
   if (run.wind.keys.empty()) return;
   scene.wind.velocity = run.wind;
   scene.wind.share = setup.asset.closed ? 0.5 : 1;

@@ -343,8 +343,6 @@ Setup set_up(const Asset& asset, const RunDescription& run) {
   add_time(run, setup);
   scene.impact_speed = impact_speed(scene, run.motion);
   judge_pieces(asset, run, setup);
-  if (!run.fem && !run.tractions.empty())
-    scene.load = surface_loads(setup, run, fem::voxel_mesh(scene, fem::Element::kVoxel));
   finish_scene(scene);
   if (!run.fem) add_forces(run, setup);
   // particles in place of voxels, if the body falls apart into grains

@@ -17,8 +17,7 @@ class Facets {
     const double ab = norm(minus(a, b)), bc = norm(minus(b, c)), ca = norm(minus(c, a));
     const double most = std::max({ab, bc, ca});
     if (most > longest_) {  // halved at the longest edge
-      if (bc == most) return add(b, c, a, part);
-      if (ca == most) return add(c, a, b, part);
+      if (ab < most) return bc == most ? add(b, c, a, part) : add(c, a, b, part);
       const Vec3 middle = scaled(plus(a, b), 0.5);
       add(a, middle, c, part);
       add(middle, b, c, part);

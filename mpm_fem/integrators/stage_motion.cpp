@@ -93,7 +93,6 @@ void StageMotion::begin_stage(const TimeStage& stage) {
                             stage.k * stage.k * pull;
   }
   prescribe();
-  prescribe_dependent();
 }
 
 /// Velocities and predictors of prescribed components.
@@ -117,39 +116,6 @@ void StageMotion::prescribe() {
   }
 }
 
-/// Predictors of dependent nodes from those of their parent nodes, and what their velocities have
-/// beside.
-void StageMotion::prescribe_dependent() {
-  if (scene_.dependent.empty()) return;
-  const double time = state_->time + stage_.t, step = kDifference * stage_.k,
-               kk = stage_.k * stage_.k;
-  offset_velocity_ = Array<double>(scene_.dependent.count(), 3);
-  const Array<double> here = dependent_offset(scene_, time),
-                      early = dependent_offset(scene_, time - step),
-                      late = dependent_offset(scene_, time + step);
-  for (int64_t i = 0; i < here.rows(); ++i) {
-    const int64_t n = scene_.dependent.node(i);
-    const Span<const int32_t> parents = scene_.dependent.parents(i);
-    const Span<const double> weights = scene_.dependent.weights(i);
-    for (int d = 0; d < 3; ++d) {
-      const double before = early(i, d), at = here(i, d), after = late(i, d);
-      offset_velocity_(i, d) = (after - before) / (2 * step);
-      const double acceleration = ((after - at) - (at - before)) / (step * step);
-      const double fall = kk * scene_.gravity[size_t(d)];
-      predictor_(n, d) = at + fall - kk * acceleration;
-      for (int64_t m = 0; m < parents.rows; ++m)
-        predictor_(n, d) += weights(m) * (predictor_(parents(m), d) - fall);
-    }
-  }
-}
-
-/// Velocities of dependent nodes from those of their parent nodes.
-void StageMotion::follow(Array<double>& v) const {
-  scene_.dependent.fill(v.data());
-  for (int64_t i = 0; i < offset_velocity_.rows(); ++i)
-    for (int d = 0; d < 3; ++d) v(scene_.dependent.node(i), d) += offset_velocity_(i, d);
-}
-
 std::vector<Array<double>> StageMotion::starts() const {
   Array<double> steady = state_->u;
   for (int64_t k = 0; k < steady.size(); ++k)
@@ -164,7 +130,6 @@ Array<double> StageMotion::velocities(const Array<double>& u) const {
     const double d = u.data()[k] - state_->u.data()[k] - end_.shift.data()[k];
     v.data()[k] = end_.velocity.data()[k] + (d - stage_.w_v * d_b_.data()[k]) / stage_.k;
   }
-  follow(v);
   return v;
 }
 

@@ -7,8 +7,8 @@
 //
 //     uhat = u + k^2 (g - u''),
 //
-// so that the inertia M (u - uhat)/k^2 is that of their motion and their weight; dependent nodes
-// follow in the same way.
+// so that the inertia M (u - uhat)/k^2 is that of their motion and their weight. Dependent nodes have
+// those of their own state, like free ones.
 
 #pragma once
 
@@ -41,7 +41,7 @@ class StageMotion {
 
   // of a step whose velocities are v at its end
 
-  /// e = v - z' there; 0 at prescribed components, and dependent nodes follow.
+  /// e = v - z' there; 0 at prescribed components, and dependent nodes follow their parent nodes.
   Array<double> relative(const Array<double>& v) const;
   /// Combination of e at the end, at the start and at the other point; 0 at prescribed components, and
   /// dependent nodes follow.
@@ -69,8 +69,6 @@ class StageMotion {
   void find_turns();
   void set_other(double t_b);
   void prescribe();
-  void prescribe_dependent();
-  void follow(Array<double>& v) const;
   bool is_fixed(int64_t k) const { return !scene_.fixed.empty() && scene_.fixed.data()[k]; }
 
   const FemScene& scene_;
@@ -83,8 +81,7 @@ class StageMotion {
   Reference end_;                  // at the end of the stage
   Array<double> e_0_, d_b_, e_b_;  // (nodes, 3)
   Array<double> predictor_;
-  Array<double> given_velocity_;   // of prescribed components at the end of the stage
-  Array<double> offset_velocity_;  // of dependent nodes there, beside that of their parent nodes
+  Array<double> given_velocity_;  // of prescribed components at the end of the stage
 };
 
 }  // namespace elastogen::fem

@@ -53,12 +53,13 @@ def fit_motion(p: Floats, s: Floats, q: Floats) -> Fit:
 def fit_velocity(x: Floats, v: Floats) -> float:
     """What the nearest velocities V + w x r leave over, the largest component [m/s]."""
     r = x - x.mean(0)
+    r = r / max(float(np.abs(r).max()), 1e-300)  # w is of another unit then
     table = np.zeros((len(r), 3, 6))
     table[:, :, :3] = np.eye(3)
     table[:, :, 3:] = -np.cross(r[:, None, :], np.eye(3))  # column j is e_j x r
-    table = table.reshape(-1, 6)
-    motion = np.linalg.lstsq(table, v.ravel(), rcond=None)[0]
-    return float(np.abs(table @ motion - v.ravel()).max())
+    U, size, _ = np.linalg.svd(table.reshape(-1, 6), full_matrices=False)
+    U = U[:, size > FLAT * size[0]]
+    return float(np.abs(v.ravel() - U @ (U.T @ v.ravel())).max())
 
 
 @dataclass(frozen=True)
@@ -85,6 +86,9 @@ class Holding:
         self.state, self.body = state, body
         followers = np.flatnonzero(body.dependent)
         self.p, self.s = self.beyond(body.rest), self.beyond(np.ones_like(body.rest))
+        # by rounded positions an offset is off by so many of their roundings
+        sums = np.bincount(body.parents[0], np.abs(body.parents[2]), len(body.rest))
+        self.reach = 1 + float(sums.max())
         self.parts: list[Part] = []
         held = state.holders
         for h in range(len(held.names) if held else 0):
@@ -108,10 +112,10 @@ class Holding:
         return np.bincount(grid["corners"].ravel(), (mass[:, None] * grid["shape_mean"]).ravel(), len(grid["mass"]))
 
     @property
-    def pinned(self) -> NDArray[np.bool_]:
-        """(nodes,): pinned nodes whose velocities are those of a holder."""
+    def carried(self) -> NDArray[np.bool_]:
+        """(nodes,): pinned nodes, of the network, whose velocities are those of a holder."""
         mask = np.zeros(len(self.body.rest), bool)
-        for part in self.parts:
+        for part in self.parts if self.state.is_network else []:
             mask[part.pinned] = True
         return mask
 
@@ -140,9 +144,10 @@ class Holding:
         return worst
 
     def off_velocity(self, x: Floats, v: Floats) -> float:
-        """How far velocities of pinned nodes are from rigid ones, of pins from 0 [m/s]."""
+        """How far velocities of pinned nodes are from rigid ones, of pins from 0 [m/s]; finite elements
+        have those of their scheme where something moves."""
         worst = 0.0
-        for part in (part for part in self.parts if len(part.pinned)):
+        for part in (part for part in self.parts if len(part.pinned) and (part.rests or self.state.is_network)):
             mine = v[part.pinned]
             worst = max(worst, float(np.abs(mine).max()) if part.rests else fit_velocity(x[part.pinned], mine))
         return worst

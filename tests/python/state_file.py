@@ -114,6 +114,11 @@ class State:
     holders: Holders | None = None
 
     @property
+    def is_network(self) -> bool:
+        """Whether the network, and not finite elements, made the steps."""
+        return self.words["solver"] != "fem"
+
+    @property
     def has_stages(self) -> bool:
         """Whether steps are made by stages."""
         return self.words["time_scheme"] in ("sdirk2", "auto")

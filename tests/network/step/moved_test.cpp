@@ -30,7 +30,7 @@ Holder turn(double angle, double time) {
 }
 
 /// The bar without weight, its left end at rest, the other one held by `holder`; its border at the left
-/// is an offset [voxels] behind a layer of nodes.
+/// is an offset [voxels] behind a layer of nodes, and with 0.4 that at the right is in one.
 Scene moved_bar(double offset, const Holder& holder, double dt = 100) {
   Scene scene = held_scene(box_surface({0, 0, 0}, {1, 0.2, 0.2}), kEnds, kEdge,
                            {0.01 - offset * kEdge, 0.02, 0.02}, dt);
@@ -58,7 +58,7 @@ double face_error(const Scene& scene, const State& state) {
 
 TEST(MovedBar, PullTakesTheForceOfTheReferenceOnAnyGrid) {
   const double pull = 1e-4;
-  for (const double offset : {0.0, 1e-4, 0.3, 0.5, 0.9}) {
+  for (const double offset : {0.0, 1e-4, 0.3, 0.4, 0.5, 0.9}) {
     const Scene scene = moved_bar(offset, shift({pull, 0, 0}, 50));
     StepReport report;
     const State state = equilibrium(scene, &report);
@@ -74,7 +74,7 @@ TEST(MovedBar, PullTakesTheForceOfTheReferenceOnAnyGrid) {
 
 TEST(MovedBar, TurnTakesTheTorqueOfTheReferenceOnAnyGrid) {
   const double angle = 1e-3;
-  for (const double offset : {0.0, 0.3, 0.7}) {
+  for (const double offset : {0.0, 0.3, 0.4, 0.7}) {
     const Scene scene = moved_bar(offset, turn(angle, 50));
     StepReport report;
     const State state = equilibrium(scene, &report);
@@ -87,7 +87,7 @@ TEST(MovedBar, TurnTakesTheTorqueOfTheReferenceOnAnyGrid) {
 
 TEST(MovedBar, LargeTurnsAndPullsDoNotDependOnTheGrid) {
   double least[2] = {1e300, 1e300}, most[2] = {};
-  for (const double offset : {0.0, 0.25, 0.5, 0.9}) {
+  for (const double offset : {0.0, 0.25, 0.4, 0.5, 0.9}) {
     StepReport report;
     const Scene turned = moved_bar(offset, turn(std::numbers::pi / 2, 50));
     EXPECT_LT(face_error(turned, equilibrium(turned, &report, 1e-6)), 1e-9);
@@ -100,8 +100,9 @@ TEST(MovedBar, LargeTurnsAndPullsDoNotDependOnTheGrid) {
   }
   EXPECT_LT(most[0], 1.002 * least[0]);
   EXPECT_LT(most[1], 1.006 * least[1]);
-  EXPECT_NEAR(most[0], 1.6152e-4, 0.02 * 1.6152e-4);  // of the reference, law neo-Hookean
-  EXPECT_NEAR(most[1], 0.01025, 0.02 * 0.01025);
+  // of the reference, whose neo-Hookean law has another volumetric part
+  EXPECT_NEAR(most[0], 1.6152e-4, 0.03 * 1.6152e-4);
+  EXPECT_NEAR(most[1], 0.01025, 0.03 * 0.01025);
 }
 
 TEST(MovedBar, ReactionsCarryTheWeightOfTheFreePart) {
@@ -123,7 +124,7 @@ TEST(MovedBar, MovesWithItsOnlyPinAsOneBody) {
   const Vec3 speed = {0.3, -0.2, 0.5};
   for (const TimeScheme scheme :
        {TimeScheme::kEuler, TimeScheme::kBdf2, TimeScheme::kSdirk2, TimeScheme::kAuto}) {
-    Scene scene = moved_bar(0.3, shift({0.3, -0.2, 0.5}, 1), 1.0 / 60);
+    Scene scene = moved_bar(0.4, shift({0.3, -0.2, 0.5}, 1), 1.0 / 60);
     scene.materials[0] = solid(1e6, 0.3);
     scene.scheme = scheme;
     scene.holders[0] = scene.holders[1];  // both ends go along
@@ -139,13 +140,13 @@ TEST(MovedBar, MovesWithItsOnlyPinAsOneBody) {
     for (int64_t n = 0; n < state.x.rows(); ++n)
       for (int d = 0; d < 3; ++d) {
         EXPECT_NEAR(state.x(n, d) - scene.grid.rest(n, d), speed[size_t(d)] * state.time, 1e-8);
-        if (scene.pinned(n) != kPinnedNode) EXPECT_NEAR(state.v(n, d), speed[size_t(d)], 1e-6);
+        EXPECT_NEAR(state.v(n, d), speed[size_t(d)], 1e-6);
       }
   }
 }
 
 TEST(MovedBar, WorkOfTheHolderIsInTheLedger) {
-  for (const double offset : {0.0, 0.3})  // pinned nodes, and dependent ones
+  for (const double offset : {0.4, 0.3})  // pinned nodes, and dependent ones
     for (const bool turns : {false, true}) {
       Holder holder = turns ? turn(1.0, 0.5) : shift({0.1, 0.05, 0}, 0.5);
       holder.path.eases = true;
@@ -223,7 +224,7 @@ TEST(Load, BringsItsImpulseAndItsMoment) {
     if (!has_stages(scheme)) continue;
     EXPECT_LT(ledger.linear_gap, 1e-12);
     EXPECT_LT(ledger.angular_gap, 1e-12);
-    EXPECT_GT(norm(ledger.sum.end.momentum.angular), 0.02);
+    EXPECT_GT(safe_norm(ledger.sum.end.momentum.angular), 0.02);
     EXPECT_NEAR(ledger.sum.end.energy.total(), ledger.sum.done.loaded,
                 0.01 * ledger.sum.done.loaded);
   }
