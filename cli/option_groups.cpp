@@ -74,6 +74,7 @@ void add_constraint_options(CLI::App& app, Typed& t) {
         ->expected(1)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   };
+  // what is held, what is in the way, what is loaded and moved
   add_texts("--pin", t.pins,
             "hold a part: y<5%, z>0.2m, box(x,y,z,x,y,z), sphere(x,y,z,r), all; repeatable");
   add_texts("--collider", t.colliders,

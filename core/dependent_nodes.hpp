@@ -15,6 +15,14 @@ namespace elastogen {
 /// What Scene::pinned says of a node.
 enum NodeKind : uint8_t { kFreeNode = 0, kPinnedNode = 1, kDependentNode = 2 };
 
+/// Lists of weighted sums of values of nodes, in the memory of a machine: those of nodes[i] are
+/// sources[begin[i]] to sources[begin[i + 1] - 1].
+struct WeightedSums {
+  const int32_t *nodes = nullptr, *begin = nullptr, *sources = nullptr;
+  const double* weights = nullptr;
+  int64_t count = 0;  ///< of nodes
+};
+
 class DependentNodes {
  public:
   DependentNodes() = default;
@@ -37,8 +45,11 @@ class DependentNodes {
   /// Largest node of the lists, -1 if there is none.
   int32_t last_node() const { return last_node_; }
 
-  /// Lists of weighted sums: those of nodes[i] are sources[begin[i]] to sources[begin[i + 1] - 1].
+  /// WeightedSums in vectors.
   struct Sums {
+    WeightedSums view() const {
+      return {nodes.data(), begin.data(), sources.data(), weights.data(), int64_t(nodes.size())};
+    }
     const std::vector<int32_t>&nodes, &begin, &sources;
     const std::vector<double>& weights;
   };

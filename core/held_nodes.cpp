@@ -19,22 +19,28 @@ void set(double* values, int64_t n, const Vec3& value) {
 }  // namespace
 
 HeldNodes::HeldNodes(const Scene& scene) : scene_(scene) {
-  if (scene.holder.empty()) return;
   nodes_.resize(scene.holders.size());
-  dependent_.resize(scene.holders.size());
+  rates_.resize(nodes_.size());
+  centres_.resize(nodes_.size());
+  if (scene.holder.empty()) return;
+  find_weights();
+  // pinned nodes, then those that follow others
   for (int64_t n = 0; n < scene.pinned.rows(); ++n) {
-    if (scene.pinned(n) != kPinnedNode || scene.holder(n) < 0) continue;
-    nodes_[size_t(scene.holder(n))].push_back(int32_t(n));
-    if (holder_of(n).moves()) moved_.push_back(int32_t(n));
+    const int32_t holder = scene.holder(n);
+    if (scene.pinned(n) != kPinnedNode || holder < 0) continue;
+    nodes_[size_t(holder)].push_back({int32_t(n), -1, scaled(scene.gravity, weighing_[size_t(n)])});
+    if (!holder_of(n).moves()) continue;
+    moved_.push_back(int32_t(n));
+    holders_of_moved_.push_back(holder);
   }
   bool follows = false;
   for (int64_t i = 0; i < scene.dependent.count(); ++i) {
-    const int32_t holder = scene.holder(scene.dependent.node(i));
+    const int32_t n = scene.dependent.node(i), holder = scene.holder(n);
     if (holder < 0) continue;
-    dependent_[size_t(holder)].push_back(int32_t(i));
+    nodes_[size_t(holder)].push_back({n, int32_t(i), {}});
     follows |= scene.holders[size_t(holder)].moves();
   }
-  find_weights();
+  find_centres();
   place_.resize(moved_.size());
   if (follows) offset_.resize(size_t(scene.dependent.count()));
   set_time(0);
@@ -55,6 +61,15 @@ void HeldNodes::find_weights() {
   }
 }
 
+void HeldNodes::find_centres() {
+  for (size_t h = 0; h < nodes_.size(); ++h) {
+    Vec3 sum = {};
+    for (const HeldNode& held : nodes_[h]) sum = plus(sum, rest(held.node));
+    if (!nodes_[h].empty()) centres_[h] = scaled(sum, 1 / double(nodes_[h].size()));
+    if (scene_.holders[h].turns) centres_[h] = scene_.holders[h].centre;
+  }
+}
+
 const Holder& HeldNodes::holder_of(int64_t node) const {
   return scene_.holders[size_t(scene_.holder(node))];
 }
@@ -65,6 +80,7 @@ Vec3 HeldNodes::rest(int64_t node) const {
 
 void HeldNodes::set_time(double time) {
   time_ = time;
+  for (size_t h = 0; h < rates_.size(); ++h) rates_[h] = holder_rate(scene_.holders[h], time);
   for_each(int64_t(moved_.size()), [&](int64_t k) {
     const int32_t n = moved_[size_t(k)];
     place_[size_t(k)] = held_displacement(holder_of(n), rest(n), time);
@@ -95,64 +111,54 @@ void HeldNodes::follow(double* u) const {
   }
 }
 
-void HeldNodes::set_velocities(const double* x, double* v) const {
-  for (const int32_t n : moved_) set(v, n, held_velocity(holder_of(n), at(x, n), time_));
+void HeldNodes::add_start_rates(double soon, double* v) {
+  set_time(0);
+  const std::vector<Vec3> now = offset_;
+  set_time(soon);
+  for (size_t i = 0; i < offset_.size(); ++i) {
+    const int32_t n = scene_.dependent.node(int64_t(i));
+    set(v, n, plus(at(v, n), scaled(minus(offset_[i], now[i]), 1 / soon)));
+  }
+  set_time(0);
 }
 
-/// The point that moments are about [m].
-Vec3 HeldNodes::centre(size_t holder, const double* u) const {
-  if (scene_.holders[holder].turns) return scene_.holders[holder].centre;
-  Vec3 sum = {};
-  for (const int32_t n : nodes_[holder]) sum = plus(sum, plus(rest(n), at(u, n)));
-  for (const int32_t i : dependent_[holder]) {
-    const int32_t n = scene_.dependent.node(i);
-    sum = plus(sum, plus(rest(n), at(u, n)));
-  }
-  return scaled(sum, 1 / double(nodes_[holder].size() + dependent_[holder].size()));
+void HeldNodes::set_velocities(const double* x, double* v) const {
+  for (size_t k = 0; k < moved_.size(); ++k)
+    set(v, moved_[k], rates_[size_t(holders_of_moved_[k])].velocity(at(x, moved_[k])));
 }
 
 std::vector<Reaction> HeldNodes::reactions(const double* r, const double* u,
                                            const double* load) const {
-  std::vector<Reaction> all(scene_.holders.size());
-  for (size_t h = 0; h < nodes_.size(); ++h) {
-    if (nodes_[h].empty() && dependent_[h].empty()) continue;
-    Reaction& sum = all[h];
-    sum.about = centre(h, u);
-    const auto arm = [&](int64_t n) { return minus(plus(rest(n), at(u, n)), sum.about); };
-    for (const int32_t n : nodes_[h]) {
-      Vec3 force = minus(at(r, n), scaled(scene_.gravity, weighing_[size_t(n)]));
-      if (load) force = minus(force, at(load, n));
-      sum.force = plus(sum.force, force);
-      sum.moment = plus(sum.moment, cross(arm(n), force));
-    }
-    for (const int32_t i : dependent_[h]) {
-      const int32_t n = scene_.dependent.node(i);
-      const Span<const int32_t> parents = scene_.dependent.parents(i);
-      double share = 1;
-      Vec3 lever = arm(n);
-      for (int64_t k = 0; k < parents.rows; ++k) {
-        const double w = scene_.dependent.weights(i)(k);
-        share -= w;
-        lever = minus(lever, scaled(arm(parents(k)), w));
-      }
-      sum.force = plus(sum.force, scaled(at(r, n), share));
-      sum.moment = plus(sum.moment, cross(lever, at(r, n)));
-    }
+  const HeldForces forces{scene_.grid.rest.data(), u, r, load, scene_.dependent.filled().view()};
+  std::vector<HolderSums> sums(nodes_.size());
+  for (size_t h = 0; h < sums.size(); ++h)
+    for (const HeldNode& held : nodes_[h]) forces.add(held, centres_[h], sums[h].data());
+  return reactions(sums);
+}
+
+std::vector<Reaction> HeldNodes::reactions(const std::vector<HolderSums>& sums) const {
+  std::vector<Reaction> all(sums.size());
+  for (size_t h = 0; h < all.size(); ++h) {
+    if (nodes_[h].empty()) continue;
+    const HolderSums& of = sums[h];
+    const Vec3 force = {of[0], of[1], of[2]}, moment = {of[3], of[4], of[5]};
+    // the mean of the nodes goes along with them
+    Vec3 motion = {};
+    if (!scene_.holders[h].turns)
+      motion = scaled({of[6], of[7], of[8]}, 1 / double(nodes_[h].size()));
+    all[h] = {force, minus(moment, cross(motion, force)), plus(centres_[h], motion)};
   }
   return all;
 }
 
 double HeldNodes::power(const std::vector<Reaction>& reactions) const {
   double sum = 0;
-  for (size_t h = 0; h < reactions.size(); ++h) {
-    const Holder& holder = scene_.holders[h];
-    const Vec3 rate = rate_at(holder.path, time_);
-    sum += dot(holder.turns ? reactions[h].moment : reactions[h].force, rate);
-  }
+  for (size_t h = 0; h < reactions.size(); ++h)
+    sum += dot(rates_[h].turns ? reactions[h].moment : reactions[h].force, rates_[h].rate);
   // held voxels
   for (size_t k = 0; k < moved_.size(); ++k) {
     const int32_t n = moved_[k];
-    const Vec3 v = held_velocity(holder_of(n), plus(rest(n), place_[k]), time_);
+    const Vec3 v = rates_[size_t(holders_of_moved_[k])].velocity(plus(rest(n), place_[k]));
     sum -= (scene_.mass(n) - weighing_[size_t(n)]) * dot(scene_.gravity, v);
   }
   return sum;

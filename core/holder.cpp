@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/holder.hpp"
 
-#include "core/vec3.hpp"
-
 namespace elastogen {
 namespace {
 
@@ -25,10 +23,13 @@ Vec3 held_displacement(const Holder& holder, const Vec3& rest, double time) {
   return minus(turned(arm, offset), arm);
 }
 
-Vec3 held_velocity(const Holder& holder, const Vec3& place, double time) {
+HolderRate holder_rate(const Holder& holder, double time) {
   // the axis of a turn is the same at all keys, so that the rate is its angular velocity
-  const Vec3 rate = rate_at(holder.path, time);
-  return holder.turns ? cross(rate, minus(place, holder.centre)) : rate;
+  return {holder.turns, holder.centre, rate_at(holder.path, time)};
+}
+
+Vec3 held_velocity(const Holder& holder, const Vec3& place, double time) {
+  return holder_rate(holder, time).velocity(place);
 }
 
 std::array<double, 9> held_rotation(const Holder& holder, double time) {

@@ -71,6 +71,7 @@ void check_scene(const Scene& scene) {
   const auto is = [](const auto& array, int64_t rows, int cols) {
     return array.rows() == rows && array.cols() == cols;
   };
+  // the grid
   ELASTOGEN_CHECK(voxels > 0, "the scene has no voxels");
   ELASTOGEN_CHECK(grid.h > 0 && std::isfinite(grid.h), "h must be positive, got ", grid.h);
   ELASTOGEN_CHECK(is(grid.fill, voxels, 1) && is(grid.shape_mean, voxels, 8) &&
@@ -79,6 +80,7 @@ void check_scene(const Scene& scene) {
                   " nodes");
   check_grid_numbers(grid);
   check_surface(scene.surface, voxels);
+  // materials, what is held, what acts
   ELASTOGEN_CHECK(is(scene.material, voxels, 1), "material must be (voxels, 1)");
   ELASTOGEN_CHECK(is(scene.pinned, nodes, 1), "pinned must be (nodes, 1)");
   ELASTOGEN_CHECK(!scene.materials.empty(), "the scene has no material");

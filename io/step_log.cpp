@@ -4,7 +4,6 @@
 #include "core/error.hpp"
 #include "core/time_scheme.hpp"
 #include "io/ledger_json.hpp"
-#include "io/reaction_json.hpp"
 
 #include <nlohmann/json.hpp>
 

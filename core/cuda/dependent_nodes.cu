@@ -26,6 +26,14 @@ void DeviceDependentNodes::fill(T* values) const {
   });
 }
 
+void DeviceDependentNodes::fill(double* values, const Vec3* offsets) const {
+  const WeightedSums of = filled_.view();
+  cuda::for_each(3 * of.count, [=] __device__(int64_t k) {
+    const int64_t i = k / 3, d = k % 3;
+    values[3 * int64_t(of.nodes[i]) + d] = sum_of(of, i, d, 0, values) + offsets[i][size_t(d)];
+  });
+}
+
 template <class T>
 void DeviceDependentNodes::fold(T* gradient) const {
   const WeightedSums by_parent = folded_.view(), own = filled_.view();

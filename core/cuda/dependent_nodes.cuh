@@ -5,17 +5,11 @@
 
 #pragma once
 
+#include "core/base.hpp"
 #include "core/cuda/array.cuh"
 #include "core/dependent_nodes.hpp"
 
 namespace elastogen::cuda {
-
-/// DependentNodes::Sums, as kernels read them.
-struct WeightedSums {
-  const int32_t *nodes, *begin, *sources;
-  const double* weights;
-  int64_t count;  ///< of nodes
-};
 
 class DeviceDependentNodes {
  public:
@@ -26,13 +20,11 @@ class DeviceDependentNodes {
   /// The dependent nodes, with their parent nodes as sources.
   WeightedSums sums() const { return filled_.view(); }
 
-  /// As DependentNodes::fill, of directions, velocities and the like; (nodes, 3), on the device.
+  /// As DependentNodes::fill; (nodes, 3), on the device.
   template <class T>
   void fill(T* values) const;
-  /// The same for displacements of positions.
-  void fill_positions(double* u) const { fill(u); }
-  void place(double* u) const { fill(u); }
-  void set_velocities(const double*, double*) const {}
+  /// As fill(), and an offset to each dependent node, (count).
+  void fill(double* values, const Vec3* offsets) const;
   /// As DependentNodes::fold.
   template <class T>
   void fold(T* gradient) const;

@@ -25,7 +25,7 @@ ELASTOGEN_HD constexpr int symmetric_place(int i, int j) {
   return i + j + (i > 0 && j > 0 ? 1 : 0);
 }
 
-class DeviceDependentNodes;
+class DeviceHeldNodes;
 
 class DeviceContact {
  public:
@@ -50,16 +50,18 @@ class DeviceContact {
   /// Copies `now` to `clear` and moves nodes that colliders run over along with them. Then cuts the
   /// step from `clear` to u where its path leads into a collider, as Solver::Impl::start does.
   /// Waits for the device.
-  /// @param dependent  nodes that follow others.
+  /// @param held  follows what moves along.
   /// @return the collider whose core still contains a point of `clear`, else null.
   const Collider* clear_start(const double* now, double* clear, double* u,
-                              const DeviceDependentNodes& dependent);
+                              const DeviceHeldNodes& held);
 
   /// Starts Contact::evaluate and deepest_overlap. energy() and deepest_overlap() give their
   /// results after synchronise().
   /// @param g  null: the energy alone.
   template <class T>
   void start_evaluation(const double* u, T* g);
+  /// Adds the forces of the last start_evaluation() at pinned nodes, in a scene with holders.
+  void add_pinned_forces(double* g);
   double energy() const;
   double deepest_overlap() const;
 

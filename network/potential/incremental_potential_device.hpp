@@ -12,7 +12,7 @@
 
 namespace elastogen::cuda {
 
-class DeviceDependentNodes;
+class DeviceHeldNodes;
 
 /// Terms of the inertial energy, for callers that sum it along with other numbers.
 struct InertiaTerms {
@@ -90,6 +90,8 @@ class DevicePotential {
   InertiaTerms inertia_terms();
   /// As start_evaluation() in float64, with the smallest Jacobians; for the certificate.
   void start_residual(const double* u, double* gradient);
+  /// As IncrementalPotential::reactions(), when the kernels of start_residual() have ended.
+  std::vector<Reaction> reactions() const;
   PotentialValue value(int place = 0) const;
 
   /// Freezes the Hessian at u, in float; hessian_product then gives A p, 0 on pinned nodes. All
@@ -110,10 +112,12 @@ class DevicePotential {
 
   int64_t nodes() const;
   const uint8_t* pinned() const;  ///< NodeKind, (nodes), on the device
-  const DeviceDependentNodes& dependent() const;
+  DeviceHeldNodes& held();        ///< at the end of the step or stage: the caller sets its time
+  const DeviceHeldNodes& held() const;
   const Quaternion<float>* nodal_rotation() const;  ///< (nodes), on the device
   const double* rest() const;                       ///< [m], (nodes, 3), on the device
   const double* mass() const;                       ///< [kg], (nodes), on the device
+  const double* load() const;                       ///< [N], (nodes, 3), on the device; null: none
   const PotentialTerms& terms() const;
 
   struct Impl;

@@ -74,7 +74,7 @@ template <class T>
 void DevicePotential::hessian_product(const T* p, T* product) {
   impl_->hessian_product(p, product);
   if (impl_->contact) impl_->contact->add_hessian_product(p, product);
-  impl_->dependent.fold(product);
+  impl_->held.fold(product);
 }
 
 template void DevicePotential::hessian_product(const float*, float*);

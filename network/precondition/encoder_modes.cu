@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Compiled without fused operations, like the CPU's source, so that the modes equal its bit by bit.
-#include "core/cuda/dependent_nodes.cuh"
+#include "core/cuda/held_nodes.cuh"
 #include "core/cuda/reduce.cuh"
 #include "network/precondition/encoder_modes.cuh"
 #include "network/precondition/encoder_modes.hpp"
@@ -102,7 +102,7 @@ void fill_modes(const NodeSource& source, const PinTreesView& pins, double h, co
 template <class T>
 void follow_parents(const DevicePotential& potential, const int32_t* piece,
                     PieceModesOnDevice<T>& made) {
-  const WeightedSums of = potential.dependent().sums();
+  const WeightedSums of = potential.held().dependent().sums();
   if (of.count == 0) return;
   // entry of each node, -1: in no piece
   DeviceArray<int32_t> entries(potential.nodes());

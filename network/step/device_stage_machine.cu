@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/cuda/dependent_nodes.cuh"
+#include "core/cuda/held_nodes.cuh"
 #include "network/step/device_stage_machine.cuh"
 
 #include <algorithm>
@@ -42,6 +42,7 @@ StageNodes DeviceStageMachine::nodes() {
   nodes.first = groups_.view().first;
   nodes.first_stage = first_stage_.data();
   nodes.gravity = scene().gravity;
+  nodes.load = potential_.load();
   return nodes;
 }
 
@@ -59,7 +60,7 @@ void DeviceStageMachine::run(const NodePass& pass) {
   std::visit(
       [&](const auto& body) {
         cuda::for_each(potential_.nodes(), body);
-        complete_held(body, potential_.dependent());
+        complete_held(body, potential_.held());
       },
       pass);
 }

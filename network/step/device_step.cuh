@@ -103,8 +103,8 @@ class StepOnDevice : public StepWork {
   int64_t size() const { return x_.size(); }
   bool touches();
   /// Whether those of the new state are in v_next_ before it is finished.
-  bool has_velocities() const;
-  /// u_now, in the scratch of a gradient.
+  bool has_velocities();
+  /// find_now() in the scratch of a gradient.
   const double* now() {
     find_now(gradient_.data());
     return gradient_.data();
@@ -125,8 +125,8 @@ class StepOnDevice : public StepWork {
   std::optional<DevicePaper> paper_;
   DevicePieces pieces_;
   DeviceArray<double> x_, v_, x_before_, v_before_;  // the state
-  DeviceArray<double> v_next_;                       // in flight, of dependent nodes, or of stages
-  DeviceArray<double> gradient_;                     // of the certificate
+  DeviceArray<double> v_next_;    // in flight, of stages, or where a holder moves
+  DeviceArray<double> gradient_;  // of the certificate
   DeviceArray<SumScratch<Largest>> largest_;
   DeviceArray<SumScratch<Sums<2>>> pair_sums_;
   PinnedArray<StepNumbers> numbers_;

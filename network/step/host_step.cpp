@@ -195,19 +195,20 @@ bool HostStep::balance() {
 void HostStep::round_positions() {
   const Array<double>& X = scene_.grid.rest;
   x_ = state_->x;
-  const auto round = [&](NodeKind kind) {
+  const auto round = [&](NodeKind kind, bool moves) {
     for_each(X.rows(), [&](int64_t n) {
+      if (scene_.pinned(n) != kind) return;
       for (int d = 0; d < 3; ++d) {
-        if (scene_.pinned(n) == kind) x_(n, d) = X(n, d) + u_[size_t(3 * n + d)];
+        if (moves) x_(n, d) = X(n, d) + u_[size_t(3 * n + d)];
         u_[size_t(3 * n + d)] = x_(n, d) - X(n, d);
       }
     });
   };
-  round(kFreeNode);
-  if (potential_.held().move()) round(kPinnedNode);
+  round(kFreeNode, true);
+  round(kPinnedNode, potential_.held().move());
   if (scene_.dependent.empty()) return;
   potential_.held().follow(u_.data());
-  round(kDependentNode);
+  round(kDependentNode, true);
 }
 
 Certificate HostStep::certify() {

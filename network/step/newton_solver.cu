@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/cuda/dependent_nodes.cuh"
+#include "core/cuda/held_nodes.cuh"
 #include "core/cuda/reduce.cuh"
 #include "core/cuda/signal.cuh"
 #include "core/time_error.hpp"
@@ -145,7 +145,7 @@ void DeviceNewton::Impl::find_direction() {
     const float beta = float(of->beta);
     direction[k] = beta == 0 ? preconditioned[k] : preconditioned[k] + beta * direction[k];
   });
-  potential.dependent().fill(direction);
+  potential.held().fill(direction);
 }
 
 /// A p and p . A p.
@@ -235,12 +235,12 @@ void DeviceNewton::Impl::move(double share, bool is_first) {
   const float* step = x.data();
   double* to = trial_u.data();
   cuda::for_each(count, [=] __device__(int64_t k) { to[k] = from[k] + share * double(step[k]); });
-  potential.dependent().fill_positions(to);
+  potential.held().follow(to);
   trial.share = share;
   is_cut = is_first && potential.contact();
   if (!is_cut) return;
   potential.contact()->cut_step(quasi.u(), to);
-  potential.dependent().fill_positions(to);
+  potential.held().follow(to);
 }
 
 void DeviceNewton::Impl::start_trial() {
@@ -277,7 +277,7 @@ void DeviceNewton::Impl::set_inertial_gradient(const double* y) {
   const double* inertia = potential.inertia();
   double* const to = gradient.data();
   cuda::for_each(count, [=] __device__(int64_t k) { to[k] = -inertia[k / 3] * y[k]; });
-  potential.dependent().fold(to);
+  potential.held().fold(to);
 }
 
 void DeviceNewton::Impl::take_step(double* y) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/cuda/dependent_nodes.cuh"
+#include "core/cuda/held_nodes.cuh"
 #include "network/step/quasi_iteration.cuh"
 #include "network/step/quasi_loop.hpp"
 #include "network/step/quasi_solver_device.hpp"
@@ -71,7 +71,7 @@ struct QuasiWorkOfCard {
     it.take_cut_step(of.u.data(), of.trial_u.data());
   }
 
-  void follow() { of.potential.dependent().fill_positions(of.trial_u.data()); }
+  void follow() { of.potential.held().follow(of.trial_u.data()); }
 
   void start_trial() {
     of.potential.template start_gradient<T>(of.trial_u.data(), it.trial_gradient.data());
@@ -201,7 +201,7 @@ void DeviceQuasi::precondition(const T* r, T* z) {
   first.cycle();
   const UnturnedResult result = first.result();
   cuda::for_each(impl_->potential.nodes(), [=] __device__(int64_t n) { result.at(n, z + 3 * n); });
-  impl_->potential.dependent().fill(z);
+  impl_->potential.held().fill(z);
 }
 
 template void DeviceQuasi::precondition(const float*, float*);

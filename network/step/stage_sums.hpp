@@ -68,8 +68,7 @@ struct MotionEnergies {
   }
 };
 
-/// m v, r x m v, kinetic energy and that of gravity; r from a fixed point. Of pinned nodes, which go
-/// with what holds them, that of gravity alone.
+/// m v, r x m v, kinetic energy and that of gravity, of pinned nodes that alone; r from a fixed point.
 struct WholeMotion {
   StageNodes of;
   Vec3 about;
@@ -102,14 +101,14 @@ struct StageForces {
   }
 };
 
-/// Loads, their torques about a fixed point, and their power at a stage. Pinned nodes have moved evenly.
+/// Loads, their torques about a point, and their power at a stage; pinned nodes have moved evenly.
 struct LoadForces {
   StageNodes of;
   Vec3 about;
   const double* x;
   ELASTOGEN_HD void operator()(int64_t n, double* sum) const {
-    const Vec3 force = vector_at(of.load, n), place = vector_at(x, n);
-    const Vec3 torque = cross(minus(place, about), force);
+    const Vec3 force = vector_at(of.load, n), place = vector_at(x, n),
+               torque = cross(minus(place, about), force);
     const Vec3 v = of.pinned[n] == kPinnedNode ? scaled(minus(place, of.x0(n)), 1 / of.stage.t)
                                                : of.velocity(n, place);
     for (size_t i = 0; i < 3; ++i) sum[i] += force[i], sum[3 + i] += torque[i];

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// A bar whose vertices are its eight corners.
 #pragma once
 
 #include "io/asset.hpp"

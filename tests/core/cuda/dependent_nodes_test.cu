@@ -51,17 +51,13 @@ void expect_bits_of_host() {
   const cuda::DeviceDependentNodes device(host);
   for (int pass = 0; pass < 2; ++pass) {
     std::vector<T> filled = some_values<T>(), folded = filled;
-    cuda::DeviceArray<T> to_fill(filled), to_place(filled), to_fold(folded);
+    cuda::DeviceArray<T> to_fill(filled), to_fold(folded);
     host.fill(filled.data());
     host.fold(folded.data());
     device.fill(to_fill.data());
     device.fold(to_fold.data());
     EXPECT_EQ(host_copy(to_fill), filled);
     EXPECT_EQ(host_copy(to_fold), folded);
-    if constexpr (sizeof(T) == 8) {
-      device.fill_positions(to_place.data());
-      EXPECT_EQ(host_copy(to_place), filled);
-    }
   }
 }
 
@@ -90,7 +86,7 @@ TEST_F(DependentNodesOnCard, FoldIsTheTransposeOfFill) {
 TEST_F(DependentNodesOnCard, WithoutAnyNothingIsTouched) {
   const cuda::DeviceDependentNodes none{DependentNodes()};
   none.fill(static_cast<double*>(nullptr));
-  none.fill_positions(nullptr);
+  none.fill(static_cast<double*>(nullptr), nullptr);
   none.fold(static_cast<float*>(nullptr));
   EXPECT_EQ(none.sums().count, 0);
   cuda::synchronise();

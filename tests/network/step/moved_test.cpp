@@ -213,6 +213,7 @@ TEST(Load, BringsItsImpulseAndItsMoment) {
       ASSERT_TRUE(report.converged);
       ledger.add(report.ledger);
     }
+    // all momentum is that of the load
     Vec3 momentum = {}, force = {};
     for (int64_t n = 0; n < state.v.rows(); ++n)
       for (size_t d = 0; d < 3; ++d) {

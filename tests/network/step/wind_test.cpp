@@ -101,6 +101,7 @@ TEST(Wind, APlateFallsThroughAirAsItsDragSays) {
     }
     const double steady = std::sqrt(2 * 3.0 * 9.81 / kAir);  // 3 kg a square metre
     const double fall = steady * steady / 9.81 * std::log(std::cosh(9.81 * 1.5 / steady));
+    // how far it fell in the mean
     double mean = 0, mass = 0;
     for (int64_t n = 0; n < state.x.rows(); ++n) {
       mean += scene.mass(n) * (scene.grid.rest(n, 1) - state.x(n, 1));
