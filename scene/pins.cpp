@@ -132,6 +132,23 @@ void say_nodes_hold(const RunDescription& run, Setup& setup) {
   }
 }
 
+/// @throws Error (usage) naming two parts, one of which moves, that have a point of the asset in common.
+void check_apart(const std::vector<HeldPart>& parts, const Setup& setup) {
+  const Array<double>& points = setup.body.carried;
+  for (size_t a = 0; a < parts.size(); ++a)
+    for (size_t b = 0; b < a; ++b)
+      for (int64_t p = 0; p < points.rows(); ++p) {
+        if (!parts[a].holder.moves() && !parts[b].holder.moves()) break;
+        const Vec3 X = {points(p, 0), points(p, 1), points(p, 2)};
+        const PlacedBox& box = setup.body.surface.box;
+        if (!contains(*parts[a].selection, X, box) || !contains(*parts[b].selection, X, box))
+          continue;
+        throw Error(fmt::format(
+            "{} and {} contradict each other: both have the point ({:.4g}, {:.4g}, {:.4g}) m",
+            parts[b].option, parts[a].option, X[0], X[1], X[2]));
+      }
+}
+
 /// Gives a border to a holder. @throws Error (usage) if another one has it and one of them moves.
 void claim_border(int32_t holder, int32_t& owner, const Scene& scene) {
   if (owner >= 0 && (scene.holders[size_t(owner)].moves() || scene.holders[size_t(holder)].moves()))
@@ -192,7 +209,9 @@ void pin(const RunDescription& run, const std::vector<Border>& borders,
   std::fill_n(scene.holder.data(), scene.holder.rows(), -1);
   std::vector<int32_t> holder_of_border(borders.size(), -1);
   // parts that the grid fits by their nodes, the others at their borders
-  for (HeldPart& part : held_parts(run, box)) {
+  const std::vector<HeldPart> parts = held_parts(run, box);
+  check_apart(parts, setup);
+  for (const HeldPart& part : parts) {
     const auto holder = int32_t(scene.holders.size());
     scene.holders.push_back(part.holder);
     const std::optional<Border> border = border_of(*part.selection, box);

@@ -24,7 +24,7 @@ void add_borders(const RunDescription& run, const PlacedBox& box, VoxelizeOption
 
 /// Fills what holds the nodes of the scene; warns of pins, holds and moves that hold nothing. Holds, and
 /// moves of elements that move nodes apart, are only checked.
-/// @throws Error (usage) naming two options, one of them a move, that have a node or border in common.
+/// @throws Error (usage) naming two options, one of them a move, that have a point, node or border in common.
 /// @param borders  of the options that the grid was made with.
 /// @param cut      by them (Voxelized).
 void pin(const RunDescription& run, const std::vector<Border>& borders,

@@ -151,7 +151,7 @@ TEST(Constraint, GradientIsThatOfTheEnergyInFreeUnknowns) {
     std::vector<double> ignored(u.size());
     values[side] = of.potential.evaluate(end.data(), ignored.data()).value;
   }
-  const double slope = dot(g.data(), p.data(), int64_t(g.size()));
+  const double slope = elastogen::dot(g.data(), p.data(), int64_t(g.size()));
   EXPECT_NEAR((values[1] - values[0]) / 2e-6, slope, 1e-7 * std::abs(slope));
 }
 

@@ -293,7 +293,8 @@ TEST(HeldFem, GoesWithBordersThatMove) {
     scene.gravity = {};
     FemScene body = as_fem(scene);
     body.scheme = scheme;
-    carry_borders(body, [&](const double*, double time) { return scaled(velocity, time); });
+    carry_borders(body,
+                  [&](const double*, double time) { return elastogen::scaled(velocity, time); });
     FemState state = fem::rest_state(body);
     for (int64_t k = 0; k < state.v.size(); ++k) state.v.data()[k] = velocity[size_t(k % 3)];
     std::optional<fem::ImplicitFem> steps;

@@ -67,7 +67,9 @@ inline Scene loaded_bar(TimeScheme scheme) {
 inline Vec3 force_on(const Scene& scene) {
   Vec3 sum = {};
   for (int64_t n = 0; n < scene.mass.rows(); ++n)
-    for (int d = 0; d < 3; ++d) sum[size_t(d)] += scene.mass(n) * pull(scene, n, d);
+    for (int d = 0; d < 3; ++d)
+      sum[size_t(d)] +=
+          scene.mass(n) * scene.gravity[size_t(d)] + (scene.load.empty() ? 0 : scene.load(n, d));
   return sum;
 }
 

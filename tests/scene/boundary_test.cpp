@@ -119,7 +119,7 @@ TEST(Boundary, AForceIsConstantOrAPath) {
   const Force constant = parse_force("y>80%: 10,0,-1 N");
   ASSERT_EQ(constant.force.keys.size(), 1u);
   EXPECT_EQ(offset_at(constant.force, 7), (Vec3{10, 0, -1}));
-  const Force path = parse_force("y>80%: ease 0:0,0,0; 2s:1 kN,0,0");
+  const Force path = parse_force("y>80%: ease 0:0,0,0; 2s:1,0,0 kN");
   EXPECT_TRUE(path.force.eases);
   EXPECT_EQ(offset_at(path.force, 1), (Vec3{500, 0, 0}));
   EXPECT_THROW(parse_force("y>80%: 10,0"), Error);
@@ -127,7 +127,7 @@ TEST(Boundary, AForceIsConstantOrAPath) {
 }
 
 TEST(Boundary, AWindIsConstantOrAPath) {
-  EXPECT_EQ(offset_at(parse_wind("36 km/h, 0, 0"), 3), (Vec3{10, 0, 0}));
+  EXPECT_EQ(offset_at(parse_wind("36,0,0 km/h"), 3), (Vec3{10, 0, 0}));
   EXPECT_EQ(offset_at(parse_wind("loop 0:1,0,0; 1:3,0,0; 2:1,0,0"), 2.5), (Vec3{2, 0, 0}));
   EXPECT_THROW(parse_wind("north"), Error);
 }
