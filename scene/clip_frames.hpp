@@ -56,7 +56,7 @@ class ClipFrames {
   bool with_motion_ = false, with_gradient_ = false;
   CarriedPoints points_;
   Stepper* stepper_ = nullptr;
-  State grid_state_;  ///< used if the state has more nodes than the grid
+  State grid_state_;                       ///< used if the state has more nodes than the grid
   Array<double> displacement_, gradient_;  ///< by with_moved
   double largest_motion_ = 0;
   std::future<void> writing_;  ///< last member, so that it ends before the members that it uses

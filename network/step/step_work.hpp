@@ -19,8 +19,8 @@ namespace elastogen {
 /// The residual of a step at the positions that are written, and what else is found there.
 struct Certificate {
   PotentialValue value;
-  double size = 0;      ///< |grad Phi|_2 over the free nodes [N]
-  bool finite = false;  ///< all of these and the displacement
+  double size = 0;                       ///< |grad Phi|_2 over the free nodes [N]
+  bool finite = false;                   ///< all of these and the displacement
   std::vector<Reaction> reactions = {};  ///< of each holder
 };
 
