@@ -123,7 +123,8 @@ void move_holders(const Setup& setup, double per_time, fem::FemScene& scene) {
 void add_moves(const Setup& setup, const RunDescription& run, fem::FemScene& scene) {
   if (run.moves.empty()) return;
   const double per_time = run.fem->statics ? end_of_moves(run) : 1;
-  moves_apart(run) ? move_nodes(setup, run, per_time, scene) : move_holders(setup, per_time, scene);
+  moves_apart(setup, run) ? move_nodes(setup, run, per_time, scene)
+                          : move_holders(setup, per_time, scene);
 }
 
 /// In statics forces are those at the end of their path, times the load factor.

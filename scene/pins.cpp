@@ -39,24 +39,24 @@ double longest_extent(const Box& box) {
 }
 
 /// Pins, then moves; finite elements that hold nodes have the latter by themselves.
-std::vector<HeldPart> held_parts(const RunDescription& run, const PlacedBox& box) {
+std::vector<HeldPart> held_parts(const RunDescription& run, const PlacedBox& box, bool with_moves) {
   std::vector<HeldPart> parts;
   for (const Pin& pin : run.pins)
     parts.push_back({fmt::format("--pin '{}'", pin.text), &pin.selection, {}});
   for (const Move& move : run.moves)
-    if (!moves_apart(run))
+    if (with_moves)
       parts.push_back(
           {fmt::format("--move '{}'", move.text), &move.selection, holder_of(move, box)});
   for (HeldPart& part : parts) part.holder.name = part.option;
   return parts;
 }
 
-/// Moves the planes of nodes into those of pins and moves, one an axis: the first one where the others lie in
-/// planes of nodes too, else the lowest, whatever their order.
+/// Moves the planes of nodes into those of pins and moves, one an axis: the first one where the
+/// others lie in planes of nodes too, else the lowest, whatever their order.
 void align_to_pins(const RunDescription& run, const PlacedBox& box, VoxelizeOptions& options) {
   const double h = options.h > 0 ? options.h : longest_extent(box) / options.voxels;
   std::vector<double> planes[3];
-  for (const HeldPart& part : held_parts(run, box)) {
+  for (const HeldPart& part : held_parts(run, box, true)) {
     const auto border = border_of(*part.selection, box);
     const auto at = plane(*part.selection, box);
     if (at && reaches(*border, box)) planes[at->first].push_back(at->second);
@@ -171,8 +171,8 @@ void add_dependent(const std::vector<Border>& borders, const std::vector<BorderV
 
 }  // namespace
 
-bool moves_apart(const RunDescription& run) {
-  return run.fem && !holder_of_nodes(run).empty();
+bool moves_apart(const Setup& setup, const RunDescription& run) {
+  return run.fem && (setup.tets || !holder_of_nodes(run).empty());
 }
 
 std::string span_of(const PlacedBox& box) {
@@ -192,7 +192,7 @@ Holder holder_of(const Move& move, const PlacedBox& box) {
 
 void add_borders(const RunDescription& run, const PlacedBox& box, VoxelizeOptions& options) {
   if (!holder_of_nodes(run).empty()) return;
-  for (const HeldPart& part : held_parts(run, box))
+  for (const HeldPart& part : held_parts(run, box, true))
     if (const auto border = border_of(*part.selection, box)) options.borders.push_back(*border);
   std::ranges::sort(options.borders, [](const Border& a, const Border& b) { return a < b; });
   options.borders.erase(std::unique(options.borders.begin(), options.borders.end()),
@@ -209,7 +209,7 @@ void pin(const RunDescription& run, const std::vector<Border>& borders,
   std::fill_n(scene.holder.data(), scene.holder.rows(), -1);
   std::vector<int32_t> holder_of_border(borders.size(), -1);
   // parts that the grid fits by their nodes, the others at their borders
-  const std::vector<HeldPart> parts = held_parts(run, box);
+  const std::vector<HeldPart> parts = held_parts(run, box, !moves_apart(setup, run));
   check_apart(parts, setup);
   for (const HeldPart& part : parts) {
     const auto holder = int32_t(scene.holders.size());
@@ -235,7 +235,8 @@ void pin(const RunDescription& run, const std::vector<Border>& borders,
   for (const Hold& hold : run.holds)
     held_nodes(fmt::format("--hold '{}'", hold.text), hold.selection, setup);
   for (const Move& move : run.moves)
-    if (moves_apart(run)) held_nodes(fmt::format("--move '{}'", move.text), move.selection, setup);
+    if (moves_apart(setup, run))
+      held_nodes(fmt::format("--move '{}'", move.text), move.selection, setup);
 }
 
 std::vector<HeldPoint> rest_behind(const std::vector<HeldBorder>& borders, const PlacedBox& box,

@@ -13,7 +13,7 @@ namespace elastogen {
 std::string span_of(const PlacedBox& box);
 
 /// Whether finite elements move nodes by themselves (fem_boundary.cpp), not by holders of the scene.
-bool moves_apart(const RunDescription& run);
+bool moves_apart(const Setup& setup, const RunDescription& run);
 
 /// What a move does. @param box  of the asset [m].
 Holder holder_of(const Move& move, const PlacedBox& box);

@@ -343,34 +343,6 @@ TEST(Options, NamesAreComparedBehindLinksOfFolders) {
       "two files of one name");
 }
 
-TEST(Options, TheNetworkRefusesHoldsAndTakesMovesAndLoads) {
-  const TempFolder folder;
-  const std::string says = refusal({"a.obj", "-o", "a.glb", "--hold", "all: x"});
-  expect_says(says, "the network has no --hold");
-  expect_says(says, "use simulate");
-  for (const auto& [option, text] : {std::pair("--hold", "all: x"),
-                                     {"--traction", "all: 1,0,0"},
-                                     {"--force", "all: 1,0,0"},
-                                     {"--move", "all: shift 0:0,0,0"}}) {
-    EXPECT_NO_THROW(simulate_options({"a.obj", "-o", "a.glb", option, text}));
-    if (std::string_view(option) != "--hold")
-      EXPECT_NO_THROW(animate_options({"a.obj", "-o", "a.glb", option, text}));
-    expect_says(error_of(
-                    [&] {
-                      parsed_words({"study", "a.obj", option, text});
-                    },
-                    ErrorKind::kUsage),
-                option);
-  }
-  // wind is the other way round
-  EXPECT_NO_THROW(animate_options({"a.obj", "-o", "a.glb", "--wind", "1,0,0"}));
-  EXPECT_THROW(simulate_options({"a.obj", "-o", "a.glb", "--wind", "1,0,0"}), Error);
-  expect_says(refusal({"a.obj", "-o", "a.glb", "--wind", "1,0,0", "--state", "s.h5"}),
-              "--state does not hold");
-  const std::string scene = folder.write("s.toml", "[[hold]]\nselect = 'all'\naxes = 'x'\n");
-  expect_says(refusal({"a.obj", "-o", "a.glb", "--scene", scene}), "all: x");
-}
-
 TEST(Options, AStaticRunIsOneStepFromRest) {
   const auto statics = [](std::vector<std::string> words) {
     words.insert(words.begin(), {"simulate", "a.obj", "-o", "a.glb", "--static"});

