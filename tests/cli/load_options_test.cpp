@@ -10,6 +10,9 @@
 namespace elastogen {
 namespace {
 
+using test::animate_options, test::parsed_words, test::refusal, test::simulate_options;
+using test::error_of, test::expect_says, test::TempFolder;
+
 TEST(LoadOptions, TheNetworkRefusesHoldsAndTakesMovesAndLoads) {
   const TempFolder folder;
   const std::string says = refusal({"a.obj", "-o", "a.glb", "--hold", "all: x"});
