@@ -23,8 +23,9 @@ TEST(LoadOptions, TheNetworkRefusesHoldsAndTakesMovesAndLoads) {
                                      {"--force", "all: 1,0,0"},
                                      {"--move", "all: shift 0:0,0,0"}}) {
     EXPECT_NO_THROW(simulate_options({"a.obj", "-o", "a.glb", option, text}));
-    if (std::string_view(option) != "--hold")
+    if (std::string_view(option) != "--hold") {
       EXPECT_NO_THROW(animate_options({"a.obj", "-o", "a.glb", option, text}));
+    }
     expect_says(error_of(
                     [&] {
                       parsed_words({"study", "a.obj", option, text});
