@@ -59,6 +59,19 @@ class Moves(unittest.TestCase):
         self.assertLess(np.abs(points[-1, right] - turned).max(), 1e-7)
         self.assertLess(np.abs(points[-1, ~right] - points[0, ~right]).max(), 1e-7)
 
+    def test_reactions_of_statics_and_of_the_network_carry_the_weight(self) -> None:
+        report = self.folder / "a.json"
+        weight = 0.86 * 0.4 * 0.2 * 0.2 * 1100 * 9.81  # of the part between
+        for verb, options in (("simulate", ("--static",)), ("animate", ("--frames", 40))):
+            done = run(verb, self.source, "--h", 0.055, "--young", "10MPa", "--time-scheme",
+                       "euler", "--substeps", 1, "--pin", "x<7%", "--pin", "x>93%", "-o",
+                       self.folder / "a.pc2", "--report", report, "--quiet", *options)
+            self.assertEqual(done.code, 0, done.err)
+            left, right = (r["force"] for r in json.loads(report.read_text())["reactions"])
+            self.assertLess(abs((left[1] + right[1]) / weight - 1), 1e-3)
+            self.assertLess(abs(left[1] / right[1] - 1), 1e-3)
+            self.assertLess(abs(left[0] + right[0]), 1e-3 * weight)
+
     def test_a_force_in_time_brings_its_impulse(self) -> None:
         log, output = self.folder / "a.log", self.folder / "a.pc2"
         done = animate(self.source, output, "--voxels", 8, "--frames", 9, "--gravity", "0,0,0",
