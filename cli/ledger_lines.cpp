@@ -27,6 +27,18 @@ std::string impulse(const char* name, const Vec3& value, double scale) {
                      figure(value[1], scale), figure(value[2], scale));
 }
 
+/// Shares of what is large: slow work of moves and loads has hardly any kinetic energy.
+std::string share_line(const Ledger& ledger) {
+  const StepLedger& sum = ledger.sum;
+  const double work = std::abs(sum.work()), whole = std::max(ledger.kinetic, work);
+  if (!(whole > 0)) return {};
+  return fmt::format(
+      "  of {}, {:.4g} J: the scheme {:.2g} %, the solver's residual {:.1g} %, the correction of "
+      "momentum {:.1g} %\n",
+      work > ledger.kinetic ? "the work from outside" : "the largest kinetic energy", whole,
+      100 * sum.numerical() / whole, 100 * sum.done.residual / whole, 100 * sum.correction / whole);
+}
+
 }  // namespace
 
 std::string ledger_lines(const Ledger& ledger) {
@@ -48,12 +60,7 @@ std::string ledger_lines(const Ledger& ledger) {
   text += energy_line("taken by friction", sum.friction(), scale);
   text += energy_line("taken by the guard of contact", sum.guard, scale);
   text += energy_line("lost by the time scheme", sum.numerical(), scale);
-  if (ledger.kinetic > 0)
-    text += fmt::format(
-        "  of the largest kinetic energy, {:.4g} J: the scheme {:.2g} %, the solver's residual "
-        "{:.1g} %, the correction of momentum {:.1g} %\n",
-        ledger.kinetic, 100 * sum.numerical() / ledger.kinetic,
-        100 * sum.done.residual / ledger.kinetic, 100 * sum.correction / ledger.kinetic);
+  text += share_line(ledger);
   // momentum; a body that it moves at a million metres a second has none
   const double largest = std::max(ledger.linear, 1e-6 * ledger.kinetic);
   text += "momentum [N s]:\n";

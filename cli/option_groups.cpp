@@ -74,6 +74,7 @@ void add_constraint_options(CLI::App& app, Typed& t) {
         ->expected(1)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   };
+  // what is held, what is in the way, what is loaded and moved
   add_texts("--pin", t.pins,
             "hold a part: y<5%, z>0.2m, box(x,y,z,x,y,z), sphere(x,y,z,r), all; repeatable");
   add_texts("--collider", t.colliders,
@@ -82,16 +83,24 @@ void add_constraint_options(CLI::App& app, Typed& t) {
   add_texts("--hold", t.holds,
             "simulate: hold a part along some axes only: 'x<1%: x', 'all: yz'; repeatable");
   add_texts("--traction", t.tractions,
-            "simulate: a force [N] spread over a part of the surface: 'x>99%: 0,-10,0', or a "
+            "a force [N] spread over a part of the surface: 'x>99%: 0,-10,0', or a "
             "pressure [Pa] on it: 'x>99%: 2e3'; repeatable");
+  add_texts("--force", t.forces,
+            "a force [N] on a part, spread by mass: 'y>80%: 10,0,0', or in time 'y>80%: "
+            "T:x,y,z; T:x,y,z'; repeatable");
   add_texts("--move", t.moves,
-            "simulate: move a part: 'x>99%: shift T:x,y,z; T:x,y,z' or 'x>99%: turn(x,y,z, "
-            "ax,ay,az) T:ANGLE; T:ANGLE' about a point and an axis; repeatable");
+            "move a part: 'x>99%: shift T:x,y,z; T:x,y,z' or 'x>99%: turn(x,y,z, ax,ay,az) "
+            "T:ANGLE; T:ANGLE' about a point and an axis; 'ease' before the keys slows down at "
+            "each, 'loop' begins anew; repeatable");
 }
 
 void add_scene_options(CLI::App& app, AnimateOptions& o, Typed& t) {
   add_constraint_options(app, t);
   // forces and motion at the start
+  app.add_option("--wind", t.wind,
+                 "velocity of the air x,y,z [m/s], or in time T:x,y,z; T:x,y,z; it presses on the "
+                 "surface")
+      ->group("Scene");
   app.add_option("--gravity", t.gravity, "x,y,z [m/s^2]; default 9.81 down")->group("Scene");
   app.add_option("--velocity", t.velocity, "start velocity x,y,z [m/s]")->group("Scene");
   app.add_option("--spin", t.spin, "start spin x,y,z [rad/s] about the centre of mass")

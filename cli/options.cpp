@@ -89,12 +89,19 @@ void resolve(Verb& verb) {
 }
 
 /// @throws Error (usage) naming the first option that only finite elements have.
-void check_no_boundary(const Typed& typed, std::string_view verb) {
-  for (const auto& [option, texts] : {std::pair("--hold", &typed.holds),
-                                      {"--traction", &typed.tractions},
+void check_no_holds(const Typed& typed, std::string_view verb) {
+  ELASTOGEN_CHECK(typed.holds.empty(), verb, ": the network has no --hold, got '",
+                  typed.holds.front(), "'; use simulate");
+}
+
+/// @throws Error (usage) naming the first option that studies do not have.
+void check_no_boundary(const Typed& typed) {
+  check_no_holds(typed, "study");
+  for (const auto& [option, texts] : {std::pair("--traction", &typed.tractions),
+                                      {"--force", &typed.forces},
                                       {"--move", &typed.moves}})
-    ELASTOGEN_CHECK(texts->empty(), verb, ": the network has no ", option, ", got '",
-                    texts->front(), "'; use simulate");
+    ELASTOGEN_CHECK(texts->empty(), "study has no ", option, ", got '", texts->front(), "'");
+  ELASTOGEN_CHECK(typed.wind.empty(), "study has no --wind, got '", typed.wind, "'");
 }
 
 /// Makes the asset's path absolute, so that the printed scene can be read from any folder.
@@ -169,7 +176,12 @@ AnimateOptions take_run(Verb& verb) {
   resolve(verb);
   AnimateOptions& o = verb.scene;
   if (o.print_resolved) return finish_resolved(o);
-  if (!o.fem) check_no_boundary(verb.typed, name);
+  if (!o.fem) check_no_holds(verb.typed, name);
+  ELASTOGEN_CHECK(!o.fem || o.wind.keys.empty(), "simulate: finite elements feel no wind, got ",
+                  "--wind '", o.wind_text, "'; use animate");
+  ELASTOGEN_CHECK(o.fem || o.state.empty() || (o.forces.empty() && o.wind.keys.empty()),
+                  "--state does not hold forces that change with time and wind yet: leave it out, ",
+                  "or --force and --wind");
   ELASTOGEN_CHECK(o.method == Method::kAuto || method_of(o) != Method::kAuto, "--method ",
                   verb.typed.method, ": no material of the scene yields");
   const std::string& file = verb.scene_file;
@@ -243,7 +255,7 @@ StudyTask take_study(Verb& verb, StudyTask task, const StudyNames& names) {
   take_scene_file(verb);
   if (verb.typed.scheme.empty()) verb.typed.scheme = "euler";  // of equal steps, on both sides
   resolve(verb);
-  check_no_boundary(verb.typed, "study");
+  check_no_boundary(verb.typed);
   ELASTOGEN_CHECK(
       method_of(verb.scene) != Method::kFem,
       "study: the network steps no material that yields; --method mpm compares particles");

@@ -104,10 +104,14 @@ std::string traction_text(const SceneValue& traction) {
 
 std::string move_text(const SceneValue& move) {
   const std::string select = text_of(move, "select", "");
+  std::string words;
+  for (const char* word : {"ease", "loop"})
+    if (const SceneValue* flag = move.find(word); flag && flag->flag)
+      words += std::string(" ") + word;
   if (const SceneValue* path = move.find("path"))
-    return fmt::format("{}: shift{}", select, path_text(*path));
-  return fmt::format("{}: turn({}, {}){}", select, text_of(move, "turn_centre", ""),
-                     text_of(move, "turn_axis", ""), path_text(*move.find("turn")));
+    return fmt::format("{}: shift{}{}", select, words, path_text(*path));
+  return fmt::format("{}: turn({}, {}){}{}", select, text_of(move, "turn_centre", ""),
+                     text_of(move, "turn_axis", ""), words, path_text(*move.find("turn")));
 }
 
 std::string floor_text(const SceneValue& floor) {
@@ -346,7 +350,9 @@ SceneValue resolved_scene(const AnimateOptions& o) {
   scene.set("colliders", texts_of(o.colliders));
   scene.set("holds", texts_of(o.holds));
   scene.set("tractions", texts_of(o.tractions));
+  scene.set("forces", texts_of(o.forces));
   scene.set("moves", texts_of(o.moves));
+  scene.set("wind", scene_text(o.wind_text));
   scene.set("gravity", o.gravity ? vector(o.gravity->data()) : scene_text("auto"));
   scene.set("asset", asset_table(o));
   if (o.shape) scene.set("shape", shape_table(*o.shape));

@@ -134,6 +134,9 @@ void convert_lists(const Typed& t, AnimateOptions& o) {
   for (const std::string& region : t.regions) o.regions.push_back(parse_region(region));
   for (const std::string& hold : t.holds) o.holds.push_back(parse_hold(hold));
   for (const std::string& traction : t.tractions) o.tractions.push_back(parse_traction(traction));
+  for (const std::string& force : t.forces) o.forces.push_back(parse_force(force));
+  if (!t.wind.empty()) o.wind = parse_wind(t.wind);
+  o.wind_text = t.wind;
   for (const std::string& move : t.moves) o.moves.push_back(parse_move(move));
   for (const std::string& text : t.colliders) o.colliders.push_back(parse_obstacle(text));
 }

@@ -23,7 +23,8 @@ struct Typed {
   std::string device = "auto", energy = "auto", mesh_error = "on";
   std::string camera = "three-quarter", image_size = "auto";
   std::string element = "auto", mass = "lumped";  ///< only for simulate
-  std::vector<std::string> pins, regions, colliders, holds, tractions, moves;
+  std::vector<std::string> pins, regions, colliders, holds, tractions, forces, moves;
+  std::string wind;
   bool no_skip = false;
 };
 

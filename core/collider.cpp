@@ -25,20 +25,6 @@ Collider core_of(const Collider& collider, double layer) {
   return core;
 }
 
-Vec3 offset_at(const Collider& c, double time) {
-  if (c.path.empty()) return {};
-  if (time <= c.path.front().time) return c.path.front().offset;
-  for (size_t k = 1; k < c.path.size(); ++k) {
-    const PathKey &a = c.path[k - 1], &b = c.path[k];
-    if (time > b.time) continue;
-    const double share = (time - a.time) / (b.time - a.time);
-    Vec3 offset;
-    for (size_t d = 0; d < 3; ++d) offset[d] = a.offset[d] + share * (b.offset[d] - a.offset[d]);
-    return offset;
-  }
-  return c.path.back().offset;
-}
-
 void check_collider(const Collider& c) {
   ELASTOGEN_CHECK(finite(c.centre), "collider '", c.name, "': its place must be finite");
   ELASTOGEN_CHECK(c.friction >= 0, "collider '", c.name, "': friction must not be negative, got ",
@@ -53,11 +39,10 @@ void check_collider(const Collider& c) {
     for (const double half : c.half)
       ELASTOGEN_CHECK(half > 0 && std::isfinite(half), "collider '", c.name,
                       "': its edges must be positive, got ", 2 * half);
-  for (size_t k = 0; k < c.path.size(); ++k) {
-    ELASTOGEN_CHECK(std::isfinite(c.path[k].time) && finite(c.path[k].offset), "collider '", c.name,
-                    "': key ", k, " of its path is not finite");
-    ELASTOGEN_CHECK(k == 0 || c.path[k].time > c.path[k - 1].time, "collider '", c.name,
-                    "': the times of its path must ascend, key ", k, " does not");
+  try {
+    check_path(c.path);
+  } catch (const Error& error) {
+    throw Error(concat("collider '", c.name, "': ", error.what()));
   }
 }
 

@@ -15,6 +15,14 @@ namespace elastogen {
 /// What Scene::pinned says of a node.
 enum NodeKind : uint8_t { kFreeNode = 0, kPinnedNode = 1, kDependentNode = 2 };
 
+/// Lists of weighted sums of values of nodes, in the memory of a machine: those of nodes[i] are
+/// sources[begin[i]] to sources[begin[i + 1] - 1].
+struct WeightedSums {
+  const int32_t *nodes = nullptr, *begin = nullptr, *sources = nullptr;
+  const double* weights = nullptr;
+  int64_t count = 0;  ///< of nodes
+};
+
 class DependentNodes {
  public:
   DependentNodes() = default;
@@ -36,6 +44,18 @@ class DependentNodes {
   }
   /// Largest node of the lists, -1 if there is none.
   int32_t last_node() const { return last_node_; }
+
+  /// WeightedSums in vectors.
+  struct Sums {
+    WeightedSums view() const {
+      return {nodes.data(), begin.data(), sources.data(), weights.data(), int64_t(nodes.size())};
+    }
+    const std::vector<int32_t>&nodes, &begin, &sources;
+    const std::vector<double>& weights;
+  };
+  /// Of fill(), by dependent node, and of fold(), by parent node; for other machines.
+  Sums filled() const { return {nodes_, begin_, parents_, weights_}; }
+  Sums folded() const { return {all_parents_, first_, children_, child_weights_}; }
 
   /// values_i = sum w_im values_m at dependent nodes; (nodes, 3).
   template <class T>

@@ -43,12 +43,13 @@ struct StepReport {
   double min_j = 1;          ///< smallest det F of a voxel
   double min_corner_j = 1;   ///< smallest det F at a corner of a full voxel
   EnergyParts energy;
-  double damped = 0;           ///< energy that damping took in the step [J]
-  StepLedger ledger;           ///< of steps of stages
-  int64_t outside_fit = 0;     ///< voxels whose net handed over to its law, in the end state
-  double active_share = 1;     ///< share of the voxels that was stepped
-  double deepest_overlap = 0;  ///< of a surface point with a collider [voxel edges]
-  double ms = 0;               ///< wall time
+  double damped = 0;                ///< energy that damping took in the step [J]
+  StepLedger ledger;                ///< of steps of stages
+  int64_t outside_fit = 0;          ///< voxels whose net handed over to its law, in the end state
+  double active_share = 1;          ///< share of the voxels that was stepped
+  double deepest_overlap = 0;       ///< of a surface point with a collider [voxel edges]
+  double ms = 0;                    ///< wall time
+  std::vector<Reaction> reactions;  ///< of each holder of the scene, at the end of the step
   std::optional<MeshError> mesh_error = {};  ///< at the end of a frame, where that gets one
 };
 

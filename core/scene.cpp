@@ -3,6 +3,7 @@
 
 #include "core/constants.hpp"
 #include "core/error.hpp"
+#include "core/held_nodes.hpp"
 #include "core/parallel.hpp"
 #include "core/reduce.hpp"
 #include "core/state.hpp"
@@ -70,6 +71,7 @@ void check_scene(const Scene& scene) {
   const auto is = [](const auto& array, int64_t rows, int cols) {
     return array.rows() == rows && array.cols() == cols;
   };
+  // the grid
   ELASTOGEN_CHECK(voxels > 0, "the scene has no voxels");
   ELASTOGEN_CHECK(grid.h > 0 && std::isfinite(grid.h), "h must be positive, got ", grid.h);
   ELASTOGEN_CHECK(is(grid.fill, voxels, 1) && is(grid.shape_mean, voxels, 8) &&
@@ -78,6 +80,7 @@ void check_scene(const Scene& scene) {
                   " nodes");
   check_grid_numbers(grid);
   check_surface(scene.surface, voxels);
+  // materials, what is held, what acts
   ELASTOGEN_CHECK(is(scene.material, voxels, 1), "material must be (voxels, 1)");
   ELASTOGEN_CHECK(is(scene.pinned, nodes, 1), "pinned must be (nodes, 1)");
   ELASTOGEN_CHECK(!scene.materials.empty(), "the scene has no material");
@@ -86,6 +89,17 @@ void check_scene(const Scene& scene) {
   ELASTOGEN_CHECK(scene.dt > 0 && std::isfinite(scene.dt), "dt must be positive, got ", scene.dt);
   ELASTOGEN_CHECK(finite(scene.gravity), "gravity must be finite");
   for (const Collider& collider : scene.colliders) check_collider(collider);
+  for (const Holder& holder : scene.holders) check_path(holder.path);
+  ELASTOGEN_CHECK(scene.holder.empty() || is(scene.holder, nodes, 1), "holder must be (nodes, 1)");
+  check_range(scene.holder, -1, double(scene.holders.size()) - 1, "holder");
+  ELASTOGEN_CHECK(scene.load.empty() || is(scene.load, nodes, 3), "load must be (nodes, 3)");
+  check_range(scene.load, -kLargest, kLargest, "load");
+  for (const TimedForce& force : scene.forces) {
+    ELASTOGEN_CHECK(is(force.share, nodes, 1), "the shares of a force must be (nodes, 1)");
+    check_path(force.force);
+  }
+  check_path(scene.wind.velocity);
+  check_range(scene.wind.voxel, 0, double(voxels) - 1, "wind.voxel");
 }
 
 /// @throws Error unless the nodes that follow others are those that `pinned` says do.
@@ -104,14 +118,6 @@ void check_dependent(const Scene& scene) {
   }
   ELASTOGEN_CHECK(marked == listed && listed == scene.dependent.count(),
                   "the dependent nodes must be those that pinned marks");
-}
-
-/// Factor on rho of every material: the asset's volume over that of the fill, one for the scene.
-double volume_scale(const VoxelGrid& grid) {
-  if (grid.volume <= 0) return 1;
-  double filled = 0;
-  for (int64_t v = 0; v < grid.voxel_count(); ++v) filled += grid.fill(v);
-  return grid.volume / (filled * grid.h * grid.h * grid.h);
 }
 
 void fill_mass(Scene& scene) {
@@ -154,6 +160,13 @@ void variance_of_voxel(const VoxelGrid& grid, const Material& m, int64_t v, doub
 }
 
 }  // namespace
+
+double volume_scale(const VoxelGrid& grid) {
+  if (grid.volume <= 0) return 1;
+  double filled = 0;
+  for (int64_t v = 0; v < grid.voxel_count(); ++v) filled += grid.fill(v);
+  return grid.volume / (filled * grid.h * grid.h * grid.h);
+}
 
 void finish_scene(Scene& scene) {
   check_scene(scene);
@@ -234,6 +247,13 @@ State initial_state(const Scene& scene, const StartMotion& motion) {
     }
   });
   scene.dependent.fill(state.v.data());
+  // what moves stands at the start of its path
+  HeldNodes held(scene);
+  if (!held.move()) return state;
+  Array<double> u(nodes, 3);
+  held.place(u.data());
+  held.add_start_rates(1e-3 * scene.dt, state.v.data());
+  for (int64_t k = 0; k < u.size(); ++k) state.x.data()[k] += u.data()[k];
   return state;
 }
 

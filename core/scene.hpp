@@ -5,6 +5,8 @@
 
 #include "core/collider.hpp"
 #include "core/dependent_nodes.hpp"
+#include "core/holder.hpp"
+#include "core/loads.hpp"
 #include "core/material.hpp"
 #include "core/voxel_grid.hpp"
 
@@ -42,8 +44,14 @@ struct Scene {
   Array<int32_t> material;   ///< index into materials of each voxel, (voxels, 1)
   Array<uint8_t> pinned;     ///< NodeKind: 1 where a node keeps its position, 2 where it follows
                              ///< others, (nodes, 1)
-  DependentNodes dependent;  ///< those that follow others; only the network on the host has some
-  Vec3 gravity = {};         ///< [m/s^2]
+  DependentNodes dependent;  ///< those that follow others; the solver `paper` has none
+  std::vector<Holder> holders;
+  Array<int32_t> holder;  ///< of each node in `holders`, -1 if it is free, (nodes, 1); empty: held
+                          ///< nodes rest
+  Array<double> load;     ///< dead load on each node [N], (nodes, 3); empty: none
+  std::vector<TimedForce> forces;
+  Wind wind;
+  Vec3 gravity = {};  ///< [m/s^2]
   std::vector<Collider> colliders;
   double impact_speed = 0;  ///< at which colliders may be met [m/s]: contact_young
   SurfacePoints surface;
@@ -69,6 +77,9 @@ struct Scene {
 /// @throws Error on inconsistent shapes, indices out of range, a bad material, a fill, dt or mass
 ///         that is not positive, or numbers that are not finite, with their place.
 void finish_scene(Scene& scene);
+
+/// Factor s on rho of every material: the asset's volume over that of the fill, one for the scene.
+double volume_scale(const VoxelGrid& grid);
 
 /// Estimate of the residual |grad Phi| / |M g_ref| that a number format leaves, by the rounding of
 /// displacements in the formulas of a voxel:

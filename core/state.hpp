@@ -38,7 +38,7 @@ struct StartMotion {
   double spin[3] = {0, 0, 0};
 };
 
-/// The rest state with a rigid motion; pinned nodes do not move. Needs a finished scene.
+/// The rest state with a rigid motion; pinned nodes stand where they are held. Needs a finished scene.
 State initial_state(const Scene& scene, const StartMotion& motion = {});
 
 /// @throws Error naming the array, and the place of the first number that is not finite, unless all

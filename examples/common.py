@@ -45,6 +45,32 @@ def vertices(path: str) -> list[tuple[float, float, float]]:
     return [tuple(row[k] for k in at) for row in rows]
 
 
+def box(path: str, lower: tuple, upper: tuple, parts: tuple) -> None:
+    """Writes an OBJ of a box whose edges along x, y, z have so many parts."""
+    places, faces = {}, []
+
+    def vertex(at: tuple) -> int:
+        return places.setdefault(at, len(places) + 1)
+
+    for axis in range(3):
+        u, v = (axis + 1) % 3, (axis + 2) % 3
+        for side in (0, parts[axis]):
+            for i in range(parts[u]):
+                for j in range(parts[v]):
+                    corners = []
+                    for a, b in ((0, 0), (1, 0), (1, 1), (0, 1)):
+                        at = [0, 0, 0]
+                        at[axis], at[u], at[v] = side, i + a, j + b
+                        corners.append(vertex(tuple(at)))
+                    faces.append(corners if side else corners[::-1])
+    rows = []
+    for at in places:
+        x = [lo + (up - lo) * k / n for lo, up, k, n in zip(lower, upper, at, parts)]
+        rows.append("v {:.9g} {:.9g} {:.9g}".format(*x))
+    rows += ["f " + " ".join(map(str, face)) for face in faces]
+    Path(path).write_text("\n".join(rows) + "\n")
+
+
 def claim(what: str, value: float, least: float, most: float) -> None:
     """Says a number; the example has failed where it is not within the limits."""
     met = least <= value <= most

@@ -146,7 +146,7 @@ class GlbWriter : public AnimationWriter {
           obstacle.normals.push_back(float(mesh.normal(v, d)));
         }
       obstacle.corners.assign(mesh.triangles.data(), mesh.triangles.data() + mesh.triangles.size());
-      for (size_t t = 0; t < certificates_.size() && !collider.path.empty(); ++t)
+      for (size_t t = 0; t < certificates_.size() && !collider.path.keys.empty(); ++t)
         obstacle.offsets.push_back(
             scaled(offset_at(collider, double(t) / options_.fps), 1 / scale));
       document.add_obstacle(obstacle);

@@ -51,4 +51,17 @@ Json ledger_json(const Ledger& l) {
   return json;
 }
 
+Json reactions_json(const std::vector<Reaction>& reactions, const std::vector<std::string>& names) {
+  auto list = Json::array();
+  for (size_t h = 0; h < reactions.size(); ++h) {
+    Json one;
+    if (!names.empty()) one["holder"] = names[h];
+    one["force"] = reactions[h].force;
+    one["moment"] = reactions[h].moment;
+    one["about"] = reactions[h].about;
+    list.push_back(std::move(one));
+  }
+  return list;
+}
+
 }  // namespace elastogen

@@ -4,6 +4,7 @@
 
 #pragma once
 
+#include "core/holder.hpp"
 #include "core/ledger.hpp"
 
 #include <nlohmann/json.hpp>
@@ -14,5 +15,9 @@ namespace elastogen {
 nlohmann::ordered_json ledger_json(const StepLedger& ledger);
 /// The same of a run, with the largest of its steps.
 nlohmann::ordered_json ledger_json(const Ledger& ledger);
+
+/// Reactions as a list of objects, one a holder. @param names  of the holders; empty: without names.
+nlohmann::ordered_json reactions_json(const std::vector<Reaction>& reactions,
+                                      const std::vector<std::string>& names = {});
 
 }  // namespace elastogen

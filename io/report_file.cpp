@@ -70,6 +70,14 @@ Json to_json(const RunMeshError& error) {
           {"untrusted", error.untrusted}};
 }
 
+/// What not every run has.
+void add_parts(const RunReport& report, Json& json) {
+  if (report.mesh_error.frames > 0) json["mesh_error"] = to_json(report.mesh_error);
+  if (!report.reactions.empty())
+    json["reactions"] = reactions_json(report.reactions, report.holders);
+  if (report.ledger.steps > 0) json["ledger"] = ledger_json(report.ledger);
+}
+
 }  // namespace
 
 double quantile(std::vector<double> values, double q) {
@@ -120,9 +128,7 @@ void write_report(const std::string& path, const RunReport& report) {
       {"command", report.command},
       {"commit", report.commit},
   };
-  // what not every run has
-  if (report.mesh_error.frames > 0) json["mesh_error"] = to_json(report.mesh_error);
-  if (report.ledger.steps > 0) json["ledger"] = ledger_json(report.ledger);
+  add_parts(report, json);
   // file names need not be UTF-8: invalid bytes are replaced
   write_file(path, json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
 }

@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include "core/holder.hpp"
 #include "core/ledger.hpp"
 #include "core/material.hpp"
 #include "core/mesh_error.hpp"
@@ -49,9 +50,11 @@ struct RunReport {
   RunMeshError mesh_error;        ///< of the frames that got a mesh number
   double damped = 0;              ///< energy that damping took [J]
   Ledger ledger;                  ///< of runs by stages
-  int64_t solves = 0;             ///< minimisations: stages, those of rejected steps included
-  int64_t rejected_steps = 0;     ///< that were made again for their time error
-  int64_t outside_fit = 0;        ///< voxels outside the box of their nets, summed over the steps
+  std::vector<std::string> holders;  ///< pins and moves as they were typed
+  std::vector<Reaction> reactions;   ///< of each at the end; empty: not known
+  int64_t solves = 0;                ///< minimisations: stages, those of rejected steps included
+  int64_t rejected_steps = 0;        ///< that were made again for their time error
+  int64_t outside_fit = 0;          ///< voxels outside the box of their nets, summed over the steps
   std::vector<int64_t> long_steps;  ///< steps (from 1) of far more iterations than the median
   StageSeconds stage_seconds;
   std::vector<double> step_ms;  ///< wall time of each step; the file has median and p95

@@ -8,7 +8,7 @@ using T = SceneType;
 using Q = Quantity;
 using Keys = std::vector<SceneKey>;
 
-/// Boundary conditions, which only simulate has.
+/// Boundary conditions and loads; holds are for simulate alone.
 Keys boundary_keys() {
   return {
       // nodes that do not move
@@ -24,15 +24,16 @@ Keys boundary_keys() {
        {},
        {"x", "y", "z", "xy", "xz", "yz", "xyz"}},
       // forces and pressures on the surface
-      {"", "tractions", T::kTexts, "[]", "--traction",
-       "simulate: tractions as the option writes them"},
+      {"", "tractions", T::kTexts, "[]", "--traction", "tractions as the option writes them"},
       {"traction", "select", T::kText, "", "", "a selection, as in a pin"},
       {"traction", "force", T::kVector, "", "", "in all, spread evenly over the surface in it",
        Q::kForce},
       {"traction", "pressure", T::kNumber, "", "",
        "in place of force: on every face in it, against its outward normal at rest", Q::kPressure},
+      {"", "forces", T::kTexts, "[]", "--force", "forces as the option writes them"},
+      {"", "wind", T::kText, "", "--wind", "velocity of the air as the option writes it"},
       // nodes whose motion is given
-      {"", "moves", T::kTexts, "[]", "--move", "simulate: moves as the option writes them"},
+      {"", "moves", T::kTexts, "[]", "--move", "moves as the option writes them"},
       {"move", "select", T::kText, "", "", "a selection, as in a pin"},
       {"move", "path", T::kPath, "", "",
        "[t, x, y, z] in s and m: how far its nodes are from their places, straight between"},
@@ -40,6 +41,8 @@ Keys boundary_keys() {
        "[t, angle] in s and rad, in place of path: how far its nodes are turned"},
       {"move", "turn_centre", T::kVector, "", "", "a point of the axis", Q::kLength},
       {"move", "turn_axis", T::kVector, "", "", "about which it turns, by the right hand"},
+      {"move", "ease", T::kFlag, "false", "", "it slows down at each time of path or turn"},
+      {"move", "loop", T::kFlag, "false", "", "after the last time it begins anew at the first"},
   };
 }
 

@@ -38,16 +38,10 @@ std::vector<char> material_rows(const std::vector<Material>& materials, size_t t
   return rows;
 }
 
-/// Writes the names of the colliders, dataset (colliders) of text.
-void write_names(hid_t group, const std::vector<Collider>& colliders) {
-  size_t longest = 0;
-  for (const Collider& c : colliders) longest = std::max(longest, c.name.size());
-  std::vector<char> rows((longest + 1) * colliders.size());
-  for (size_t c = 0; c < colliders.size(); ++c)
-    std::copy(colliders[c].name.begin(), colliders[c].name.end(), rows.data() + (longest + 1) * c);
-  const hdf5::Handle type = text_type(longest);
-  const hdf5::Handle dataset = hdf5::create_dataset(group, "name", type, {colliders.size()});
-  hdf5::check(H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, rows.data()), "name");
+std::vector<std::string> names_of(const std::vector<Collider>& colliders) {
+  std::vector<std::string> names;
+  for (const Collider& c : colliders) names.push_back(c.name);
+  return names;
 }
 
 /// Writes the properties of the colliders that do not change.
@@ -70,7 +64,7 @@ void write_colliders(hid_t group, const std::vector<Collider>& colliders) {
   hdf5::write_dataset<double>(group, "half", half);
   hdf5::write_dataset<double>(group, "radius", radius);
   hdf5::write_dataset<double>(group, "friction", friction);
-  write_names(group, colliders);
+  write_names(group, names_of(colliders));
 }
 
 /// Writes offsets of the colliders at every entry, (entries, colliders, 3).
@@ -101,6 +95,17 @@ void write_surface(hid_t group, const Scene& scene, const StateHeader& header) {
 }
 
 }  // namespace
+
+void write_names(hid_t group, const std::vector<std::string>& names) {
+  size_t longest = 0;
+  for (const std::string& name : names) longest = std::max(longest, name.size());
+  std::vector<char> rows((longest + 1) * names.size());
+  for (size_t k = 0; k < names.size(); ++k)
+    std::ranges::copy(names[k], rows.data() + (longest + 1) * k);
+  const hdf5::Handle type = text_type(longest);
+  const hdf5::Handle dataset = hdf5::create_dataset(group, "name", type, {names.size()});
+  hdf5::check(H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, rows.data()), "name");
+}
 
 void write_materials(hid_t file, const std::vector<Material>& materials) {
   size_t longest = 0;

@@ -9,6 +9,8 @@
 
 namespace elastogen {
 
+/// Dataset `name` of a group, (names) of text.
+void write_names(hid_t group, const std::vector<std::string>& names);
 /// /materials, a compound.
 void write_materials(hid_t file, const std::vector<Material>& materials);
 /// /contact, if there are colliders.

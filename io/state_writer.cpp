@@ -7,6 +7,7 @@
 #include "core/time_scheme.hpp"
 #include "io/hdf5_file.hpp"
 #include "io/safe_file.hpp"
+#include "io/state_holders.hpp"
 #include "io/state_parts.hpp"
 
 #include <unistd.h>
@@ -72,24 +73,6 @@ void write_mesh(hid_t file, const StateMesh& mesh) {
   hdf5::write_dataset<double>(group, "mass", mesh.mass);
   hdf5::write_dataset<uint8_t>(group, "pinned", mesh.pinned);
   hdf5::write_dataset<int32_t>(group, "material", mesh.material);
-}
-
-/// A row for each parent node of each dependent node.
-void write_dependent(hid_t group, const DependentNodes& dependent) {
-  int64_t rows = 0;
-  for (int64_t i = 0; i < dependent.count(); ++i) rows += dependent.parents(i).rows;
-  Array<int32_t> nodes(rows), parents(rows);
-  Array<double> weights(rows);
-  int64_t row = 0;
-  for (int64_t i = 0; i < dependent.count(); ++i)
-    for (int64_t k = 0; k < dependent.parents(i).rows; ++k, ++row) {
-      nodes(row) = dependent.node(i);
-      parents(row) = dependent.parents(i)(k);
-      weights(row) = dependent.weights(i)(k);
-    }
-  hdf5::write_dataset<int32_t>(group, "dependent", nodes);
-  hdf5::write_dataset<int32_t>(group, "parent", parents);
-  hdf5::write_dataset<double>(group, "parent_weight", weights);
 }
 
 void write_grid(hid_t file, const Scene& scene) {
@@ -301,6 +284,7 @@ void StateWriter::step(const State& state, const StepReport& report, const Parti
   reports_.push_back({report.scheme, report.converged, report.guarded, report.outer, report.inner,
                       report.fallbacks, report.residual, report.ms, report.min_j, report.length,
                       report.tolerance, report.energy});
+  reactions_.insert(reactions_.end(), report.reactions.begin(), report.reactions.end());
 }
 
 void StateWriter::finish() {
@@ -320,12 +304,14 @@ void StateWriter::finish() {
   write_materials(file, scene_.materials);
   write_nets(file, header_);
   write_contact(file, scene_, header_, time_);
+  if (!header_.particles) write_holders(file, scene_, header_, time_);
   if (plastic_) write_plastic(file, *plastic_);
   {
     const hdf5::Handle steps = hdf5::create_group(file, "steps");
     hdf5::write_dataset<double>(steps, "time", {time_.data(), entries, 1});
     write_reports(steps, reports_);
     if (!header_.particles) write_lengths(steps, scene_, header_, reports_);
+    write_reactions(steps, scene_.holders.size(), reactions_);
     if (plastic_ && !header_.particles) write_yields(steps, reports_);
   }
   write_entries(file, entry_fields(scene_, header_), spill_.get(), path_, entries);

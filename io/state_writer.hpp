@@ -63,6 +63,7 @@ struct StateHeader {
   Array<uint8_t> fixed = {};    ///< 1: the component's displacement is prescribed, (nodes, 3)
   Array<double> traction = {};  ///< dead load on each node [N], (nodes, 3); both empty: none
   bool moved = false;           ///< prescribed displacements may change
+  double path_time = 1;         ///< of paths in a unit of time: in statics that is the load factor
 };
 
 /// What the file has of a report: long clips keep many of them.
@@ -110,6 +111,7 @@ class StateWriter {
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> spill_;  ///< numbers of each entry, raw float64
   std::vector<double> time_;                               ///< of each entry [s]
   std::vector<ReportFields> reports_;                      ///< one fewer than entries
+  std::vector<Reaction> reactions_;                        ///< of each step, by holders
 };
 
 }  // namespace elastogen

@@ -64,7 +64,8 @@ std::string step_log_line(int64_t frame, const StepReport& report,
       {"ms", report.ms},
   };
   if (report.length > 0) add_stages(report, line);
-  // what only the end of a frame has, and bodies that yield and particles
+  // what only held bodies and ends of frames have, and bodies that yield and particles
+  if (!report.reactions.empty()) line["reactions"] = reactions_json(report.reactions);
   if (report.mesh_error) line["mesh_error"] = to_json(*report.mesh_error);
   if (report.yields || cloud) line["fallbacks"] = report.fallbacks;
   if (cloud)

@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include "core/dependent_nodes.hpp"
 #include "mpm_fem/contact/collider_contact.hpp"
 #include "mpm_fem/fem/element_mesh.hpp"
 #include "mpm_fem/materials/solid.hpp"
@@ -29,6 +30,10 @@ struct FemScene {
   /// Writes the prescribed displacements [m] at a time [s] (statics: the load factor 0..1) into the
   /// fixed components; empty: they stay 0.
   std::function<void(double time, Out<double> u)> motion;
+  DependentNodes dependent;  ///< nodes that follow others, with no component fixed
+  /// Writes what is added to the displacements of dependent nodes [m], (dependent nodes, 3), at a time
+  /// as that of `motion`: u_i = sum_m w_im u_m + c_i; empty: 0.
+  std::function<void(double time, Out<double> offset)> dependent_motion;
   /// Writes additional forces on the nodes [N], (nodes, 3), at a time [s] (statics: the load factor
   /// 0..1); empty: none.
   std::function<void(double time, Out<double> force)> force;

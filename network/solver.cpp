@@ -76,11 +76,12 @@ Solver::Impl::Impl(const Scene& s, const SolverOptions& o)
 /// On the card where it is asked for or chosen, else on the host.
 void Solver::Impl::make_work(const EncoderChoice* encoder) {
   const bool asked = options.device == Device::kCuda;
-  const bool follows = !scene.dependent.empty();
+  // forces that change with time, and wind, are made on the host
+  const bool on_host = !scene.forces.empty() || scene.wind.blows();
   const bool wanted =
-      asked || (options.device == Device::kAuto && in_float && !follows && cuda::has_device());
-  ELASTOGEN_CHECK(!asked || !follows,
-                  "the device knows no dependent nodes: leave out --device cuda, or pin nodes");
+      asked || (options.device == Device::kAuto && in_float && !on_host && cuda::has_device());
+  ELASTOGEN_CHECK(!asked || !on_host, "the device knows no forces that change with time and no ",
+                  "wind: leave out --device cuda");
   if (asked && !cuda::has_device())
     throw Error("there is no CUDA device, or none that this build can use: leave out --device cuda",
                 ErrorKind::kDevice);

@@ -2,10 +2,13 @@
 #include "scene/boundary.hpp"
 
 #include "core/error.hpp"
+#include "core/vec3.hpp"
 #include "io/byte_reader.hpp"
 #include "io/units.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace elastogen {
 namespace {
@@ -34,17 +37,46 @@ auto quoted(const char* option, std::string_view text, const char* grammar, cons
   }
 }
 
-std::vector<PathKey> parse_angles(std::string_view text, const Vec3& axis) {
-  std::vector<PathKey> path;
-  const std::string bare = without_blanks(text);
+/// Takes the words ease and loop from the front of a path, in any order.
+/// @return the text behind them.
+std::string_view take_words(std::string_view text, Path& path) {
+  while (true) {
+    text = trimmed(text);
+    const size_t end = std::min(text.find_first_of(" \t"), text.size());
+    const std::string_view word = text.substr(0, end);
+    if (word != "ease" && word != "loop") return text;
+    (word == "ease" ? path.eases : path.loops) = true;
+    text.remove_prefix(end);
+  }
+}
+
+/// Reads keys: offset_of makes an offset of the text behind the time, or says what should stand there.
+template <class OffsetOf>
+Path parse_keys(std::string_view text, const char* grammar, const OffsetOf& offset_of) {
+  Path path;
+  const std::string bare = without_blanks(take_words(text, path));
   for (const std::string_view key : split(bare, ';')) {
     const size_t colon = key.find(':');
-    ELASTOGEN_CHECK(colon != key.npos, "'", key, "' stands where TIME:ANGLE should");
-    const double angle = parse_angle(key.substr(colon + 1));
-    path.push_back({.time = parse_time(key.substr(0, colon)),
-                    .offset = {angle * axis[0], angle * axis[1], angle * axis[2]}});
+    ELASTOGEN_CHECK(colon != key.npos, "its path has '", key, "' where ", grammar, " should stand");
+    path.keys.push_back({.time = parse_time(key.substr(0, colon)),
+                         .offset = offset_of(key, key.substr(colon + 1))});
   }
   return path;
+}
+
+Path parse_angles(std::string_view text, const Vec3& axis) {
+  return parse_keys(text, "TIME:ANGLE", [&](std::string_view, std::string_view angle) {
+    return scaled(axis, parse_angle(angle));
+  });
+}
+
+/// @throws Error unless a path that loops ends as it begins, or whole turns further.
+void check_loop(const Move& move) {
+  if (!move.path.loops) return;
+  const Vec3 rest = minus(move.path.keys.back().offset, move.path.keys.front().offset);
+  const double turns = norm(rest) / (2 * std::numbers::pi);
+  const bool closed = move.turns ? std::abs(turns - std::round(turns)) < 1e-9 : rest == Vec3{};
+  ELASTOGEN_CHECK(closed, "a path that loops must end as it begins");
 }
 
 /// Reads the text after the word turn.
@@ -76,26 +108,19 @@ Move move_of(const Parts& parts) {
     parse_turn(trimmed(parts.rest.substr(kTurn.size())), move);
   else
     throw Error("neither shift nor turn follows the selection");
-  for (size_t k = 1; k < move.path.size(); ++k)
-    ELASTOGEN_CHECK(move.path[k - 1].time < move.path[k].time, "its times must ascend");
+  check_path(move.path);
+  check_loop(move);
   return move;
 }
 
 }  // namespace
 
-std::vector<PathKey> parse_path(std::string_view text) {
-  std::vector<PathKey> path;
-  const std::string bare = without_blanks(text);
-  for (const std::string_view key : split(bare, ';')) {
-    const size_t colon = key.find(':');
-    ELASTOGEN_CHECK(colon != key.npos, "its path has '", key, "' where TIME:x,y,z should stand");
-    const auto numbers = split(key.substr(colon + 1), ',');
+Path parse_path(std::string_view text) {
+  return parse_keys(text, "TIME:x,y,z", [](std::string_view key, std::string_view offset) {
+    const auto numbers = split(offset, ',');
     ELASTOGEN_CHECK(numbers.size() == 3, "its path needs three lengths a time, got '", key, "'");
-    PathKey k{.time = parse_time(key.substr(0, colon))};
-    for (size_t d = 0; d < 3; ++d) k.offset[d] = parse_length(numbers[d]);
-    path.push_back(k);
-  }
-  return path;
+    return Vec3{parse_length(numbers[0]), parse_length(numbers[1]), parse_length(numbers[2])};
+  });
 }
 
 Pin parse_pin(std::string_view text) {
@@ -128,6 +153,35 @@ Traction parse_traction(std::string_view text) {
                     traction.force = parse_vec3(parts.rest, Quantity::kForce);
                   return traction;
                 });
+}
+
+/// Reads a vector that is constant, or keys.
+Path parse_vectors(std::string_view text, Quantity quantity) {
+  if (text.find(':') == text.npos) return {{0, parse_vec3(text, quantity)}};
+  Path path = parse_keys(text, "TIME:x,y,z", [&](std::string_view, std::string_view value) {
+    return parse_vec3(value, quantity);
+  });
+  check_path(path);
+  return path;
+}
+
+Force parse_force(std::string_view text) {
+  return quoted("--force", text,
+                "'SELECTION: x,y,z', e.g. 'y>80%: 10,0,0 N', or 'SELECTION: TIME:x,y,z; "
+                "TIME:x,y,z'",
+                [text](const Parts& parts) {
+                  return Force{std::string(text), parts.selection,
+                               parse_vectors(parts.rest, Quantity::kForce)};
+                });
+}
+
+Path parse_wind(std::string_view text) {
+  try {
+    return parse_vectors(text, Quantity::kSpeed);
+  } catch (const Error& error) {
+    throw Error(concat("--wind '", text, "': ", error.what(),
+                       " (it reads x,y,z in m/s, or TIME:x,y,z; TIME:x,y,z)"));
+  }
 }
 
 Move parse_move(std::string_view text) {

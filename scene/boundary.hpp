@@ -35,12 +35,19 @@ struct Traction {
   std::optional<double> pressure = {};  ///< against the normal of each face [Pa]; replaces force
 };
 
-/// A rigid motion, linear in time between keys, at rest before the first key and after the last.
+/// A force on all of a part, spread by mass.
+struct Force {
+  std::string text;
+  Selection selection;  ///< selects nodes
+  Path force;           ///< [N]; one key: at all times
+};
+
+/// A rigid motion along a path.
 struct Move {
   std::string text;
   Selection selection;  ///< selects nodes
   bool turns = false;
-  std::vector<PathKey> path;              ///< offsets [m], or rotation vectors of a turn [rad]
+  Path path;                              ///< offsets [m], or rotation vectors of a turn [rad]
   std::array<Place, 3> turn_centre = {};  ///< a point of the axis
 };
 
@@ -56,14 +63,22 @@ Traction parse_traction(std::string_view text);
 
 /// Reads
 ///
-///     SELECTION: shift TIME:x,y,z; TIME:x,y,z ...
-///     SELECTION: turn(PLACE x3, NUMBER x3) TIME:ANGLE; TIME:ANGLE ...
+///     SELECTION: shift [ease] [loop] TIME:x,y,z; TIME:x,y,z ...
+///     SELECTION: turn(PLACE x3, NUMBER x3) [ease] [loop] TIME:ANGLE; TIME:ANGLE ...
 ///
 /// where a turn is right-handed about the axis through a point (three places) along a vector of any
-/// length. Times ascend.
+/// length. Times ascend; the path is straight between keys, or slows down at each with `ease`. With
+/// `loop` it begins anew after its last key, where it must stand as at the first.
 Move parse_move(std::string_view text);
 
-/// Reads TIME:x,y,z; TIME:x,y,z ..., offsets [m]. @throws Error (usage) saying what is wrong.
-std::vector<PathKey> parse_path(std::string_view text);
+/// Reads 'SELECTION: x,y,z [UNIT]' or 'SELECTION: [ease] [loop] TIME:x,y,z [UNIT]; ...'.
+Force parse_force(std::string_view text);
+
+/// Reads a velocity [m/s]: 'x,y,z [UNIT]' or '[ease] [loop] TIME:x,y,z [UNIT]; ...'.
+Path parse_wind(std::string_view text);
+
+/// Reads [ease] [loop] TIME:x,y,z; TIME:x,y,z ..., offsets [m].
+/// @throws Error (usage) saying what is wrong.
+Path parse_path(std::string_view text);
 
 }  // namespace elastogen

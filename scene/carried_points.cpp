@@ -4,6 +4,8 @@
 #include "scene/pins.hpp"
 #include "voxelize/labels.hpp"
 
+#include <algorithm>
+
 namespace elastogen {
 
 CarriedPoints carried_points(const Setup& setup) {
@@ -13,10 +15,24 @@ CarriedPoints carried_points(const Setup& setup) {
     points.node_of = &setup.node_of;
   else
     points.embedding = embed(setup.scene.grid, setup.body.carried, parts_of_carried(setup.body));
-  if (!points.node_of)
-    rest_behind(setup.borders, setup.body.surface.box, setup.body.carried,
-                points.embedding.weights);
+  if (points.node_of) return points;
+  points.moved = rest_behind(setup.borders, setup.body.surface.box, setup.body.carried,
+                             points.embedding.weights);
+  std::erase_if(points.moved, [&](const HeldPoint& point) {
+    return !setup.scene.holders[size_t(point.holder)].moves();
+  });
   return points;
+}
+
+void place_moved(const CarriedPoints& points, const Setup& setup, double time,
+                 Array<double>& displacement, Array<double>* gradient) {
+  for (const auto& [point, number] : points.moved) {
+    const Holder& holder = setup.scene.holders[size_t(number)];
+    const double* X = setup.body.carried.row(point);
+    const Vec3 motion = held_displacement(holder, {X[0], X[1], X[2]}, time);
+    std::ranges::copy(motion, displacement.row(point));
+    if (gradient) std::ranges::copy(held_rotation(holder, time), gradient->row(point));
+  }
 }
 
 NodeFrames::NodeFrames(const VoxelGrid& grid, const CarriedPoints& points, bool with_gradient)

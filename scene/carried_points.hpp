@@ -14,10 +14,16 @@ struct CarriedPoints {
   int64_t count = 0;
   Embedding embedding;                      ///< in the voxels of the scene's grid
   const Array<int32_t>* node_of = nullptr;  ///< node of each point, (points, 1); null: embedded
+  std::vector<HeldPoint> moved;             ///< points that go with holders that move
 };
 
 /// The carried points of a setup, which must outlive them.
 CarriedPoints carried_points(const Setup& setup);
+
+/// Puts the points that go with holders where these are at a time [s].
+/// @param gradient  deformation gradients of the points, null: none.
+void place_moved(const CarriedPoints& points, const Setup& setup, double time,
+                 Array<double>& displacement, Array<double>* gradient);
 
 /// Frames made from positions of nodes. The last two remain valid, so one may be written while the
 /// next is made.

@@ -173,6 +173,7 @@ class Clip {
       elastogen::add_frame(*r.mesh_error, report_.mesh_error);
     }
     report_.ledger.add(r.ledger);
+    report_.reactions = r.reactions;
     report_.time_error += r.time_error;
     report_.loosest_tolerance = std::max(report_.loosest_tolerance, r.tolerance);
     report_.damped += r.damped;

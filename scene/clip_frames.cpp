@@ -98,9 +98,22 @@ const State& ClipFrames::grid_state() {
   return grid_state_;
 }
 
+/// A frame whose points go with holders that move.
+CarriedFrame ClipFrames::with_moved(const CarriedFrame& carried, double time) {
+  displacement_ = Array<double>(points_.count, 3);
+  std::copy_n(carried.displacement, displacement_.size(), displacement_.data());
+  if (with_gradient_) {
+    gradient_ = Array<double>(points_.count, 9);
+    std::copy_n(carried.gradient, gradient_.size(), gradient_.data());
+  }
+  place_moved(points_, setup_, time, displacement_, with_gradient_ ? &gradient_ : nullptr);
+  return {displacement_.data(), with_gradient_ ? gradient_.data() : nullptr};
+}
+
 void ClipFrames::write(int64_t number, AnimationFrame frame) {
   const int64_t points = points_.count;
-  const CarriedFrame carried = stepper_->take_frame(number);
+  CarriedFrame carried = stepper_->take_frame(number);
+  if (!points_.moved.empty()) carried = with_moved(carried, double(number) / run_.fps);
   frame.displacement = {carried.displacement, points, 3};
   if (with_gradient_) frame.gradient = {carried.gradient, points, 9};
   for (int64_t k = 0; k < 3 * points; ++k)

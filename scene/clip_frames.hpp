@@ -47,6 +47,7 @@ class ClipFrames {
  private:
   const State& grid_state();
   void write(int64_t number, AnimationFrame frame);
+  CarriedFrame with_moved(const CarriedFrame& carried, double time);
 
   const Setup& setup_;
   const RunDescription& run_;
@@ -55,7 +56,8 @@ class ClipFrames {
   bool with_motion_ = false, with_gradient_ = false;
   CarriedPoints points_;
   Stepper* stepper_ = nullptr;
-  State grid_state_;  ///< used if the state has more nodes than the grid
+  State grid_state_;                       ///< used if the state has more nodes than the grid
+  Array<double> displacement_, gradient_;  ///< by with_moved
   double largest_motion_ = 0;
   std::future<void> writing_;  ///< last member, so that it ends before the members that it uses
 };

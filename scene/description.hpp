@@ -86,9 +86,12 @@ struct RunDescription {
 
   // what acts on it
   std::vector<Pin> pins;
-  std::vector<Hold> holds;  ///< only for finite elements, like the next two
+  std::vector<Hold> holds;  ///< only for finite elements
   std::vector<Traction> tractions;
+  std::vector<Force> forces;
   std::vector<Move> moves;
+  std::string wind_text;  ///< as it was typed
+  Path wind;              ///< velocity of the air [m/s]; empty: none
   std::vector<Obstacle> colliders;
   std::optional<FloorPlane> floor;
   double friction = 0.5;        ///< of the floor, and default of colliders; kSticks: sticky

@@ -2,29 +2,20 @@
 #include "scene/fem_boundary.hpp"
 
 #include "core/error.hpp"
+#include "core/held_nodes.hpp"
+#include "core/vec3.hpp"
+#include "mpm_fem/fem/elastic_body.hpp"
 #include "mpm_fem/fem/mesh_pieces.hpp"
-#include "mpm_fem/fem/surface_load.hpp"
+#include "scene/loads.hpp"
+#include "scene/pins.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
+#include <memory>
 
 namespace elastogen {
 namespace {
-
-/// The given nodes of the grid, and the middles of edges between two of them.
-Array<uint8_t> with_middles(const Array<uint8_t>& grid_nodes, const fem::ElementMesh& mesh) {
-  constexpr int kEdges[6][2] = {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}};
-  Array<uint8_t> nodes(mesh.rest.rows());
-  std::copy_n(grid_nodes.data(), grid_nodes.rows(), nodes.data());
-  for (int64_t e = 0; e < mesh.elements.rows() && mesh.elements.cols() == 10; ++e)
-    for (int k = 0; k < 6; ++k) {
-      const int32_t a = mesh.elements(e, kEdges[k][0]), b = mesh.elements(e, kEdges[k][1]);
-      if (grid_nodes(a) && grid_nodes(b)) nodes(mesh.elements(e, 4 + k)) = 1;
-    }
-  return nodes;
-}
 
 /// An option that holds or moves nodes of the grid.
 struct Claim {
@@ -61,39 +52,14 @@ void check_contradictions(const Setup& setup, const RunDescription& run) {
 struct Motion {
   std::vector<int32_t> nodes;
   std::vector<Vec3> rest;  ///< rest position of each [m]
-  bool turns = false;
-  Vec3 centre = {};  ///< centre of a turn [m]
-  Collider frame;    ///< used for its path: offsets [m] or rotation vectors [rad]
+  Holder holder;
 };
-
-/// r turned by a rotation vector (Rodrigues).
-Vec3 turned(const Vec3& r, const Vec3& rotation) {
-  const double angle = std::hypot(rotation[0], rotation[1], rotation[2]);
-  if (angle == 0) return r;
-  Vec3 n, result;
-  for (size_t d = 0; d < 3; ++d) n[d] = rotation[d] / angle;
-  const double along = n[0] * r[0] + n[1] * r[1] + n[2] * r[2];
-  for (size_t d = 0; d < 3; ++d) {
-    const size_t e = (d + 1) % 3, f = (d + 2) % 3;
-    result[d] = r[d] * std::cos(angle) + (n[e] * r[f] - n[f] * r[e]) * std::sin(angle) +
-                n[d] * along * (1 - std::cos(angle));
-  }
-  return result;
-}
 
 /// Writes the displacements at a time [m].
 void displace(const Motion& motion, double time, Out<double> u) {
-  const Vec3 offset = offset_at(motion.frame, time);
-  for (size_t k = 0; k < motion.nodes.size(); ++k) {
-    Vec3 moved = offset;
-    if (motion.turns) {
-      Vec3 arm;
-      for (size_t d = 0; d < 3; ++d) arm[d] = motion.rest[k][d] - motion.centre[d];
-      moved = turned(arm, offset);
-      for (size_t d = 0; d < 3; ++d) moved[d] -= arm[d];
-    }
-    std::copy(moved.begin(), moved.end(), u.row(motion.nodes[k]));
-  }
+  for (size_t k = 0; k < motion.nodes.size(); ++k)
+    std::ranges::copy(held_displacement(motion.holder, motion.rest[k], time),
+                      u.row(motion.nodes[k]));
 }
 
 Motion make_motion(const Move& move, const Setup& setup, const fem::ElementMesh& mesh) {
@@ -101,10 +67,7 @@ Motion make_motion(const Move& move, const Setup& setup, const fem::ElementMesh&
   const Array<uint8_t> selected =
       with_middles(select_nodes(setup.scene.grid, move.selection, box), mesh);
   Motion motion;
-  motion.turns = move.turns;
-  motion.frame.path = move.path;
-  if (move.turns)
-    for (size_t d = 0; d < 3; ++d) motion.centre[d] = coordinate(move.turn_centre[d], int(d), box);
+  motion.holder = holder_of(move, box);
   for (int64_t n = 0; n < selected.rows(); ++n) {
     if (!selected(n)) continue;
     motion.nodes.push_back(int32_t(n));
@@ -119,7 +82,7 @@ void add_holds(const Setup& setup, const RunDescription& run, fem::FemScene& sce
     scene.fixed(n, 2) = fem::is_plane(scene.mesh.element);
   const Array<uint8_t> pinned = pinned_nodes(setup.scene, scene.mesh);
   for (int64_t n = 0; n < pinned.rows(); ++n)
-    if (pinned(n)) std::fill_n(scene.fixed.row(n), 3, uint8_t(1));
+    if (pinned(n) == kPinnedNode) std::fill_n(scene.fixed.row(n), 3, uint8_t(1));
   for (const Hold& hold : run.holds) {
     const Array<uint8_t> nodes = with_middles(
         select_nodes(setup.scene.grid, hold.selection, setup.body.surface.box), scene.mesh);
@@ -129,37 +92,53 @@ void add_holds(const Setup& setup, const RunDescription& run, fem::FemScene& sce
   }
 }
 
-void add_tractions(const Setup& setup, const RunDescription& run, fem::FemScene& scene) {
-  const PlacedBox& box = setup.body.surface.box;
-  for (const Traction& traction : run.tractions) {
-    const Array<uint8_t> nodes =
-        with_middles(select_nodes(setup.scene.grid, traction.selection, box), scene.mesh);
-    const Array<double> load = traction.pressure
-                                   ? fem::pressure_load(scene.mesh, nodes, *traction.pressure)
-                                   : fem::surface_load(scene.mesh, nodes, traction.force);
-    if (load.empty())
-      throw Error(fmt::format(
-          "--traction '{}': no face of the body has all its nodes in the selection; the asset "
-          "spans {:.4g}..{:.4g}, {:.4g}..{:.4g}, {:.4g}..{:.4g} m",
-          traction.text, box.lower[0], box.upper[0], box.lower[1], box.upper[1], box.lower[2],
-          box.upper[2]));
-    if (scene.traction.empty()) scene.traction = Array<double>(load.rows(), 3);
-    for (int64_t k = 0; k < load.size(); ++k) scene.traction.data()[k] += load.data()[k];
-  }
-}
-
-void add_moves(const Setup& setup, const RunDescription& run, fem::FemScene& scene) {
-  if (run.moves.empty()) return;
+/// Moves the nodes in the selections of moves.
+void move_nodes(const Setup& setup, const RunDescription& run, double per_time,
+                fem::FemScene& scene) {
   std::vector<Motion> motions;
-  double end = 0;  // time of the last key
   for (const Move& move : run.moves) {
-    end = std::max(end, move.path.back().time);
     motions.push_back(make_motion(move, setup, scene.mesh));
     for (const int32_t n : motions.back().nodes) std::fill_n(scene.fixed.row(n), 3, uint8_t(1));
   }
-  const double per_time = run.fem->statics ? end : 1;
   scene.motion = [motions = std::move(motions), per_time](double time, Out<double> u) {
     for (const Motion& motion : motions) displace(motion, per_time * time, u);
+  };
+}
+
+/// Moves what holders of the setup's scene hold, at borders that cut voxels too.
+void move_holders(const Setup& setup, double per_time, fem::FemScene& scene) {
+  const auto held = std::make_shared<HeldNodes>(setup.scene);
+  scene.motion = [held, per_time](double time, Out<double> u) {
+    held->set_time(per_time * time);
+    held->place_pinned(u.data);
+  };
+  if (!held->moves_dependent()) return;
+  scene.dependent_motion = [held, per_time](double time, Out<double> offset) {
+    held->set_time(per_time * time);
+    for (int64_t i = 0; i < offset.rows; ++i) std::ranges::copy(held->offset(i), offset.row(i));
+  };
+}
+
+/// Of statics a load factor of 1 is the end of all paths.
+void add_moves(const Setup& setup, const RunDescription& run, fem::FemScene& scene) {
+  if (run.moves.empty()) return;
+  const double per_time = run.fem->statics ? end_of_moves(run) : 1;
+  moves_apart(setup, run) ? move_nodes(setup, run, per_time, scene)
+                          : move_holders(setup, per_time, scene);
+}
+
+/// In statics forces are those at the end of their path, times the load factor.
+void add_timed_forces(const Setup& setup, const RunDescription& run, fem::FemScene& scene) {
+  if (run.forces.empty()) return;
+  const Array<double> mass = fem::ElasticBody(scene.mesh, scene.materials).lumped_mass();
+  scene.force = [forces = timed_forces(setup, run, scene.mesh, mass), is_static = run.fem->statics](
+                    double time, Out<double> load) {
+    for (const TimedForce& force : forces) {
+      const Vec3 F =
+          is_static ? scaled(force.force.keys.back().offset, time) : offset_at(force.force, time);
+      for (int64_t n = 0; n < load.rows; ++n)
+        for (int d = 0; d < 3; ++d) load(n, d) += force.share(n) * F[size_t(d)];
+    }
   };
 }
 
@@ -167,7 +146,7 @@ void add_moves(const Setup& setup, const RunDescription& run, fem::FemScene& sce
 struct Piece {
   int64_t nodes = 0;
   Box box;                        // at rest [m]
-  std::array<bool, 3> held = {};  // whether a component is prescribed along x, y, z
+  std::array<bool, 3> held = {};  // whether something holds or moves it along x, y, z
 };
 
 std::vector<Piece> pieces_of(const fem::FemScene& scene) {
@@ -181,10 +160,18 @@ std::vector<Piece> pieces_of(const fem::FemScene& scene) {
     own.box.add({scene.mesh.rest(n, 0), scene.mesh.rest(n, 1), scene.mesh.rest(n, 2)});
     for (int d = 0; d < 3; ++d) own.held[size_t(d)] |= scene.fixed(n, d) != 0;
   }
+  for (int64_t i = 0; i < scene.dependent.count(); ++i)
+    pieces[size_t(piece(scene.dependent.node(i)))].held = {true, true, true};
   return pieces;
 }
 
 }  // namespace
+
+double end_of_moves(const RunDescription& run) {
+  double end = 0;
+  for (const Move& move : run.moves) end = std::max(end, move.path.keys.back().time);
+  return end;
+}
 
 Array<uint8_t> pinned_nodes(const Scene& scene, const fem::ElementMesh& mesh) {
   return with_middles(scene.pinned, mesh);
@@ -192,9 +179,14 @@ Array<uint8_t> pinned_nodes(const Scene& scene, const fem::ElementMesh& mesh) {
 
 void add_boundary(const Setup& setup, const RunDescription& run, fem::FemScene& scene) {
   check_contradictions(setup, run);
+  scene.dependent = setup.scene.dependent;
   add_holds(setup, run, scene);
   add_moves(setup, run, scene);
-  add_tractions(setup, run, scene);
+  // what a pin holds at its border follows that
+  for (int64_t i = 0; i < scene.dependent.count(); ++i)
+    std::fill_n(scene.fixed.row(scene.dependent.node(i)), 3, uint8_t(0));
+  scene.traction = surface_loads(setup, run, scene.mesh);
+  add_timed_forces(setup, run, scene);
 }
 
 std::vector<std::string> unheld_pieces(const fem::FemScene& scene) {

@@ -124,6 +124,7 @@ void describe_fem(const Setup& setup, const RunDescription& run, const fem::FemS
   if (!run.holds.empty() || !run.moves.empty()) header.fixed = scene.fixed;
   header.traction = scene.traction;
   header.moved = bool(scene.motion);
+  if (run.fem->statics) header.path_time = end_of_moves(run);
   if (!scene.colliders.empty())
     header.contact = {{"layer", scene.contact.layer},
                       {"slip_range", scene.contact.slip_range},

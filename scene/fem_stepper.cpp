@@ -81,6 +81,19 @@ void FemStepper::begin(const StartMotion& motion) {
   State state = initial_state(nodes, motion);
   for (int64_t k = 0; k < state.v.size(); ++k)
     if (scene_.fixed.data()[k]) state.v.data()[k] = 0;
+  scene_.dependent.fill(state.v.data());
+  // what moves stands at the start of its path
+  Array<double> u(state.x.rows(), 3);
+  u = fem::with_motion(scene_, 0, u);
+  const Array<double> offset = fem::dependent_offset(scene_, 0);
+  const double soon = 1e-3 * scene_.dt;
+  const Array<double> next = fem::dependent_offset(scene_, soon);
+  for (int64_t i = 0; i < offset.rows(); ++i)
+    for (int d = 0; d < 3; ++d) {
+      u(scene_.dependent.node(i), d) = offset(i, d);
+      state.v(scene_.dependent.node(i), d) += (next(i, d) - offset(i, d)) / soon;
+    }
+  for (int64_t k = 0; k < u.size(); ++k) state.x.data()[k] += u.data()[k];
   begin_at(state);
 }
 

@@ -12,11 +12,12 @@ namespace {
 /// Largest speed on a path [m/s].
 double path_speed(const Collider& collider) {
   double fastest = 0;
-  for (size_t k = 1; k < collider.path.size(); ++k) {
-    const PathKey &from = collider.path[k - 1], &to = collider.path[k];
+  const std::vector<PathKey>& keys = collider.path.keys;
+  for (size_t k = 1; k < keys.size(); ++k) {
+    const PathKey &from = keys[k - 1], &to = keys[k];
     fastest = std::max(fastest, norm(minus(to.offset, from.offset)) / (to.time - from.time));
   }
-  return fastest;
+  return collider.path.eases ? 1.5 * fastest : fastest;
 }
 
 /// Work of gravity per mass on the way from a point to the far side of a collider [m^2/s^2].
@@ -52,7 +53,7 @@ double impact_speed(const Scene& scene, const StartMotion& motion) {
   double square = 0;
   for (const Collider& collider : scene.colliders) {
     double work = fall(collider, {}, centre, scene.gravity);
-    for (const PathKey& key : collider.path)
+    for (const PathKey& key : collider.path.keys)
       work = std::max(work, fall(collider, key.offset, centre, scene.gravity));
     const double speed = own + path_speed(collider);
     square = std::max(square, speed * speed + 2 * work);

@@ -38,7 +38,7 @@ bool is_above_something(const Scene& scene, Vec3 x, double reach) {
   for (int k = 0; k < 1000 && norm(minus(x, start)) < reach; ++k) {
     double nearest = reach;
     for (const Collider& c : scene.colliders)
-      nearest = c.path.empty() ? std::min(nearest, proximity(c, {}, x).distance) : 0;
+      nearest = c.path.keys.empty() ? std::min(nearest, proximity(c, {}, x).distance) : 0;
     if (nearest < scene.grid.h / 4) return true;
     x = plus(x, scaled(down, nearest));
   }

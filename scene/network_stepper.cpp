@@ -3,6 +3,8 @@
 
 #include "network/contact/contact.hpp"
 
+#include <algorithm>
+
 namespace elastogen {
 namespace {
 
@@ -45,6 +47,8 @@ class NetworkStepper : public Stepper {
 
   void describe(StateHeader& header) const override {
     header.solver = solver_name(solver_.mode());
+    header.traction = scene_.load;
+    header.moved = std::ranges::any_of(scene_.holders, [](const Holder& h) { return h.moves(); });
     header.tolerance = tolerance_;
     for (const auto& net : nets_) header.nets.push_back(net ? state_net(*net) : StateNet());
     if (!nets_.empty()) header.energy = "neural";

@@ -30,8 +30,8 @@ struct Obstacle {
   double radius = 0;                ///< of the sphere [m]
   /// Coulomb's coefficient, or kSticks; unset: the scene's friction.
   std::optional<double> friction = {};
-  std::string name = {};           ///< empty: named by its number
-  std::vector<PathKey> path = {};  ///< offsets [m]
+  std::string name = {};  ///< empty: named by its number
+  Path path = {};         ///< offsets [m]
 };
 
 /// Reads

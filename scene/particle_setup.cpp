@@ -84,6 +84,8 @@ void add_particles(const Asset& asset, const RunDescription& run, Setup& setup) 
   refuse(!run.holds.empty(), "--hold");
   refuse(!run.moves.empty(), "--move");
   refuse(!run.tractions.empty(), "--traction");
+  refuse(!run.forces.empty(), "--force");
+  refuse(!run.wind.keys.empty(), "--wind");
   refuse(run.fem && run.fem->statics, "statics");
   check_endings(run);
   // fill the voxels; positions count from the grid's origin

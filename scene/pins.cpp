@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scene/pins.hpp"
 
-#include "core/cuda/card.hpp"
+#include "core/error.hpp"
 #include "core/parallel.hpp"
 #include "core/vec3.hpp"
+#include "mpm_fem/fem/element_mesh.hpp"
 #include "voxelize/dependent_nodes.hpp"
 #include "voxelize/regions.hpp"
 
@@ -17,14 +18,19 @@ namespace {
 
 constexpr double kOnBorder = 1e-9;  // of the longest edge, as in regions.cpp
 
+/// A pin or a move.
+struct HeldPart {
+  std::string option;  // as it was typed
+  const Selection* selection;
+  Holder holder;
+};
+
 /// What holds only the nodes in a pin, empty where nothing of the run does.
 std::string holder_of_nodes(const RunDescription& run) {
   if (method_of(run) == Method::kMpm) return "particles hold";
-  if (run.fem || method_of(run) != Method::kAuto) return "finite elements hold";
+  if (run.fem && fem::nodes_of(run.fem->element) != 8) return "tetrahedra hold";
+  if (run.fem || method_of(run) != Method::kAuto) return "";
   if (run.solver.mode == SolverMode::kPaper) return "the solver 'paper' holds";
-  const Device device = run.solver.device;
-  if (device == Device::kCuda || (device == Device::kAuto && cuda::has_device()))
-    return "the card holds";
   return "";
 }
 
@@ -32,20 +38,27 @@ double longest_extent(const Box& box) {
   return std::max({box.extent(0), box.extent(1), box.extent(2)});
 }
 
-std::string span_of(const PlacedBox& box) {
-  const Vec3 lower = plus(box.lower, box.origin), upper = plus(box.upper, box.origin);
-  return fmt::format("{:.4g}..{:.4g}, {:.4g}..{:.4g}, {:.4g}..{:.4g} m", lower[0], upper[0],
-                     lower[1], upper[1], lower[2], upper[2]);
+/// Pins, then moves; finite elements that hold nodes have the latter by themselves.
+std::vector<HeldPart> held_parts(const RunDescription& run, const PlacedBox& box, bool with_moves) {
+  std::vector<HeldPart> parts;
+  for (const Pin& pin : run.pins)
+    parts.push_back({fmt::format("--pin '{}'", pin.text), &pin.selection, {}});
+  for (const Move& move : run.moves)
+    if (with_moves)
+      parts.push_back(
+          {fmt::format("--move '{}'", move.text), &move.selection, holder_of(move, box)});
+  for (HeldPart& part : parts) part.holder.name = part.option;
+  return parts;
 }
 
-/// Moves the planes of nodes into those of pins, one an axis: the first one where the others lie in
-/// planes of nodes too, else the lowest, whatever their order.
+/// Moves the planes of nodes into those of pins and moves, one an axis: the first one where the
+/// others lie in planes of nodes too, else the lowest, whatever their order.
 void align_to_pins(const RunDescription& run, const PlacedBox& box, VoxelizeOptions& options) {
   const double h = options.h > 0 ? options.h : longest_extent(box) / options.voxels;
   std::vector<double> planes[3];
-  for (const Pin& pin : run.pins) {
-    const auto border = border_of(pin.selection, box);
-    const auto at = plane(pin.selection, box);
+  for (const HeldPart& part : held_parts(run, box, true)) {
+    const auto border = border_of(*part.selection, box);
+    const auto at = plane(*part.selection, box);
     if (at && reaches(*border, box)) planes[at->first].push_back(at->second);
   }
   for (size_t d = 0; d < 3; ++d) {
@@ -60,28 +73,41 @@ void align_to_pins(const RunDescription& run, const PlacedBox& box, VoxelizeOpti
 }
 
 /// 1 for each node that an option selects, (nodes, 1); warns if there is none.
-Array<uint8_t> held_nodes(const char* option, const std::string& text, const Selection& selection,
-                          Setup& setup) {
+Array<uint8_t> held_nodes(const std::string& option, const Selection& selection, Setup& setup) {
   const PlacedBox& box = setup.body.surface.box;
   Array<uint8_t> selected = select_nodes(setup.scene.grid, selection, box);
   const uint8_t* nodes = selected.data();
   if (std::any_of(nodes, nodes + selected.rows(), [](uint8_t s) { return s != 0; }))
     return selected;
   setup.warnings.push_back(
-      fmt::format("{} '{}' holds nothing: no node of the grid lies in it; the asset spans {}",
-                  option, text, span_of(box)));
+      fmt::format("{} holds nothing: no node of the grid lies in it; the asset spans {}", option,
+                  span_of(box)));
   return selected;
 }
 
-/// Pins the nodes in a pin, and those that lie in its planes but for the rounding of the grid.
-void pin_nodes(const Pin& pin, const std::optional<Border>& border, Setup& setup) {
+/// Gives a node to a holder. @throws Error (usage) if another one has it and one of them moves.
+void take_node(int64_t n, int32_t holder, Scene& scene) {
+  const int32_t before = scene.holder(n);
+  if (before >= 0 && before != holder &&
+      (scene.holders[size_t(before)].moves() || scene.holders[size_t(holder)].moves()))
+    throw Error(fmt::format(
+        "{} and {} contradict each other: both have the node at ({:.4g}, {:.4g}, {:.4g}) m",
+        scene.holders[size_t(before)].name, scene.holders[size_t(holder)].name,
+        scene.grid.rest(n, 0), scene.grid.rest(n, 1), scene.grid.rest(n, 2)));
+  if (before < 0) scene.holder(n) = holder;
+  scene.pinned(n) = kPinnedNode;
+}
+
+/// Pins the nodes in a part, and those that lie in its planes but for the rounding of the grid.
+void pin_nodes(const HeldPart& part, int32_t holder, const std::optional<Border>& border,
+               Setup& setup) {
   Scene& scene = setup.scene;
-  const Array<uint8_t> selected = held_nodes("--pin", pin.text, pin.selection, setup);
+  const Array<uint8_t> selected = held_nodes(part.option, *part.selection, setup);
   for (int64_t n = 0; n < selected.rows(); ++n) {
     const double* X = scene.grid.rest.row(n);
-    scene.pinned(n) |= selected(n);
-    if (border && distance(*border, {X[0], X[1], X[2]}) <= kSamePlane * scene.grid.h)
-      scene.pinned(n) = kPinnedNode;
+    if (selected(n) ||
+        (border && distance(*border, {X[0], X[1], X[2]}) <= kSamePlane * scene.grid.h))
+      take_node(n, holder, scene);
   }
 }
 
@@ -99,19 +125,75 @@ void say_nodes_hold(const RunDescription& run, Setup& setup) {
     if (setup.tets || fits_grid(border, setup) || !reaches(*border, box)) continue;
     setup.warnings.push_back(fmt::format(
         "--pin '{}': its border cuts voxels, of which {} the nodes in it only, so that the body "
-        "moves "
-        "there by a part of what its voxels do; the network on the CPU holds it at the border",
+        "moves there by a part of what its voxels do; the network and finite elements on voxels "
+        "hold it at the border",
         pin.text, holder_of_nodes(run)));
     return;
   }
 }
 
+/// @throws Error (usage) naming two parts, one of which moves, that have a point of the asset in common.
+void check_apart(const std::vector<HeldPart>& parts, const Setup& setup) {
+  const Array<double>& points = setup.body.carried;
+  for (size_t a = 0; a < parts.size(); ++a)
+    for (size_t b = 0; b < a; ++b)
+      for (int64_t p = 0; p < points.rows(); ++p) {
+        if (!parts[a].holder.moves() && !parts[b].holder.moves()) break;
+        const Vec3 X = {points(p, 0), points(p, 1), points(p, 2)};
+        const PlacedBox& box = setup.body.surface.box;
+        if (!contains(*parts[a].selection, X, box) || !contains(*parts[b].selection, X, box))
+          continue;
+        throw Error(fmt::format(
+            "{} and {} contradict each other: both have the point ({:.4g}, {:.4g}, {:.4g}) m",
+            parts[b].option, parts[a].option, X[0], X[1], X[2]));
+      }
+}
+
+/// Gives a border to a holder. @throws Error (usage) if another one has it and one of them moves.
+void claim_border(int32_t holder, int32_t& owner, const Scene& scene) {
+  if (owner >= 0 && (scene.holders[size_t(owner)].moves() || scene.holders[size_t(holder)].moves()))
+    throw Error(fmt::format("{} and {} contradict each other: both have the same border",
+                            scene.holders[size_t(owner)].name, scene.holders[size_t(holder)].name));
+  if (owner < 0) owner = holder;
+}
+
+/// Adds the nodes that follow others at borders that cut voxels.
+void add_dependent(const std::vector<Border>& borders, const std::vector<BorderVoxel>& cut,
+                   const std::vector<int32_t>& holder_of_border, Scene& scene) {
+  std::vector<int32_t> border_of_node;
+  scene.dependent = dependent_nodes(scene.grid, borders, cut, scene.pinned, &border_of_node);
+  for (int64_t i = 0; i < scene.dependent.count(); ++i) {
+    const int32_t n = scene.dependent.node(i);
+    scene.pinned(n) = kDependentNode;
+    scene.holder(n) = holder_of_border[size_t(border_of_node[size_t(i)])];
+  }
+}
+
 }  // namespace
+
+bool moves_apart(const Setup& setup, const RunDescription& run) {
+  return run.fem && (setup.tets || !holder_of_nodes(run).empty());
+}
+
+std::string span_of(const PlacedBox& box) {
+  const Vec3 lower = plus(box.lower, box.origin), upper = plus(box.upper, box.origin);
+  return fmt::format("{:.4g}..{:.4g}, {:.4g}..{:.4g}, {:.4g}..{:.4g} m", lower[0], upper[0],
+                     lower[1], upper[1], lower[2], upper[2]);
+}
+
+Holder holder_of(const Move& move, const PlacedBox& box) {
+  Holder holder;
+  holder.turns = move.turns;
+  holder.path = move.path;
+  for (size_t d = 0; d < 3 && move.turns; ++d)
+    holder.centre[d] = coordinate(move.turn_centre[d], int(d), box);
+  return holder;
+}
 
 void add_borders(const RunDescription& run, const PlacedBox& box, VoxelizeOptions& options) {
   if (!holder_of_nodes(run).empty()) return;
-  for (const Pin& pin : run.pins)
-    if (const auto border = border_of(pin.selection, box)) options.borders.push_back(*border);
+  for (const HeldPart& part : held_parts(run, box, true))
+    if (const auto border = border_of(*part.selection, box)) options.borders.push_back(*border);
   std::ranges::sort(options.borders, [](const Border& a, const Border& b) { return a < b; });
   options.borders.erase(std::unique(options.borders.begin(), options.borders.end()),
                         options.borders.end());
@@ -123,40 +205,52 @@ void pin(const RunDescription& run, const std::vector<Border>& borders,
   Scene& scene = setup.scene;
   const PlacedBox& box = setup.body.surface.box;
   scene.pinned = Array<uint8_t>(scene.grid.node_count());
-  // pins that the grid fits by their nodes, the others at their borders
-  for (const Pin& pin : run.pins) {
-    const std::optional<Border> border = border_of(pin.selection, box);
+  scene.holder = Array<int32_t>(scene.grid.node_count());
+  std::fill_n(scene.holder.data(), scene.holder.rows(), -1);
+  std::vector<int32_t> holder_of_border(borders.size(), -1);
+  // parts that the grid fits by their nodes, the others at their borders
+  const std::vector<HeldPart> parts = held_parts(run, box, !moves_apart(setup, run));
+  check_apart(parts, setup);
+  for (const HeldPart& part : parts) {
+    const auto holder = int32_t(scene.holders.size());
+    scene.holders.push_back(part.holder);
+    const std::optional<Border> border = border_of(*part.selection, box);
     if (borders.empty() || fits_grid(border, setup)) {
-      pin_nodes(pin, borders.empty() ? std::nullopt : border, setup);
+      pin_nodes(part, holder, borders.empty() ? std::nullopt : border, setup);
       continue;
     }
     const auto number = std::ranges::find(borders, *border) - borders.begin();
+    claim_border(holder, holder_of_border[size_t(number)], scene);
     if (std::ranges::any_of(cut, [&](const BorderVoxel& at) { return at.border == number; }))
-      setup.borders.push_back(*border);
+      setup.borders.push_back({*border, holder});
     else
-      setup.warnings.push_back(fmt::format(
-          "--pin '{}' holds nothing: nothing of the asset lies in it, or nothing beside "
-          "it is free; the asset spans {}",
-          pin.text, span_of(box)));
+      setup.warnings.push_back(
+          fmt::format("{} holds nothing: nothing of the asset lies in it, or nothing beside it is "
+                      "free; the asset spans {}",
+                      part.option, span_of(box)));
   }
-  scene.dependent = dependent_nodes(scene.grid, borders, cut, scene.pinned);
-  for (int64_t i = 0; i < scene.dependent.count(); ++i)
-    scene.pinned(scene.dependent.node(i)) = kDependentNode;
+  add_dependent(borders, cut, holder_of_border, scene);
   if (borders.empty()) say_nodes_hold(run, setup);
-  // holds and moves
-  for (const Hold& hold : run.holds) held_nodes("--hold", hold.text, hold.selection, setup);
-  for (const Move& move : run.moves) held_nodes("--move", move.text, move.selection, setup);
+  // holds, and moves of finite elements
+  for (const Hold& hold : run.holds)
+    held_nodes(fmt::format("--hold '{}'", hold.text), hold.selection, setup);
+  for (const Move& move : run.moves)
+    if (moves_apart(setup, run))
+      held_nodes(fmt::format("--move '{}'", move.text), move.selection, setup);
 }
 
-void rest_behind(const std::vector<Border>& borders, const PlacedBox& box, In<double> points,
-                 Array<double>& weights) {
-  if (borders.empty()) return;
+std::vector<HeldPoint> rest_behind(const std::vector<HeldBorder>& borders, const PlacedBox& box,
+                                   In<double> points, Array<double>& weights) {
+  std::vector<HeldPoint> held;
   const double margin = kOnBorder * longest_extent(box);
-  for_each(points.rows, [&](int64_t p) {
-    for (const Border& border : borders)
-      if (distance(border, {points(p, 0), points(p, 1), points(p, 2)}) <= margin)
+  for (int64_t p = 0; p < points.rows && !borders.empty(); ++p)
+    for (const auto& [border, holder] : borders)
+      if (distance(border, {points(p, 0), points(p, 1), points(p, 2)}) <= margin) {
         std::fill_n(weights.row(p), 8, 0.0);
-  });
+        held.push_back({p, holder});
+        break;
+      }
+  return held;
 }
 
 }  // namespace elastogen

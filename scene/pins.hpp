@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What pins hold. The network on the host holds the body at their borders where these cut voxels
-// (voxelize/dependent_nodes.hpp); all other steps hold the nodes that lie in a pin.
+// What pins hold, and moves. The network and finite elements on voxels hold the body at their borders
+// where these cut voxels (voxelize/dependent_nodes.hpp); all other steps hold the nodes in them.
 
 #pragma once
 
@@ -9,18 +9,29 @@
 
 namespace elastogen {
 
-/// Borders of the pins in an order of their own, each once, and the planes of nodes that they ask for;
+/// The extents of a box, for messages.
+std::string span_of(const PlacedBox& box);
+
+/// Whether finite elements move nodes by themselves (fem_boundary.cpp), not by holders of the scene.
+bool moves_apart(const Setup& setup, const RunDescription& run);
+
+/// What a move does. @param box  of the asset [m].
+Holder holder_of(const Move& move, const PlacedBox& box);
+
+/// Borders of pins and moves in an order of their own, each once, and the planes of nodes that they ask for;
 /// neither where the steps of the run hold nodes. @param box  of the asset [m].
 void add_borders(const RunDescription& run, const PlacedBox& box, VoxelizeOptions& options);
 
-/// Pins the scene; warns of pins, holds and moves that hold nothing. Holds and moves are only checked.
+/// Fills what holds the nodes of the scene; warns of pins, holds and moves that hold nothing. Holds, and
+/// moves of elements that move nodes apart, are only checked.
+/// @throws Error (usage) naming two options, one of them a move, that have a point, node or border in common.
 /// @param borders  of the options that the grid was made with.
 /// @param cut      by them (Voxelized).
 void pin(const RunDescription& run, const std::vector<Border>& borders,
          const std::vector<BorderVoxel>& cut, Setup& setup);
 
-/// Sets the weights of points behind borders to 0: they rest.
-void rest_behind(const std::vector<Border>& borders, const PlacedBox& box, In<double> points,
-                 Array<double>& weights);
+/// Sets the weights of points behind borders to 0. @return these points.
+std::vector<HeldPoint> rest_behind(const std::vector<HeldBorder>& borders, const PlacedBox& box,
+                                   In<double> points, Array<double>& weights);
 
 }  // namespace elastogen

@@ -13,6 +13,7 @@
 #include "scene/fem_boundary.hpp"
 #include "scene/fem_scene.hpp"
 #include "scene/impact_speed.hpp"
+#include "scene/loads.hpp"
 #include "scene/loose_pieces.hpp"
 #include "scene/particle_setup.hpp"
 #include "scene/pins.hpp"
@@ -51,7 +52,7 @@ void flatten(Collider& c) {
       "collider '", c.name, "': in the plane z = 0 planes stand upright on it and spheres ",
       "have their centre in it");
   if (box) c.centre[2] = 0, c.half[2] = kDeep;
-  for (PathKey& key : c.path) key.offset[2] = 0;
+  for (PathKey& key : c.path.keys) key.offset[2] = 0;
 }
 
 /// The floor, then the colliders in the order in which they were named.
@@ -179,6 +180,23 @@ void add_tets(const TetAsset& tets, const RunDescription& run, Setup& setup) {
   setup.node_of = tets.node_of;
   setup.scene.grid.rest = setup.tets->rest;
   setup.scene.grid.h = fem::mean_edge(*setup.tets);
+}
+
+/// Takes the points that go with holders that move from those that meet colliders.
+void drop_moved(const std::vector<HeldPoint>& held, Scene& scene) {
+  SurfacePoints& surface = scene.surface;
+  Array<uint8_t> is_dropped(surface.voxel.rows());
+  for (const auto& [point, holder] : held)
+    is_dropped(point) = scene.holders[size_t(holder)].moves();
+  const auto keep = [&](auto& array) {
+    int64_t kept = 0;
+    for (int64_t p = 0; p < array.rows(); ++p)
+      if (!is_dropped(p)) std::copy_n(array.row(p), array.cols(), array.row(kept++));
+    auto rest = std::move(array);
+    array = std::decay_t<decltype(array)>(kept, rest.cols());
+    std::copy_n(rest.data(), array.size(), array.data());
+  };
+  keep(surface.voxel), keep(surface.weights), keep(surface.area), keep(surface.position);
 }
 
 /// Sets gravity, time step and scheme.
@@ -317,14 +335,16 @@ Setup set_up(const Asset& asset, const RunDescription& run) {
   // contact and time step
   if (!scene.colliders.empty()) {
     scene.surface = surface_points(scene.grid, setup.body.surface);
-    rest_behind(setup.borders, setup.body.surface.box, scene.surface.position,
-                scene.surface.weights);
+    drop_moved(rest_behind(setup.borders, setup.body.surface.box, scene.surface.position,
+                           scene.surface.weights),
+               scene);
   }
   for (const Collider& collider : scene.colliders) check_clear(scene, collider);
   add_time(run, setup);
   scene.impact_speed = impact_speed(scene, run.motion);
   judge_pieces(asset, run, setup);
   finish_scene(scene);
+  if (!run.fem) add_forces(run, setup);
   // particles in place of voxels, if the body falls apart into grains
   if (method_of(run) == Method::kMpm) add_particles(asset, run, setup);
   judge(asset, run, setup);
@@ -361,6 +381,7 @@ void add_summary(const Setup& setup, RunReport& report) {
   report.nodes = setup.scene.grid.node_count();
   report.h = setup.scene.grid.h;
   report.materials = setup.scene.materials;
+  for (const Holder& holder : setup.scene.holders) report.holders.push_back(holder.name);
   report.warnings = setup.warnings;
   report.stage_seconds.voxelize = setup.voxelize_seconds;
   report.stage_seconds.setup = setup.other_seconds;

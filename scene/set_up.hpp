@@ -26,6 +26,16 @@ struct ParticleSetup {
   std::vector<std::string> notes;  ///< notes on these colours
 };
 
+/// A border that holds the body where it cuts voxels, and a point behind one; each with its holder.
+struct HeldBorder {
+  Border border;
+  int32_t holder;
+};
+struct HeldPoint {
+  int64_t point;
+  int32_t holder;
+};
+
 struct Setup {
   Body body;
   Scene scene;
@@ -35,7 +45,7 @@ struct Setup {
   std::optional<fem::ElementMesh> tets;
   std::optional<ParticleSetup> particles;  ///< for bodies that fall apart into grains
   Array<int32_t> node_of;                  ///< with tets: node of each carried point, (points, 1)
-  std::vector<Border> borders;             ///< that hold the body where they cut voxels
+  std::vector<HeldBorder> borders;         ///< that cut voxels
   int substeps = 1;
   double longest_edge = 0;                       ///< of the asset [m]
   double sheet_volume = 0, sheet_thickness = 0;  ///< of sheets and shells [m^3], [m]

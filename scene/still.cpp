@@ -47,6 +47,18 @@ Underside underside(const Setup& setup, const Array<uint8_t>& held, int axis, do
   return result;
 }
 
+/// Whether all points of the asset lie behind borders.
+bool all_points_held(const Setup& setup) {
+  const Array<double>& points = setup.body.carried;
+  const double margin = 1e-9 * setup.longest_edge;
+  for (int64_t p = 0; p < points.rows(); ++p)
+    if (std::ranges::none_of(setup.borders, [&](const HeldBorder& held) {
+          return distance(held.border, {points(p, 0), points(p, 1), points(p, 2)}) <= margin;
+        }))
+      return false;
+  return points.rows() > 0;
+}
+
 std::string cause_of(const Setup& setup, const RunDescription& run) {
   const Scene& scene = setup.scene;
   // nothing can move
@@ -54,9 +66,11 @@ std::string cause_of(const Setup& setup, const RunDescription& run) {
     return std::all_of(held.data(), held.data() + held.rows(), [](uint8_t h) { return h != 0; });
   };
   if (all(scene.pinned)) return "every node is pinned";
+  if (all_points_held(setup))
+    return "all points of the asset lie in what is held; a finer mesh would show what is between";
   // loads of the user
-  if (!run.tractions.empty() || !run.moves.empty())
-    return "tractions and moves are too small to show";
+  if (!run.tractions.empty() || !run.forces.empty() || !run.wind.keys.empty() || !run.moves.empty())
+    return "loads and moves are too small to show";
   // gravity: absent, or along an axis that is held
   const Vec3& pull = scene.gravity;
   if (pull == Vec3{}) return "there is no gravity and no start motion";

@@ -40,6 +40,13 @@ class Builder {
     });
   }
 
+  /// The border of each dependent node, in their order.
+  std::vector<int32_t> borders_of_nodes() const {
+    std::vector<int32_t> result;
+    for (const auto& [node, of] : dependents_) result.push_back(of.border);
+    return result;
+  }
+
   DependentNodes build() {
     // slopes from the farthest nodes on, those of one distance by their numbers
     std::vector<std::pair<double, int32_t>> order;
@@ -136,9 +143,12 @@ class Builder {
 }  // namespace
 
 DependentNodes dependent_nodes(const VoxelGrid& grid, const std::vector<Border>& borders,
-                               const std::vector<BorderVoxel>& cut, const Array<uint8_t>& pinned) {
+                               const std::vector<BorderVoxel>& cut, const Array<uint8_t>& pinned,
+                               std::vector<int32_t>* borders_of_nodes) {
   if (cut.empty()) return {};
-  return Builder(grid, borders, cut, pinned).build();
+  Builder builder(grid, borders, cut, pinned);
+  if (borders_of_nodes) *borders_of_nodes = builder.borders_of_nodes();
+  return builder.build();
 }
 
 }  // namespace elastogen

@@ -18,9 +18,11 @@ namespace elastogen {
 /// The corners of voxels in which a border holds something are dependent where they lie nearer to it
 /// than nearest_free() edges, or behind it. A node belongs to the nearest of those borders. Distances
 /// from curved borders are levelled: the interpolant of the distance itself is not 0 on them.
-/// @param cut     voxels in which borders hold something.
-/// @param pinned  nodes that are held already, (nodes, 1).
+/// @param cut      voxels in which borders hold something.
+/// @param pinned   nodes that are held already, (nodes, 1).
+/// @param borders_of_nodes  gets the number of the border that each dependent node belongs to.
 DependentNodes dependent_nodes(const VoxelGrid& grid, const std::vector<Border>& borders,
-                               const std::vector<BorderVoxel>& cut, const Array<uint8_t>& pinned);
+                               const std::vector<BorderVoxel>& cut, const Array<uint8_t>& pinned,
+                               std::vector<int32_t>* borders_of_nodes = nullptr);
 
 }  // namespace elastogen

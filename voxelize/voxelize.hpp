@@ -75,4 +75,8 @@ Voxelized voxelize(const Surface& surface, const VoxelizeOptions& options = {});
 /// triangles, each with its share of the area and the trilinear weights of its voxel.
 SurfacePoints surface_points(const VoxelGrid& grid, const Surface& surface);
 
+/// Fills the points of a wind: the centres of the surface's triangles, halved until no edge is longer
+/// than a voxel's.
+void add_wind_surface(const VoxelGrid& grid, const Surface& surface, Wind& wind);
+
 }  // namespace elastogen

@@ -90,7 +90,8 @@ class DeviceGroups {
   template <class Body>
   void for_each(const Body& body) const {
     if (chunks() == 0) return;
-    groups::entries_kernel<<<unsigned(chunks()), kSumThreads>>>(view(), body);
+    groups::entries_kernel<<<unsigned(chunks()), kSumThreads, 0, cudaStreamPerThread>>>(view(),
+                                                                                        body);
     check(cudaGetLastError());
   }
 
@@ -99,9 +100,11 @@ class DeviceGroups {
   void sums(DeviceArray<Sum>& partial, const Body& body, const Then& then) const {
     if (count() == 0) return;
     if (chunks() > 0)
-      groups::chunk_kernel<<<unsigned(chunks()), kSumThreads>>>(view(), partial.data(), body);
+      groups::chunk_kernel<<<unsigned(chunks()), kSumThreads, 0, cudaStreamPerThread>>>(
+          view(), partial.data(), body);
     check(cudaGetLastError());
-    groups::group_kernel<<<unsigned(count()), kSumThreads>>>(view(), partial.data(), then);
+    groups::group_kernel<<<unsigned(count()), kSumThreads, 0, cudaStreamPerThread>>>(
+        view(), partial.data(), then);
     check(cudaGetLastError());
   }
 

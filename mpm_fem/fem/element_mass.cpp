@@ -14,8 +14,9 @@ void ElasticBody::element_mass(int64_t element, double* M) const {
   std::fill(M, M + nodes * nodes, 0.0);
   for (const QuadraturePoint& point : mass_rule(mesh().element)) {
     Mat3<double> J;
-    shape_functions(mesh().element, point.xi, N);
-    shape_gradients(mesh().element, point.xi, dN);
+    const Vec3 xi = in_part(mesh(), element, point.xi);
+    shape_functions(mesh().element, xi, N);
+    shape_gradients(mesh().element, xi, dN);
     jacobian(mesh().element, X, dN, J.m);
     const double weight = density * point.weight * determinant(J);
     for (int a = 0; a < nodes; ++a)

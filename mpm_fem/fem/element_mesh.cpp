@@ -53,6 +53,10 @@ void check_tables(const ElementMesh& mesh) {
   check_range(mesh.elements, 0, double(mesh.rest.rows() - 1), "elements");
   check_range(mesh.fill, std::numeric_limits<double>::min(), std::numeric_limits<double>::max(),
               "fill");
+  ELASTOGEN_CHECK(
+      In<double>(mesh.part).size() == 0 || (In<double>(mesh.part).is(elements, 6) && nodes == 8),
+      "part must be (elements, 6) of hexahedra, or empty");
+  check_range(mesh.part, 0, 1, "part");
 }
 
 /// @throws Error unless all triangles lie in one plane z.
@@ -131,6 +135,29 @@ int nodes_of(Element element) {
   }
 }
 
+/// The box in the unit cube that has a voxel's centroid and meets faces of it, along one axis.
+void part_along(const double* shape_mean, int axis, double* lower, double* upper) {
+  double centre = 0;
+  for (int c = 0; c < 8; ++c) centre += shape_mean[c] * (c >> axis & 1);
+  *lower = std::clamp(2 * centre - 1, 0.0, 1.0);
+  *upper = std::clamp(2 * centre, 0.0, 1.0);
+}
+
+/// Parts of the voxels at dependent nodes; the others are whole.
+Array<double> free_parts(const Scene& scene) {
+  const VoxelGrid& grid = scene.grid;
+  Array<double> part(grid.voxel_count(), 6);
+  for (int64_t v = 0; v < part.rows(); ++v) {
+    bool follows = false;
+    for (int c = 0; c < 8; ++c) follows |= scene.pinned(grid.corners(v, c)) == kDependentNode;
+    for (int d = 0; d < 3; ++d) {
+      part(v, 3 + d) = 1;
+      if (follows) part_along(grid.shape_mean.row(v), d, &part(v, d), &part(v, 3 + d));
+    }
+  }
+  return part;
+}
+
 ElementMesh voxel_mesh(const Scene& scene, Element element) {
   ELASTOGEN_CHECK(nodes_of(element) == 8, "voxels are no elements of kind ", element_name(element));
   const VoxelGrid& grid = scene.grid;
@@ -146,6 +173,7 @@ ElementMesh voxel_mesh(const Scene& scene, Element element) {
   mesh.shape_mean = grid.shape_mean;
   mesh.variance = scene.variance;
   mesh.hourglass = scene.hourglass;
+  if (element != Element::kVoxel && !scene.dependent.empty()) mesh.part = free_parts(scene);
   return mesh;
 }
 

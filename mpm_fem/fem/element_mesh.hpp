@@ -38,6 +38,9 @@ struct ElementMesh {
   /// Share of each element that is filled, a factor on its energy and mass, (elements, 1);
   /// empty: 1. Hexahedra that have it are voxels.
   Array<double> fill;
+  /// Box of each element's reference cube that the points of hexahedra lie in, lower and upper corner,
+  /// (elements, 6); empty: the whole cube.
+  Array<double> part;
 
   // voxels only; filled by voxel_mesh
   double h = 0;              ///< edge [m]
@@ -47,7 +50,9 @@ struct ElementMesh {
 };
 
 /// The voxels of a finished scene as hexahedra on the same nodes.
-/// @param element  kVoxel, kHex or kHexBbar; the energy of the last two is weighted with the fill.
+/// @param element  kVoxel, kHex or kHexBbar; the energy of the last two is weighted with the fill, and
+///                 at dependent nodes their points lie in the box that has its centroid and meets
+///                 the faces of the voxel: the free part of one that a plane cuts.
 ElementMesh voxel_mesh(const Scene& scene, Element element);
 
 /// Whether the elements are the voxels of a grid, all of one shape.
@@ -61,6 +66,14 @@ double element_edge(const ElementMesh& mesh, double volume);
 /// Factor on energy and mass of an element.
 inline double fill_of(const ElementMesh& mesh, int64_t element) {
   return mesh.fill.empty() ? 1 : mesh.fill(element);
+}
+
+/// A point of the reference element, moved with the whole element into its part.
+inline Vec3 in_part(const ElementMesh& mesh, int64_t element, Vec3 xi) {
+  if (mesh.part.empty()) return xi;
+  const double* box = mesh.part.row(element);
+  for (size_t d = 0; d < 3; ++d) xi[d] = box[d] + xi[d] * (box[3 + d] - box[d]);
+  return xi;
 }
 
 /// Nodes of an element relative to its first one [m], (nodes_of(element), 3); those of a voxel are

@@ -5,17 +5,23 @@
 #include "core/parallel.hpp"
 #include "mpm_fem/fem/voxel_element.hpp"
 
+#include <array>
+#include <map>
+#include <numeric>
+
 namespace elastogen::fem {
 namespace {
 
-/// Gradients (points, nodes, 3) and weights of an element with nodes X.
-void fill_shape(Element element, const double* X, double* gradient, double* weight) {
-  const int nodes = nodes_of(element);
-  for (const QuadraturePoint& point : potential_rule(element)) {
+/// Gradients (points, nodes, 3) and weights of an element.
+void fill_shape(const ElementMesh& mesh, int64_t element, double* gradient, double* weight) {
+  const int nodes = nodes_of(mesh.element);
+  double X[kMaxDofs];
+  element_nodes(mesh, element, X);
+  for (const QuadraturePoint& point : potential_rule(mesh.element)) {
     double dN[kMaxDofs];
     Mat3<double> J;
-    shape_gradients(element, point.xi, dN);
-    jacobian(element, X, dN, J.m);
+    shape_gradients(mesh.element, in_part(mesh, element, point.xi), dN);
+    jacobian(mesh.element, X, dN, J.m);
     const double volume = determinant(J);
     const Mat3<double> C = cofactor(J);
     *weight++ = point.weight * volume;
@@ -44,6 +50,26 @@ ElementTables::ElementTables(const ElementMesh& mesh) : mesh_(mesh) {
   fill_neighbours();
 }
 
+/// The elements of different shapes, of each the first one.
+std::vector<int64_t> ElementTables::find_shapes() {
+  const int64_t elements = mesh_.elements.rows();
+  std::vector<int64_t> first = {0};
+  if (!is_voxel_mesh(mesh_)) first.resize(size_t(elements));
+  std::iota(first.begin(), first.end(), 0);
+  if (mesh_.part.empty()) return first;
+  // voxels with the same part
+  first.clear();
+  std::map<std::array<double, 6>, int32_t> known;
+  for (int64_t e = 0; e < elements; ++e) {
+    std::array<double, 6> part;
+    std::copy_n(mesh_.part.row(e), 6, part.begin());
+    const auto [found, is_new] = known.try_emplace(part, int32_t(first.size()));
+    if (is_new) first.push_back(e);
+    shape_.push_back(found->second);
+  }
+  return first;
+}
+
 void ElementTables::fill_gradients() {
   const int64_t elements = mesh_.elements.rows();
   const int nodes = nodes_of(mesh_.element);
@@ -57,13 +83,11 @@ void ElementTables::fill_gradients() {
     return;
   }
   const auto points = int(potential_rule(mesh_.element).size());
-  const int64_t shapes = is_voxel_mesh(mesh_) ? 1 : elements;
-  gradient_ = Array<double>(shapes, points * nodes * 3);
-  weight_ = Array<double>(shapes, points);
-  for_each(shapes, [&](int64_t e) {
-    double X[kMaxDofs];
-    element_nodes(mesh_, e, X);
-    fill_shape(mesh_.element, X, gradient_.row(e), weight_.row(e));
+  const std::vector<int64_t> first = find_shapes();
+  gradient_ = Array<double>(int64_t(first.size()), points * nodes * 3);
+  weight_ = Array<double>(int64_t(first.size()), points);
+  for_each(int64_t(first.size()), [&](int64_t s) {
+    fill_shape(mesh_, first[size_t(s)], gradient_.row(s), weight_.row(s));
   });
 }
 

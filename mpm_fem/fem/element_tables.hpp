@@ -39,15 +39,21 @@ class ElementTables {
   void check_nodal(In<double> u) const;
 
  private:
-  int64_t shape_of(int64_t element) const { return gradient_.rows() == 1 ? 0 : element; }
+  int64_t shape_of(int64_t element) const {
+    if (!shape_.empty()) return shape_[size_t(element)];
+    return gradient_.rows() == 1 ? 0 : element;
+  }
+  std::vector<int64_t> find_shapes();
   void fill_gradients();
   void fill_neighbours();
 
   ElementMesh mesh_;
 
-  // filled by fill_gradients; one row for all elements if they have one shape
+  // filled by fill_gradients; one row for all elements if they have one shape, with parts of voxels
+  // those that shape_ says
   Array<double> gradient_;  ///< dN_a/dX at the quadrature points [1/m], (shapes, points nodes 3)
   Array<double> weight_;    ///< quadrature weights without the fill [m^3], (shapes, points)
+  std::vector<int32_t> shape_;  ///< of each element; empty: see above
 
   // filled by fill_neighbours: the corners of elements that meet in a node, in the order of the
   // elements

@@ -30,6 +30,7 @@ ElementMesh part_of(const ElementMesh& mesh, const std::vector<bool>& wanted) {
   part.elements = rows_of(mesh.elements, rows);
   part.material = rows_of(mesh.material, rows);
   part.fill = rows_of(mesh.fill, rows);
+  part.part = rows_of(mesh.part, rows);
   part.h = mesh.h;
   part.shape_mean = rows_of(mesh.shape_mean, rows);
   part.variance = rows_of(mesh.variance, rows);

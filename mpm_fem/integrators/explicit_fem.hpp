@@ -19,7 +19,7 @@ class ExplicitFem {
   /// The scene must outlive the integrator.
   /// @throws Error as FemPotential; unless the mass is lumped, dt positive and every contact point
   ///         carried by one node; on voxel elements, whose torsion needs frozen rotations; on
-  ///         damping.
+  ///         damping; on dependent nodes, with which no mass is lumped.
   explicit ExplicitFem(const FemScene& scene);
 
   /// Advances the state by dt; the flow is kept here, not in the state. Same bits on every run and

@@ -58,8 +58,11 @@ FemPieces::FemPieces(const FemScene& scene, const MassMatrix& mass)
     pins_[of(n)] = plus(pins_[of(n)], row_of(scene.mesh.rest, n));
     pinned[of(n)] += 1;
   }
+  std::vector<uint8_t> follows(count());
+  for (int64_t i = 0; i < scene.dependent.count(); ++i) follows[of(scene.dependent.node(i))] = 1;
   pinned_.resize(count());
   for (size_t p = 0; p < count(); ++p) {
+    if (follows[p]) free_[p] = 0, pinned[p] = 0;
     pinned_[p] = pinned[p] > 0;
     if (pinned_[p]) pins_[p] = scaled(pins_[p], 1 / pinned[p]);
   }

@@ -37,9 +37,9 @@ class FemPieces {
 
   size_t count() const { return mass_.size(); }
   size_t of(int64_t node) const { return size_t(piece_(node)); }
-  /// No component of the piece is prescribed.
+  /// No component of the piece is prescribed, and no node dependent.
   bool is_free(size_t piece) const { return free_[piece]; }
-  /// Nodes of the piece stay at their places.
+  /// Nodes of the piece stay at their places, and none is dependent.
   bool is_pinned(size_t piece) const { return pinned_[piece]; }
   /// Mean place of these nodes [m].
   const Vec3& pins(size_t piece) const { return pins_[piece]; }

@@ -3,6 +3,7 @@
 
 #include "core/error.hpp"
 #include "mpm_fem/fem/mesh_part.hpp"
+#include "mpm_fem/integrators/fem_state.hpp"
 
 #include <algorithm>
 
@@ -71,7 +72,13 @@ FemPotential::FemPotential(const FemScene& scene, const LinearOptions& options)
       viscous(viscous_term(scene)),
       contact(scene.contact, scene.colliders, scene.mesh.rest.rows()),
       potential(scene.mesh.rest, scene.fixed, mass_of(scene, elastic.get(), plastic.get()),
-                terms_of(elastic.get(), plastic.get(), viscous.get(), contact), options) {}
+                terms_of(elastic.get(), plastic.get(), viscous.get(), contact), options,
+                Constraint(scene.dependent)),
+      scene_(scene) {}
+
+void FemPotential::move_dependent(double time) {
+  if (scene_.dependent_motion) potential.set_offset(dependent_offset(scene_, time));
+}
 
 EnergyParts FemPotential::energy(In<double> u) const {
   EnergyParts parts;

@@ -21,6 +21,8 @@ struct FemPotential {
   ///         there are no yields or one for each material, and where one is damped and one yields.
   explicit FemPotential(const FemScene& scene, const LinearOptions& options = {});
 
+  /// Sets where dependent nodes are to be at a time (FemScene::dependent_motion).
+  void move_dependent(double time);
   void freeze_rotations(In<double> u) {
     if (elastic) elastic->body().freeze_rotations(u);
   }
@@ -43,6 +45,9 @@ struct FemPotential {
   std::unique_ptr<ViscousTerm> viscous;  ///< null where nothing is damped
   ColliderContact contact;               ///< a term of the potential where it exists
   Potential potential;
+
+ private:
+  const FemScene& scene_;
 };
 
 }  // namespace elastogen::fem

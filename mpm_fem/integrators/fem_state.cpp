@@ -37,7 +37,11 @@ void check_state(const FemState& state, int64_t nodes) {
 
 double reference_force(const FemScene& scene, const Array<double>& nodal_mass) {
   double sum = 0;
+  std::vector<uint8_t> follows(size_t(nodal_mass.rows()));
+  for (int64_t i = 0; i < scene.dependent.count(); ++i)
+    follows[size_t(scene.dependent.node(i))] = 1;
   for (int64_t n = 0; n < nodal_mass.rows(); ++n) {
+    if (follows[size_t(n)]) continue;
     bool free = scene.fixed.empty();
     for (int i = 0; i < 3 && !free; ++i) free = !scene.fixed(n, i);
     if (free) sum += nodal_mass(n) * nodal_mass(n);
@@ -66,6 +70,12 @@ Array<double> with_motion(const FemScene& scene, double time, const Array<double
   for (int64_t k = 0; k < u.size(); ++k)
     if (scene.fixed.data()[k]) result.data()[k] = given.data()[k];
   return result;
+}
+
+Array<double> dependent_offset(const FemScene& scene, double time) {
+  Array<double> offset(scene.dependent.count(), 3);
+  if (scene.dependent_motion) scene.dependent_motion(time, offset);
+  return offset;
 }
 
 }  // namespace elastogen::fem

@@ -35,7 +35,7 @@ FemState rest_state(const FemScene& scene);
 void check_state(const FemState& state, int64_t nodes);
 
 /// Norm of the weights of the free nodes [N], 9.81 m/s^2 times the 2-norm of their masses: the unit
-/// of residuals (docs/physics.md). A node is free if a component of it is.
+/// of residuals (docs/physics.md). A node is free if a component of it is and it is not dependent.
 double reference_force(const FemScene& scene, const Array<double>& nodal_mass);
 
 /// Traction and additional forces at a time, (nodes, 3) [N], without gravity.
@@ -43,5 +43,8 @@ Array<double> applied_force(const FemScene& scene, double time, double traction_
 
 /// u with the fixed components that scene.motion prescribes at a time.
 Array<double> with_motion(const FemScene& scene, double time, const Array<double>& u);
+
+/// What scene.dependent_motion adds to dependent nodes at a time [m], (dependent nodes, 3).
+Array<double> dependent_offset(const FemScene& scene, double time);
 
 }  // namespace elastogen::fem

@@ -43,6 +43,7 @@ void ImplicitFem::begin(FemState& state) {
   const bool newmark = scene_.scheme == Scheme::kNewmark;
   if (newmark && state.a.empty()) start_newmark(state);
   // forces and contact of the step
+  terms_.move_dependent(period_.end);
   Array<double> force = applied_force(scene_, period_.end, 1);
   if (terms_.contact.exists())
     terms_.contact.begin_step(state.u, period_.start, dt, dt / scene_.dt);
@@ -68,28 +69,35 @@ void ImplicitFem::begin(FemState& state) {
                        scheme_.scheme == TimeScheme::kBdf2 ? -1.0 / 3 : 0, state.u_before);
 }
 
-/// Accelerations of the free components from the equation of motion; 0 of the others.
+/// Accelerations of the free components from the equation of motion; 0 of fixed ones, and dependent
+/// nodes follow.
 void ImplicitFem::start_newmark(FemState& state) {
+  // forces
   Array<double> force = applied_force(scene_, state.time, 1);
   for (int64_t k = 0; k < force.size(); ++k) force.data()[k] += solve_.weight().data()[k];
   potential_.set_force(force);
   potential_.set_inertia(0, predictor_);
   state.a = Array<double>(state.u.rows(), 3);
   Array<double> gradient = predictor_;
-  potential_.full_gradient(state.u.data(), gradient.data());
-  std::vector<uint8_t> fixed(size_t(state.u.size()));
+  potential_.free_gradient(state.u.data(), gradient.data());
+  std::vector<uint8_t> bound(size_t(state.u.size()));
   for (int64_t k = 0; k < state.u.size(); ++k) {
-    fixed[size_t(k)] = potential_.is_fixed(k);
-    state.a.data()[k] = fixed[size_t(k)] ? 0 : -gradient.data()[k];
+    bound[size_t(k)] = potential_.is_fixed(k);
+    state.a.data()[k] = bound[size_t(k)] ? 0 : -gradient.data()[k];
   }
+  const Constraint& constraint = potential_.constraint();
+  constraint.mark(bound);
+  // the mass of the free components
   SparseMatrix M = potential_.hessian();
   std::fill(M.value.begin(), M.value.end(), 0.0);
   potential_.mass().add_to(1, M);
-  fix_unknowns(fixed.data(), M, nullptr);
-  LinearSolver solver(M, scene_.mesh.rest, fixed.data(), options_.linear);
+  constraint.fold(M);
+  fix_unknowns(bound.data(), M, nullptr);
+  LinearSolver solver(M, scene_.mesh.rest, bound.data(), options_.linear);
   solver.factor(M);
   const std::vector<double> right(state.a.data(), state.a.data() + state.a.size());
   solver.solve(right.data(), state.a.data(), 1e-14);
+  constraint.follow(state.a.data());
 }
 
 /// Writes displacements, velocities and accelerations to the state.

@@ -3,6 +3,7 @@
 
 #include "core/error.hpp"
 #include "mpm_fem/solve/assembly.hpp"
+#include "mpm_fem/solve/constraint.hpp"
 #include "mpm_fem/solve/mass_matrix.hpp"
 #include "mpm_fem/solve/sparse_direct.hpp"
 
@@ -68,7 +69,8 @@ Problem linearised(const FemScene& scene, const Array<double>& u) {
   body.freeze_rotations(u);
   const MassMatrix mass(scene, body);
   Assembly assembly(stencils_of(scene.mesh.elements), nodes);
-  SparseMatrix K = pattern_of(assembly.stencils(), nodes), M = K;
+  const Constraint constraint(scene.dependent);
+  SparseMatrix K = pattern_of(constraint.widened(assembly.stencils()), nodes), M = K;
   assembly.fit(K);
   assembly.add(
       [&](int64_t element, double* matrix) {
@@ -76,14 +78,16 @@ Problem linearised(const FemScene& scene, const Array<double>& u) {
       },
       K);
   mass.add_to(1, M);
+  // their parts of the free unknowns
+  for (SparseMatrix* A : {&K, &M}) constraint.fold(*A);
   Problem problem;
-  std::vector<uint8_t> fixed(size_t(3 * nodes));
-  for (int64_t k = 0; k < 3 * nodes; ++k) {
-    fixed[size_t(k)] = !scene.fixed.empty() && scene.fixed.data()[k];
-    if (!fixed[size_t(k)]) problem.unknown.push_back(k);
-  }
-  problem.K = free_part(fixed.data(), K);
-  problem.M = free_part(fixed.data(), M);
+  std::vector<uint8_t> bound(size_t(3 * nodes));
+  if (!scene.fixed.empty()) bound.assign(scene.fixed.data(), scene.fixed.data() + 3 * nodes);
+  constraint.mark(bound);
+  for (int64_t k = 0; k < 3 * nodes; ++k)
+    if (!bound[size_t(k)]) problem.unknown.push_back(k);
+  problem.K = free_part(bound.data(), K);
+  problem.M = free_part(bound.data(), M);
   return problem;
 }
 
@@ -123,7 +127,7 @@ Modes vibration_modes(const FemScene& scene, int count, const Array<double>& u) 
   if (found < count)
     throw Error(concat("found ", found, " of ", count, " modes"), ErrorKind::kDiverged);
 
-  // shapes on all nodes, 0 at fixed components
+  // shapes on all nodes, 0 at fixed components, dependent nodes following
   Modes modes;
   modes.shape = Array<double>(count, int(3 * nodes));
   const Eigen::VectorXd values = lanczos.eigenvalues();
@@ -133,6 +137,7 @@ Modes vibration_modes(const FemScene& scene, int count, const Array<double>& u) 
     modes.frequency.push_back(std::sqrt(std::max(0.0, values(k))) / (2 * std::numbers::pi));
     for (int64_t r = 0; r < rows; ++r)
       modes.shape.row(k)[problem.unknown[size_t(r)]] = vectors(r, k);
+    scene.dependent.fill(modes.shape.row(k));
   }
   return modes;
 }

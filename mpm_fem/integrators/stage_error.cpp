@@ -109,6 +109,7 @@ Array<double> StageFem::filtered(const Array<double>& y) {
   Array<double> pull(y.rows(), 3), result(y.rows(), 3);
   potential_.mass().multiply(y.data(), pull.data());
   for (int64_t k = 0; k < pull.size(); ++k) pull.data()[k] *= -per_square;
+  potential_.constraint().fold(pull.data());
   const bool found = potential_.newton_step(u_.data(), pull.data(), TangentKind::kProjected,
                                             kLooseFilter, nullptr, result.data());
   return found ? result : y;

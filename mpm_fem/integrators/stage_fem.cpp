@@ -21,8 +21,8 @@ constexpr double kNever = std::numeric_limits<double>::infinity();
 
 bool is_driven(const FemScene& scene) {
   const bool moves = std::any_of(scene.colliders.begin(), scene.colliders.end(),
-                                 [](const Collider& c) { return c.path.size() > 1; });
-  return moves || scene.motion || scene.force || !scene.traction.empty();
+                                 [](const Collider& c) { return c.path.moves(); });
+  return moves || scene.motion || scene.dependent_motion || scene.force || !scene.traction.empty();
 }
 
 /// Adds a stage to the report of its step: the worst of both, energies of the last one.
@@ -65,9 +65,10 @@ StageFem::StageFem(const FemScene& scene, const StageOptions& options)
 double StageFem::interval_end() const {
   const double dt = scene_.dt, close = 1e-6 * dt;
   double end = dt * (std::floor(now_->time / dt + 1e-9) + 1);
-  for (const Collider& collider : scene_.colliders)
-    for (const PathKey& key : collider.path)
-      if (key.time > now_->time + close && key.time < end - close) end = key.time;
+  for (const Collider& collider : scene_.colliders) {
+    const double key = next_key(collider.path, now_->time + close);
+    if (key < end - close) end = key;
+  }
   return end;
 }
 
@@ -92,6 +93,7 @@ double StageFem::tolerance_of(const TimeStage& stage, double h) const {
 void StageFem::begin_stage(const TimeStage& stage) {
   const double start = now_->time;
   motion_.begin_stage(stage);
+  terms_.move_dependent(start + stage.t);
   applied_ = applied_force(scene_, start + stage.t, 1);
   potential_.set_force(applied_);
   potential_.set_inertia(1 / (stage.k * stage.k), motion_.predictor());

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The ledger of a step of stages (core/ledger.hpp). What the gradient of Phi has at prescribed components
-// are the forces that hold or move them, what it has at the others was left by the solver.
+// are the forces that hold or move them, what it has at the others was left by the solver. Forces on
+// dependent nodes are with the former, as the opposite of their part is with their parent nodes.
 #include "core/reduce.hpp"
 #include "mpm_fem/integrators/stage_fem.hpp"
 
@@ -55,14 +56,15 @@ BodyActions StageFem::actions(const Array<double>& v, const Loads& loads) {
   BodyActions all;
   Array<double> g(u_.rows(), 3);
   potential_.full_gradient(u_.data(), g.data());
+  Array<double> rest = g;
+  potential_.restrict(rest.data());
   const auto with_moment = [&](const Vec3& force, const Vec3& place) -> TwoMomenta {
     return {force, cross(minus(place, ledger_before_.about), force)};
   };
   // what acts on nodes
   for (int64_t n = 0; n < u_.rows(); ++n) {
     const Vec3 place = plus(row_of(scene_.mesh.rest, n), row_of(u_, n)), speed = row_of(v, n);
-    Vec3 pin = {}, left = {};
-    for (int d = 0; d < 3; ++d) (potential_.is_fixed(3 * n + d) ? pin : left)[size_t(d)] = g(n, d);
+    const Vec3 left = row_of(rest, n), pin = minus(row_of(g, n), left);
     all.gravity.add(with_moment(row_of(solve_.weight(), n), place), 1);
     all.loads.add(with_moment(row_of(applied_, n), place), 1);
     all.pins.add(with_moment(pin, place), 1);

@@ -137,6 +137,7 @@ Array<double> StageMotion::relative(const Array<double>& v) const {
   Array<double> e = combination(1, v, -1, end_.velocity);
   for (int64_t k = 0; k < e.size(); ++k)
     if (is_fixed(k)) e.data()[k] = 0;
+  scene_.dependent.fill(e.data());
   return e;
 }
 
@@ -146,6 +147,7 @@ Array<double> StageMotion::combined(const StepWeights& weights, const Array<doub
     y.data()[k] = is_fixed(k) ? 0
                               : weights.end * y.data()[k] + weights.start * e_0_.data()[k] +
                                     weights.other * e_b_.data()[k];
+  scene_.dependent.fill(y.data());
   return y;
 }
 

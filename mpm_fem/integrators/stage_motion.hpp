@@ -2,12 +2,13 @@
 // The motion of nodes in a step of stages, relative to rigid references (core/time_stage.hpp):
 // pieces without prescribed components are carried by the rigid motion that they begin the step
 // with (core/rigid_motion.hpp), pieces with pins turn about these as they do at its start and as
-// that changed in the last step. Other pieces have none. Prescribed components have predictors of
-// their own,
+// that changed in the last step. Other pieces have none, nor those with dependent nodes. Prescribed
+// components have predictors of their own,
 //
 //     uhat = u + k^2 (g - u''),
 //
-// so that the inertia M (u - uhat)/k^2 is that of their motion and their weight.
+// so that the inertia M (u - uhat)/k^2 is that of their motion and their weight. Dependent nodes have
+// those of their own state, like free ones.
 
 #pragma once
 
@@ -40,9 +41,10 @@ class StageMotion {
 
   // of a step whose velocities are v at its end
 
-  /// e = v - z' there; 0 at prescribed components.
+  /// e = v - z' there; 0 at prescribed components, and dependent nodes follow their parent nodes.
   Array<double> relative(const Array<double>& v) const;
-  /// Combination of e at the end, at the start and at the other point; 0 at prescribed components.
+  /// Combination of e at the end, at the start and at the other point; 0 at prescribed components, and
+  /// dependent nodes follow.
   Array<double> combined(const StepWeights& weights, const Array<double>& v) const;
 
   /// What momentum and angular momentum about a point of the references gain in the step beyond their

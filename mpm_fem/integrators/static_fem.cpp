@@ -52,20 +52,21 @@ class Statics {
 };
 
 void Statics::set_loads(double factor) {
+  terms_.move_dependent(factor);
   load_ = applied_force(scene_, factor, factor);
   for (int64_t k = 0; k < load_.size(); ++k) load_.data()[k] += factor * weight_.data()[k];
   potential_.set_force(load_);
 }
 
-/// The larger of the loads on free components and the forces on fixed ones [N].
+/// The larger of the loads on free components and the forces on the others [N].
 double Statics::reference(const Array<double>& u) {
   std::vector<double> g(size_t(u.size()));
   potential_.full_gradient(u.data(), g.data());
   double loads = 0, holds = 0;
   for (int64_t k = 0; k < u.size(); ++k) {
-    const bool fixed = potential_.is_fixed(k);
-    const double value = fixed ? g[size_t(k)] : load_.data()[k];
-    (fixed ? holds : loads) += value * value;
+    const bool bound = potential_.is_bound(k);
+    const double value = bound ? g[size_t(k)] : load_.data()[k];
+    (bound ? holds : loads) += value * value;
   }
   return std::sqrt(std::max(loads, holds));
 }
@@ -144,8 +145,9 @@ void Statics::finish() {
   result_.energy = terms_.energy(u);
   result_.energy.plastic += plastic;
   result_.gradient = result_.reaction;
+  potential_.restrict(result_.gradient.data());
   for (int64_t k = 0; k < u.size(); ++k) {
-    (potential_.is_fixed(k) ? result_.gradient : result_.reaction).data()[k] = 0;
+    result_.reaction.data()[k] -= result_.gradient.data()[k];
     result_.energy.gravity -= result_.load_factor * weight_.data()[k] * u.data()[k];
   }
   result_.min_j = terms_.min_j(u);

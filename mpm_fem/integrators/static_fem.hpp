@@ -26,9 +26,11 @@ struct StaticResult {
   bool converged = false;
   double load_factor = 0;  ///< load factor of u
   Array<double> u;         ///< [m], (nodes, 3)
-  Array<double> reaction;  ///< forces that hold the fixed components [N], (nodes, 3), else 0
+  /// Forces that hold the fixed components [N], (nodes, 3), else 0. What holds dependent nodes has
+  /// the opposite of their part in their parent nodes: sums are the forces of the border.
+  Array<double> reaction;
   PlasticHistory plastic;  ///< at u, of the elements that yield; empty: none does
-  Array<double> gradient;  ///< remaining forces [N], (nodes, 3), 0 at fixed components
+  Array<double> gradient;  ///< remaining forces [N], (nodes, 3), as Potential::evaluate has them
   EnergyParts energy;      ///< at u; gravity as -sum m g.u
   double min_j = 1;
   int increments = 0;    ///< that were accepted

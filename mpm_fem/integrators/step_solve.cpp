@@ -39,8 +39,7 @@ Array<double> StepSolve::start_value(const Array<double>& now, std::vector<Array
   Array<double> u = now;
   double least = potential_.evaluate(u.data(), gradient_.data()).value;
   for (Array<double>& candidate : ahead) {
-    for (int64_t k = 0; k < candidate.size(); ++k)
-      if (potential_.is_fixed(k)) candidate.data()[k] = now.data()[k];
+    potential_.carry(now.data(), candidate.data());
     const double there = potential_.evaluate(candidate.data(), gradient_.data()).value;
     if (there < least) u = std::move(candidate), least = there;
   }
@@ -100,10 +99,15 @@ void StepSolve::certify(double tolerance, const Array<double>& u, FemStepReport&
 Array<double> StepSolve::handed_out(const Array<double>& u) const {
   Array<double> handed = u;
   if (!options_.as_positions) return handed;
-  for (int64_t k = 0; k < u.size(); ++k) {
-    const double rest = scene_.mesh.rest.data()[k], x = rest + u.data()[k];
+  const auto round = [&](int64_t k) {
+    const double rest = scene_.mesh.rest.data()[k], x = rest + handed.data()[k];
     handed.data()[k] = x - rest;
-  }
+  };
+  for (int64_t k = 0; k < u.size(); ++k) round(k);
+  // dependent nodes follow the rounded ones
+  potential_.constraint().place(handed.data());
+  for (int64_t i = 0; i < scene_.dependent.count(); ++i)
+    for (int d = 0; d < 3; ++d) round(3 * int64_t(scene_.dependent.node(i)) + d);
   return handed;
 }
 

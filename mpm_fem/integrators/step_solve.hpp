@@ -47,7 +47,7 @@ class StepSolve {
   const Array<double>& residual() const { return gradient_; }
 
   /// The displacements of lowest potential among the present ones and those of some predictors,
-  /// with the fixed components moved to where they are at a time.
+  /// with the fixed components and the dependent nodes moved to where they are at a time.
   Array<double> start_value(const Array<double>& now, std::vector<Array<double>> ahead,
                             double time);
   /// Moves the colliders through the step share by share where they would run into u, and lets u

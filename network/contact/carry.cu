@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Start and end of steps clear of colliders that have moved: carry.cpp on the device.
+#include "core/cuda/held_nodes.cuh"
 #include "network/contact/contact.cuh"
 
 namespace elastogen::cuda {
@@ -110,11 +111,13 @@ double DeviceContact::share() const {
   return impl_->numbers[0].swept.share;
 }
 
-const Collider* DeviceContact::clear_start(const double* now, double* clear, double* u) {
+const Collider* DeviceContact::clear_start(const double* now, double* clear, double* u,
+                                           const DeviceHeldNodes& held) {
   const Scene& scene = impl_->scene;
   check(cudaMemcpyAsync(clear, now, 3 * size_t(scene.grid.node_count()) * sizeof(double),
                         cudaMemcpyDeviceToDevice, cudaStreamPerThread));
   impl_->carry(clear);
+  held.follow(clear);
   cut_step(clear, u);
   synchronise();
   const double inside = impl_->numbers[0].swept.inside;

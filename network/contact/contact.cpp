@@ -107,7 +107,7 @@ void Contact::begin_step(const double* u, double time, double dt) {
 }
 
 template <class T>
-double Contact::evaluate(const double* u, T* g) {
+double Contact::evaluate(const double* u, T* g, bool at_pinned) {
   const Ball body = find_places(u, place_);
   double energy = 0;
   for (size_t w = 0; w < obstacles_.size(); ++w) {
@@ -124,7 +124,7 @@ double Contact::evaluate(const double* u, T* g) {
       const int32_t* corners = scene_.grid.corners.row(scene_.surface.voxel(p));
       const double* weights = scene_.surface.weights.row(p);
       for (int c = 0; c < 8; ++c) {
-        if (scene_.pinned(corners[c]) == kPinnedNode) continue;
+        if (!at_pinned && scene_.pinned(corners[c]) == kPinnedNode) continue;
         for (size_t i = 0; i < 3; ++i) g[3 * size_t(corners[c]) + i] += T(weights[c] * force[i]);
       }
     }
@@ -132,8 +132,8 @@ double Contact::evaluate(const double* u, T* g) {
   return energy;
 }
 
-template double Contact::evaluate(const double*, float*);
-template double Contact::evaluate(const double*, double*);
+template double Contact::evaluate(const double*, float*, bool);
+template double Contact::evaluate(const double*, double*, bool);
 
 ActionSums Contact::act(const double* u, const double* v, const double* v_stage,
                         const std::vector<Vec3>& about) {

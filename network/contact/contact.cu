@@ -21,7 +21,7 @@ std::vector<int32_t> corners_of_points(const Scene& scene) {
 
 bool have_paths(const std::vector<Collider>& colliders) {
   return std::any_of(colliders.begin(), colliders.end(),
-                     [](const Collider& c) { return !c.path.empty(); });
+                     [](const Collider& c) { return !c.path.keys.empty(); });
 }
 
 }  // namespace
@@ -50,8 +50,10 @@ DeviceContact::Impl::Impl(const PotentialTerms& host)
     cores.push_back(core_of(c, lengths.layer));
     host_obstacles.push_back({{}, cores.back(), c.friction});
   }
-  list_entries();
-  blocks = DeviceArray<double>(6 * nodes.size());
+  at_free = list_entries(false, surface_nodes);
+  blocks = DeviceArray<double>(6 * at_free.nodes.size());
+  std::vector<int32_t> held;
+  if (!scene.holder.empty()) at_pinned = list_entries(true, held);
   if (has_stages(scene.scheme)) bonds.emplace(scene);
   // nodes move along only with colliders that move
   if (!moving) return;
@@ -61,15 +63,17 @@ DeviceContact::Impl::Impl(const PotentialTerms& host)
   carried = DeviceArray<uint8_t>(pinned.size());
 }
 
-/// Lists the points of each surface node, in the order of the points.
-void DeviceContact::Impl::list_entries() {
+/// Lists the points of each surface node that is pinned or is not, in the order of the points.
+/// @param listed  gets these nodes.
+GatherLists DeviceContact::Impl::list_entries(bool of_pinned, std::vector<int32_t>& listed) const {
   const Array<double>& w = scene.surface.weights;
-  // body(point, node, weight) for every weight of a node that is not pinned
+  // body(point, node, weight) for every weight of such a node
   const auto for_entries = [&](const auto& body) {
     for (int64_t p = 0; p < w.rows(); ++p)
       for (int c = 0; c < 8; ++c) {
         const int32_t node = scene.grid.corners(scene.surface.voxel(p), c);
-        if (w(p, c) != 0 && !scene.pinned(node)) body(p, node, w(p, c));
+        const bool is_pinned = scene.pinned(node) == kPinnedNode;
+        if (w(p, c) != 0 && is_pinned == of_pinned) body(p, node, w(p, c));
       }
   };
   // nodes with points are surface nodes; the sums of counts are where their lists begin
@@ -79,7 +83,7 @@ void DeviceContact::Impl::list_entries() {
   for (size_t n = 0; n < count.size(); ++n) {
     next[n] = first.back();
     if (count[n] == 0) continue;
-    surface_nodes.push_back(int32_t(n));
+    listed.push_back(int32_t(n));
     first.push_back(first.back() + count[n]);
   }
   // fill the lists point by point
@@ -89,16 +93,14 @@ void DeviceContact::Impl::list_entries() {
     const auto k = size_t(next[size_t(node)]++);
     points[k] = int32_t(p), values[k] = value;
   });
-  nodes = DeviceArray<int32_t>(surface_nodes);
-  begin = DeviceArray<int32_t>(first);
-  point = DeviceArray<int32_t>(points);
-  weight = DeviceArray<double>(values);
+  return {DeviceArray<int32_t>(listed), DeviceArray<int32_t>(first), DeviceArray<int32_t>(points),
+          DeviceArray<double>(values)};
 }
 
 /// Adds the points' forces to the nodes, unless all are 0.
 template <class T>
-void DeviceContact::Impl::gather_forces(T* to) const {
-  const GatherView g = gather();
+void DeviceContact::Impl::gather_forces(const GatherLists& lists, T* to) const {
+  const GatherView g = lists.view();
   const Vec3* of = force.data();
   const int32_t* any = touched.data();
   cuda::for_each(g.count, [=] __device__(int64_t s) {
@@ -141,7 +143,11 @@ void DeviceContact::start_evaluation(const double* u, T* g) {
       },
       [=] __device__(const ContactSums& sum) { to->sums = sum, *any = sum.energy != 0; });
   // nodes gather the forces of their points
-  if (g) impl_->gather_forces(g);
+  if (g) impl_->gather_forces(impl_->at_free, g);
+}
+
+void DeviceContact::add_pinned_forces(double* g) {
+  impl_->gather_forces(impl_->at_pinned, g);
 }
 
 double DeviceContact::energy() const {
@@ -197,14 +203,16 @@ void DeviceContact::add_hessian_product(const T* p, T* f) {
     forces[n] = force;
     if (n == 0) *any = 1;
   });
-  impl_->gather_forces(f);
+  impl_->gather_forces(impl_->at_free, f);
 }
 
-NodalStiffness DeviceContact::nodal_stiffness(const Quaternion<float>* rotation) {
-  const GatherView g = impl_->gather();
+NodalStiffness DeviceContact::nodal_stiffness(const Quaternion<float>* rotation,
+                                              const uint8_t* pinned) {
+  const GatherView g = impl_->at_free.view();
   const double* frozen = impl_->frozen.data();
   double* to = impl_->blocks.data();
   cuda::for_each(g.count, [=] __device__(int64_t s) {
+    if (pinned[g.nodes[s]]) return;  // the block stays 0
     double sum[6] = {};
     for (int32_t k = g.begin[s]; k < g.begin[s + 1]; ++k)
       for (int m = 0; m < 6; ++m) sum[m] += fabs(g.weight[k]) * frozen[6 * int64_t(g.point[k]) + m];

@@ -13,11 +13,20 @@
 
 namespace elastogen::cuda {
 
-/// For each surface node that is not pinned: its points and their weights.
+/// For each of some surface nodes: its points and their weights.
 struct GatherView {
   const int32_t *nodes, *begin, *point;  ///< (count), (count + 1), (entries)
   const double* weight;                  ///< (entries)
   int64_t count;
+};
+
+/// Owns them.
+struct GatherLists {
+  GatherView view() const {
+    return {nodes.data(), begin.data(), point.data(), weight.data(), nodes.size()};
+  }
+  DeviceArray<int32_t> nodes, begin, point;
+  DeviceArray<double> weight;
 };
 
 /// Energy and deepest overlap.
@@ -63,10 +72,7 @@ struct DeviceContact::Impl {
             lengths,
             bonds ? bonds->slip.data() : nullptr};
   }
-  GatherView gather() const {
-    return {nodes.data(), begin.data(), point.data(), weight.data(), nodes.size()};
-  }
-  void list_entries();
+  GatherLists list_entries(bool of_pinned, std::vector<int32_t>& listed) const;
   void place_obstacles(double time, double dt, double lag_time);
   void take_lags(const double* u);
   void set_lags(const double* u);
@@ -76,7 +82,7 @@ struct DeviceContact::Impl {
   void carry(double* u);
   void carry_along(int obstacle, const Vec3& swept, double motion, double* u);
   template <class T>
-  void gather_forces(T* to) const;
+  void gather_forces(const GatherLists& lists, T* to) const;
 
   const Scene& scene;
   ContactLengths lengths;
@@ -91,8 +97,8 @@ struct DeviceContact::Impl {
   DeviceArray<DeviceObstacle> obstacles;
   DeviceArray<ContactLag> lags;
   DeviceArray<Vec3> start, force;
-  DeviceArray<int32_t> nodes, begin, point;
-  DeviceArray<double> weight;
+  GatherLists at_free;           // nodes that do not keep their position
+  GatherLists at_pinned;         // those that do, in a scene with holders
   DeviceArray<double> frozen;    // symmetric, (points, 6)
   DeviceArray<double> blocks;    // of nodal_stiffness
   DeviceArray<int32_t> touched;  // 1: forces are not all 0

@@ -57,10 +57,10 @@ class Contact {
   /// The collider whose core contains a point at u, null if none.
   const Collider* obstacle(const double* u);
 
-  /// Energy [J] at u; adds its gradient [N] to g where g is not null. Infinite if a point is in the
-  /// core of a collider.
+  /// Energy [J] at u; adds its gradient [N] to g where g is not null, at pinned nodes only where that
+  /// is asked for. Infinite if a point is in the core of a collider.
   template <class T>
-  double evaluate(const double* u, T* g);
+  double evaluate(const double* u, T* g, bool at_pinned = false);
 
   /// Adds up what colliders do at u to each piece.
   /// @param v        velocities of the nodes at the start of the step, for the power of the normal

@@ -15,7 +15,7 @@ namespace elastogen::cuda {
 
 /// Stiffness of surface nodes in the frames of the nodes, on the device.
 struct NodalStiffness {
-  const int32_t* nodes = nullptr;  ///< without pinned ones, (count)
+  const int32_t* nodes = nullptr;  ///< without those that keep their positions, (count)
   const double* blocks = nullptr;  ///< symmetric: xx, xy, xz, yy, yz, zz [N/m], (count, 6)
   int64_t count = 0;
 };
@@ -24,6 +24,8 @@ struct NodalStiffness {
 ELASTOGEN_HD constexpr int symmetric_place(int i, int j) {
   return i + j + (i > 0 && j > 0 ? 1 : 0);
 }
+
+class DeviceHeldNodes;
 
 class DeviceContact {
  public:
@@ -48,14 +50,18 @@ class DeviceContact {
   /// Copies `now` to `clear` and moves nodes that colliders run over along with them. Then cuts the
   /// step from `clear` to u where its path leads into a collider, as Solver::Impl::start does.
   /// Waits for the device.
+  /// @param held  follows what moves along.
   /// @return the collider whose core still contains a point of `clear`, else null.
-  const Collider* clear_start(const double* now, double* clear, double* u);
+  const Collider* clear_start(const double* now, double* clear, double* u,
+                              const DeviceHeldNodes& held);
 
   /// Starts Contact::evaluate and deepest_overlap. energy() and deepest_overlap() give their
   /// results after synchronise().
   /// @param g  null: the energy alone.
   template <class T>
   void start_evaluation(const double* u, T* g);
+  /// Adds the forces of the last start_evaluation() at pinned nodes, in a scene with holders.
+  void add_pinned_forces(double* g);
   double energy() const;
   double deepest_overlap() const;
 
@@ -71,9 +77,10 @@ class DeviceContact {
   /// Adds the frozen Hessian times p to f.
   template <class T>
   void add_hessian_product(const T* p, T* f);
-  /// Row sums of the frozen stiffness in the nodes' frames.
-  /// @param rotation  (nodes, 9)
-  NodalStiffness nodal_stiffness(const Quaternion<float>* rotation);
+  /// Row sums of the frozen stiffness in the nodes' frames, 0 at dependent nodes.
+  /// @param rotation  (nodes)
+  /// @param pinned    NodeKind, (nodes)
+  NodalStiffness nodal_stiffness(const Quaternion<float>* rotation, const uint8_t* pinned);
   /// The nodes of nodal_stiffness, on the host.
   const std::vector<int32_t>& surface_nodes() const;
 

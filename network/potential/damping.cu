@@ -67,12 +67,13 @@ void DevicePotential::begin_damping(const StepScheme& scheme, const double* now,
 }
 
 /// Adds the viscous part to the gradient, unless that is null, and notes its value.
+/// @param at_pinned  whether pinned nodes get theirs.
 template <class T>
-void DevicePotential::Impl::viscous_pass(const double* u, T* gradient, int place) {
+void DevicePotential::Impl::viscous_pass(const double* u, T* gradient, int place, bool at_pinned) {
   // what kernels read, what they do with a voxel and a node, and the loop
   const VoxelTables<T> table = voxels<T>();
   const DampingTables<T> damping{strain_before.data(), materials.data(), rate};
-  const uint8_t* held = pinned.data();
+  const uint8_t* kind = pinned.data();
   DeviceValue* to = value.data() + place;
   const auto read = [=] __device__(int64_t n, int64_t reference, T v[3]) {
     for (int i = 0; i < 3; ++i) v[i] = T(u[3 * n + i] - u[3 * reference + i]);
@@ -90,7 +91,8 @@ void DevicePotential::Impl::viscous_pass(const double* u, T* gradient, int place
   const auto finish = [=] __device__(int64_t n, const NodeSum<T>& given) {
     T force[3];
     given.get(force);
-    for (int i = 0; i < 3; ++i) gradient[3 * n + i] += held[n] ? T(0) : force[i];
+    const bool counts = at_pinned || kind[n] != kPinnedNode;
+    for (int i = 0; i < 3; ++i) gradient[3 * n + i] += counts ? force[i] : T(0);
   };
   const auto then = [=] __device__(const VoxelSums& sum) { to->viscous = sum.elastic; };
   T* const scratch = reinterpret_cast<T*>(parts.data());
@@ -100,8 +102,8 @@ void DevicePotential::Impl::viscous_pass(const double* u, T* gradient, int place
     for_each_voxel<T>(rows, scratch, brick_sums.data(), read, voxel, finish, then);
 }
 
-template void DevicePotential::Impl::viscous_pass<float>(const double*, float*, int);
-template void DevicePotential::Impl::viscous_pass<double>(const double*, double*, int);
+template void DevicePotential::Impl::viscous_pass<float>(const double*, float*, int, bool);
+template void DevicePotential::Impl::viscous_pass<double>(const double*, double*, int, bool);
 
 /// Adds the viscous part to the tangents.
 void DevicePotential::Impl::viscous_tangent_pass(const double* u, TangentKind kind) {

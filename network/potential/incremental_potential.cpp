@@ -63,7 +63,9 @@ IncrementalPotential::IncrementalPotential(PotentialTerms&& terms)
     : PotentialTerms(std::move(terms)),
       rows_(std::make_shared<const BrickRows>(make_brick_rows(scene_))),
       scratch_float_(*rows_),
-      scratch_double_(*rows_) {
+      scratch_double_(*rows_),
+      held_(scene_),
+      loads_(scene_) {
   fill_weights();
   const size_t nodes = size_t(scene_.grid.node_count());
   rotation_.resize(size_t(rows_->row_count()) * 9 * kLanes);
@@ -111,55 +113,6 @@ void IncrementalPotential::read_voxel_data(int64_t row, VoxelData<Pack<T>>& data
 template void IncrementalPotential::read_voxel_data<float>(int64_t, VoxelData<Pack<float>>&) const;
 template void IncrementalPotential::read_voxel_data<double>(int64_t,
                                                             VoxelData<Pack<double>>&) const;
-
-void IncrementalPotential::set_scheme(const StepScheme& scheme) {
-  scheme_ = scheme;
-  for_each(scene_.grid.node_count(), [&](int64_t n) {
-    inertia_[size_t(n)] = scheme.a0 * scene_.mass(n) / (scheme.dt * scheme.dt);
-  });
-}
-
-/// @param motion  of the predictor from x on, by node and component.
-template <class Motion>
-void IncrementalPotential::begin(In<double> positions, const Motion& motion) {
-  const Array<double>& X = scene_.grid.rest;
-  for_each(X.rows(), [&](int64_t n) {
-    for (int d = 0; d < 3; ++d) {
-      const double x = positions(n, d);
-      now_[size_t(3 * n + d)] = x - X(n, d);
-      predictor_[size_t(3 * n + d)] = x - X(n, d) + (is_fixed(n) ? 0 : motion(n, d));
-    }
-  });
-  freeze_rotations();
-}
-
-void IncrementalPotential::begin_step(const State& state, const StepScheme& scheme) {
-  set_scheme(scheme);
-  const bool has_before = !state.x_before.empty();
-  begin(state.x, [&](int64_t n, int d) {
-    const double x = state.x(n, d);
-    return predicted_motion(scheme, x, state.v(n, d), has_before ? state.x_before(n, d) : x,
-                            has_before ? state.v_before(n, d) : 0, scene_.gravity[size_t(d)]);
-  });
-  begin_damping(state, scheme.scheme == TimeScheme::kBdf2 ? -1.0 / 3 : 0, nullptr);
-  contact_.begin_step(now_.data(), state.time, scheme.end());
-}
-
-void IncrementalPotential::begin_stage(const State& state, const StepScheme& scheme,
-                                       const double* motion, const double* stage_before) {
-  set_scheme(scheme);
-  begin(state.x, [&](int64_t n, int d) { return motion[3 * n + d]; });
-  begin_damping(state, scheme.stage.w_v, stage_before);
-  const double lag_time = state.time + (stage_before ? scheme.stage.t_b : 0);
-  contact_.begin_stage(now_.data(), state.time, scheme.end(),
-                       stage_before ? stage_before : now_.data(), lag_time);
-}
-
-void IncrementalPotential::begin_still(In<double> x, const StepScheme& scheme) {
-  set_scheme(scheme);
-  begin(x, [](int64_t, int) { return 0.0; });
-  if (rate_of(scheme) > 0) begin_damping({}, 0, nullptr);
-}
 
 PotentialValue IncrementalPotential::voxel_forces(const double* u, double* forces) {
   return evaluate_all<double, false>(u, forces);
@@ -264,9 +217,11 @@ PotentialValue IncrementalPotential::evaluate_all(const double* u, T* gradient) 
   };
   const auto finish = [&](int64_t n, const T force[3]) {
     if (!gradient) return;
+    // of pinned nodes inner forces for the reactions alone
+    const double inertia = is_fixed(n) ? 0 : inertia_[size_t(n)];
     for (int i = 0; i < 3; ++i) {
       const double away = u[3 * n + i] - predictor_[size_t(3 * n + i)];
-      gradient[3 * n + i] = is_fixed(n) ? T(0) : T(inertia_[size_t(n)] * away + double(force[i]));
+      gradient[3 * n + i] = is_fixed(n) && !kQuality ? T(0) : T(inertia * away + double(force[i]));
     }
   };
   // voxels and the force at nodes, then inertia
@@ -312,9 +267,13 @@ PotentialValue IncrementalPotential::evaluate<float>(const double* u, float* gra
 PotentialValue IncrementalPotential::residual(const double* u, double* gradient) {
   PotentialValue value = evaluate_all<double, true>(u, gradient);
   if (contact_.exists()) {
-    value.contact = contact_.evaluate(u, gradient);
+    value.contact = contact_.evaluate(u, gradient, true);
     value.deepest_overlap = contact_.deepest_overlap(u);
   }
+  reactions_ = held_.reactions(gradient, u, loads_.data());
+  for_each(scene_.grid.node_count(), [&](int64_t n) {
+    if (is_fixed(n)) std::fill_n(gradient + 3 * n, 3, 0.0);
+  });
   scene_.dependent.fold(gradient);
   return value;
 }

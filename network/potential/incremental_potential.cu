@@ -79,6 +79,7 @@ DevicePotential::~DevicePotential() = default;
 void DevicePotential::begin_step(const IncrementalPotential& host) {
   Impl& s = *impl_;
   const DeviceArray<double> now(host.now());
+  s.held.set_time(host.held().time());
   s.predictor.upload(host.predictor().data());
   s.inertia.upload(host.inertia().data());
   s.freeze_rotations(now.data());
@@ -138,7 +139,8 @@ void DevicePotential::Impl::gradient_pass(const double* u, T* gradient, const Ne
                                           int place) {
   const VoxelTables<T> table = voxels<T>();
   const double *mass = inertia.data(), *aim = predictor.data();
-  const uint8_t* held = pinned.data();
+  const uint8_t* kind = pinned.data();
+  const bool reacts = held.has_reactions();
   DeviceValue* to = value.data() + place;
   const auto read = [=] __device__(int64_t n, int64_t reference, T v[3]) {
     for (int i = 0; i < 3; ++i) v[i] = T(u[3 * n + i] - u[3 * reference + i]);
@@ -154,14 +156,16 @@ void DevicePotential::Impl::gradient_pass(const double* u, T* gradient, const Ne
     sums.add(mine);
   };
   const auto finish = [=] __device__(int64_t n, const NodeSum<T>& given) {
-    const bool moves = !held[n];
+    const bool moves = kind[n] != kPinnedNode;
     const double weight = mass[n];
     double away[3];
     T force[3];
     for (int i = 0; i < 3; ++i) away[i] = u[3 * n + i] - aim[3 * n + i];
     given.get(force);
     for (int i = 0; i < 3; ++i)
-      gradient[3 * n + i] = moves ? T(weight * away[i] + double(force[i])) : T(0);
+      gradient[3 * n + i] = moves                ? T(weight * away[i] + double(force[i]))
+                            : kQuality && reacts ? force[i]
+                                                 : T(0);
   };
   const auto then = [=] __device__(const VoxelSums& sum) { to->voxels = sum; };
   T* const scratch = reinterpret_cast<T*>(parts.data());
@@ -173,10 +177,17 @@ void DevicePotential::Impl::gradient_pass(const double* u, T* gradient, const Ne
 
 template <class T, bool kQuality>
 void DevicePotential::Impl::start_gradient(const double* u, T* gradient, int place) {
+  const bool reacts = kQuality && held.has_reactions();
   with_nets<T, NetPass::kEnergy>(
       u, [&](const auto& nets) { gradient_pass<T, kQuality>(u, gradient, nets, place); });
-  if (terms.has_damping()) viscous_pass<T>(u, gradient, place);
+  if (terms.has_damping()) viscous_pass<T>(u, gradient, place, reacts);
   if (contact) contact->start_evaluation(u, gradient);
+  // reactions, from a gradient that is not folded; then it is 0 at pinned nodes
+  if constexpr (kQuality) {
+    if (reacts && contact) contact->add_pinned_forces(gradient);
+    if (reacts) held.start_reactions(rest.data(), load.data(), u, gradient);
+  }
+  if (gradient) held.fold(gradient);
 }
 
 void DevicePotential::Impl::sum_inertia(const double* u, int place, Signal::Raise raise) {
@@ -213,6 +224,10 @@ void DevicePotential::start_evaluation(const double* u, T* gradient) {
 void DevicePotential::start_residual(const double* u, double* gradient) {
   impl_->start_gradient<double, true>(u, gradient);
   impl_->sum_inertia(u);
+}
+
+std::vector<Reaction> DevicePotential::reactions() const {
+  return impl_->held.reactions();
 }
 
 void DevicePotential::start_energy(const double* u, int place) {
@@ -272,6 +287,12 @@ int64_t DevicePotential::nodes() const {
 const uint8_t* DevicePotential::pinned() const {
   return impl_->pinned.data();
 }
+DeviceHeldNodes& DevicePotential::held() {
+  return impl_->held;
+}
+const DeviceHeldNodes& DevicePotential::held() const {
+  return impl_->held;
+}
 const Quaternion<float>* DevicePotential::nodal_rotation() const {
   return impl_->nodal_rotation.data();
 }
@@ -283,6 +304,9 @@ const double* DevicePotential::rest() const {
 }
 const double* DevicePotential::mass() const {
   return impl_->mass.data();
+}
+const double* DevicePotential::load() const {
+  return impl_->load.data();
 }
 
 }  // namespace elastogen::cuda

@@ -4,6 +4,7 @@
 
 #pragma once
 
+#include "core/cuda/held_nodes.cuh"
 #include "core/cuda/signal.cuh"
 #include "network/law/learned_law.cuh"
 #include "network/potential/incremental_potential_device.hpp"
@@ -111,10 +112,12 @@ struct DevicePotential::Impl {
         rotation_float(9 * rotation_double.size()),
         rest(grid().rest.data(), grid().rest.size()),
         mass(terms.scene().mass.data(), nodes()),
+        load(terms.scene().load.data(), terms.scene().load.size()),
         inertia(nodes()),
         predictor(3 * nodes()),
         nodal_rotation(nodes()),
         pinned(terms.scene().pinned.data(), nodes()),
+        held(terms.scene()),
         parts((9 * rows.parts() + 1) / 2),
         brick_sums(rows.bricks()),
         inertia_sums(1),
@@ -150,7 +153,7 @@ struct DevicePotential::Impl {
   // damping.cu
   void find_strains(const double* u, double* to);
   template <class T>
-  void viscous_pass(const double* u, T* gradient, int place);
+  void viscous_pass(const double* u, T* gradient, int place, bool at_pinned);
   void viscous_tangent_pass(const double* u, TangentKind kind);
   /// Calls pass(nets), where nets gives voxels the corrections of their nets at u.
   template <class T, NetPass kPass, class Pass>
@@ -186,10 +189,10 @@ struct DevicePotential::Impl {
   DeviceArray<float> weights_float, border_float;
   DeviceArray<Quaternion<double>> rotation_double;
   DeviceArray<float> rotation_float;
-  DeviceArray<double> rest, mass;  // [m], (nodes, 3); [kg], (nodes)
-  DeviceArray<double> inertia, predictor;
+  DeviceArray<double> rest, mass, load, inertia, predictor;  // as the public functions give them
   DeviceArray<Quaternion<float>> nodal_rotation;
-  DeviceArray<uint8_t> pinned;
+  DeviceArray<uint8_t> pinned;  // NodeKind
+  DeviceHeldNodes held;
   DeviceArray<double> parts;  // for each partial sum three in double or nine in float
   DeviceArray<VoxelSums> brick_sums;
   DeviceArray<SumScratch<Sums<1>>> inertia_sums;

@@ -10,6 +10,8 @@
 
 #pragma once
 
+#include "core/held_nodes.hpp"
+#include "core/loads.hpp"
 #include "core/state.hpp"
 #include "network/potential/brick_rows.hpp"
 #include "network/potential/local_model.hpp"
@@ -30,6 +32,10 @@ class IncrementalPotential : public PotentialTerms {
   /// Sets scheme and inertia alone, for objects that need only the Hessian at rest.
   void set_scheme(const StepScheme& scheme);
 
+  /// Takes the loads at the end of a step or stage of the scheme, and with `first` the wind at its
+  /// start; before the calls below.
+  void begin_loads(const State& state, const StepScheme& scheme, bool first);
+  const NodeLoads& loads() const { return loads_; }
   /// Sets the predictor, the frozen voxel rotations and the lagged normal forces of friction, all
   /// from the state at the start of the step.
   void begin_step(const State& state, const StepScheme& scheme);
@@ -49,13 +55,17 @@ class IncrementalPotential : public PotentialTerms {
   void set_nodal_rotations(const double* u);
 
   /// Value and gradient [N], (nodes, 3), 0 on pinned nodes, at displacement u; null: the value
-  /// alone. u of dependent nodes follows that of their parent nodes (Scene::dependent), here and in
-  /// all that follows; the gradient by parent nodes has their share in it, and dependent nodes 0.
+  /// alone. u of dependent nodes follows that of their parent nodes (held()), here and in all that
+  /// follows; the gradient by parent nodes has their share in it, and dependent nodes 0.
   template <class T>
   PotentialValue evaluate(const double* u, T* gradient);
 
-  /// evaluate in float64 with the smallest Jacobians, for the certificate.
+  /// evaluate in float64 with the smallest Jacobians, for the certificate. It finds reactions().
   PotentialValue residual(const double* u, double* gradient);
+  /// Of each holder of the scene, at the last residual().
+  const std::vector<Reaction>& reactions() const { return reactions_; }
+  /// Where holders put nodes at the end of the step or stage.
+  const HeldNodes& held() const { return held_; }
 
   /// Freezes the Hessian at u; contact is projected for both kinds. hessian_product then gives A p,
   /// 0 on pinned nodes.
@@ -70,7 +80,7 @@ class IncrementalPotential : public PotentialTerms {
   const BrickRows& rows() const { return *rows_; }
   /// rows() for objects that share them or outlive the potential.
   std::shared_ptr<const BrickRows> shared_rows() const { return rows_; }
-  /// Predictor uhat = xhat - X [m], (nodes, 3).
+  /// Predictor uhat = xhat - X [m], (nodes, 3); of pinned nodes where they are held.
   const Zeroed<double>& predictor() const { return predictor_; }
   /// Displacement at the start of the step [m], (nodes, 3).
   const Zeroed<double>& now() const { return now_; }
@@ -125,6 +135,9 @@ class IncrementalPotential : public PotentialTerms {
   Zeroed<double> strain_before_, strains_;  ///< E_b, A_b and scratch, [row][18][lane]
   BrickScratch<float> scratch_float_;
   BrickScratch<double> scratch_double_;
+  HeldNodes held_;
+  NodeLoads loads_;
+  std::vector<Reaction> reactions_;
   std::vector<Sums> sums_;
   std::vector<NoSums> no_sums_;
 };

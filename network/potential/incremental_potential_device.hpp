@@ -12,6 +12,8 @@
 
 namespace elastogen::cuda {
 
+class DeviceHeldNodes;
+
 /// Terms of the inertial energy, for callers that sum it along with other numbers.
 struct InertiaTerms {
   const double *inertia, *predictor;  ///< of DevicePotential
@@ -25,7 +27,7 @@ struct InertiaTerms {
     double weight[kCount], sum = 0;
     for (int j = 0; j < kCount; ++j) {
       const int64_t node = (first + j) / 3;
-      weight[j] = pinned[node] ? 0 : inertia[node] / 2;
+      weight[j] = pinned[node] == kPinnedNode ? 0 : inertia[node] / 2;
     }
     for (int j = 0; j < kCount; ++j) sum += weight[j] * (u[j] - aim[j]) * (u[j] - aim[j]);
     return sum;
@@ -70,7 +72,8 @@ class DevicePotential {
   void set_nodal_rotations(const double* u);
 
   /// Value, and gradient [N], (nodes, 3), 0 on pinned nodes, unless that is null; both arrays on
-  /// the device.
+  /// the device. As in IncrementalPotential u of dependent nodes follows that of their parent
+  /// nodes, which have their share of the gradient.
   template <class T>
   PotentialValue evaluate(const double* u, T* gradient);
   /// As evaluate() without the wait: value() is complete when the launched kernels have ended.
@@ -87,6 +90,8 @@ class DevicePotential {
   InertiaTerms inertia_terms();
   /// As start_evaluation() in float64, with the smallest Jacobians; for the certificate.
   void start_residual(const double* u, double* gradient);
+  /// As IncrementalPotential::reactions(), when the kernels of start_residual() have ended.
+  std::vector<Reaction> reactions() const;
   PotentialValue value(int place = 0) const;
 
   /// Freezes the Hessian at u, in float; hessian_product then gives A p, 0 on pinned nodes. All
@@ -106,10 +111,13 @@ class DevicePotential {
   std::vector<double> download_weights() const;
 
   int64_t nodes() const;
-  const uint8_t* pinned() const;                    ///< (nodes), on the device
+  const uint8_t* pinned() const;  ///< NodeKind, (nodes), on the device
+  DeviceHeldNodes& held();        ///< at the end of the step or stage: the caller sets its time
+  const DeviceHeldNodes& held() const;
   const Quaternion<float>* nodal_rotation() const;  ///< (nodes), on the device
   const double* rest() const;                       ///< [m], (nodes, 3), on the device
   const double* mass() const;                       ///< [kg], (nodes), on the device
+  const double* load() const;                       ///< [N], (nodes, 3), on the device; null: none
   const PotentialTerms& terms() const;
 
   struct Impl;

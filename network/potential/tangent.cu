@@ -35,7 +35,7 @@ void DevicePotential::Impl::tangent_product(const T* p, T* product) {
   const float* from = tangent.data();
   const VoxelTables<T> table = voxels<T>();
   const double* mass = inertia.data();
-  const uint8_t* held = pinned.data();
+  const uint8_t* kind = pinned.data();
   const double per_step = rate;
   for_each_voxel<T>(
       rows, reinterpret_cast<T*>(parts.data()), static_cast<NoSums*>(nullptr),
@@ -53,7 +53,7 @@ void DevicePotential::Impl::tangent_product(const T* p, T* product) {
         T force[3];
         given.get(force);
         for (int i = 0; i < 3; ++i)
-          product[3 * n + i] = held[n] ? T(0) : force[i] + T(mass[n]) * p[3 * n + i];
+          product[3 * n + i] = kind[n] == kPinnedNode ? T(0) : force[i] + T(mass[n]) * p[3 * n + i];
       });
 }
 
@@ -74,6 +74,7 @@ template <class T>
 void DevicePotential::hessian_product(const T* p, T* product) {
   impl_->hessian_product(p, product);
   if (impl_->contact) impl_->contact->add_hessian_product(p, product);
+  impl_->held.fold(product);
 }
 
 template void DevicePotential::hessian_product(const float*, float*);

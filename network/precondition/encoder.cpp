@@ -84,7 +84,8 @@ void Encoder<T>::fill_dependent(const DependentNodes& dependent) {
       for (int m = 0; m < kModes && other == piece; ++m)
         sum[m] += dependent.weights(i)(k) * double(modes[size_t(place) * kModes + size_t(m)]);
     }
-    for (int m = 0; m < kModes; ++m) modes[size_t(local) * kModes + size_t(m)] = T(sum[m]);
+    for (int m = 0; m < kModes; ++m)
+      modes[size_t(local) * kModes + size_t(m)] = kept_sum(sum[m], T{});
   }
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Compiled without fused operations, like the CPU's source, so that the modes equal its bit by bit.
+#include "core/cuda/held_nodes.cuh"
 #include "core/cuda/reduce.cuh"
 #include "network/precondition/encoder_modes.cuh"
 #include "network/precondition/encoder_modes.hpp"
@@ -96,6 +97,35 @@ void fill_modes(const NodeSource& source, const PinTreesView& pins, double h, co
   synchronise();
 }
 
+/// Modes of dependent nodes follow those of their parent nodes in the same piece.
+/// @param piece  of the grid, (nodes)
+template <class T>
+void follow_parents(const DevicePotential& potential, const int32_t* piece,
+                    PieceModesOnDevice<T>& made) {
+  const WeightedSums of = potential.held().dependent().sums();
+  if (of.count == 0) return;
+  // entry of each node, -1: in no piece
+  DeviceArray<int32_t> entries(potential.nodes());
+  int32_t* const entry = entries.data();
+  check(
+      cudaMemsetAsync(entry, 0xff, size_t(entries.size()) * sizeof(int32_t), cudaStreamPerThread));
+  const int32_t* const node = made.nodes.data();
+  cuda::for_each(made.nodes.size(), [=] __device__(int64_t k) { entry[node[k]] = int32_t(k); });
+  ModeNumber<T>* const values = made.values.data();
+  cuda::for_each(of.count * kEncoderModes, [=] __device__(int64_t k) {
+    const int64_t i = k / kEncoderModes, m = k % kEncoderModes, n = of.nodes[i];
+    if (entry[n] < 0) return;
+    double sum = 0;
+    for (int32_t s = of.begin[i]; s < of.begin[i + 1]; ++s) {
+      const int64_t parent = of.sources[s];
+      if (piece[parent] != piece[n]) continue;
+      sum += of.weights[s] * double(T(values[entry[parent] * int64_t(kEncoderModes) + m]));
+    }
+    values[entry[n] * int64_t(kEncoderModes) + m] = ModeNumber<T>(kept_sum(sum, T{}));
+  });
+  synchronise();
+}
+
 }  // namespace
 
 template <class T>
@@ -120,6 +150,7 @@ PieceModesOnDevice<T> make_modes(DevicePotential& potential,
     fill_modes<T>(source, pins.view(), grid.h, made.nodes.data() + made.first[p],
                   int64_t(pieces[p].size()),
                   made.values.data() + int64_t(made.first[p]) * kEncoderModes);
+  follow_parents<T>(potential, piece.data(), made);
   return made;
 }
 

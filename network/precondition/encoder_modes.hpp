@@ -35,6 +35,15 @@ ELASTOGEN_HD inline double kept_value(double mode, double) {
   return mode;
 }
 
+/// That of a node that follows others. Weighted sums may be as small as they like: below the least
+/// normal number of half precision they are left out, so that all uses agree there too.
+ELASTOGEN_HD inline float kept_sum(double mode, float) {
+  return std::abs(mode) < 0x1p-14 ? 0 : kept_value(mode, float{});
+}
+ELASTOGEN_HD inline double kept_sum(double mode, double) {
+  return mode;
+}
+
 /// Calls put(m, value) for the modes at a node.
 /// @param distance  to the nearest pin [m]
 /// @param at        lattice coordinates

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "network/potential/incremental_potential.cuh"
 #include "network/precondition/dense.cuh"
+#include "network/precondition/dependent_diagonal.hpp"
 #include "network/precondition/multigrid.cuh"
 #include "network/precondition/multigrid_grid.cuh"
-#include "network/precondition/stencil_rows.cuh"
+#include "network/precondition/stencil_folded.cuh"
 
 #include <bit>
 
@@ -33,6 +34,7 @@ class LevelMaker {
   }
 
   void take_scene(DevicePotential::Impl& potential, const BrickLevel& bricks);
+  void take_folded(const PotentialTerms& terms);
   void average(LevelMaker& finer);
   Maxima maxima();
   void find_lambda();
@@ -50,8 +52,8 @@ class LevelMaker {
 
  private:
   SlotTables tables() {
-    return {bricks_.tables(), moduli_.data(), inertia_.data(),
-            pinned_.data(),   border_.data(), moments_};
+    return {bricks_.tables(), moduli_.data(), inertia_.data(), pinned_.data(),
+            border_.data(),   moments_,       folded_.data()};
   }
 
   DeviceBricks bricks_;
@@ -59,6 +61,7 @@ class LevelMaker {
   DeviceArray<uint8_t> pinned_;
   DeviceArray<int32_t> border_;
   const double* moments_ = nullptr;
+  DeviceArray<double> folded_;
   int64_t slots_;
 };
 
@@ -109,6 +112,14 @@ void LevelMaker<T>::take_scene(DevicePotential::Impl& potential, const BrickLeve
   });
 }
 
+/// Takes what dependent nodes add at the finest level, whose slots are known.
+template <class T>
+void LevelMaker<T>::take_folded(const PotentialTerms& terms) {
+  const StepScheme& scheme = terms.scheme();
+  folded_ = folded_by_slot(dependent_diagonal(terms.scene(), scheme.a0 / (scheme.dt * scheme.dt)),
+                           made.slot, slots_);
+}
+
 /// Fills a level from the finer one, one thread for each slot. Moduli are means over the eight
 /// children, of which missing ones count as 0, with one variance weight for all patterns. Masses
 /// are P^T of the finer masses. A node on a pinned node is pinned.
@@ -148,6 +159,7 @@ void LevelMaker<T>::average(LevelMaker& finer) {
     }
     for (int j = 0; j < 6; ++j) coarse.moduli[j * coarse.slots() + slot] = sum[j];
   });
+  folded_ = folded_of_coarser(fine, coarse, slots_);
 }
 
 /// Calls body(slot, maxima) for all slots, and gives the largest values. Waits for the device.
@@ -285,11 +297,12 @@ DeviceArray<double> LevelMaker<T>::dense_operators() {
   return operators;
 }
 
-/// Estimated count of a scene's rows: 27 on each level, one for each node of a border voxel on the
-/// finest level, and a third more on the coarser ones.
+/// Estimated count of a scene's rows: 27 on each level, one for each node of a border voxel and for
+/// each parent node on the finest level, and a third more on the coarser ones.
 int64_t row_estimate(const DevicePotential::Impl& potential) {
   const int64_t border_voxels = potential.rows.border().size() / 7;
-  return 27 * kMostLevels + border_voxels * 4 / 3;
+  const auto parents = int64_t(potential.terms.scene().dependent.folded().nodes.size());
+  return 27 * kMostLevels + (border_voxels + parents) * 4 / 3;
 }
 
 }  // namespace
@@ -310,6 +323,7 @@ Hierarchy<T> make_hierarchy(DevicePotential& potential, int hash_bits) {
         maker->average(*finer);
       } else {
         maker->take_scene(potential.impl(), level);
+        maker->take_folded(potential.terms());
         // the unit of the operators, from their largest numbers
         const Maxima largest = maker->maxima();
         result.unit = largest.value[0] + largest.value[1] * h;

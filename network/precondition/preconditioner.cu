@@ -55,7 +55,8 @@ void DevicePreconditioner::take_contact() {
   in_contact_ = contact->is_stiff();
   use_added();
   if (in_contact_)
-    update_graph_.run([&] { add(contact->nodal_stiffness(potential_.nodal_rotation())); });
+    update_graph_.run(
+        [&] { add(contact->nodal_stiffness(potential_.nodal_rotation(), potential_.pinned())); });
   else if (other_inertia_)
     add({});
 }

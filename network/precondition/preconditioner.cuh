@@ -23,7 +23,7 @@ struct UnturnedResult {
   const uint8_t* pinned;
   float scale = 1;
 
-  /// B q at a node, 0 if it is pinned.
+  /// B q at a node, 0 if it is pinned or follows others.
   template <class T>
   __device__ void at(int64_t n, T v[3]) const {
     const Mat3<float> R = rotation_matrix(rotation[n]);

@@ -20,6 +20,7 @@ struct SlotTables : BrickTables {
   uint8_t* pinned;        ///< (slots)
   const int32_t* border;  ///< lane + kLanes border of the finest level's voxels, -1: full
   const double* moments;  ///< [border][7][lane]
+  const double* folded;   ///< of stencil_folded.cuh, or nullptr
 
   __device__ bool is_free(int64_t slot) const { return has_node(slot) && !pinned[slot]; }
 };
@@ -59,9 +60,9 @@ struct RowSource {
       return true;
     };
     // the row, component by component
-    const T added = T(level.inertia[slot] / unit);
     for (int i = 0; i < 3; ++i) {
-      T row[kComponent];
+      T added = T(level.inertia[slot] / unit), row[kComponent];
+      if (level.folded != nullptr) added += T(level.folded[3 * slot + i] / unit);
       stencil_row<T>(i, voxel, pins, added, row);
       for (int j = 0; j < kComponent; ++j) take(i * kComponent + j, row[j]);
     }

@@ -10,10 +10,15 @@ namespace elastogen::cuda {
 /// The arrays of the state and of the scene that a step reads.
 struct Motion {
   const double *x, *v, *x_before, *v_before;  ///< those before are those now in an Euler step
-  const double *rest, *mass;
+  const double *rest, *mass, *load;           ///< no load: null
   const uint8_t* pinned;
   StepScheme scheme;
   double gravity[3];
+
+  /// elastogen::pull of number k = 3 node + component.
+  __device__ double pull(int64_t k) const {
+    return load == nullptr ? gravity[k % 3] : gravity[k % 3] + load[k] / mass[k / 3];
+  }
 };
 
 /// The largest of what it is given.

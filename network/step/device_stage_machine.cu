@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "core/cuda/held_nodes.cuh"
 #include "network/step/device_stage_machine.cuh"
 
 #include <algorithm>
@@ -41,6 +42,7 @@ StageNodes DeviceStageMachine::nodes() {
   nodes.first = groups_.view().first;
   nodes.first_stage = first_stage_.data();
   nodes.gravity = scene().gravity;
+  nodes.load = potential_.load();
   return nodes;
 }
 
@@ -55,7 +57,12 @@ const PieceMotion* DeviceStageMachine::put(const std::vector<PieceMotion>& of) {
 }
 
 void DeviceStageMachine::run(const NodePass& pass) {
-  std::visit([&](const auto& body) { cuda::for_each(potential_.nodes(), body); }, pass);
+  std::visit(
+      [&](const auto& body) {
+        cuda::for_each(potential_.nodes(), body);
+        complete_held(body, potential_.held());
+      },
+      pass);
 }
 
 std::vector<PieceSums> DeviceStageMachine::sum(const NodeSum& sum) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Steps of stages on the device: those of host_step.cpp.
+#include "core/cuda/held_nodes.cuh"
 #include "network/precondition/preconditioner.cuh"
 #include "network/step/device_step.cuh"
 
@@ -22,13 +23,15 @@ const double* StepOnDevice::before() {
 }
 
 void StepOnDevice::begin_stage() {
+  potential().held().set_time(time_ + scheme_.end());
   const Motion m = motion();
   const double* way = stages_.value().begin({m.x, m.v, m.x_before, m.v_before}, scheme_);
   double *predictor = potential().predictor(), *now = gradient_.data();  // as in now()
   cuda::for_each(size(), [=] __device__(int64_t k) {
     now[k] = m.x[k] - m.rest[k];
-    predictor[k] = now[k] + (m.pinned[k / 3] ? 0 : way[k]);
+    predictor[k] = now[k] + (m.pinned[k / 3] == kPinnedNode ? 0 : way[k]);
   });
+  potential().held().place_pinned(predictor);
   has_rotations_ = false;
   potential().freeze_rotations(now);
   if (stages_->has_no_ledger()) open_ledger(now);

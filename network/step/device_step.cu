@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "core/cuda/held_nodes.cuh"
 #include "core/parallel.hpp"
 #include "network/step/device_step.cuh"
 #include "network/step/memory_budget.cuh"
@@ -21,12 +22,13 @@ StepOnDevice::StepOnDevice(const PotentialTerms& terms, const EncoderChoice* enc
       v_(size()),
       x_before_(size()),
       v_before_(size()),
-      v_next_(pieces_.count() > 0 || has_stages(scene_.scheme) ? size() : 0),
       gradient_(size()),
       largest_(1),
       pair_sums_(1),
       numbers_(1) {
   if (!encoder) paper_.emplace(quasi_, loops);
+  if (pieces_.count() > 0 || has_stages(scene_.scheme) || potential().held().move())
+    v_next_ = DeviceArray<double>(size());
   if (!has_stages(scene_.scheme)) return;
   stage_machine_.emplace(potential());
   stages_.emplace(*stage_machine_);
@@ -97,6 +99,7 @@ Motion StepOnDevice::motion() {
            has_before_ ? v_before_.data() : v_.data(),
            potential().rest(),
            potential().mass(),
+           potential().load(),
            potential().pinned(),
            scheme_,
            {}};
@@ -127,14 +130,30 @@ double StepOnDevice::phi_at(const double* u) {
   return potential().evaluate<double>(u, static_cast<double*>(nullptr)).total();
 }
 
-/// x_next = X + u on the free nodes, the present x on the others; u = x_next - X.
+double StepOnDevice::rough_phi(const double* u) {
+  potential().start_energy(u, 0);
+  potential().wait_for_energy();
+  return potential().value().total();
+}
+
+/// x_next = X + u on the nodes that move, the present x on the others; u = x_next - X.
 void StepOnDevice::round_positions() {
   const Motion m = motion();
+  const DeviceHeldNodes& held = potential().held();
+  const bool moves = held.move();
   double *u = quasi_.u(), *x_next = quasi_.trial_u();
   cuda::for_each(size(), [=] __device__(int64_t k) {
-    const double place = m.pinned[k / 3] ? m.x[k] : m.rest[k] + u[k];
+    const double place = m.pinned[k / 3] && !moves ? m.x[k] : m.rest[k] + u[k];
     x_next[k] = place;
     u[k] = place - m.rest[k];
+  });
+  // nodes that follow others, from these where they are rounded
+  held.follow(u);
+  const WeightedSums of = held.dependent().sums();
+  cuda::for_each(3 * of.count, [=] __device__(int64_t j) {
+    const int64_t k = 3 * int64_t(of.nodes[j / 3]) + j % 3;
+    x_next[k] = m.rest[k] + u[k];
+    u[k] = x_next[k] - m.rest[k];
   });
 }
 
@@ -182,13 +201,15 @@ Certificate StepOnDevice::certify() {
   potential().start_residual(quasi_.u(), gradient_.data());
   find_size();
   if (!scheme_.is_stage) {
-    if (in_flight_) find_flight_velocities();
+    if (has_velocities()) find_velocities();
     find_energies();
   }
   signal_.wait();
   Certificate result{potential().value(), std::sqrt(numbers_[0].square)};
+  result.reactions = potential().reactions();
   certificate_ = {result.value.elastic + result.value.hourglass,
-                  damping_power(result.value, scheme_), gradient_.data()};
+                  damping_power(result.value, scheme_), potential().held().power(result.reactions),
+                  gradient_.data()};
   result.finite = std::isfinite(result.value.total()) && std::isfinite(result.size) &&
                   numbers_[0].not_finite == 0;
   return result;
@@ -202,27 +223,35 @@ struct NextVelocity {
   const double* x_next;
 
   __device__ double operator()(int64_t k) const {
-    return m.pinned[k / 3] ? 0 : velocity_after(m.scheme, x_next[k], m.x[k], m.x_before[k]);
+    if (m.pinned[k / 3] == kPinnedNode) return 0;
+    return velocity_after(m.scheme, x_next[k], m.x[k], m.x_before[k]);
   }
 };
 
 }  // namespace
 
-/// In flight velocities lose what the rounding of positions brings into their mean.
-void StepOnDevice::find_flight_velocities() {
+bool StepOnDevice::has_velocities() {
+  return in_flight_ || scheme_.is_stage || potential().held().move();
+}
+
+/// Velocities that are not those of single nodes, or of holders. In flight they lose what the
+/// rounding of positions brings into their mean.
+void StepOnDevice::find_velocities() {
   const Motion m = motion();
   const NextVelocity velocity{m, quasi_.trial_u()};
   double* v_next = v_next_.data();
   cuda::for_each(size(), [=] __device__(int64_t k) { v_next[k] = velocity(k); });
+  potential().held().set_velocities(velocity.x_next, v_next);
+  if (!in_flight_) return;
   pieces_.match_means(potential().mass(), v_next, [=] __device__(int64_t k) {
-    return free_velocity(m.scheme, m.v[k], m.v_before[k], m.gravity[k % 3]);
+    return free_velocity(m.scheme, m.v[k], m.v_before[k], m.pull(k));
   });
 }
 
 void StepOnDevice::find_energies() {
   const Motion m = motion();
   const NextVelocity velocity{m, quasi_.trial_u()};
-  const double* v_next = in_flight_ || scheme_.is_stage ? v_next_.data() : nullptr;
+  const double* v_next = has_velocities() ? v_next_.data() : nullptr;
   StepNumbers* to = numbers_.data();
   const Signal::Raise raise = signal_.next();
   ordered_sum(
@@ -230,7 +259,8 @@ void StepOnDevice::find_energies() {
       [=] __device__(int64_t n, Sums<2> & sum) {
         for (int64_t k = 3 * n; k < 3 * n + 3; ++k) {
           const double v = v_next != nullptr ? v_next[k] : velocity(k);
-          sum.value[0] += m.mass[n] / 2 * v * v;
+          if (m.pinned[n] != kPinnedNode)  // the others go with what holds them
+            sum.value[0] += m.mass[n] / 2 * v * v;
           sum.value[1] -= m.mass[n] * m.gravity[k - 3 * n] * velocity.x_next[k];
         }
       },
@@ -243,7 +273,7 @@ void StepOnDevice::find_energies() {
 /// The arrays go round: those of the state before take what comes next.
 MotionEnergy StepOnDevice::finish() {
   if (scheme_.is_stage) accept_stages();
-  if (in_flight_ || scheme_.is_stage) {
+  if (has_velocities()) {
     std::swap(v_before_, v_next_);
   } else {
     const NextVelocity velocity{motion(), quasi_.trial_u()};

@@ -95,25 +95,23 @@ class StepOnDevice : public StepWork {
   void extrapolate(int order, double* u);
   void find_now(double* u);
   const double* before();
-  void find_flight_velocities();
+  void find_velocities();
   void find_energies();
   void find_size();
 
  private:
   int64_t size() const { return x_.size(); }
   bool touches();
-  /// u_now, in the scratch of a gradient.
+  /// Whether those of the new state are in v_next_ before it is finished.
+  bool has_velocities();
+  /// find_now() in the scratch of a gradient.
   const double* now() {
     find_now(gradient_.data());
     return gradient_.data();
   }
   double phi_at(const double* u);
   void copy(const double* from, double* to) const;
-  double rough_phi(const double* u) {
-    potential().start_energy(u, 0);
-    potential().wait_for_energy();
-    return potential().value().total();
-  }
+  double rough_phi(const double* u);
   DeviceNewton& newton_solver();
   void forget();
   void accept_stages();
@@ -127,7 +125,7 @@ class StepOnDevice : public StepWork {
   std::optional<DevicePaper> paper_;
   DevicePieces pieces_;
   DeviceArray<double> x_, v_, x_before_, v_before_;  // the state
-  DeviceArray<double> v_next_;    // of a scene with free pieces, in flight, or of stages
+  DeviceArray<double> v_next_;    // in flight, of stages, or where a holder moves
   DeviceArray<double> gradient_;  // of the certificate
   DeviceArray<SumScratch<Largest>> largest_;
   DeviceArray<SumScratch<Sums<2>>> pair_sums_;

@@ -2,23 +2,6 @@
 #include "network/step/host_stage_machine.hpp"
 
 namespace elastogen {
-namespace {
-
-/// The result of a pass that leaves dependent nodes at rest, null where it does not.
-template <class Pass>
-double* result_at_parents(const Pass& pass) {
-  if constexpr (std::is_same_v<Pass, StartDisplacement>)
-    return pass.u;
-  else if constexpr (std::is_same_v<Pass, TakeVelocities>)
-    return pass.v;
-  else if constexpr (std::is_same_v<Pass, CombineVelocities>)
-    return pass.y;
-  else
-    return nullptr;
-}
-
-}  // namespace
-
 HostStageMachine::HostStageMachine(IncrementalPotential& potential)
     : potential_(potential),
       pieces_(potential.scene()),
@@ -37,6 +20,7 @@ StageNodes HostStageMachine::nodes() {
   nodes.first = first_.data();
   nodes.first_stage = first_stage_.data();
   nodes.gravity = s.gravity;
+  nodes.load = potential_.loads().data();
   return nodes;
 }
 
@@ -44,7 +28,7 @@ void HostStageMachine::run(const NodePass& pass) {
   std::visit(
       [&](const auto& body) {
         for_each(scene().grid.node_count(), body);
-        if (double* const values = result_at_parents(body)) scene().dependent.fill(values);
+        complete_held(body, potential_.held());
       },
       pass);
 }

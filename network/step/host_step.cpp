@@ -65,6 +65,14 @@ double HostStep::phi_at(const Zeroed<double>& u) {
   return potential_.evaluate<double>(u.data(), gradient_.data()).total();
 }
 
+/// u_now with held nodes where they are at the end of the step.
+const Zeroed<double>& HostStep::now_held() {
+  if (!potential_.held().move()) return potential_.now();
+  now_held_ = potential_.now();
+  potential_.held().place(now_held_.data());
+  return now_held_;
+}
+
 /// Phi in float where that has the digits, to find where iterations begin.
 double HostStep::rough_phi(const Zeroed<double>& u) {
   if (precise_) return phi_at(u);
@@ -74,11 +82,12 @@ double HostStep::rough_phi(const Zeroed<double>& u) {
 void HostStep::begin_step(const StepScheme& scheme, double time) {
   scheme_ = scheme;
   state_->time = time;
+  potential_.begin_loads(*state_, scheme, !scheme.is_stage || scheme.stage.t_b <= 0);
   if (scheme.is_stage) return begin_stage();
   potential_.begin_step(*state_, scheme);
   if (paper_) return;
   predictor_.start(*state_, potential_.predictor(), u_.data());
-  scene_.dependent.fill(u_.data());
+  potential_.held().place(u_.data());
 }
 
 void HostStep::begin_stage() {
@@ -109,7 +118,7 @@ void HostStep::evaluate_starts(int count, double* phi) {
     Zeroed<double>& start = starts_.emplace_back(u_);
     scheme_.is_stage ? stages_.value().start(order, start.data())
                      : predictor_.extrapolate(*state_, scheme_, order, start.data());
-    scene_.dependent.fill(start.data());
+    potential_.held().place(start.data());
     phi[order] = rough_phi(start);
   }
 }
@@ -127,11 +136,12 @@ double HostStep::farthest() {
 
 const Collider* HostStep::clear_start() {
   clear_ = potential_.now();
+  potential_.held().place(clear_.data());
   Contact& contact = potential_.contact();
   is_cut_ = false;
   if (!contact.exists()) return nullptr;
   contact.carry(clear_.data());
-  scene_.dependent.fill(clear_.data());
+  potential_.held().follow(clear_.data());
   if (const Collider* inside = contact.obstacle(clear_.data())) return inside;
   const double share = contact.longest_step(clear_.data(), u_.data());
   is_cut_ = share < 1;
@@ -181,31 +191,34 @@ bool HostStep::balance() {
   return false;
 }
 
-/// x_next = X + u on the free nodes and on those that follow them, the present x on the others;
-/// u = x_next - X.
+/// x_next = X + u on the nodes that move, the present x on the others; u = x_next - X.
 void HostStep::round_positions() {
   const Array<double>& X = scene_.grid.rest;
   x_ = state_->x;
-  const auto round = [&](NodeKind kind) {
+  const auto round = [&](NodeKind kind, bool moves) {
     for_each(X.rows(), [&](int64_t n) {
+      if (scene_.pinned(n) != kind) return;
       for (int d = 0; d < 3; ++d) {
-        if (scene_.pinned(n) == kind) x_(n, d) = X(n, d) + u_[size_t(3 * n + d)];
+        if (moves) x_(n, d) = X(n, d) + u_[size_t(3 * n + d)];
         u_[size_t(3 * n + d)] = x_(n, d) - X(n, d);
       }
     });
   };
-  round(kFreeNode);
+  round(kFreeNode, true);
+  round(kPinnedNode, potential_.held().move());
   if (scene_.dependent.empty()) return;
-  scene_.dependent.fill(u_.data());
-  round(kDependentNode);
+  potential_.held().follow(u_.data());
+  round(kDependentNode, true);
 }
 
 Certificate HostStep::certify() {
   in_flight_ = balance();
   round_positions();
   Certificate result{potential_.residual(u_.data(), gradient_.data())};
+  result.reactions = potential_.reactions();
   certificate_ = {result.value.elastic + result.value.hourglass,
-                  damping_power(result.value, scheme_), gradient_.data()};
+                  damping_power(result.value, scheme_), potential_.held().power(result.reactions),
+                  gradient_.data()};
   result.size = norm(gradient_.data(), int64_t(gradient_.size()));
   result.finite = std::isfinite(result.value.total()) && std::isfinite(result.size) &&
                   all_finite(u_.data(), int64_t(u_.size()));
@@ -218,20 +231,20 @@ void HostStep::conserve_momentum(Array<double>& v) {
   flight_.match_means(v.data(), [&](size_t n, size_t d) {
     const auto node = int64_t(n);
     return free_velocity(scheme_, state_->v(node, int64_t(d)), before(node, int64_t(d)),
-                         scene_.gravity[d]);
+                         potential_.loads().pull(node, int(d)));
   });
 }
 
-/// Of the free nodes and of those that follow them; pinned ones rest.
+/// Of the free nodes, of those that follow them, and of pinned ones that move.
 Array<double> HostStep::next_velocities() const {
   const Array<double>& x_before = state_->x_before.empty() ? state_->x : state_->x_before;
   Array<double> v(x_.rows(), 3);
   for_each(x_.rows(), [&](int64_t n) {
     for (int d = 0; d < 3; ++d)
-      if (!scene_.pinned(n))
+      if (scene_.pinned(n) != kPinnedNode)
         v(n, d) = velocity_after(scheme_, x_(n, d), state_->x(n, d), x_before(n, d));
   });
-  scene_.dependent.fill(v.data());
+  potential_.held().set_velocities(x_.data(), v.data());
   return v;
 }
 
@@ -286,7 +299,8 @@ MotionEnergy HostStep::finish() {
   MotionEnergy energy;
   for (int64_t n = 0; n < x_.rows(); ++n)
     for (int d = 0; d < 3; ++d) {
-      energy.kinetic += scene_.mass(n) / 2 * v(n, d) * v(n, d);
+      if (scene_.pinned(n) != kPinnedNode)  // the others go with what holds them
+        energy.kinetic += scene_.mass(n) / 2 * v(n, d) * v(n, d);
       energy.gravity -= scene_.mass(n) * scene_.gravity[size_t(d)] * x_(n, d);
     }
   state_->x_before = std::move(state_->x);

@@ -48,8 +48,8 @@ class HostStep : public StepWork {
     return paper_.value().solve(u_.data(), interrupted);
   }
   double phi() override { return phi_at(u_); }
-  double phi_now() override { return phi_at(potential_.now()); }
-  void return_to_now() override { u_ = potential_.now(); }
+  double phi_now() override { return phi_at(now_held()); }
+  void return_to_now() override { u_ = now_held(); }
 
   Certificate certify() override;
   double least_motion(double interval) override {
@@ -84,6 +84,7 @@ class HostStep : public StepWork {
   IterationResult quasi(std::unique_ptr<QuasiSolver<T>>& solver, double target, int max_outer,
                         Preconditioner<P>& first, const Interrupted& interrupted);
   double phi_at(const Zeroed<double>& u);
+  const Zeroed<double>& now_held();
   double rough_phi(const Zeroed<double>& u);
   bool touches();
   bool balance();
@@ -106,6 +107,7 @@ class HostStep : public StepWork {
   State* state_ = &own_;  // the present one: that, or one that is borrowed
   Zeroed<double> u_, gradient_;
   Zeroed<double> clear_;                           // the clear start
+  Zeroed<double> now_held_;                        // by now_held
   std::vector<Zeroed<double>> starts_;             // extrapolations, from order 1 on
   Zeroed<double> u_before_shift_;                  // by balance
   Array<double> x_, v_;                            // of the new state; v_ of steps of stages

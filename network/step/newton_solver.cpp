@@ -46,7 +46,7 @@ struct NewtonSolver::Work {
     const auto place = [&](double a) {
       for_each(of.size_,
                [&](int64_t k) { of.trial_u_[size_t(k)] = u[k] + a * double(of.step_[size_t(k)]); });
-      of.potential_.scene().dependent.fill(of.trial_u_.data());
+      of.potential_.held().follow(of.trial_u_.data());
     };
     place(share);
     trial.share = share;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "core/cuda/held_nodes.cuh"
 #include "core/cuda/reduce.cuh"
 #include "core/cuda/signal.cuh"
 #include "core/time_error.hpp"
@@ -118,7 +119,7 @@ void DeviceNewton::Impl::start_pcg(double unit, const PcgScalars& scalars) {
       });
 }
 
-/// z = B r and p = z + beta p.
+/// z = B r and p = z + beta p, which dependent nodes follow; z is 0 there, as r is.
 void DeviceNewton::Impl::find_direction() {
   DevicePreconditioner& B = quasi.preconditioner();
   float *residual = r.data(), *preconditioned = z.data(), *direction = p.data();
@@ -144,6 +145,7 @@ void DeviceNewton::Impl::find_direction() {
     const float beta = float(of->beta);
     direction[k] = beta == 0 ? preconditioned[k] : preconditioned[k] + beta * direction[k];
   });
+  potential.held().fill(direction);
 }
 
 /// A p and p . A p.
@@ -233,9 +235,12 @@ void DeviceNewton::Impl::move(double share, bool is_first) {
   const float* step = x.data();
   double* to = trial_u.data();
   cuda::for_each(count, [=] __device__(int64_t k) { to[k] = from[k] + share * double(step[k]); });
+  potential.held().follow(to);
   trial.share = share;
   is_cut = is_first && potential.contact();
-  if (is_cut) potential.contact()->cut_step(quasi.u(), trial_u.data());
+  if (!is_cut) return;
+  potential.contact()->cut_step(quasi.u(), to);
+  potential.held().follow(to);
 }
 
 void DeviceNewton::Impl::start_trial() {
@@ -267,11 +272,12 @@ IterationResult DeviceNewton::solve(double target, int max_outer, int max_inner,
   return newton_loop(*impl_, impl_->region, target, max_outer, max_inner, interrupted);
 }
 
-/// g = -M/T^2 y, so that the Newton step at it is S y.
+/// g = -M/T^2 y by free nodes, so that the Newton step at it is S y.
 void DeviceNewton::Impl::set_inertial_gradient(const double* y) {
   const double* inertia = potential.inertia();
   double* const to = gradient.data();
   cuda::for_each(count, [=] __device__(int64_t k) { to[k] = -inertia[k / 3] * y[k]; });
+  potential.held().fold(to);
 }
 
 void DeviceNewton::Impl::take_step(double* y) {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "core/cuda/held_nodes.cuh"
 #include "network/step/device_step.cuh"
 #include "network/step/predictor.hpp"
 
@@ -8,17 +9,18 @@ void StepOnDevice::begin_step(const StepScheme& scheme, double time) {
   scheme_ = scheme;
   time_ = time;
   if (scheme.is_stage) return begin_stage();
+  potential().held().set_time(time + scheme.end());
   const Motion m = motion();
   double *inertia = potential().inertia(), *predictor = potential().predictor(),
          *now = gradient_.data(), *u = quasi_.u();  // as in now()
+  // predictor and start, then what depends on the displacement now
   cuda::for_each(size(), [=] __device__(int64_t k) {
     const int64_t n = k / 3;
-    const int d = int(k % 3);
-    if (d == 0) inertia[n] = m.scheme.a0 * m.mass[n] / (m.scheme.dt * m.scheme.dt);
+    if (k % 3 == 0) inertia[n] = m.scheme.a0 * m.mass[n] / (m.scheme.dt * m.scheme.dt);
     const double away = m.x[k] - m.rest[k];
-    const double motion = m.pinned[n] ? 0
-                                      : predicted_motion(m.scheme, m.x[k], m.v[k], m.x_before[k],
-                                                         m.v_before[k], m.gravity[d]);
+    double motion = 0;
+    if (m.pinned[n] != kPinnedNode)
+      motion = predicted_motion(m.scheme, m.x[k], m.v[k], m.x_before[k], m.v_before[k], m.pull(k));
     now[k] = away;
     predictor[k] = u[k] = away + motion;
   });
@@ -26,19 +28,23 @@ void StepOnDevice::begin_step(const StepScheme& scheme, double time) {
   potential().freeze_rotations(now);
   potential().begin_damping(scheme, now, before());
   pieces_.start(m.rest, m.mass, m.x, m.x_before, predictor, u);
+  potential().held().place_pinned(predictor);
+  potential().held().place(u);
   if (DeviceContact* contact = potential().contact()) contact->begin_step(now, time);
 }
 
-/// u_now.
+/// u_now, with held nodes where they are at the end of the step.
 void StepOnDevice::find_now(double* to) {
   const double *x = x_.data(), *rest = potential().rest();
   cuda::for_each(size(), [=] __device__(int64_t k) { to[k] = x[k] - rest[k]; });
+  if (potential().held().move()) potential().held().place(to);
 }
 
 /// Until iterations begin that is in the scratch of a trial; without contact it is u_now.
 const Collider* StepOnDevice::clear_start() {
   DeviceContact* contact = potential().contact();
-  return contact ? contact->clear_start(now(), quasi_.trial_u(), quasi_.u()) : nullptr;
+  return contact ? contact->clear_start(now(), quasi_.trial_u(), quasi_.u(), potential().held())
+                 : nullptr;
 }
 
 void StepOnDevice::return_to_clear_start() {
@@ -80,6 +86,7 @@ void StepOnDevice::extrapolate(int order, double* to) {
         m.pinned[k / 3] ? 0 : extrapolated_motion(m.scheme, order, m.v[k], m.v_before[k]);
     to[k] = m.x[k] - m.rest[k] + motion;
   });
+  potential().held().place(to);
   if (!scene_.colliders.empty()) return;
   pieces_.for_each([=] __device__(int64_t, int64_t n) {
     for (int d = 0; d < 3; ++d) to[3 * n + d] = u[3 * n + d];

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "core/cuda/held_nodes.cuh"
 #include "network/step/quasi_iteration.cuh"
 #include "network/step/quasi_loop.hpp"
 #include "network/step/quasi_solver_device.hpp"
@@ -39,7 +40,7 @@ Iteration<T>& DeviceQuasi::Impl::iteration() {
 
 /// QuasiWork of the card: the trial is u + p, and p is halved with the share. A kernel that
 /// measures the trial gives the slope at the start of the step as well, so that nobody waits for it
-/// before.
+/// before. p of dependent nodes, where gradients are 0, does not count: the trial gets theirs.
 template <class T>
 struct QuasiWorkOfCard {
   using Real = T;
@@ -63,10 +64,14 @@ struct QuasiWorkOfCard {
     trial.share = share;
     is_cut = is_first && of.potential.contact();
     if (!is_first) it.halve_step(of.u.data(), of.trial_u.data());
+    follow();
     if (!is_cut) return;
     of.potential.contact()->cut_step(of.u.data(), of.trial_u.data());
+    follow();
     it.take_cut_step(of.u.data(), of.trial_u.data());
   }
+
+  void follow() { of.potential.held().follow(of.trial_u.data()); }
 
   void start_trial() {
     of.potential.template start_gradient<T>(of.trial_u.data(), it.trial_gradient.data());
@@ -196,6 +201,7 @@ void DeviceQuasi::precondition(const T* r, T* z) {
   first.cycle();
   const UnturnedResult result = first.result();
   cuda::for_each(impl_->potential.nodes(), [=] __device__(int64_t n) { result.at(n, z + 3 * n); });
+  impl_->potential.held().fill(z);
 }
 
 template void DeviceQuasi::precondition(const float*, float*);

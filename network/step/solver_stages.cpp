@@ -19,13 +19,16 @@ constexpr double kMostGrowth = 2 + 1e-6;  // of BDF2's step over the one before
 }  // namespace
 
 /// The end of the interval dt of the scene that the present time lies in, or a break of a
-/// collider's path before it: no step goes across one.
+/// path before it: no step goes across one.
 double Solver::Impl::interval_end() const {
   const double dt = scene.dt;
   double end = (std::floor(time / dt + 1e-9) + 1) * dt;
-  for (const Collider& collider : scene.colliders)
-    for (const PathKey& key : collider.path)
-      if (key.time > time + 1e-6 * dt && key.time < end - 1e-6 * dt) end = key.time;
+  const auto stop_at = [&](const Path& path) {
+    const double key = next_key(path, time + 1e-6 * dt);
+    if (key < end - 1e-6 * dt) end = key;
+  };
+  for (const Collider& collider : scene.colliders) stop_at(collider.path);
+  for (const Holder& holder : scene.holders) stop_at(holder.path);
   return end;
 }
 
@@ -91,6 +94,7 @@ bool Solver::Impl::make_stage(const TimeStage& stage, StepReport& report) {
   report.deepest_overlap = std::max(report.deepest_overlap, own.deepest_overlap);
   report.outside_fit = std::max(report.outside_fit, own.outside_fit);
   report.energy = own.energy;
+  report.reactions = std::move(own.reactions);
   if (!own.refusal.empty()) report.refusal = own.refusal;
   report.interrupted = own.interrupted;
   return solved && own.finite;

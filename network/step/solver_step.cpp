@@ -57,8 +57,8 @@ bool Solver::Impl::start(StepReport& report) {
   return true;
 }
 
-/// Where the iterations ended above the potential of the state before, they begin there once more:
-/// a step that ends at or below it, converged or not, brings no energy (Phi there is the energy at
+/// Where the iterations ended above the potential of the state before, they begin there once more,
+/// held nodes where they are to be: a step that ends at or below it, converged or not, brings no energy (Phi there is the energy at
 /// the start of the step, and no less than that at its end).
 IterationResult Solver::Impl::retreat(double target) {
   if (!(work->phi_now() < work->phi())) return {};
@@ -74,6 +74,7 @@ void Solver::Impl::certify(StepReport& report) {
   report.converged = report.residual <= tolerance;
   report.tolerance = tolerance;
   report.finite = certificate.finite;
+  report.reactions = certificate.reactions;
   report.min_j = value.min_j;
   report.min_corner_j = value.min_corner_j;
   report.deepest_overlap = value.deepest_overlap / scene.grid.h;

@@ -43,6 +43,7 @@ BodyActions Stages::actions(const double* x, const Forces& contact,
                             const StageCertificate& certificate) {
   BodyActions all;
   all.damped = certificate.damping;
+  all.moved = certificate.moved;
   booking_.kinetic = 0;
   const Vec3& about = ledger_before_.about;
   const std::vector<PieceSums> sums =
@@ -55,8 +56,11 @@ BodyActions Stages::actions(const double* x, const Forces& contact,
                weight = scaled(scene_.gravity, pieces_.mass(p));
     const TwoMomenta gravity = {weight, cross(arm, weight)},
                      touch = {push.force, plus(push.torque, cross(arm, push.force))};
+    const TwoMomenta load = load_on(contact, p, about);
     all.gravity.add(gravity, 1);
     all.contact.add(touch, 1);
+    all.loads.add(load, 1);
+    if (!contact.loads.empty()) all.loaded += contact.loads[p][6];
     all.colliders += push.driven;
     all.rubbed += push.rubbed;
     all.residual += of[6];
@@ -65,6 +69,7 @@ BodyActions Stages::actions(const double* x, const Forces& contact,
     all.pins.add({{of[0], of[1], of[2]}, {of[3], of[4], of[5]}}, 1);
     all.pins.add(gravity, -1);
     all.pins.add(touch, -1);
+    all.pins.add(load, -1);
   }
   return all;
 }

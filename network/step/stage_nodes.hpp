@@ -45,6 +45,7 @@ struct StageNodes {
   const uint8_t* pinned = nullptr;                   ///< NodeKind, (nodes)
   const int32_t *piece = nullptr, *first = nullptr;  ///< of each node; first node of each piece
   const double* first_stage = nullptr;               ///< x at the end of SDIRK2's first stage [m]
+  const double* load = nullptr;                      ///< [N], (nodes, 3); null: none
   Vec3 gravity = {};
   // the step; filled by Stages::begin
   StateArrays state = {};
@@ -53,6 +54,10 @@ struct StageNodes {
 
   ELASTOGEN_HD const PiecePoses& poses_of(int64_t n) const { return poses[piece[n]]; }
   ELASTOGEN_HD Vec3 x0(int64_t n) const { return vector_at(state.x, n); }
+  /// Acceleration by gravity and load.
+  ELASTOGEN_HD Vec3 pull(int64_t n) const {
+    return load == nullptr ? gravity : plus(gravity, scaled(vector_at(load, n), 1 / mass[n]));
+  }
   /// e at the start of the step.
   ELASTOGEN_HD Vec3 e0(int64_t n) const {
     return minus(vector_at(state.v, n), reference_velocity(poses_of(n).start, x0(n)));
@@ -75,8 +80,8 @@ struct StageNodes {
   ELASTOGEN_HD Vec3 predicted(int64_t n) const {
     const RigidPose& pose = poses_of(n).end;
     Vec3 motion = plus(reference_motion(pose, x0(n)), scaled(e0(n), stage.w_0));
-    const Vec3 pull = minus(gravity, reference_acceleration(pose, x0(n)));
-    motion = plus(motion, scaled(pull, stage.k * stage.k));
+    const Vec3 relative = minus(pull(n), reference_acceleration(pose, x0(n)));
+    motion = plus(motion, scaled(relative, stage.k * stage.k));
     if (stage.w_d != 0) motion = plus(motion, scaled(d_b(n), stage.w_d));
     if (stage.w_e != 0) motion = plus(motion, scaled(e_b(n), stage.w_e));
     return motion;

@@ -46,13 +46,14 @@ struct PlaceNodes {
   }
 };
 
-/// v of the stage at x; pinned nodes rest.
+/// v of the stage at x, of dependent nodes too, as x follows that of their parent nodes; pinned nodes
+/// rest.
 struct TakeVelocities {
   StageNodes of;
   const double* x;
   double* v;
   ELASTOGEN_HD void operator()(int64_t n) const {
-    set_vector(v, n, of.pinned[n] ? Vec3{} : of.velocity(n, vector_at(x, n)));
+    set_vector(v, n, of.pinned[n] == kPinnedNode ? Vec3{} : of.velocity(n, vector_at(x, n)));
   }
 };
 
@@ -107,5 +108,17 @@ struct CombineVelocities {
 
 using NodePass = std::variant<PredictMotion, StartDisplacement, PlaceNodes, TakeVelocities,
                               AddRigidMotion, RelativeVelocities, AddPart, CombineVelocities>;
+
+/// Completes the results of passes that leave held nodes at rest, on either machine.
+/// @param held  has place, set_velocities and fill, as HeldNodes.
+template <class Pass, class Held>
+void complete_held(const Pass& pass, const Held& held) {
+  if constexpr (std::is_same_v<Pass, StartDisplacement>)
+    held.place(pass.u);
+  else if constexpr (std::is_same_v<Pass, TakeVelocities>)
+    held.set_velocities(pass.x, pass.v);
+  else if constexpr (std::is_same_v<Pass, CombineVelocities>)
+    held.fill(pass.y);
+}
 
 }  // namespace elastogen

@@ -68,17 +68,18 @@ struct MotionEnergies {
   }
 };
 
-/// m v, r x m v, kinetic energy and that of gravity; r from a fixed point.
+/// m v, r x m v, kinetic energy and that of gravity, of pinned nodes that alone; r from a fixed point.
 struct WholeMotion {
   StageNodes of;
   Vec3 about;
   const double *x, *v;
   ELASTOGEN_HD void operator()(int64_t n, double* sum) const {
     const Vec3 place = vector_at(x, n), speed = vector_at(v, n);
+    sum[7] -= of.mass[n] * dot(of.gravity, place);
+    if (of.pinned[n] == kPinnedNode) return;
     const Vec3 P = scaled(speed, of.mass[n]), L = cross(minus(place, about), P);
     for (size_t i = 0; i < 3; ++i) sum[i] += P[i], sum[3 + i] += L[i];
     sum[6] += dot(P, speed) / 2;
-    sum[7] -= of.mass[n] * dot(of.gravity, place);
   }
 };
 
@@ -92,11 +93,26 @@ struct StageForces {
     if (of.pinned[n] == kPinnedNode) return;
     const Vec3 place = vector_at(x, n), v = of.velocity(n, place), r = vector_at(gradient, n);
     const Vec3 away = minus(minus(place, of.x0(n)), of.predicted(n));
-    const Vec3 a = plus(of.gravity, scaled(away, 1 / (of.stage.k * of.stage.k)));
+    const Vec3 a = plus(of.pull(n), scaled(away, 1 / (of.stage.k * of.stage.k)));
     const Vec3 f = minus(scaled(a, of.mass[n]), r), torque = cross(minus(place, about), f);
     for (size_t i = 0; i < 3; ++i) sum[i] += f[i], sum[3 + i] += torque[i];
     sum[6] += dot(r, v);
     sum[7] += of.mass[n] * dot(v, v) / 2;
+  }
+};
+
+/// Loads, their torques about a point, and their power at a stage; pinned nodes have moved evenly.
+struct LoadForces {
+  StageNodes of;
+  Vec3 about;
+  const double* x;
+  ELASTOGEN_HD void operator()(int64_t n, double* sum) const {
+    const Vec3 force = vector_at(of.load, n), place = vector_at(x, n),
+               torque = cross(minus(place, about), force);
+    const Vec3 v = of.pinned[n] == kPinnedNode ? scaled(minus(place, of.x0(n)), 1 / of.stage.t)
+                                               : of.velocity(n, place);
+    for (size_t i = 0; i < 3; ++i) sum[i] += force[i], sum[3 + i] += torque[i];
+    sum[6] += dot(force, v);
   }
 };
 
@@ -128,6 +144,6 @@ struct ReferenceGain {
 };
 
 using NodeSum = std::variant<FirstMoments, SecondMoments, Products, MotionEnergies, WholeMotion,
-                             StageForces, ReferenceGain>;
+                             StageForces, LoadForces, ReferenceGain>;
 
 }  // namespace elastogen

@@ -17,8 +17,10 @@ std::vector<Vec3> centres_of(const std::vector<Piece>& pieces) {
 
 Stages::Stages(StageMachine& machine)
     : machine_(machine), scene_(machine.scene()), pieces_(machine.pieces()), at_(machine.nodes()) {
-  moving_colliders_ = std::any_of(scene_.colliders.begin(), scene_.colliders.end(),
-                                  [](const Collider& c) { return c.path.size() > 1; });
+  holders_move_ = std::ranges::any_of(scene_.holders, [](auto& h) { return h.moves(); });
+  is_driven_ = has_loads(scene_) ||
+               std::ranges::any_of(scene_.colliders, [](auto& c) { return c.path.moves(); }) ||
+               holders_move_;
   poses_.resize(pieces_.count());
   for (size_t p = 0; p < pieces_.count(); ++p) poses_[p].is_free = pieces_.is_free(p);
   forget();
@@ -77,9 +79,9 @@ RigidPose Stages::pose(size_t p, double t) const {
 }
 
 /// The turn of a piece about its pins, which goes on as it changed in the last step; none where nodes
-/// depend on others.
+/// depend on others or something that is held moves.
 void Stages::turn_about_pins(size_t p) {
-  if (pieces_.has_dependent(p)) return;
+  if (pieces_.has_dependent(p) || holders_move_) return;
   turn_[p] = spin_about(now_[p], pieces_.mass(p), pieces_.pins(p));
   const double rate = safe_norm(turn_[p]);
   gain_[p] = 0;
@@ -130,10 +132,19 @@ Stages::Forces Stages::forces(const double* u, const double* x, std::vector<Vec3
   f.known = true;
   f.centres = std::move(centres);
   f.pieces.resize(f.centres.size());
+  if (at_.load) f.loads = machine_.sum(LoadForces{at_, ledger_before_.about, x});
   if (!machine_.has_contact()) return f;
   machine_.run(TakeVelocities{at_, x, machine_.field()});
   static_cast<ActionSums&>(f) = machine_.act(u, at_.state.v, machine_.field(), f.centres);
   return f;
+}
+
+/// The load on a piece, with its torque about a point.
+TwoMomenta Stages::load_on(const Forces& f, size_t p, const Vec3& about) const {
+  if (f.loads.empty()) return {};
+  const PieceSums& of = f.loads[p];
+  const Vec3 force = {of[0], of[1], of[2]}, torque = {of[3], of[4], of[5]};
+  return {force, minus(torque, cross(minus(about, ledger_before_.about), force))};
 }
 
 void Stages::keep_stage(const double* u, const StageCertificate& certificate) {
@@ -146,7 +157,13 @@ void Stages::keep_stage(const double* u, const StageCertificate& certificate) {
 /// Velocity and angular momentum that the scheme gives a free piece at the end of the step.
 PieceState Stages::aim(size_t p, const PieceState& end) const {
   const TimeStage& s = at_.stage;
-  const ContactAction& f = at_end_.pieces[p];
+  // contact and load
+  TwoMomenta f = load_on(at_end_, p, at_end_.centres[p]), first;
+  f.add({at_end_.pieces[p].force, at_end_.pieces[p].torque}, 1);
+  if (s.t_b > 0) {
+    first = load_on(at_stage_, p, at_stage_.centres[p]);
+    first.add({at_stage_.pieces[p].force, at_stage_.pieces[p].torque}, 1);
+  }
   const double per_mass = 1 / pieces_.mass(p);
   PieceState result = end;
   for (size_t i = 0; i < 3; ++i) {
@@ -156,12 +173,11 @@ PieceState Stages::aim(size_t p, const PieceState& end) const {
       spin += s.w_d * (before_[p].spin[i] - spin);
       gravity = s.k;
     }
-    velocity += s.k * f.force[i] * per_mass + gravity * scene_.gravity[i];
-    spin += s.k * f.torque[i];
+    velocity += s.k * f.linear[i] * per_mass + gravity * scene_.gravity[i];
+    spin += s.k * f.angular[i];
     if (s.t_b > 0) {
-      const ContactAction& a = at_stage_.pieces[p];
-      velocity += (s.t - s.k) * a.force[i] * per_mass;
-      spin += (s.t - s.k) * a.torque[i];
+      velocity += (s.t - s.k) * first.linear[i] * per_mass;
+      spin += (s.t - s.k) * first.angular[i];
     }
     result.velocity[i] = velocity;
     result.spin[i] = spin;
@@ -243,7 +259,7 @@ double Stages::take_energy(double rise, double* v) {
 bool Stages::guard(const double* x, double energy, double* v) {
   voxels_end_ = energy;
   guarded_ = false;
-  if (!at_start_.known || moving_colliders_ || !touched()) return true;
+  if (!at_start_.known || is_driven_ || !touched()) return true;
   double allowed = 0, rise = voxels_end_ + at_end_.energy - voxels_start_ - at_start_.energy;
   for (size_t p = 0; p < pieces_.count(); ++p)
     allowed += 1e-4 * pieces_.mass(p) * safe_norm(scene_.gravity) * pieces_.size(p);

@@ -29,6 +29,7 @@ inline constexpr double kNoTime = 1e-9;
 struct StageCertificate {
   double energy = 0;                 ///< of the voxels [J]
   double damping = 0;                ///< power that damping takes [W]
+  double moved = 0;                  ///< power of holders that move [W]
   const double* gradient = nullptr;  ///< of Phi [N], (nodes, 3), 0 at pinned nodes
 };
 
@@ -80,7 +81,8 @@ class Stages {
   /// Contact of the pieces at one time, and its energy.
   struct Forces : ActionSums {
     bool known = false;
-    std::vector<Vec3> centres;  // of mass, which torques are about [m]
+    std::vector<Vec3> centres;     // of mass, which torques are about [m]
+    std::vector<PieceSums> loads;  // LoadForces about the ledger's point; empty: none
   };
 
   void take_poses();
@@ -89,6 +91,7 @@ class Stages {
   std::vector<PieceMotion> means(const double* x, const double* v);
   std::vector<PieceState> states(const double* x, const double* v);
   Forces forces(const double* u, const double* x, std::vector<Vec3> centres);
+  TwoMomenta load_on(const Forces& f, size_t piece, const Vec3& about) const;
   PieceState aim(size_t piece, const PieceState& end) const;
   void correct_momentum(const double* x, double* v);
   bool guard(const double* x, double energy, double* v);
@@ -120,7 +123,9 @@ class Stages {
   double voxels_start_ = 0, voxels_end_ = 0;  // energy of the voxels [J]
   // of the pieces, in this step and as the last one left them
   std::vector<double> speed_, spin_, closing_, speed_next_, spin_next_, closing_next_;
-  bool moving_colliders_ = false, guarded_ = false;
+  bool holders_move_ = false;
+  bool is_driven_ = false;  // colliders or holders move, or loads act: the energy may rise
+  bool guarded_ = false;
   // of the ledger
   StepLedger ledger_, ledger_before_;  // of the step, and of that before
   StepBooking booking_;                // of the step

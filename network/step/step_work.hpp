@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A machine that makes the steps of a clip: the host (host_step.cpp) or a card (device_step.cu).
-// It holds the state, the displacement u that a step works on, (nodes, 3), and all that it takes to
-// improve u. What is done in which order stands once, in solver_step.cpp.
+// A machine that makes the steps of a clip: the host (host_step.cpp) or a card (device_step.cu). It
+// holds the state, the displacement u that a step works on, (nodes, 3), and all that improves u. What
+// is done in which order stands once, in solver_step.cpp.
 
 #pragma once
 
@@ -19,8 +19,9 @@ namespace elastogen {
 /// The residual of a step at the positions that are written, and what else is found there.
 struct Certificate {
   PotentialValue value;
-  double size = 0;      ///< |grad Phi|_2 over the free nodes [N]
-  bool finite = false;  ///< all of these and the displacement
+  double size = 0;                       ///< |grad Phi|_2 over the free nodes [N]
+  bool finite = false;                   ///< all of these and the displacement
+  std::vector<Reaction> reactions = {};  ///< of each holder
 };
 
 /// Energies that a step has beside the potential [J].
@@ -91,7 +92,6 @@ class StepWork {
   virtual void return_to_now() = 0;
 
   // the end
-
   /// Rounds the new positions from u, u to them, and measures the residual there. Pieces in free
   /// flight get the mean motion of their predictor (free_flight.hpp), unless something touches a
   /// collider or the step is the paper's.

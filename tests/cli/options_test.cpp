@@ -343,26 +343,6 @@ TEST(Options, NamesAreComparedBehindLinksOfFolders) {
       "two files of one name");
 }
 
-TEST(Options, TheNetworkRefusesWhatOnlyFiniteElementsHave) {
-  const TempFolder folder;
-  for (const auto& [option, text] : {std::pair("--hold", "all: x"),
-                                     {"--traction", "all: 1,0,0"},
-                                     {"--move", "all: shift 0:0,0,0"}}) {
-    const std::string says = refusal({"a.obj", "-o", "a.glb", option, text});
-    expect_says(says, std::string("the network has no ") + option);
-    expect_says(says, "use simulate");
-    EXPECT_NO_THROW(simulate_options({"a.obj", "-o", "a.glb", option, text}));
-    expect_says(error_of(
-                    [&] {
-                      parsed_words({"study", "a.obj", option, text});
-                    },
-                    ErrorKind::kUsage),
-                "the network has no");
-  }
-  const std::string scene = folder.write("s.toml", "[[hold]]\nselect = 'all'\naxes = 'x'\n");
-  expect_says(refusal({"a.obj", "-o", "a.glb", "--scene", scene}), "all: x");
-}
-
 TEST(Options, AStaticRunIsOneStepFromRest) {
   const auto statics = [](std::vector<std::string> words) {
     words.insert(words.begin(), {"simulate", "a.obj", "-o", "a.glb", "--static"});

@@ -47,7 +47,7 @@ void region(std::string_view text) {
 
 void boundary(std::string_view text) {
   if (text.empty()) return;
-  const int kind = uint8_t(text[0]) % 3;
+  const int kind = uint8_t(text[0]) % 5;
   text.remove_prefix(1);
   if (kind == 0) parse_hold(text);
   if (kind == 1) {
@@ -56,7 +56,10 @@ void boundary(std::string_view text) {
     require_finite(traction.pressure.value_or(0));
   }
   if (kind == 2)
-    for (const PathKey& key : parse_move(text).path)
+    for (const PathKey& key : parse_move(text).path.keys)
+      for (const double x : key.offset) require_finite(x);
+  if (kind > 2)
+    for (const PathKey& key : (kind == 3 ? parse_force(text).force : parse_wind(text)).keys)
       for (const double x : key.offset) require_finite(x);
 }
 

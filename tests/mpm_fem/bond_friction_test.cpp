@@ -16,7 +16,7 @@ constexpr double kLayer = 0.01, kArea = 0.03, kKappa = 500, kMu = 0.4;
 constexpr double kBondStiffness = 10 * kArea * kKappa / (kLayer * kLayer);  // k_t [N/m]
 
 /// A node at (0, 0, 0) above the floor y > 0, in contact where its u_y is negative.
-ColliderContact point_on_floor(std::vector<PathKey> path = {}) {
+ColliderContact point_on_floor(const Path& path = {}) {
   ContactPoints points;
   points.nodes = Array<int32_t>(1);
   points.weights = points.area = points.stiffness = Array<double>(1);
@@ -24,7 +24,7 @@ ColliderContact point_on_floor(std::vector<PathKey> path = {}) {
   points.position = Array<double>(1, 3);
   points.layer = kLayer;
   Collider floor = half_space({0, 1, 0}, 0, kMu);
-  floor.path = std::move(path);
+  floor.path = path;
   return ColliderContact(points, {floor}, 1);
 }
 

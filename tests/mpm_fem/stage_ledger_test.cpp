@@ -151,10 +151,10 @@ TEST(StageLedger, PinsThatMoveWork) {
 TEST(StageLedger, AFloorCarriesABlockUp) {
   // at a constant acceleration in sixteenths of a frame: m (g + a) s, and what the block lost
   MovingScene m = small_block(0);
-  m.scene.colliders[0].path.clear();
+  m.scene.colliders[0].path.keys.clear();
   for (int k = 0; k <= 60; ++k) {
     const double t = k * kFrame / 4;
-    m.scene.colliders[0].path.push_back({t, {0, t * t, 0}});
+    m.scene.colliders[0].path.keys.push_back({t, {0, t * t, 0}});
   }
   const Ledger l = keep(m, Scheme::kAuto, 15);
   say("carried", l);

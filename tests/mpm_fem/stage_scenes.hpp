@@ -44,10 +44,10 @@ inline MovingScene small_pendulum(double angle) {
   return m;
 }
 
-/// The voxel element with the network's masses and contact points: the same potential.
-inline fem::FemScene as_fem(const Scene& scene) {
+/// The voxel element with the network's masses and contact points: the same potential; or another one.
+inline fem::FemScene as_fem(const Scene& scene, fem::Element element = fem::Element::kVoxel) {
   fem::FemScene result;
-  result.mesh = fem::voxel_mesh(scene, fem::Element::kVoxel);
+  result.mesh = fem::voxel_mesh(scene, element);
   result.materials = scene.materials;
   result.mass = scene.mass;
   result.gravity = scene.gravity;
@@ -56,7 +56,8 @@ inline fem::FemScene as_fem(const Scene& scene) {
   if (!scene.colliders.empty()) result.contact = fem::voxel_contact(scene);
   result.fixed = Array<uint8_t>(scene.pinned.rows(), 3);
   for (int64_t n = 0; n < scene.pinned.rows(); ++n)
-    std::fill_n(result.fixed.row(n), 3, scene.pinned(n));
+    std::fill_n(result.fixed.row(n), 3, scene.pinned(n) == kPinnedNode);
+  result.dependent = scene.dependent;
   return result;
 }
 

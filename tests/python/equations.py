@@ -105,6 +105,7 @@ class Potential:
     contact: float = 0.0
     load: float = 0.0  # of tractions
     viscous: float = 0.0
+    inertial: Floats | None = None  # part of the gradient [N], (nodes, 3)
 
     @property
     def value(self) -> float:
@@ -263,7 +264,8 @@ def potential_about(body: Body, weight: float, xhat: Floats, x: Floats,
     elastic, hourglass, gradient = internal_energy(body, x, R)
     pull = weight * body.mass[:, None] * (x - xhat)
     return Potential(float((pull * (x - xhat)).sum() / 2), elastic, hourglass,
-                     gradient + pull - body.traction, load=-float((body.traction * x).sum()))
+                     gradient + pull - body.traction, load=-float((body.traction * x).sum()),
+                     inertial=pull)
 
 
 def residual(body: Body, gradient: Floats, g_ref: float) -> float:
@@ -276,15 +278,16 @@ def residual(body: Body, gradient: Floats, g_ref: float) -> float:
 def equilibrium(body: Body, gravity: Floats, factor: float, x: Floats) -> tuple[Potential, float]:
     """Potential at an equilibrium under a load factor, and its relative residual.
 
-    The forces left on what is loose over the larger of the loads there and the forces that hold the
-    rest (2-norms).
+    The forces left on what is loose, with those of dependent nodes folded, over the larger of the loads
+    there and the forces that hold the rest (2-norms).
     """
     elastic, hourglass, gradient = internal_energy(body, x, rotations(body, x))
     load = factor * (body.mass[:, None] * gravity + body.traction)
     left = gradient - load
     reference = max(np.linalg.norm(load[body.loose]), np.linalg.norm(left[~body.loose]))
     found = Potential(0.0, elastic, hourglass, left, load=-float((load * x).sum()))
-    return found, float(np.linalg.norm(left[body.loose]) / reference) if reference > 0 else 0.0
+    off = float(np.linalg.norm(body.fold(left)[body.loose]))
+    return found, off / reference if reference > 0 else 0.0
 
 
 def mass_factors(state: State) -> tuple[Floats, float]:

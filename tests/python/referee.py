@@ -4,14 +4,17 @@
     python3 tests/python/referee.py STATE.h5 [--energy-check] [--json]
 
 Checked in each step: the residual |grad Phi|_2 / |M g_ref| over the free nodes (the largest of its
-stages), the flag `converged`, the velocity, the bonds of friction that the step leaves; once: the
-layout of the file and the nodal masses. Where the step says that it was guarded, which takes energy
-from velocities, these are not checked, and the summary says in how many. `--energy-check` adds
-the recorded energies of these names; others are listed as not checked:
+stages), the flag `converged`, the velocity, the bonds of friction that the step leaves, places,
+velocities and reactions of what is held; once: the layout of the file and the nodal masses. Where
+the step says that it was guarded, which takes energy from velocities, these are not checked, and
+the summary says in how many. `--energy-check` adds the recorded energies of these names; others are
+listed as not checked:
 
     kinetic    1/2 sum m |v|^2               elastic    sum W psi
     hourglass  variance and torsion terms    gravity    -sum m g.x, up to a constant
     contact    barrier and friction
+
+The kinetic energy of the network is that without pinned nodes, which go with what holds them.
 
 Exit status 0 if everything agrees, else 1 with a table of the worst disagreements.
 """
@@ -32,9 +35,10 @@ import collision
 import damping
 import equations
 from equations import Body, Motion, Potential
+from holding import Holding
 from nets import table_error
 from stages import Start, StageStep, find_pieces
-from state_file import Floats, LayoutError, State, read_state, require
+from state_file import SDIRK2, Floats, LayoutError, State, read_state, require
 
 RESIDUAL_SHARE, RESIDUAL_FLOOR = 0.05, 1e-6
 VELOCITY_SHARE = 1e-5
@@ -112,12 +116,46 @@ def velocity_slack(state: State, x: Floats, dt: float) -> float:
     return RESIDUAL_FLOOR * state.g_ref * dt + ROUND_OFF * float(np.abs(x).max()) / dt
 
 
-def check_dependent(body: Body, step: int, x: Floats) -> list[Check]:
-    """Dependent nodes against what their parent nodes make of them [m], to rounding."""
-    if not body.dependent.any():
+def check_held(holding: Holding, step: int, x: Floats, v: Floats) -> list[Check]:
+    """Places [m] and velocities [m/s] of what is held at the end of a step; -1: at the start.
+
+    Dependent nodes against what their parent nodes and the holder make of them, holders against one
+    rigid motion each, to rounding.
+    """
+    body, checks = holding.body, []
+    slack = ROUND_OFF * float(np.abs(x).max())
+    if body.dependent.any():
+        u = x - body.rest
+        off = float(np.abs(body.follow(u) + holding.offset(step + 1) - u).max())
+        checks.append(Check(step, "dependent nodes", off, 0.0, slack))
+    if holding.parts:
+        checks += [Check(step, "held places", holding.off_motion(x, step + 1), 0.0, holding.reach * slack),
+                   Check(step, "held velocities", holding.off_velocity(x, v), 0.0,
+                         ROUND_OFF * float(np.linalg.norm(v)))]
+    return checks
+
+
+def check_stage(holding: Holding, step: int, x: Floats) -> list[Check]:
+    """What is held at the end of a first stage. The file has no offsets of that time; those that the
+    dependent nodes have must, with the pinned nodes, be of one rigid motion of each holder."""
+    if not holding.parts:
         return []
-    off = float(np.abs(body.follow(x - body.rest) - (x - body.rest)).max())
-    return [Check(step, "dependent nodes", off, 0.0, ROUND_OFF * float(np.abs(x).max()))]
+    slack = holding.reach * ROUND_OFF * float(np.abs(x).max())
+    return [Check(step, "held places of stage", holding.off_motion(x, None), 0.0, slack)]
+
+
+def check_reactions(holding: Holding, step: int, found: Potential, x: Floats) -> list[Check]:
+    """Reactions at the end of a step. Gradients that differ by what residuals may differ by, 1e-6 of
+    the weight in their 2-norm, move them by no more than this times the norm of the lever arms."""
+    steps = holding.state.steps
+    if not holding.parts or "reaction_force" not in steps:
+        return []
+    checks = [Check(step, "reaction_about", holding.off_about(step, x), 0.0, ROUND_OFF * float(np.abs(x).max()))]
+    for name, own, slack in zip(("force", "moment"), holding.reactions(step, found, x), holding.slack(step, x)):
+        off = np.linalg.norm(own - steps[f"reaction_{name}"][step], axis=1)
+        worst = int(np.argmax(off / np.where(slack > 0, slack, np.where(off > 0, 1e-300, 1.0))))
+        checks.append(Check(step, f"reaction_{name}", float(off[worst]), 0.0, RESIDUAL_FLOOR * float(slack[worst])))
+    return checks
 
 
 def check_bonds(step: int, own: Floats, recorded: Floats, x: Floats) -> Check:
@@ -129,8 +167,9 @@ def check_bonds(step: int, own: Floats, recorded: Floats, x: Floats) -> Check:
 
 def energies(state: State, body: Body, found: Potential, x: Floats, v: Floats) -> dict[str, float]:
     """The referee's energies [J] by the name that follows `energy_` in the file."""
+    moves = state.grid["pinned"] != 1 if state.is_network else 1
     return {
-        "kinetic": float(body.mass @ (v * v).sum(1) / 2),
+        "kinetic": float((body.mass * moves) @ (v * v).sum(1) / 2),
         "elastic": found.elastic,
         "hourglass": found.hourglass,
         "gravity": float(-body.mass @ (x @ state.gravity)),
@@ -191,9 +230,11 @@ def judge(state: State, with_energies: bool) -> Verdict:
         return judge_stages(state, with_energies)
     body = equations.make_body(state)
     mass_check, factors = check_masses(state)
+    holding = Holding(state, body)
     checks, own_energies = [mass_check, *check_tables(state)], []
     x_before, v_before = None, None
     x, v = read_record(state, 0)
+    checks += check_held(holding, -1, x, v)
     for step, scheme in enumerate(state.steps["scheme"]):
         motion = Motion(x, v, x_before, v_before) if scheme else Motion(x, v)
         x_next, v_next = read_record(state, step + 1)
@@ -205,9 +246,11 @@ def judge(state: State, with_energies: bool) -> Verdict:
         if state.contact is not None:
             found = found.with_contact(*collision.contact(state, step, x, x_next))
         checks += check_residual(state, step, equations.residual(body, found.gradient, state.g_ref))
-        checks += check_dependent(body, step, x_next)
-        checks.append(check_velocity(step, equations.velocity(motion, x_next, state.dt), v_next,
-                                     velocity_slack(state, x_next, state.dt)))
+        checks += check_held(holding, step, x_next, v_next)
+        checks += check_reactions(holding, step, found, x_next)
+        velocity = equations.velocity(motion, x_next, state.dt)
+        velocity = np.where(holding.carried[:, None], v_next, velocity)  # checked as held
+        checks.append(check_velocity(step, velocity, v_next, velocity_slack(state, x_next, state.dt)))
         own_energies.append(energies(state, body, found, x_next, v_next))
         x_before, v_before, x, v = x, v, x_next, v_next
     return verdict_of(state, checks, own_energies, factors, with_energies)
@@ -218,16 +261,22 @@ def judge_stages(state: State, with_energies: bool) -> Verdict:
     body = equations.make_body(state)
     pieces = find_pieces(state, body)
     mass_check, factors = check_masses(state)
+    holding = Holding(state, body)
     checks, own_energies = [mass_check, *check_tables(state)], []
     start = Start(*read_record(state, 0))
+    checks += check_held(holding, -1, start.x, start.v)
     for step, length in enumerate(state.steps["length"]):
         x, v = read_record(state, step + 1)
         own = StageStep(state, body, pieces, step, start).recompute(x)
         checks += check_residual(state, step, own.residual, own.slack)
-        checks += check_dependent(body, step, x)
+        checks += check_held(holding, step, x, v)
+        checks += check_reactions(holding, step, own.found, x)
+        if state.steps["scheme"][step] == SDIRK2:
+            checks += check_stage(holding, step, state.x_stage[step])
         if not state.steps["guarded"][step]:
             # those of moved components are no result of the step
-            recorded = np.where(body.loose, v, own.velocity) if state.moved else v
+            follows = body.loose | body.dependent[:, None]
+            recorded = np.where(follows, v, own.velocity) if state.moved else v
             checks.append(check_velocity(step, own.velocity, recorded,
                                          velocity_slack(state, x, own.k)))
         if own.bonds is not None:
@@ -243,8 +292,9 @@ def judge_static(state: State, with_energies: bool) -> Verdict:
     mass_check, factors = check_masses(state)
     require(len(state.steps["time"]) == 2, "a static run must have one step")
     (_, _), (x, v) = read_record(state, 0), read_record(state, 1)
+    held = check_held(Holding(state, body), 0, x, v)
     found, own = equations.equilibrium(body, state.gravity, float(state.steps["time"][1]), x)
-    checks = [mass_check, *check_residual(state, 0, own),
+    checks = [mass_check, *held, *check_residual(state, 0, own),
               check_velocity(0, np.zeros_like(v), v, 0.0)]
     return verdict_of(state, checks, [energies(state, body, found, x, v)], factors, with_energies)
 

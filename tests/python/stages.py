@@ -313,7 +313,8 @@ class StageStep:
 
     def _corrected(self, first: Solved | None, last: Solved) -> Floats:
         """Velocities with the linear and angular momentum that external forces give free pieces."""
-        s, v = last.stage, self.body.follow(np.where(self.body.loose, last.velocity, 0.0))
+        follows = self.body.loose | self.body.dependent[:, None]
+        s, v = last.stage, np.where(follows, last.velocity, 0.0)
         start, before = self.start, None
         for p in np.flatnonzero(self.pieces.free):
             mine, mass = self.pieces.of == p, self.pieces.mass[p]

@@ -7,6 +7,7 @@ the positions and velocities of every step. Shapes are written with the letters
     nodes, voxels    sizes of the grid           steps      T time steps
     records          T + 1, entry 0 is the start
     points           of the surface              colliders  of a run with contact
+    followers        nodes that depend on others holders    what pins and moves nodes
 
 Runs whose steps are made by stages (time_scheme sdirk2, auto) have the datasets of STAGES too.
 """
@@ -20,66 +21,16 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from state_layout import LayoutError, check_layout, number, require, text
+
+__all__ = ["LayoutError", "require"]  # besides what is defined here
+
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-Shape = tuple[Any, ...]
 
 LAWS = ("fixed-corotated", "neo-hookean", "stable-neo-hookean", "stvk", "hencky", "ogden=4.5",
         "mooney-rivlin=0.3", "gent=8")  # the families with one of their members
 FAMILIES = ("ogden", "mooney-rivlin", "gent")
-
-# name -> (type, shape); a type of one letter is a numpy kind of any width
-GRID: dict[str, tuple[str, Shape]] = {
-    "rest": ("f8", ("nodes", 3)),
-    "corners": ("i4", ("voxels", 8)),
-    "fill": ("f8", ("voxels",)),
-    "shape_mean": ("f8", ("voxels", 8)),
-    "mass": ("f8", ("nodes",)),
-    "pinned": ("u1", ("nodes",)),
-    "hourglass": ("f8", ("voxels", 4)),
-    "material": ("i4", ("voxels",)),
-}
-BOUNDARY: dict[str, tuple[str, Shape]] = {  # also in /grid, of finite elements
-    "fixed": ("u1", ("nodes", 3)),
-    "traction": ("f8", ("nodes", 3)),
-}
-DEPENDENT: dict[str, tuple[str, Shape]] = {  # also in /grid, where nodes follow others
-    "dependent": ("i4", ("parents",)), "parent": ("i4", ("parents",)), "parent_weight": ("f8", ("parents",)),
-}
-STEPS: dict[str, tuple[str, Shape]] = {
-    "time": ("f8", ("records",)),
-    "x": ("f8", ("records", "nodes", 3)),
-    "v": ("f8", ("records", "nodes", 3)),
-    "scheme": ("u1", ("steps",)),
-    "length": ("f8", ("steps",)),
-    "tolerance": ("f8", ("steps",)),
-    "residual": ("f8", ("steps",)),
-    "converged": ("u1", ("steps",)),
-    "outer": ("iu", ("steps",)),
-    "inner": ("iu", ("steps",)),
-    "ms": ("f", ("steps",)),
-    "min_j": ("f", ("steps",)),
-}
-STAGES: dict[str, tuple[str, Shape]] = {  # also in /steps
-    "x_stage": ("f8", ("steps", "nodes", 3)),
-    "guarded": ("u1", ("steps",)),
-}
-ENERGY: tuple[str, Shape] = ("f", ("steps",))
-CONTACT: dict[str, tuple[str, Shape]] = {
-    "voxel": ("i4", ("points",)),
-    "weights": ("f8", ("points", 8)),
-    "area": ("f8", ("points",)),
-    "shape": ("u1", ("colliders",)),
-    "centre": ("f8", ("colliders", 3)),
-    "normal": ("f8", ("colliders", 3)),
-    "half": ("f8", ("colliders", 3)),
-    "radius": ("f8", ("colliders",)),
-    "friction": ("f8", ("colliders",)),
-    "name": ("S", ("colliders",)),
-    "offset": ("f8", ("records", "colliders", 3)),
-}
-
-BONDS: tuple[str, Shape] = ("f8", ("records", "colliders", "points", 3))  # also in /contact
 
 # attribute -> allowed words; None allows any text
 WORDS: dict[str, tuple[str, ...] | None] = {
@@ -96,10 +47,6 @@ LENGTHS = ("layer", "slip_range", "impact_speed")  # attributes of /contact
 PLANE, SPHERE, BOX = 0, 1, 2
 FIELDS = ("name", "law", "young", "poisson", "density", "loss_factor", "loss_frequency")
 EULER, BDF2, SDIRK2 = 0, 1, 2  # of /steps/scheme
-
-
-class LayoutError(Exception):
-    """The file is not a state file that the referee can judge; the message names the place."""
 
 
 @dataclass(frozen=True)
@@ -131,6 +78,19 @@ class Net:
     table: Floats | None = None  # B-spline coefficients, (n, n, n), last index along e_0
 
 
+@dataclass(frozen=True)
+class Holders:
+    """What holds nodes: pins, at rest, and moves."""
+
+    names: tuple[str, ...]
+    of_node: Ints  # (nodes,), -1: free
+    offset: Floats | None = None  # (records, followers, 3) [m]; None: none moves followers
+
+    def rests(self, holder: int) -> bool:
+        """Whether the option that it is named after is no move."""
+        return not self.names[holder].startswith("--move ")
+
+
 @dataclass
 class State:
     """What a state file says. `x` and `v` stay on disk and are read one record at a time."""
@@ -151,32 +111,17 @@ class State:
     nets: tuple[Net | None, ...] = ()  # of each material, None: its law; empty: analytic
     x_stage: h5py.Dataset | None = None  # of STAGES
     moved: bool = False  # prescribed components follow a motion
+    holders: Holders | None = None
+
+    @property
+    def is_network(self) -> bool:
+        """Whether the network, and not finite elements, made the steps."""
+        return self.words["solver"] != "fem"
 
     @property
     def has_stages(self) -> bool:
         """Whether steps are made by stages."""
         return self.words["time_scheme"] in ("sdirk2", "auto")
-
-
-def require(condition: bool | np.bool_, *message: object) -> None:
-    """Raises LayoutError with the joined message unless the condition holds."""
-    if not condition:
-        raise LayoutError("".join(str(part) for part in message))
-
-
-def text(value: Any) -> str:
-    """A string attribute or field, of variable or fixed length."""
-    if isinstance(value, bytes):
-        return value.decode("utf-8", "replace").rstrip("\0")
-    require(isinstance(value, str), "expected a text, got ", repr(value))
-    return str(value)
-
-
-def number(value: Any, what: str) -> float:
-    """A scalar number; `what` names it in the message."""
-    array = np.asarray(value)
-    require(array.size == 1 and array.dtype.kind in "iuf", what, " must be one number, got ", value)
-    return float(array.reshape(()))
 
 
 def _attribute(file: h5py.File, name: str) -> Any:
@@ -202,49 +147,6 @@ def _read_numbers(file: h5py.File) -> dict[str, float]:
     version = number(_attribute(file, "version"), "root attribute 'version'")
     require(version == 4, "version 4 expected, got ", version)
     return numbers
-
-
-def _check_dataset(node: Any, place: str, kind: str, shape: Shape, sizes: dict[str, int]) -> None:
-    """Type and shape of one dataset; a size letter met for the first time is noted in `sizes`."""
-    require(isinstance(node, h5py.Dataset), place, " must be a dataset")
-    same = node.dtype == np.dtype(kind) if kind[-1].isdigit() else node.dtype.kind in kind
-    require(same, f"{place} must be of type {kind}, got {node.dtype}")
-    require(node.ndim == len(shape), f"{place} must be {shape}, got {node.shape}")
-    for wanted, got in zip(shape, node.shape):
-        size = sizes.setdefault(wanted, got) if isinstance(wanted, str) else wanted
-        require(size == got, f"{place} must be {shape} with {wanted} = {size}, got {node.shape}")
-
-
-def _check_names(names: set[str], wanted: set[str], place: str) -> None:
-    require(names >= wanted, f"{place} lacks {sorted(wanted - names)}")
-    require(names <= wanted, f"{place} has unexpected members {sorted(names - wanted)}")
-
-
-def _check_layout(file: h5py.File) -> None:
-    """Names, types and shapes of the groups `grid`, `steps` and, if it is there, `contact`."""
-    contact = {"contact"} & set(file)
-    stages = text(file.attrs["time_scheme"]) in ("sdirk2", "auto")
-    in_steps, in_contact = STEPS | (STAGES if stages else {}), CONTACT | ({"bonds": BONDS} if stages else {})
-    _check_names(set(file), {"grid", "materials", "steps"} | contact | ({"nets"} & set(file)), "/")
-    for place in ("grid", "steps", *contact):
-        require(isinstance(file[place], h5py.Group), f"/{place} must be a group")
-    energies = {name for name in file["steps"] if name.startswith("energy_")}
-    boundary = {name: BOUNDARY[name] for name in BOUNDARY if name in file["grid"]}
-    boundary |= DEPENDENT if set(DEPENDENT) & set(file["grid"]) else {}
-    _check_names(set(file["grid"]), set(GRID) | set(boundary), "/grid")
-    _check_names(set(file["steps"]), set(in_steps) | energies, "/steps")
-    sizes: dict[str, int] = {}
-    for name, (kind, shape) in (GRID | boundary).items():
-        _check_dataset(file["grid"][name], f"/grid/{name}", kind, shape, sizes)
-    for name, (kind, shape) in (in_steps | {name: ENERGY for name in energies}).items():
-        _check_dataset(file["steps"][name], f"/steps/{name}", kind, shape, sizes)
-    if contact:
-        _check_names(set(file["contact"]), set(in_contact), "/contact")
-        for name, (kind, shape) in in_contact.items():
-            _check_dataset(file["contact"][name], f"/contact/{name}", kind, shape, sizes)
-    require(sizes["steps"] >= 1, "the file has no time step")
-    require(sizes["records"] == sizes["steps"] + 1,
-            f"{sizes['steps']} steps need {sizes['steps'] + 1} records, got {sizes['records']}")
 
 
 def _material_columns(node: Any) -> dict[str, Any]:
@@ -319,7 +221,7 @@ def _check_voxels(grid: dict[str, NDArray[Any]], materials: int, h: float) -> No
             "/grid/shape_mean must be >= 0 with sum 1 in each voxel")
     require((grid["mass"] >= 0).all(), "/grid/mass must be >= 0")
     if "fixed" in grid:
-        require(grid["fixed"][grid["pinned"] != 0].all(), "/grid/fixed: a pinned node is not")
+        require((grid["fixed"].T == (grid["pinned"] == 1)).T[grid["pinned"] > 0].all(), "/grid/fixed: not as pinned")
     if "dependent" in grid:
         require(np.isfinite(grid["parent_weight"]).all(), "/grid/parent_weight is not finite")
         require((grid["pinned"][grid["dependent"]] == 2).all() and (grid["pinned"][grid["parent"]] == 0).all(),
@@ -375,6 +277,32 @@ def _read_contact(file: h5py.File, voxels: int) -> dict[str, NDArray[Any]] | Non
     return contact
 
 
+def _read_holders(file: h5py.File, grid: dict[str, NDArray[Any]], steps: dict[str, NDArray[Any]]) -> Holders | None:
+    """/holders with its values checked, and those of the reactions in `steps`; None where there is none."""
+    if "holders" not in file:
+        return None
+    group, pinned = file["holders"], grid["pinned"]
+    names, of_node = tuple(text(name) for name in group["name"][()]), group["of_node"][()].astype(np.int64)
+    require(all(names), "/holders/name has an empty name")
+    inside = (of_node >= -1) & (of_node < len(names))
+    require(inside.all(), f"/holders/of_node must lie in -1..{len(names) - 1}")
+    require(((of_node >= 0) == (pinned != 0)).all(),
+            "/holders/of_node must be -1 where /grid/pinned is 0, and only there")
+    offset = group["offset"][()] if "offset" in group else None
+    if offset is not None:
+        followers = int((pinned == 2).sum())
+        require(offset.shape[1] == followers,
+                f"/holders/offset must be of the {followers} dependent nodes, got {offset.shape[1]}")
+        require(np.isfinite(offset).all(), "/holders/offset has values that are not finite")
+        require("moved" not in file.attrs or file.attrs["moved"],
+                "/holders/offset is there where root attribute 'moved' is 0")
+    for name in {"reaction_force", "reaction_moment", "reaction_about"} & set(steps):
+        require(np.isfinite(steps[name]).all(), f"/steps/{name} has values that are not finite")
+        idle = np.setdiff1d(np.arange(len(names)), of_node)
+        require((steps[name][:, idle] == 0).all(), f"/steps/{name} is not 0 of what holds no node")
+    return Holders(names, of_node, offset)
+
+
 def read_state(file: h5py.File) -> State:
     """Checks the whole layout and reads all but x and v.
 
@@ -385,7 +313,7 @@ def read_state(file: h5py.File) -> State:
     gravity = np.asarray(_attribute(file, "gravity"))
     require(gravity.shape == (3,) and gravity.dtype.kind == "f" and np.isfinite(gravity).all(),
             "root attribute 'gravity' must be three finite numbers")
-    _check_layout(file)
+    check_layout(file)
     materials = _read_materials(file)
     grid = {name: node[()] for name, node in file["grid"].items()}
     steps = {name: node[()] for name, node in file["steps"].items() 
@@ -396,4 +324,4 @@ def read_state(file: h5py.File) -> State:
                  numbers["tolerance"], materials, grid, steps, file["steps"]["x"],
                  file["steps"]["v"], _read_contact(file, len(grid["corners"])),
                  _read_nets(file, len(materials)), file["steps"].get("x_stage"),
-                 bool(file.attrs.get("moved", 0)))
+                 bool(file.attrs.get("moved", 0)), _read_holders(file, grid, steps))

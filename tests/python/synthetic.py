@@ -12,12 +12,17 @@ import h5py
 import numpy as np
 
 import equations
-from equations import BITS, Body, Motion
-from stages import Start, StageStep, find_pieces
-from state_file import BDF2, EULER, FIELDS, LAWS, LENGTHS, SDIRK2, Floats, Material, State
+from equations import BITS, Body, Motion, Potential
+from holding import Holding
+from stages import SHARE, Start, StageStep, find_pieces, turned
+from state_file import BDF2, EULER, FIELDS, LAWS, LENGTHS, SDIRK2, Floats, Holders, Material, State
 
 H, DT = 0.05, 1 / 60
 GRAVITY = np.array([0.3, -9.7, 0.2])
+SCHEMES = np.array([SDIRK2, BDF2, SDIRK2, EULER], np.uint8)  # of runs by stages
+LENGTHS_OF_STEPS = np.array([1, 0.5, 0.25, 0.25]) * DT
+TIMES = np.concatenate([[0], np.cumsum(LENGTHS_OF_STEPS)])
+HELD_CENTRE, HELD_AXIS = np.array([0.4, -0.1, 0.2]), np.array([0.6, 0.0, 0.8])  # of held_state()
 CELLS = [(0, 0, 0), (1, 0, 0), (2, 0, 0), (0, 1, 0), (1, 1, 0), (1, 0, 1), (2, 0, 1)]
 
 
@@ -141,7 +146,7 @@ def step_arrays(state: State, x: Floats, v: Floats, schemes: list[int],
         "converged": np.full(steps, residual <= state.tolerance, np.uint8),
         "outer": np.ones(steps, np.int32), "inner": np.ones(steps, np.int32),
         "ms": np.ones(steps), "min_j": np.ones(steps),
-        "energy_kinetic": 0.5 * np.einsum("n,tni,tni->t", mass, v[1:], v[1:]),
+        "energy_kinetic": 0.5 * np.einsum("n,tni,tni->t", mass * (state.grid["pinned"] != 1), v[1:], v[1:]),
     }
 
 
@@ -153,35 +158,102 @@ def stage_records(seed: int = 5) -> tuple[State, dict[str, Any]]:
     state.words["time_scheme"] = "auto"
     state.materials = [replace(m, loss_factor=0.1 + 0.1 * i, loss_frequency=5.0 + i)
                        for i, m in enumerate(state.materials)]
-    schemes, length = [SDIRK2, BDF2, SDIRK2, EULER], np.array([1, 0.5, 0.25, 0.25]) * DT
-    rest, steps = state.grid["rest"], len(schemes)
+    rest, steps = state.grid["rest"], len(SCHEMES)
     loose = state.grid["pinned"][:, None] == 0
     x = [rest + np.where(loose, random.normal(0, 0.02 * H, rest.shape), 0) for _ in range(steps + 1)]
     x_stage = np.full((steps, *rest.shape), np.nan)
-    for step in np.flatnonzero(np.array(schemes) == SDIRK2):
+    for step in np.flatnonzero(SCHEMES == SDIRK2):
         x_stage[step] = x[step] + np.where(loose, random.normal(0, 0.01 * H, rest.shape), 0)
     offsets = np.cumsum(random.normal(0, 1e-3 * H, (steps + 1, 3, 3)), axis=0)
     add_contact(state, rest, offsets)
     bonds = np.zeros((steps + 1, 3, len(state.contact["area"]), 3))
     bonds[0] = random.normal(0, 1e-4 * H, bonds[0].shape)
     state.contact["bonds"] = bonds
-    # what the referee finds
-    state.steps = {"scheme": np.array(schemes, np.uint8), "length": length}
-    state.x_stage = x_stage
-    v = [np.where(loose, random.normal(0, 0.3, rest.shape), 0)]
-    body = equations.make_body(state)
-    start, residual = Start(x[0], v[0]), []
+    v = np.where(loose, random.normal(0, 0.3, rest.shape), 0)
+    return state, found_steps(state, np.array(x), x_stage, [v] + [np.zeros_like(v)] * steps)[0]
+
+
+def found_steps(state: State, x: Floats, x_stage: Floats,
+                v: list[Floats]) -> tuple[dict[str, Any], list[Potential]]:
+    """/steps of a run of SCHEMES, with what the referee finds itself, and the potentials at their ends.
+
+    @param v  at the start; of pinned nodes also after each step
+    """
+    steps, body, residual, found = len(SCHEMES), equations.make_body(state), [], []
+    state.steps, state.x_stage = {"scheme": SCHEMES, "length": LENGTHS_OF_STEPS}, x_stage
+    start, v = Start(x[0], v[0]), list(v)
     for step in range(steps):
         own = StageStep(state, body, find_pieces(state, body), step, start).recompute(x[step + 1])
         residual.append(own.residual)
-        v.append(own.velocity)
-        bonds[step + 1] = own.bonds
-        start = Start(x[step + 1], own.velocity, start.x, start.v, length[step])
-    arrays = step_arrays(state, np.array(x), np.array(v), schemes, 1.0)
-    return state, arrays | state.steps | {
-        "time": np.concatenate([[0], np.cumsum(length)]), "residual": np.array(residual),
-        "converged": np.zeros(steps, np.uint8), "x_stage": x_stage,
-        "guarded": np.zeros(steps, np.uint8)}
+        found.append(own.found)
+        v[step + 1] = v[step + 1] + own.velocity
+        if own.bonds is not None:
+            state.contact["bonds"][step + 1] = own.bonds
+        start = Start(x[step + 1], v[step + 1], start.x, start.v, LENGTHS_OF_STEPS[step])
+    arrays = step_arrays(state, x, np.array(v), SCHEMES.tolist(), 1.0)
+    return arrays | state.steps | {
+        "time": TIMES, "residual": np.array(residual), "converged": np.zeros(steps, np.uint8),
+        "x_stage": x_stage, "guarded": np.zeros(steps, np.uint8)}, found
+
+
+def held_state() -> State:
+    """A piece between a pin and a move of pinned and dependent nodes, and a free one under a load."""
+    state = make_state(cells=[(0, 0, 0), (1, 0, 0), (2, 0, 0), (2, 1, 0), (5, 0, 0), (6, 0, 0)])
+    grid = state.grid
+    cell = np.rint((grid["rest"] - grid["rest"].min(0)) / H).astype(int)
+    number = {tuple(place): n for n, place in enumerate(cell.tolist())}
+    grid["pinned"][(cell[:, 0] == 3)] = 2
+    grid["pinned"][(cell[:, 0] == 3) & (cell[:, 1] == 2)] = 1
+    rows = [(n, number[x - step, y, z], weight) for (x, y, z), n in number.items() if grid["pinned"][n] == 2
+            for step, weight in ((1, -0.6), (2, 0.2))]
+    for name, values in zip(("dependent", "parent", "parent_weight"), zip(*sorted(rows))):
+        grid[name] = np.array(values, np.float64 if name == "parent_weight" else np.int32)
+    grid["traction"] = np.where(cell[:, :1] > 4, [0.3, -0.2, 0.5], [0.1, 0.0, -0.1])
+    state.words["time_scheme"], state.moved = "auto", True
+    of_node = np.where(grid["pinned"] > 0, (cell[:, 0] == 3).astype(np.int32), np.int32(-1))
+    state.holders = Holders(("--pin 'x<1%'", "--move 'x>99%: turn'", "--pin 'y<-9'"), of_node)
+    return state
+
+
+def held_motion(time: float) -> tuple[Floats, Floats]:
+    """Rotation and shift of the move of held_state(), a turn about HELD_CENTRE."""
+    A = turned(HELD_AXIS, 9.0 * time + 40 * time**2)
+    return A, HELD_CENTRE - A @ HELD_CENTRE
+
+
+def held_records(seed: int = 6) -> tuple[State, dict[str, Any]]:
+    """A run by stages of held_state(), and its /steps: free nodes move at random, the rest as it must."""
+    random, state = np.random.default_rng(seed), held_state()
+    body = equations.make_body(state)
+    rest, moved = body.rest, (state.grid["pinned"] == 1) & (state.holders.of_node == 1)
+
+    def place(time: float) -> tuple[Floats, Floats]:
+        """Positions and offsets."""
+        A, b = held_motion(time)
+        u = np.where(body.loose, random.normal(0, 0.02 * H, rest.shape), 0)
+        bar = rest @ A.T + b - rest
+        u[moved] = bar[moved]
+        offset = (bar - body.follow(bar))[body.dependent]
+        u = body.follow(u)
+        u[body.dependent] += offset
+        return rest + u, offset
+
+    x, offset = zip(*(place(t) for t in TIMES))
+    state.holders = replace(state.holders, offset=np.array(offset))
+    x_stage = np.full((len(SCHEMES), *rest.shape), np.nan)
+    for step in np.flatnonzero(SCHEMES == SDIRK2):
+        x_stage[step] = place(TIMES[step] + SHARE * LENGTHS_OF_STEPS[step])[0]
+    v = [np.where(moved[:, None], np.cross((9 + 80 * t) * HELD_AXIS, x[k] - HELD_CENTRE), 0)
+         for k, t in enumerate(TIMES)]
+    v[0] += np.where(body.loose, random.normal(0, 0.3, rest.shape), 0)
+    arrays, found = found_steps(state, np.array(x), x_stage, v)
+    # reactions, of the pin about the mean of its nodes
+    pin = rest[state.holders.of_node == 0].mean(0)
+    state.steps = arrays | {"reaction_about": np.tile([pin, HELD_CENTRE, np.zeros(3)], (len(SCHEMES), 1, 1)),
+                            "reaction_force": None}
+    holding = Holding(state, body)
+    both = np.array([holding.reactions(step, found[step], x[step + 1]) for step in range(len(SCHEMES))])
+    return state, state.steps | {"reaction_force": both[:, 0], "reaction_moment": both[:, 1]}
 
 
 def write_state(path: Path, state: State, steps: dict[str, Any], gravity: Floats,
@@ -201,6 +273,13 @@ def write_state(path: Path, state: State, steps: dict[str, Any], gravity: Floats
                 file.require_group("contact")
                 target = file["contact"].attrs if name in LENGTHS else file["contact"]
                 target[name] = values
+        if state.moved:
+            file.attrs["moved"] = 1
+        if state.holders is not None:
+            file["holders/name"] = np.array(state.holders.names, "S")
+            file["holders/of_node"] = state.holders.of_node.astype(np.int32)
+            if state.holders.offset is not None:
+                file["holders/offset"] = state.holders.offset
         if compound:
             kinds = [(f, h5py.string_dtype() if f in FIELDS[:2] else "f8") for f in FIELDS]
             file["materials"] = np.array(list(zip(*columns.values())), np.dtype(kinds))

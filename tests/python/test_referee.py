@@ -220,12 +220,14 @@ class Tool(unittest.TestCase):
         self.assertLess(error, 1e-10)
 
 
-class Stages(unittest.TestCase):
-    """The command on a file of steps made by stages."""
+class Records(unittest.TestCase):
+    """The command on a file that is changed."""
+
+    records = staticmethod(stage_records)
 
     @classmethod
     def setUpClass(cls) -> None:
-        cls.state, cls.steps = stage_records()
+        cls.state, cls.steps = cls.records()
         cls.folder = tempfile.TemporaryDirectory()
         cls.path = Path(cls.folder.name) / "state.h5"
 
@@ -244,19 +246,31 @@ class Stages(unittest.TestCase):
             status = referee.main([str(self.path)])
         return status, out.getvalue()
 
+    def assert_says(self, word: str, change: Any) -> None:
+        """The command fails on the changed file and names what is wrong."""
+        status, output = self.run_tool(change)
+        self.assertEqual(status, 1, word)
+        self.assertIn(word, output)
+
+
+def add(place: str, index: Any, by: Any, factor: float = 1) -> Any:
+    """A change of some numbers of a dataset."""
+    def write(file: h5py.File) -> None:
+        values = file[place][()]
+        values[index] = values[index] * factor + by
+        file[place][...] = values
+    return write
+
+
+class Stages(Records):
+    """Steps made by stages."""
+
     def test_what_it_finds_itself_agrees(self) -> None:
         status, output = self.run_tool()
         self.assertEqual(status, 0, output)
         self.assertIn("4 of 4 steps", output)
 
     def test_a_wrong_number_of_each_field_is_caught(self) -> None:
-        def change(place: str, index: Any, by: float, factor: float = 1) -> Any:
-            def write(file: h5py.File) -> None:
-                values = file[place][()]
-                values[index] = values[index] * factor + by
-                file[place][...] = values
-            return write
-
         free = len(self.state.grid["mass"]) - 1  # a node of the free piece
         held = int(np.flatnonzero(self.state.grid["pinned"] == 0)[0])  # of the other one
         rubs = np.unravel_index(np.abs(self.steps_bonds(1)).argmax(), self.steps_bonds(1).shape)
@@ -272,9 +286,7 @@ class Stages(unittest.TestCase):
                 ("contact/friction", 2, -0.3, 1, "residual"),
                 ("contact/offset", (3, 0, 1), 0.02 * H, 1, "residual"),
                 ("grid/mass", free, 0, 1.01, "mass")):
-            status, output = self.run_tool(change(place, index, by, factor))
-            self.assertEqual(status, 1, place)
-            self.assertIn(word, output, place)
+            self.assert_says(word, add(place, index, by, factor))
         for field, factor in (("loss_factor", 1.2), ("loss_frequency", 0.8)):
             status, output = self.run_tool(lambda f: f["materials"].write_direct(
                 self.scaled(f["materials"][()], field, factor)))

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The referee judges the state files of real runs: all solver modes, all time schemes, all laws,
-all hourglass terms, pinned and free bodies, damping. The mesh is a turned box, so that its border voxels are
-cut at an angle."""
+"""The referee judges the state files of real runs: all solver modes, all time schemes, all laws, all
+hourglass terms, pinned, moved, loaded and free bodies, damping. The mesh is a turned box, so that its
+border voxels are cut at an angle."""
 
 from __future__ import annotations
 
+import json
 import tempfile
 import unittest
 from dataclasses import replace
@@ -15,6 +16,8 @@ import numpy as np
 
 import referee
 from command import run, turned_box, write_obj
+from equations import make_body
+from holding import Holding
 from state_file import LAWS, read_state
 
 HOURGLASS = ("full", "variance", "off")
@@ -88,6 +91,10 @@ def finite_elements() -> Case:
         "finite elements": ("--law", "neo-hookean", *SOFT, *HELD),
         "finite elements bdf2": ("--law", "stable-neo-hookean", *SOFT, *THROWN, "--time-scheme",
                                  "bdf2"),
+        "finite elements held at borders that cut voxels": (*SOFT, *CUT),
+        "finite elements held at such borders, bdf2": (*SOFT, *CUT, "--time-scheme", "bdf2"),
+        "finite elements held at such borders, under a moving plane": (
+            *soft, *CUT, "--collider", "plane(0,20cm,0, 0,-1,0) path 0s:0,0,0; 250ms:2cm,-9cm,0"),
         "finite elements on a floor": (*soft, "--floor", "--friction", "0.4", "--velocity",
                                        "0.5,0,0"),
         "finite elements under a moving plane": (
@@ -114,6 +121,29 @@ def stage_runs() -> Case:
             *SOFT, "--damping", "0", "--frames", "6", "--floor", "--friction", "0.6", "--collider",
             "plane(0,20cm,0, 0,-1,0) path 0s:0,0,0; 250ms:2cm,-6cm,0", "--time-scheme", "sdirk2"),
         "dropped and damped, by bdf2 itself": (*falls, "--time-scheme", "bdf2"),
+    }
+
+
+def held_runs() -> Case:
+    """Runs of the network with moves, at borders that cut voxels but where it is said, and with loads."""
+    shift = ("--move", "x>92%: shift ease loop 0:0,0,0; 0.06:0,3cm,1cm; 0.12:0,0,0")
+    return {
+        "shifted, with a pin": (*HELD, *shift),
+        "turned, with a pin": (*HELD, "--move", "x>92%: turn(0,0,0, 1,0.3,0.2) 0.02:0; 0.2:60deg"),
+        "two moves, one in a plane of nodes, and a ball at rest": (
+            "--move", "x<8%: turn(0,0,0, 0.2,1,0) ease 0:0; 0.3:30deg", "--pin", "sphere(50%,50%,50%, 3cm)",
+            "--move", "x>92%: shift 0:0,0,0; 0.1:0,1cm,1cm"),
+        "moved along a floor": (*HELD, "--move", "x>95%: shift 0:0,0,0; 0.2:2cm,0,1cm", "--floor", "y=-0.113",
+                                "--friction", "0.5", "--region", "x>50%: jelly", "--gravity", "0,-40,0"),
+    }
+
+
+def loaded_runs() -> Case:
+    """Runs of the network with tractions, one of them of a body that nothing holds."""
+    return {
+        "pulled in flight": (*THROWN, "--traction", "z<-3cm: 0.5,-0.2,1"),
+        "pulled and moved": (*HELD, "--move", "x>92%: shift 0:0,0,0; 0.1:0,1cm,1cm", "--traction",
+                             "z<-3cm: 0.5,-0.2,1"),
     }
 
 
@@ -152,7 +182,8 @@ class Runs(unittest.TestCase):
         for options in (("--frames", 8, "--substeps", 1), ("--static",),
                         ("--frames", 8, "--substeps", 1, "--time-scheme", "bdf2", "--floor",
                          "y=-0.12"),
-                        ("--frames", 6, "--time-scheme", "auto", "--damping", 0.1)):
+                        ("--frames", 6, "--time-scheme", "auto", "--damping", 0.1),
+                        ("--static", "--pin", "sphere(0,0,0, 3cm)")):
             done = run("simulate", self.source, "-o", self.path / "out.glb", "--voxels", 16,
                        "--quiet", "--state", state, *BOUNDARY, *options)
             self.assertEqual(done.code, 0, done.err)
@@ -190,6 +221,55 @@ class Runs(unittest.TestCase):
                     self.assertEqual(verdict.unchecked, [])
                     wanted = 1 if "bdf2" in name or name.startswith("spin") else 2
                     self.assertIn(wanted, schemes)
+
+    def check_in_all_schemes(self, runs: Case) -> None:
+        """Steps of one length and stages, in the solvers of both kinds."""
+        for name, options in runs.items():
+            for scheme, more in (("euler", ("--solver", "quasi")), ("bdf2", ("--solver", "newton")),
+                                 ("sdirk2", ("--damping", 0.1)), ("auto", ("--damping", 0.1))):
+                with self.subTest(f"{name}, {scheme}"):
+                    verdict, _ = self.judged("animate", "--voxels", 12, "--frames", 4, "--time-scheme", scheme,
+                                             *(() if scheme == "auto" else ("--substeps", 1)), "--analytic",
+                                             *SOFT, *more, *options)
+                    self.assertFalse(verdict.disagreements,
+                                     referee.summary(verdict) + "\n" + referee.table(verdict))
+                    self.assertEqual(verdict.unchecked, [])
+                    if "--floor" in options:
+                        self.assertGreater(max(c.own for c in verdict.checks if c.quantity == "energy_contact"), 0)
+                    held = {check.quantity for check in verdict.checks} & {"held places", "reaction_force"}
+                    self.assertEqual(len(held), 0 if "--spin" in options else 2)
+
+    def test_what_is_held_and_moved_is_where_the_referee_finds_it(self) -> None:
+        self.check_in_all_schemes(held_runs())
+
+    def test_loads_of_the_network_are_what_the_file_says(self) -> None:
+        self.check_in_all_schemes(loaded_runs())
+
+    def test_reactions_bring_what_momentum_lacks_and_stand_in_log_and_report(self) -> None:
+        """By Newton's law, from masses and velocities alone; steps of implicit Euler."""
+        state, log, report = (self.path / name for name in ("held.h5", "held.jsonl", "held.json"))
+        done = run("animate", self.source, "-o", self.path / "out.glb", "--quiet", "--voxels", 12, "--frames", 5,
+                   "--time-scheme", "euler", "--tolerance", "1e-7", "--state", state, "--log-json", log,
+                   "--report", report, "--substeps", 1, *SOFT, *held_runs()["turned, with a pin"])
+        self.assertEqual(done.code, 0, done.err)
+        with h5py.File(state) as file:
+            read = read_state(file)
+            force = read.steps["reaction_force"]
+            # of what is not pinned, with the weight that pinned nodes bear
+            mass = np.where(read.grid["pinned"] == 1, 0, read.grid["mass"])
+            borne = np.where(read.grid["pinned"] == 1, Holding(read, make_body(read)).weighing, 0)
+            momentum = np.array([mass @ v for v in read.v])
+            for step, length in enumerate(read.steps["length"]):
+                lacks = (momentum[step + 1] - momentum[step]) / length - (mass + borne).sum() * read.gravity
+                np.testing.assert_allclose(force[step].sum(0), lacks, atol=1e-5 * np.abs(force).max())
+            # the other files
+            lines = [json.loads(line)["reactions"] for line in log.read_text().splitlines()]
+            last = json.loads(report.read_text())["reactions"]
+            self.assertEqual([one["holder"] for one in last], list(read.holders.names))
+            for key in ("force", "moment", "about"):
+                recorded = read.steps[f"reaction_{key}"]
+                np.testing.assert_array_equal([[one[key] for one in line] for line in lines], recorded)
+                np.testing.assert_array_equal([one[key] for one in last], recorded[-1])
 
     def test_damping_bonds_and_first_stages_count(self) -> None:
         state = self.path / "counts.h5"

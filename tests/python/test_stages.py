@@ -1,19 +1,22 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Self-tests of steps by stages, damping and bonds: closed forms and differences."""
+"""Self-tests of steps by stages, damping, bonds and holders: closed forms, differences, changed files."""
 
 from __future__ import annotations
 
 import unittest
 
+import h5py
 import numpy as np
 
 import collision
 import damping
 import equations
 import stages
+from holding import Holding, fit_motion, fit_velocity
 from stages import Momenta, Start, find_pieces
 from state_file import Material
-from synthetic import DT, H, add_contact, central_differences, make_state
+from synthetic import DT, H, add_contact, central_differences, held_records, held_state, make_state
+from test_referee import Records, add
 
 
 class Schemes(unittest.TestCase):
@@ -188,6 +191,157 @@ class Momentum(unittest.TestCase):
         end = step.recompute(body.rest + DT * v + DT**2 / 2 * state.gravity)
         self.assertLess(end.residual, 1e-9)
         np.testing.assert_allclose(end.velocity, v + DT * state.gravity, atol=1e-12)
+
+
+class Held(unittest.TestCase):
+    """What holders do."""
+
+    def setUp(self) -> None:
+        self.random = np.random.default_rng(7)
+
+    def test_a_rigid_motion_is_found_from_points_and_shares(self) -> None:
+        axis, b = np.array([2.0, -1, 2]) / 3, np.array([0.3, 2, -1])
+        for count, flat in ((9, 1.0), (4, 0.0)):  # in space, in a plane
+            p = self.random.normal(size=(count, 3)) * [1, 1, flat]
+            s = self.random.uniform(-3, 5, count)
+            for angle in (0.0, 1.2, np.pi, 5.5):
+                A = stages.turned(axis, angle)
+                fit = fit_motion(p, s, p @ A.T + np.outer(s, b))
+                self.assertTrue(fit.is_unique)
+                np.testing.assert_allclose(fit.A, A, atol=1e-12)
+                np.testing.assert_allclose(fit.b, b, atol=1e-12)
+                self.assertLess(fit.off, 1e-13)
+                off = fit_motion(p, s, p @ A.T * 1.001 + np.outer(s, b)).off
+                self.assertGreater(off, 1e-5)
+        # a mirror image is no motion, and points of a line do not tell the turn about it
+        p = self.random.normal(size=(9, 3))
+        self.assertGreater(fit_motion(p, np.ones(9), p * [1, 1, -1]).off, 0.1)
+        line = np.outer(np.arange(4.0), axis)
+        self.assertFalse(fit_motion(line, np.ones(4), line).is_unique)
+
+    def test_velocities_of_a_rigid_motion_leave_nothing(self) -> None:
+        for flat in (1.0, 0.0):
+            x = self.random.normal(size=(7, 3)) * [1, flat, flat] + 5
+            v = np.cross([1, 2, -0.5], x - 3)
+            self.assertLess(fit_velocity(x, v), 1e-13)
+            v[2, 0] += 1e-3
+            self.assertGreater(fit_velocity(x, v), 1e-4)
+
+    def test_reactions_are_derivatives_by_the_motion_of_a_holder(self) -> None:
+        """Phi without the inertia of pinned nodes, and with the weight that they bear."""
+        state = held_state()
+        cell = np.rint((state.grid["rest"] - state.grid["rest"].min(0)) / H)
+        near = cell[:, 0] <= 1  # pins a voxel as a whole
+        state.grid["pinned"][near] = 1
+        state.holders.of_node[near] = 0
+        state.steps = {"reaction_force": None, "reaction_about": self.random.normal(size=(1, 3, 3))}
+        body = equations.make_body(state)
+        x, xhat = (body.rest + self.random.normal(0, 0.05 * H, body.rest.shape) for _ in range(2))
+        R, weight = equations.rotations(body, body.rest), 1 / DT**2
+        pinned = (state.grid["pinned"] == 1)[:, None]
+        borne = np.zeros(len(body.mass))
+        for v, corners in enumerate(state.grid["corners"]):
+            if not near[corners].all():
+                density = state.materials[state.grid["material"][v]].density
+                borne[corners] += density * state.grid["fill"][v] * H**3 * state.grid["shape_mean"][v]
+        self.assertLess(borne[near].sum(), 0.9 * body.mass[near].sum())
+
+        def energy(y: np.ndarray) -> float:
+            found = equations.potential_about(body, weight, xhat, y, R)
+            inertia = weight / 2 * (body.mass[:, None] * (y - xhat) ** 2)[pinned[:, 0]].sum()
+            return found.value - inertia - float((borne[:, None] * y * state.gravity)[pinned[:, 0]].sum())
+
+        found = equations.potential_about(body, weight, xhat, x, R)
+        force, moment = Holding(state, body).reactions(0, found, x)
+        for h, about in enumerate(state.steps["reaction_about"][0]):
+            held = (state.holders.of_node == h)[:, None]
+            for d, axis in enumerate(np.eye(3)):
+                for own, bar in ((force, np.tile(axis, (len(x), 1))), (moment, np.cross(axis, x - about))):
+                    # dependent nodes go along but for what their parents would have brought
+                    rate = np.where(held, np.where(body.dependent[:, None], bar - body.follow(bar), bar), 0)
+                    e = 1e-6 * H
+                    found_rate = (energy(x + e * rate) - energy(x - e * rate)) / (2 * e)
+                    self.assertAlmostEqual(own[h, d] / (1 + abs(found_rate)), found_rate / (1 + abs(found_rate)), 5)
+        self.assertGreater(np.abs(force[:2]).min(), 1e-2)
+        np.testing.assert_array_equal(force[2], 0)
+
+
+class HeldFile(Records):
+    """What holds nodes: a pin, and a move that turns pinned and dependent nodes."""
+
+    records = staticmethod(held_records)
+
+    def node(self, kind: int, holder: int) -> int:
+        """A node that is pinned (1) or dependent (2)."""
+        return int(np.flatnonzero((self.state.grid["pinned"] == kind) & (self.state.holders.of_node == holder))[1])
+
+    def test_what_it_finds_itself_agrees(self) -> None:
+        status, output = self.run_tool()
+        self.assertEqual(status, 0, output)
+        self.assertIn("4 of 4 steps", output)
+
+    def test_a_wrong_number_of_each_field_is_caught(self) -> None:
+        rests, moved, follows = self.node(1, 0), self.node(1, 1), self.node(2, 1)
+        last = len(self.state.grid["mass"]) - 1  # of the free piece
+        for place, index, by, word in (
+                ("holders/offset", (2, 1, 0), 1e-12, "dependent nodes"),
+                ("holders/offset", (0, 1, 0), 1e-12, "dependent nodes"),
+                ("steps/x", (2, follows, 1), 1e-12, "dependent nodes"),
+                ("steps/x", (3, moved, 2), 1e-12, "held places"), ("steps/x", (1, rests, 0), 1e-12, "held places"),
+                ("steps/x_stage", (0, moved, 2), 1e-12, "held places of stage"),
+                ("steps/x_stage", (2, follows, 1), 1e-12, "held places of stage"),
+                ("steps/x_stage", (2, rests, 1), 1e-12, "held places of stage"),
+                ("steps/v", (2, moved, 0), 1e-9, "held velocities"),
+                ("steps/v", (1, rests, 0), 1e-9, "held velocities"),
+                ("steps/v", (4, follows, 1), 1e-3, "velocity"),
+                ("steps/reaction_force", (1, 1, 2), 1e-4, "reaction_force"),
+                ("steps/reaction_force", (0, 0, 0), 1e-4, "reaction_force"),
+                ("steps/reaction_moment", (3, 1, 0), 1e-5, "reaction_moment"),
+                ("steps/reaction_about", (1, 0, 0), 1e-9, "reaction_about"),
+                ("steps/reaction_about", (2, 1, 1), 1e-9, "reaction_about"),
+                ("grid/traction", (last, 1), 0.01, "residual"),
+                ("grid/traction", (rests, 1), 0.01, "reaction_force"),
+                ("grid/parent_weight", 3, 1e-9, "held places")):
+            self.assert_says(word, add(place, index, by))
+
+    def test_places_that_fit_together_but_no_rigid_motion_are_caught(self) -> None:
+        """Offsets and the nodes that they move, stretched alike."""
+        def stretch(file: h5py.File) -> None:
+            extra = 1e-9 * file["holders/offset"][1]
+            add("holders/offset", 1, extra)(file)
+            add("steps/x", (1, np.flatnonzero(self.state.grid["pinned"] == 2)), extra)(file)
+        self.assert_says("held places", stretch)
+
+    def test_a_pin_rests(self) -> None:
+        def rename(file: h5py.File) -> None:
+            names = file["holders/name"][()]
+            names[1] = b"--pin 'x>99%'"
+            file["holders/name"][...] = names
+        for word in ("held places", "held velocities"):
+            self.assert_says(word, rename)
+
+    def test_wrong_layout_is_named(self) -> None:
+        def resized(file: h5py.File) -> None:
+            offset = file["holders/offset"][:, 1:]
+            del file["holders/offset"]
+            file["holders/offset"] = offset
+
+        free = int(np.flatnonzero(self.state.grid["pinned"] == 0)[0])
+        for change, word in (
+                (lambda f: f["holders"].pop("of_node"), "of_node"),
+                (lambda f: f.pop("holders"), "without /holders"),
+                (lambda f: f["steps"].pop("reaction_moment"), "reaction_moment"),
+                (lambda f: f["holders"].create_dataset("path", data=[1.0]), "path"),
+                (lambda f: f["holders"].pop("offset"), "dependent nodes"),
+                (lambda f: f.attrs.modify("moved", 0), "moved"), (resized, "dependent nodes"),
+                (add("holders/of_node", free, 1), "of_node must be -1"),
+                (add("holders/of_node", self.node(1, 0), 3), "of_node must lie in -1..2"),
+                (add("holders/offset", (1, 0, 0), np.nan), "/holders/offset"),
+                (add("steps/reaction_force", (1, 0, 0), np.nan), "/steps/reaction_force"),
+                (add("steps/reaction_force", (1, 2, 0), 1), "holds no node"),
+                (lambda f: f["holders/name"].write_direct(np.array([b"", b"", b""], f["holders/name"].dtype)),
+                 "/holders/name")):
+            self.assert_says(word, change)
 
 
 if __name__ == "__main__":

@@ -39,9 +39,9 @@ TEST(Boundary, OrAPressure) {
 TEST(Boundary, AMoveIsAShift) {
   const Move move = parse_move("x>99%: shift 0s:0,0,0; 500 ms: 1cm,0,-2");
   EXPECT_FALSE(move.turns);
-  ASSERT_EQ(move.path.size(), 2u);
-  EXPECT_EQ(move.path[1].time, 0.5);
-  EXPECT_EQ(move.path[1].offset, (Vec3{0.01, 0, -2}));
+  ASSERT_EQ(move.path.keys.size(), 2u);
+  EXPECT_EQ(move.path.keys[1].time, 0.5);
+  EXPECT_EQ(move.path.keys[1].offset, (Vec3{0.01, 0, -2}));
 }
 
 TEST(Boundary, OrATurnAboutAPointAndAnAxisOfAnyLength) {
@@ -50,11 +50,11 @@ TEST(Boundary, OrATurnAboutAPointAndAnAxisOfAnyLength) {
   EXPECT_TRUE(move.turn_centre[0].percent);
   EXPECT_EQ(move.turn_centre[0].value, 0.5);
   EXPECT_EQ(move.turn_centre[1].value, 0.02);
-  ASSERT_EQ(move.path.size(), 3u);
-  EXPECT_EQ(move.path[0].offset, Vec3{});
-  EXPECT_NEAR(move.path[1].offset[1], 0.6 * kPi / 2, 1e-15);
-  EXPECT_NEAR(move.path[1].offset[2], 0.8 * kPi / 2, 1e-15);
-  EXPECT_EQ(move.path[2].offset, (Vec3{0, -0.6, -0.8}));
+  ASSERT_EQ(move.path.keys.size(), 3u);
+  EXPECT_EQ(move.path.keys[0].offset, Vec3{});
+  EXPECT_NEAR(move.path.keys[1].offset[1], 0.6 * kPi / 2, 1e-15);
+  EXPECT_NEAR(move.path.keys[1].offset[2], 0.8 * kPi / 2, 1e-15);
+  EXPECT_EQ(move.path.keys[2].offset, (Vec3{0, -0.6, -0.8}));
 }
 
 TEST(Boundary, WhatCannotBeReadIsRefusedWithItsText) {
@@ -103,6 +103,33 @@ TEST(Boundary, WhatCannotBeReadIsRefusedWithItsText) {
       EXPECT_NE(message.find("SELECTION"), std::string::npos) << message;
     }
   }
+}
+
+TEST(Boundary, PathsEaseAndLoopInAnyOrder) {
+  const Move move = parse_move("x>99%: shift loop ease 0:0,0,0; 1:1cm,0,0; 2:0,0,0");
+  EXPECT_TRUE(move.path.eases && move.path.loops);
+  EXPECT_EQ(move.path.keys.size(), 3u);
+  EXPECT_TRUE(parse_move("all: turn(0,0,0,0,0,1) loop 0:0; 1:360deg").path.loops);
+  EXPECT_THROW(parse_move("x>99%: shift loop 0:0,0,0; 1:1cm,0,0"), Error);
+  EXPECT_THROW(parse_move("all: turn(0,0,0,0,0,1) loop 0:0; 1:350deg"), Error);
+  EXPECT_THROW(parse_move("x>99%: shift easy 0:0,0,0"), Error);
+}
+
+TEST(Boundary, AForceIsConstantOrAPath) {
+  const Force constant = parse_force("y>80%: 10,0,-1 N");
+  ASSERT_EQ(constant.force.keys.size(), 1u);
+  EXPECT_EQ(offset_at(constant.force, 7), (Vec3{10, 0, -1}));
+  const Force path = parse_force("y>80%: ease 0:0,0,0; 2s:1,0,0 kN");
+  EXPECT_TRUE(path.force.eases);
+  EXPECT_EQ(offset_at(path.force, 1), (Vec3{500, 0, 0}));
+  EXPECT_THROW(parse_force("y>80%: 10,0"), Error);
+  EXPECT_THROW(parse_force("y>80%: 1:0,0,0; 0:1,0,0"), Error);
+}
+
+TEST(Boundary, AWindIsConstantOrAPath) {
+  EXPECT_EQ(offset_at(parse_wind("36,0,0 km/h"), 3), (Vec3{10, 0, 0}));
+  EXPECT_EQ(offset_at(parse_wind("loop 0:1,0,0; 1:3,0,0; 2:1,0,0"), 2.5), (Vec3{2, 0, 0}));
+  EXPECT_THROW(parse_wind("north"), Error);
 }
 
 }  // namespace

@@ -50,7 +50,7 @@ TEST(ImpactSpeed, HasSpinAndTheSpeedOfPaths) {
   EXPECT_NEAR(impact_speed(scene, {.spin = {0, 0, 10}}), 2 + 10 * 0.1, 1e-12);
   // down to its far side
   scene.gravity = {0, -9.81, 0};
-  scene.colliders[0].path.clear();
+  scene.colliders[0].path = {};
   EXPECT_NEAR(impact_speed(scene, {}), std::sqrt(2 * 9.81 * 2.5), 1e-12);
 }
 

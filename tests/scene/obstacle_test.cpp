@@ -21,7 +21,7 @@ TEST(Obstacle, ReadsEveryShapeWithUnitsAndShares) {
   EXPECT_EQ(plane.normal, (Vec3{0, 0.6, 0.8}));
   EXPECT_EQ(plane.friction, 0.25);
   EXPECT_EQ(plane.name, "collider 1");
-  EXPECT_TRUE(plane.path.empty());
+  EXPECT_TRUE(plane.path.keys.empty());
   const Collider sphere = parsed_collider(" sphere ( 25%,0,100% , 20 cm )");
   EXPECT_EQ(sphere.shape, Collider::Shape::kSphere);
   EXPECT_EQ(sphere.centre, (Vec3{-0.5, 0, 3}));
@@ -48,10 +48,10 @@ TEST(Obstacle, ReadsFrictionNameAndPathInAnyOrder) {
   EXPECT_EQ(c.half, (Vec3{1, 1, 4}));
   EXPECT_EQ(c.friction, 0.75);
   EXPECT_EQ(c.name, "press");
-  ASSERT_EQ(c.path.size(), 3u);
-  EXPECT_EQ(c.path[1].time, 0.5);
-  EXPECT_EQ(c.path[1].offset, (Vec3{0, -0.1, 0}));
-  EXPECT_EQ(c.path[2].offset, (Vec3{1, 2, 3}));
+  ASSERT_EQ(c.path.keys.size(), 3u);
+  EXPECT_EQ(c.path.keys[1].time, 0.5);
+  EXPECT_EQ(c.path.keys[1].offset, (Vec3{0, -0.1, 0}));
+  EXPECT_EQ(c.path.keys[2].offset, (Vec3{1, 2, 3}));
 }
 
 TEST(Obstacle, WhatCannotBeReadIsRefusedWithItsText) {

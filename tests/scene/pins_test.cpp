@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scene/pins.hpp"
 
+#include "scene/boundary.hpp"
 #include "scene/carried_points.hpp"
+#include "scene/fem_boundary.hpp"
+#include "scene/fem_scene.hpp"
+#include "scene/stepper.hpp"
+#include "tests/scene/long_bar.hpp"
 #include "voxelize/embedding.hpp"
 
 #include <gtest/gtest.h>
@@ -10,23 +15,6 @@
 
 namespace elastogen {
 namespace {
-
-/// A bar 1 x 0.2 x 0.2 m.
-Asset long_bar() {
-  Mesh mesh;
-  for (int c = 0; c < 8; ++c) {
-    mesh.position.push_back({double(c & 1), 0.2 * (c >> 1 & 1), 0.2 * (c >> 2)});
-    mesh.position_of.push_back(c);
-  }
-  mesh.groups = {{0, {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
-                      2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5}}};
-  Asset asset;
-  asset.path = "bar.obj";
-  asset.meshes = {mesh};
-  asset.materials.resize(1);
-  asset.nodes = {{"bar", -1, kIdentity4, 0}};
-  return asset;
-}
 
 RunDescription run_of(const std::vector<std::string>& pins) {
   RunDescription run;
@@ -104,16 +92,68 @@ TEST(Pins, KeepThePointsOfTheAssetBehindTheirBordersAtRest) {
   EXPECT_EQ(held_points, 4);
 }
 
+TEST(Pins, OfRunsOnTheCardHoldAtTheirBordersToo) {
+  RunDescription run = run_of({"x<1%", "x>99%"});
+  run.solver.device = Device::kCuda;
+  const auto setup = set_up(long_bar(), run);
+  EXPECT_EQ(setup.scene.dependent.count(), held({"x<1%", "x>99%"}).scene.dependent.count());
+  EXPECT_FALSE(warns(setup, "cuts voxels"));
+}
+
 TEST(Pins, OfStepsThatHoldNodesSaySoOnce) {
   RunDescription run = run_of({"x<1%", "x>99%", "sphere(50%,50%,50%,0.07m)"});
-  run.fem = FemOptions{};
+  run.fem = FemOptions{.element = fem::Element::kTet4, .named = true};
   const auto setup = set_up(long_bar(), run);
   EXPECT_TRUE(setup.scene.dependent.empty());
-  EXPECT_TRUE(warns(setup, "finite elements hold the nodes in it only"));
+  EXPECT_TRUE(warns(setup, "tetrahedra hold the nodes in it only"));
   EXPECT_EQ(std::ranges::count_if(
                 setup.warnings,
                 [](const std::string& text) { return text.find("cuts voxels") != text.npos; }),
             1);
+}
+
+TEST(Pins, HoldFiniteElementsOnVoxelsWhereTheyHoldTheNetwork) {
+  const auto network = held({"x<1%", "x>99%"});
+  for (const fem::Element element :
+       {fem::Element::kVoxel, fem::Element::kHex, fem::Element::kHexBbar}) {
+    RunDescription run = run_of({"x<1%", "x>99%"});
+    run.fem = FemOptions{.element = element, .named = true, .statics = true};
+    run.holds.push_back(parse_hold("z<0%: z"));
+    const auto setup = set_up(long_bar(), run);
+    EXPECT_EQ(setup.scene.grid.rest, network.scene.grid.rest);
+    EXPECT_EQ(setup.scene.pinned, network.scene.pinned);
+    EXPECT_FALSE(warns(setup, "--pin"));
+    EXPECT_FALSE(warns(setup, "nothing holds"));
+    // dependent nodes follow whatever else holds them, and their voxels are cut
+    const fem::FemScene scene = fem_scene(setup, run);
+    EXPECT_EQ(scene.dependent.count(), network.scene.dependent.count());
+    for (int64_t i = 0; i < scene.dependent.count(); ++i)
+      for (int d = 0; d < 3; ++d) EXPECT_EQ(scene.fixed(scene.dependent.node(i), d), 0);
+    EXPECT_EQ(scene.mesh.part.empty(), element == fem::Element::kVoxel);
+    EXPECT_TRUE(unheld_pieces(scene).empty());
+  }
+}
+
+TEST(Pins, OfFiniteElementsLetTheBarSagAlikeAtBothEnds) {
+  for (const bool statics : {true, false}) {
+    RunDescription run = run_of({"x<1%", "x>99%"});
+    run.fem = FemOptions{.statics = statics};
+    run.material = {.young = 1e6, .poisson = 0.3, .density = 1000};
+    run.gravity = Vec3{0, -9.81, 0};
+    if (!statics) run.scheme = TimeScheme::kAuto;
+    const auto setup = set_up(long_bar(), run);
+    std::vector<std::string> notes;
+    const std::unique_ptr<Stepper> stepper = make_stepper(setup, run, {}, notes);
+    stepper->begin({});
+    const StepReport report = stepper->advance();
+    EXPECT_TRUE(report.converged);
+    const VoxelGrid& grid = setup.scene.grid;
+    Array<double> points(2, 3), u(2, 3);
+    for (int p = 0; p < 2; ++p) points(p, 0) = p ? 0.75 : 0.25, points(p, 1) = points(p, 2) = 0.1;
+    deform_asset(grid, embed(grid, points), stepper->state().x, u);
+    EXPECT_LT(u(0, 1), -1e-5);
+    EXPECT_NEAR(u(0, 1), u(1, 1), 0.005 * std::abs(u(0, 1)));
+  }
 }
 
 }  // namespace

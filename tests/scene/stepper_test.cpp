@@ -344,7 +344,7 @@ TEST(Stepper, ParticlesRefuseToBeHeldAndToBeAGlb) {
 
 TEST(Stepper, TetrahedraRestOnAFloor) {
   Scene scene = contact_scene();
-  for (Collider& c : scene.colliders) c.path.clear();
+  for (Collider& c : scene.colliders) c.path = {};
   const State voxel = end_of(scene, finite_elements(fem::Element::kVoxel), {});
   for (const fem::Element element : {fem::Element::kTet4, fem::Element::kTet10}) {
     const fem::FemScene tets = fem_scene(setup_of(scene), finite_elements(element));

@@ -328,7 +328,8 @@ TEST_F(ContactOnCard, ACarriedStartIsThatOfTheHost) {
   for (size_t k = 0; k < cut.size(); ++k) cut[k] = expected[k] + share * (end[k] - expected[k]);
   OnDevice<double> from(now), clear(now), u(end);
   device.contact()->begin_step(from.data(), 0);
-  EXPECT_EQ(device.contact()->clear_start(from.data(), clear.data(), u.data()), nullptr);
+  EXPECT_EQ(device.contact()->clear_start(from.data(), clear.data(), u.data(), device.held()),
+            nullptr);
   EXPECT_LT(relative_difference(clear.host(), expected), 1e-12);
   EXPECT_LT(relative_difference(u.host(), cut), 1e-12);
   EXPECT_GT(norm(expected), 0);

@@ -9,6 +9,7 @@
 #include "network/precondition/encoder_operator.hpp"
 #include "tests/network/device_numbers.hpp"
 #include "tests/network/device_support.hpp"
+#include "tests/network/held_bodies.hpp"
 #include "tests/network/precondition/multigrid_scenes.hpp"
 
 #include <limits>
@@ -120,6 +121,8 @@ std::vector<NamedScene> all_scenes() {
   scenes.push_back({"three blocks", three_blocks(TimeScheme::kEuler)});
   scenes.push_back({"falling bar", falling_bar(TimeScheme::kEuler)});
   scenes.push_back({"rows of three materials", rows_of_three_materials()});
+  scenes.push_back({"held bar", swinging_bar(TimeScheme::kEuler)});
+  scenes.push_back({"block on a ball", block_on_ball(TimeScheme::kEuler)});
   return scenes;
 }
 

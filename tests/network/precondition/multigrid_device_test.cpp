@@ -9,6 +9,7 @@
 #include "network/precondition/multigrid_grid.hpp"
 #include "tests/network/device_numbers.hpp"
 #include "tests/network/device_support.hpp"
+#include "tests/network/held_bodies.hpp"
 #include "tests/network/precondition/multigrid_scenes.hpp"
 
 #include <optional>
@@ -165,6 +166,33 @@ TEST_F(MultigridOnCard, CyclesOfStepsOfOtherLengthsAreThoseOfTheHost) {
       device.cycle->set_nodal_stiffness({nodes.data(), blocks.data(), int64_t(stiff.nodes.size())});
       expect_cycle_of_host(scene, host, *device.cycle, 1e-11);
     }
+  }
+}
+
+/// Parent nodes are stiffer on all levels, by up to 50 times where the offset is large.
+TEST_F(MultigridOnCard, CyclesBesideDependentNodesAreThoseOfTheHost) {
+  for (Scene scene : {swinging_bar(TimeScheme::kEuler, 0.3), swinging_bar(TimeScheme::kEuler, 0.88),
+                      block_on_ball(TimeScheme::kEuler)}) {
+    SCOPED_TRACE(concat(scene.dependent.count(), " dependent nodes"));
+    for (const int64_t dense : {int64_t(100), cuda::kDenseNodes}) {
+      Multigrid<double> host(scene, 1, {}, dense);
+      Made<double> device(scene, dense);
+      expect_cycle_of_host(scene, host, *device.cycle, 1e-11);
+    }
+    // of steps of another length
+    scene.scheme = TimeScheme::kAuto;
+    Multigrid<double> host(scene, 1, {}, cuda::kMostChangedNodes);
+    Made<double> device(scene);
+    device.cycle->expect_stiffness(device.tables.mass());
+    device.cycle->use_stiffness(true);
+    const double more = 39 / (scene.dt * scene.dt);
+    std::vector<double> added(3 * size_t(scene.grid.node_count()));
+    for (size_t k = 0; k < added.size(); ++k)
+      if (!scene.pinned(int64_t(k / 3))) added[k] = more * scene.mass(int64_t(k / 3));
+    host.set_nodal_stiffness(added);
+    device.cycle->add_inertia(more);
+    device.cycle->set_nodal_stiffness({});
+    expect_cycle_of_host(scene, host, *device.cycle, 1e-11);
   }
 }
 

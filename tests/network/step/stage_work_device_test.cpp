@@ -6,6 +6,7 @@
 
 #include "core/error.hpp"
 #include "network/step/step_work.hpp"
+#include "tests/network/held_bodies.hpp"
 #include "tests/network/step/motion_machines.hpp"
 #include "tests/network/step/moving_scenes.hpp"
 
@@ -175,6 +176,11 @@ Scene in_stages(Scene scene, double dt) {
 TEST_F(OnCard, StagesOfPiecesWithAndWithoutPinsAreTheHosts) {
   const Scene scene = in_stages(three_blocks(TimeScheme::kEuler), 1.0 / 60);
   EXPECT_EQ(expect_steps(scene, in_motion(scene)), 0);
+}
+
+TEST_F(OnCard, StagesOfNodesThatFollowOthersAreTheHosts) {
+  const Scene scene = in_stages(swinging_bar(TimeScheme::kEuler), 1.0 / 60);
+  EXPECT_EQ(expect_steps(scene, bar_in_motion(scene)), 0);
 }
 
 TEST_F(OnCard, StagesOfABlockThatRubsAreTheHosts) {

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// What held nodes add to the reactions of their holders (core/held_nodes.hpp). Shared by host and
+// device.
+
+#pragma once
+
+#include "core/dependent_nodes.hpp"
+#include "core/vec3.hpp"
+
+namespace elastogen {
+
+/// A node that a holder holds.
+struct HeldNode {
+  int32_t node = 0;
+  int32_t dependent = -1;  ///< its number among dependent nodes, -1: it is pinned
+  Vec3 weight = {};        ///< of free voxels that a pinned node carries [N]
+};
+
+/// Sums over the nodes of a holder: force [N], moment about a fixed point [N m], displacement [m].
+inline constexpr int kHolderSums = 9;
+using HolderSums = std::array<double, kHolderSums>;
+
+/// With r_n less weight and load at pinned nodes, and w_im the weights of parent nodes at dependent
+/// ones, the reaction is
+///
+///     F = sum_i (1 - sum_m w_im) r_i,     M = sum_i ((x_i - c) - sum_m w_im (x_m - c)) x r_i.
+struct HeldForces {
+  const double *rest, *u;  ///< X and x - X [m], (nodes, 3)
+  const double* r;         ///< gradient before it is folded [N], (nodes, 3)
+  const double* load;      ///< on each node [N], (nodes, 3); null: none
+  WeightedSums dependent;
+
+  ELASTOGEN_HD static Vec3 at(const double* values, int64_t n) {
+    return {values[3 * n], values[3 * n + 1], values[3 * n + 2]};
+  }
+  ELASTOGEN_HD Vec3 arm(int64_t n, const Vec3& c) const {
+    return minus(plus(at(rest, n), at(u, n)), c);
+  }
+  /// Adds a node to the kHolderSums sums of its holder.
+  /// @param c  the point that moments are about [m].
+  ELASTOGEN_HD void add(const HeldNode& held, const Vec3& c, double* sum) const {
+    const int64_t n = held.node;
+    double share = 1;
+    Vec3 lever = arm(n, c), force = minus(at(r, n), held.weight);
+    if (held.dependent < 0) {
+      if (load) force = minus(force, at(load, n));
+    } else {
+      for (int32_t k = dependent.begin[held.dependent]; k < dependent.begin[held.dependent + 1];
+           ++k) {
+        share -= dependent.weights[k];
+        lever = minus(lever, scaled(arm(dependent.sources[k], c), dependent.weights[k]));
+      }
+    }
+    const Vec3 moment = cross(lever, force);
+    for (size_t d = 0; d < 3; ++d) {
+      sum[d] += share * force[d];
+      sum[3 + d] += moment[d];
+      sum[6 + d] += u[3 * n + int64_t(d)];
+    }
+  }
+};
+
+}  // namespace elastogen

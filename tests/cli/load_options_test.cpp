@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which verbs take holds, moves and loads.
+#include "cli/options.hpp"
+#include "core/error.hpp"
+#include "tests/cli/typed_words.hpp"
+#include "tests/io/test_files.hpp"
+
+#include <gtest/gtest.h>
+
+namespace elastogen {
+namespace {
+
+using test::animate_options, test::parsed_words, test::refusal, test::simulate_options;
+using test::error_of, test::expect_says, test::TempFolder;
+
+TEST(LoadOptions, TheNetworkRefusesHoldsAndTakesMovesAndLoads) {
+  const TempFolder folder;
+  const std::string says = refusal({"a.obj", "-o", "a.glb", "--hold", "all: x"});
+  expect_says(says, "the network has no --hold");
+  expect_says(says, "use simulate");
+  for (const auto& [option, text] : {std::pair("--hold", "all: x"),
+                                     {"--traction", "all: 1,0,0"},
+                                     {"--force", "all: 1,0,0"},
+                                     {"--move", "all: shift 0:0,0,0"}}) {
+    EXPECT_NO_THROW(simulate_options({"a.obj", "-o", "a.glb", option, text}));
+    if (std::string_view(option) != "--hold") {
+      EXPECT_NO_THROW(animate_options({"a.obj", "-o", "a.glb", option, text}));
+    }
+    expect_says(error_of(
+                    [&] {
+                      parsed_words({"study", "a.obj", option, text});
+                    },
+                    ErrorKind::kUsage),
+                option);
+  }
+  // wind is the other way round
+  EXPECT_NO_THROW(animate_options({"a.obj", "-o", "a.glb", "--wind", "1,0,0"}));
+  EXPECT_THROW(simulate_options({"a.obj", "-o", "a.glb", "--wind", "1,0,0"}), Error);
+  expect_says(refusal({"a.obj", "-o", "a.glb", "--wind", "1,0,0", "--state", "s.h5"}),
+              "--state does not hold");
+  const std::string scene = folder.write("s.toml", "[[hold]]\nselect = 'all'\naxes = 'x'\n");
+  expect_says(refusal({"a.obj", "-o", "a.glb", "--scene", scene}), "all: x");
+}
+
+}  // namespace
+}  // namespace elastogen
