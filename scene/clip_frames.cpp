@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scene/clip_frames.hpp"
 
+#include "scene/fem_boundary.hpp"
 #include "scene/particle_setup.hpp"
 #include "scene/particle_surface_writer.hpp"
 #include "scene/version.hpp"
@@ -98,6 +99,12 @@ const State& ClipFrames::grid_state() {
   return grid_state_;
 }
 
+/// Time of a frame on the paths of holders; in statics the load factor is the share of the way [s].
+double ClipFrames::path_time(int64_t number) const {
+  const bool is_static = run_.fem && run_.fem->statics && number > 0;
+  return is_static ? end_of_moves(run_) * stepper_->state().time : double(number) / run_.fps;
+}
+
 /// A frame whose points go with holders that move.
 CarriedFrame ClipFrames::with_moved(const CarriedFrame& carried, double time) {
   displacement_ = Array<double>(points_.count, 3);
@@ -113,7 +120,7 @@ CarriedFrame ClipFrames::with_moved(const CarriedFrame& carried, double time) {
 void ClipFrames::write(int64_t number, AnimationFrame frame) {
   const int64_t points = points_.count;
   CarriedFrame carried = stepper_->take_frame(number);
-  if (!points_.moved.empty()) carried = with_moved(carried, double(number) / run_.fps);
+  if (!points_.moved.empty()) carried = with_moved(carried, path_time(number));
   frame.displacement = {carried.displacement, points, 3};
   if (with_gradient_) frame.gradient = {carried.gradient, points, 9};
   for (int64_t k = 0; k < 3 * points; ++k)

@@ -47,6 +47,7 @@ class ClipFrames {
  private:
   const State& grid_state();
   void write(int64_t number, AnimationFrame frame);
+  double path_time(int64_t number) const;
   CarriedFrame with_moved(const CarriedFrame& carried, double time);
 
   const Setup& setup_;

@@ -59,6 +59,15 @@ class Moves(unittest.TestCase):
         self.assertLess(np.abs(points[-1, right] - turned).max(), 1e-7)
         self.assertLess(np.abs(points[-1, ~right] - points[0, ~right]).max(), 1e-7)
 
+    def test_statics_carry_points_to_the_end_of_a_path_of_any_length(self) -> None:
+        output = self.folder / "a.pc2"
+        done = run("simulate", self.source, "--h", 0.055, "--static", "--pin", "x<7%", "--move",
+                   "x>93%: shift 0:0,0,0; 4:0,2cm,0", "-o", output, "--quiet")
+        self.assertEqual(done.code, 0, done.err)
+        points = np.frombuffer(output.read_bytes()[32:], np.float32).reshape(2, -1, 3)
+        right = points[0, :, 0] > 0
+        self.assertLess(np.abs(points[1, right] - points[0, right] - [0, 0.02, 0]).max(), 1e-7)
+
     def test_reactions_of_statics_and_of_the_network_carry_the_weight(self) -> None:
         report = self.folder / "a.json"
         weight = 0.86 * 0.4 * 0.2 * 0.2 * 1100 * 9.81  # of the part between
