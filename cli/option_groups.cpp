@@ -81,7 +81,7 @@ void add_constraint_options(CLI::App& app, Typed& t) {
             "plane(x,y,z, nx,ny,nz), sphere(x,y,z, r) or box(x0,y0,z0, x1,y1,z1), then "
             "friction F (or sticky), name NAME, path T:x,y,z; T:x,y,z; repeatable");
   add_texts("--hold", t.holds,
-            "simulate: hold a part along some axes only: 'x<1%: x', 'all: yz'; repeatable");
+            "hold a part along some axes only: 'x<1%: x', 'all: yz'; repeatable");
   add_texts("--traction", t.tractions,
             "a force [N] spread over a part of the surface: 'x>99%: 0,-10,0', or a "
             "pressure [Pa] on it: 'x>99%: 2e3'; repeatable");

@@ -88,16 +88,10 @@ void resolve(Verb& verb) {
   resolve(verb.typed, verb.scene);
 }
 
-/// @throws Error (usage) naming the first option that only finite elements have.
-void check_no_holds(const Typed& typed, std::string_view verb) {
-  ELASTOGEN_CHECK(typed.holds.empty(), verb, ": the network has no --hold, got '",
-                  typed.holds.front(), "'; use simulate");
-}
-
 /// @throws Error (usage) naming the first option that studies do not have.
 void check_no_boundary(const Typed& typed) {
-  check_no_holds(typed, "study");
-  for (const auto& [option, texts] : {std::pair("--traction", &typed.tractions),
+  for (const auto& [option, texts] : {std::pair("--hold", &typed.holds),
+                                      {"--traction", &typed.tractions},
                                       {"--force", &typed.forces},
                                       {"--move", &typed.moves}})
     ELASTOGEN_CHECK(texts->empty(), "study has no ", option, ", got '", texts->front(), "'");
@@ -176,7 +170,6 @@ AnimateOptions take_run(Verb& verb) {
   resolve(verb);
   AnimateOptions& o = verb.scene;
   if (o.print_resolved) return finish_resolved(o);
-  if (!o.fem) check_no_holds(verb.typed, name);
   ELASTOGEN_CHECK(!o.fem || o.wind.keys.empty(), "simulate: finite elements feel no wind, got ",
                   "--wind '", o.wind_text, "'; use animate");
   ELASTOGEN_CHECK(o.fem || o.state.empty() || (o.forces.empty() && o.wind.keys.empty()),

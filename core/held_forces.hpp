@@ -13,22 +13,30 @@ namespace elastogen {
 struct HeldNode {
   int32_t node = 0;
   int32_t dependent = -1;  ///< its number among dependent nodes, -1: it is pinned
-  Vec3 weight = {};        ///< of free voxels that a pinned node carries [N]
+  Vec3 weight = {};        ///< of free voxels that it carries, unless it is dependent [N]
+  int32_t parent = -1;     ///< its number among parent nodes, -1: it is none
+  uint8_t axes = 7;        ///< bit d: it is held along axis d
+
+  ELASTOGEN_HD bool is_whole() const { return axes == 7; }
 };
 
 /// Sums over the nodes of a holder: force [N], moment about a fixed point [N m], displacement [m].
 inline constexpr int kHolderSums = 9;
 using HolderSums = std::array<double, kHolderSums>;
 
-/// With r_n less weight and load at pinned nodes, and w_im the weights of parent nodes at dependent
-/// ones, the reaction is
+/// With r_n less weight and load where nodes are no dependent ones, and w_im the weights of parent
+/// nodes at dependent ones, the reaction is
 ///
 ///     F = sum_i (1 - sum_m w_im) r_i,     M = sum_i ((x_i - c) - sum_m w_im (x_m - c)) x r_i.
+///
+/// A node that is held along some axes adds these components of r_n alone, with what dependent nodes
+/// bring to it.
 struct HeldForces {
   const double *rest, *u;  ///< X and x - X [m], (nodes, 3)
   const double* r;         ///< gradient before it is folded [N], (nodes, 3)
   const double* load;      ///< on each node [N], (nodes, 3); null: none
-  WeightedSums dependent;
+  WeightedSums dependent;  ///< by dependent node
+  WeightedSums parents;    ///< by parent node
 
   ELASTOGEN_HD static Vec3 at(const double* values, int64_t n) {
     return {values[3 * n], values[3 * n + 1], values[3 * n + 2]};
@@ -36,14 +44,26 @@ struct HeldForces {
   ELASTOGEN_HD Vec3 arm(int64_t n, const Vec3& c) const {
     return minus(plus(at(rest, n), at(u, n)), c);
   }
+  /// What a node that is no dependent one bears: r less weight and load, along its axes.
+  ELASTOGEN_HD Vec3 borne(const HeldNode& held) const {
+    const int64_t n = held.node;
+    Vec3 force = minus(at(r, n), held.weight);
+    if (load) force = minus(force, at(load, n));
+    for (int32_t k = held.parent < 0 ? 0 : parents.begin[held.parent];
+         held.parent >= 0 && k < parents.begin[held.parent + 1]; ++k)
+      force = plus(force, scaled(at(r, parents.sources[k]), parents.weights[k]));
+    for (size_t d = 0; d < 3; ++d)
+      if (!(held.axes >> d & 1)) force[d] = 0;
+    return force;
+  }
   /// Adds a node to the kHolderSums sums of its holder.
   /// @param c  the point that moments are about [m].
   ELASTOGEN_HD void add(const HeldNode& held, const Vec3& c, double* sum) const {
     const int64_t n = held.node;
     double share = 1;
-    Vec3 lever = arm(n, c), force = minus(at(r, n), held.weight);
+    Vec3 lever = arm(n, c), force = at(r, n);
     if (held.dependent < 0) {
-      if (load) force = minus(force, at(load, n));
+      force = borne(held);
     } else {
       for (int32_t k = dependent.begin[held.dependent]; k < dependent.begin[held.dependent + 1];
            ++k) {

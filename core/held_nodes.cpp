@@ -40,10 +40,31 @@ HeldNodes::HeldNodes(const Scene& scene) : scene_(scene) {
     nodes_[size_t(holder)].push_back({n, int32_t(i), {}});
     follows |= scene.holders[size_t(holder)].moves();
   }
+  find_fixed();
   find_centres();
   place_.resize(moved_.size());
   if (follows) offset_.resize(size_t(scene.dependent.count()));
   set_time(0);
+}
+
+/// Fixed components, and the nodes that each holder holds along some axes.
+void HeldNodes::find_fixed() {
+  std::vector<int32_t> parent(size_t(scene_.fixed.rows()), -1);
+  const std::vector<int32_t>& parents = scene_.dependent.folded().nodes;
+  for (size_t k = 0; k < parents.size() && !parent.empty(); ++k)
+    parent[size_t(parents[k])] = int32_t(k);
+  for (int64_t n = 0; n < scene_.fixed.rows(); ++n) {
+    for (int d = 0; d < 3; ++d) {
+      const int32_t holder = scene_.fixed(n, d);
+      if (holder < 0) continue;
+      fixed_.push_back(int32_t(3 * n + d));
+      std::vector<HeldNode>& nodes = nodes_[size_t(holder)];
+      if (nodes.empty() || nodes.back().node != int32_t(n))
+        nodes.push_back({int32_t(n), -1, scaled(scene_.gravity, weighing_[size_t(n)]),
+                         parent[size_t(n)], 0});
+      nodes.back().axes |= uint8_t(1 << d);
+    }
+  }
 }
 
 /// The mass that voxels with a node that is not pinned give each node.
@@ -101,10 +122,11 @@ void HeldNodes::set_time(double time) {
 
 void HeldNodes::place_pinned(double* u) const {
   for (size_t k = 0; k < moved_.size(); ++k) set(u, moved_[k], place_[k]);
+  fix(u);
 }
 
 void HeldNodes::follow(double* u) const {
-  scene_.dependent.fill(u);
+  fill(u);
   for (size_t i = 0; i < offset_.size(); ++i) {
     const int32_t n = scene_.dependent.node(int64_t(i));
     set(u, n, plus(at(u, n), offset_[i]));
@@ -129,7 +151,12 @@ void HeldNodes::set_velocities(const double* x, double* v) const {
 
 std::vector<Reaction> HeldNodes::reactions(const double* r, const double* u,
                                            const double* load) const {
-  const HeldForces forces{scene_.grid.rest.data(), u, r, load, scene_.dependent.filled().view()};
+  const HeldForces forces{scene_.grid.rest.data(),
+                          u,
+                          r,
+                          load,
+                          scene_.dependent.filled().view(),
+                          scene_.dependent.folded().view()};
   std::vector<HolderSums> sums(nodes_.size());
   for (size_t h = 0; h < sums.size(); ++h)
     for (const HeldNode& held : nodes_[h]) forces.add(held, centres_[h], sums[h].data());

@@ -5,7 +5,8 @@
 //     dependent  u_i = ubar(X_i) + sum_m w_im (u_m - ubar(X_m)),     m the parent nodes of i,
 //
 // so that the field meets the motion of the border on the border (core/dependent_nodes.hpp). Where
-// no holder moves ubar is 0.
+// no holder moves ubar is 0. Single components of free nodes may be fixed at 0 (Scene::fixed): with
+// the free unknowns y, u = C y + c(t).
 
 #pragma once
 
@@ -31,16 +32,26 @@ class HeldNodes {
   void set_time(double time);
   double time() const { return time_; }
 
-  /// Sets displacements of pinned nodes that move, (nodes, 3) [m].
+  /// Sets displacements of pinned nodes that move, and fixed components, (nodes, 3) [m].
   void place_pinned(double* u) const;
-  /// Sets those of dependent nodes.
+  /// Sets those of dependent nodes, and fixed components.
   void follow(double* u) const;
   void place(double* u) const { place_pinned(u), follow(u); }  ///< sets both
   /// Adds to velocities of dependent nodes what holders bring at the start, as they go on for a time
   /// [s] (a holder rests before it).
   void add_start_rates(double soon, double* v);
-  /// Fills values that holders do not move, like directions (DependentNodes::fill).
-  void fill(double* values) const { scene_.dependent.fill(values); }
+  /// C y, of values that holders do not move, like directions (DependentNodes::fill).
+  template <class T>
+  void fill(T* values) const {
+    fix(values);
+    scene_.dependent.fill(values);
+  }
+  /// C^T g (DependentNodes::fold).
+  template <class T>
+  void fold(T* gradient) const {
+    scene_.dependent.fold(gradient);
+    fix(gradient);
+  }
   /// Sets velocities of pinned nodes that move, at positions x [m/s], (nodes, 3).
   void set_velocities(const double* x, double* v) const;
 
@@ -59,6 +70,15 @@ class HeldNodes {
 
   // for other machines
 
+  /// Bit d: component d of a node is fixed.
+  uint8_t fixed_axes(int64_t node) const {
+    uint8_t axes = 0;
+    for (int d = 0; d < 3 && !fixed_.empty(); ++d)
+      axes |= uint8_t((scene_.fixed(node, d) >= 0) << d);
+    return axes;
+  }
+  /// Fixed components, 3 n + d.
+  const std::vector<int32_t>& fixed() const { return fixed_; }
   /// Pinned nodes that move, the holder of each, and u there.
   const std::vector<int32_t>& moved() const { return moved_; }
   const std::vector<int32_t>& holders_of_moved() const { return holders_of_moved_; }
@@ -71,6 +91,11 @@ class HeldNodes {
   const std::vector<Vec3>& centres() const { return centres_; }
 
  private:
+  template <class T>
+  void fix(T* values) const {
+    for (const int32_t k : fixed_) values[k] = 0;
+  }
+  void find_fixed();
   void find_weights();
   void find_centres();
   const Holder& holder_of(int64_t node) const;
@@ -78,12 +103,12 @@ class HeldNodes {
 
   const Scene& scene_;
   double time_ = 0;
-  std::vector<int32_t> moved_, holders_of_moved_;
+  std::vector<int32_t> moved_, holders_of_moved_, fixed_;
   std::vector<Vec3> place_;                   // ubar of moved_
   std::vector<double> weighing_;              // mass of each node that weighs on its holder [kg]
   std::vector<Vec3> offset_;                  // ubar(X_i) - sum w_im ubar(X_m), of dependent nodes
   std::vector<HolderRate> rates_;             // (holders), as what follows
-  std::vector<std::vector<HeldNode>> nodes_;  // pinned ones, then dependent ones
+  std::vector<std::vector<HeldNode>> nodes_;  // pinned, dependent, then those of some axes
   std::vector<Vec3> centres_;                 // of turns, else the mean of the nodes at rest
 };
 

@@ -92,6 +92,9 @@ void check_scene(const Scene& scene) {
   for (const Holder& holder : scene.holders) check_path(holder.path);
   ELASTOGEN_CHECK(scene.holder.empty() || is(scene.holder, nodes, 1), "holder must be (nodes, 1)");
   check_range(scene.holder, -1, double(scene.holders.size()) - 1, "holder");
+  ELASTOGEN_CHECK(scene.fixed.empty() || (is(scene.fixed, nodes, 3) && !scene.holder.empty()),
+                  "fixed must be (nodes, 3), and comes with holder");
+  check_range(scene.fixed, -1, double(scene.holders.size()) - 1, "fixed");
   ELASTOGEN_CHECK(scene.load.empty() || is(scene.load, nodes, 3), "load must be (nodes, 3)");
   check_range(scene.load, -kLargest, kLargest, "load");
   for (const TimedForce& force : scene.forces) {
@@ -118,6 +121,9 @@ void check_dependent(const Scene& scene) {
   }
   ELASTOGEN_CHECK(marked == listed && listed == scene.dependent.count(),
                   "the dependent nodes must be those that pinned marks");
+  for (int64_t k = 0; k < scene.fixed.size(); ++k)
+    ELASTOGEN_CHECK(scene.fixed.data()[k] < 0 || scene.pinned(k / 3) == kFreeNode, "node ", k / 3,
+                    " has a fixed component and must be free");
 }
 
 void fill_mass(Scene& scene) {
@@ -154,7 +160,13 @@ void variance_of_voxel(const VoxelGrid& grid, const Material& m, int64_t v, doub
   double c = (m.mu() + E / 2) / 2;
   if (count == 1) c = E / (2 * (1 - nu * nu));
   if (count >= 2) c = E / 2;
-  double share = grid.fill(v);  // of the edge that a member across the thin axis fills
+  // of the edge that a member across the thin axis fills
+  double share = grid.fill(v);
+  if (!grid.thickness.empty() && grid.thickness(v, 0) > 0) {
+    share = 1;
+    for (int d = 0; d < 3; ++d)
+      if (thin >> d & 1) share *= grid.thickness(v, d);
+  }
   if (!grid.sheet.empty() && grid.sheet(v) > 0) share = grid.sheet(v);
   for (int k = 0; k < 4; ++k) weight[k] = kAxes[k] & thin ? c * share * share : c;
 }
@@ -246,9 +258,9 @@ State initial_state(const Scene& scene, const StartMotion& motion) {
                         w[f] * (X(n, e) - centre[size_t(e)]);
     }
   });
-  scene.dependent.fill(state.v.data());
   // what moves stands at the start of its path
   HeldNodes held(scene);
+  held.fill(state.v.data());
   if (!held.move()) return state;
   Array<double> u(nodes, 3);
   held.place(u.data());

@@ -48,6 +48,8 @@ struct Scene {
   std::vector<Holder> holders;
   Array<int32_t> holder;  ///< of each node in `holders`, -1 if it is free, (nodes, 1); empty: held
                           ///< nodes rest
+  Array<int32_t> fixed;   ///< holder of each component of u that stays 0 at a free node, else -1,
+                          ///< (nodes, 3); empty: none
   Array<double> load;     ///< dead load on each node [N], (nodes, 3); empty: none
   std::vector<TimedForce> forces;
   Wind wind;

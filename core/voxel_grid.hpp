@@ -37,6 +37,8 @@ struct VoxelGrid {
   Array<double> fill;        ///< filled share of each voxel after the floor of 0.02, (voxels, 1)
   Array<double> shape_mean;  ///< mean of each corner's shape function over the fill, (voxels, 8),
                              ///< rows sum to 1, 1/8 in a full voxel
+  Array<double> thickness;   ///< where borders of pins cut voxels: mean length of what they leave
+                             ///< along each axis, over h, 0 in others, (voxels, 3); empty: none does
   double volume = 0;         ///< volume of the asset [m^3]; 0 where it has none (open sheets)
   Array<double> sheet;       ///< thickness / h of the layer in each voxel, 0 where there is none,
                              ///< (voxels, 1); empty where no thickness was given

@@ -25,6 +25,8 @@ sys.path.insert(0, str(ROOT / "tests" / "scenes"))
 from definitions import definitions_hash  # noqa: E402
 from equation_names import missing_names  # noqa: E402
 from fit_tables import fine_tuning, fits, generation  # noqa: E402
+from hold_tables import TABLES as HOLD_TABLES  # noqa: E402
+from hold_tables import measured_on  # noqa: E402
 from metal_tables import TABLES as METAL_TABLES  # noqa: E402
 from paper_tables import TABLES as PAPER_TABLES  # noqa: E402
 from particle_tables import TABLES as PARTICLE_TABLES  # noqa: E402
@@ -258,12 +260,13 @@ TABLES: dict[str, Callable[[], str]] = {"accuracy": accuracy, "peers": peers,
                                     "ladder": ladder, "scene stress": scene_stress,
                                     "fits": lambda: table(*fits()), "neural": neural,
                                     "generation": lambda: table(*generation()),
-                                    "fine tuning": lambda: table(*fine_tuning())} | {
+                                    "fine tuning": lambda: table(*fine_tuning()),
+                                    "held machine": measured_on} | {
     f"study {name}": (lambda n=name: study(n)) for name in STUDIES} | {
     f"{title} {part.replace('-', ' ')}": (lambda f=file, p=part: bench(f, p))
     for title, file in (("bench", "benchmarks"), ("device", "device")) for part in BENCH_PARTS} | {
     name: (lambda lines=lines: table(*lines()))
-    for name, lines in (PAPER_TABLES | METAL_TABLES | PARTICLE_TABLES).items()}
+    for name, lines in (PAPER_TABLES | METAL_TABLES | PARTICLE_TABLES | HOLD_TABLES).items()}
 
 
 def rendered(text: str, place: str) -> str:

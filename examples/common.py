@@ -71,6 +71,30 @@ def box(path: str, lower: tuple, upper: tuple, parts: tuple) -> None:
     Path(path).write_text("\n".join(rows) + "\n")
 
 
+def blocks(path: str, edge: float, boxes: list) -> None:
+    """Writes an OBJ of the surface of boxes of cubes: corners as numbers of edges."""
+    cells = {(i, j, k) for lower, upper in boxes for i in range(lower[0], upper[0])
+             for j in range(lower[1], upper[1]) for k in range(lower[2], upper[2])}
+    places, faces = {}, []
+    for cell in sorted(cells):
+        for axis in range(3):
+            u, v = (axis + 1) % 3, (axis + 2) % 3
+            for side in (0, 1):
+                beside = list(cell)
+                beside[axis] += 2 * side - 1
+                if tuple(beside) in cells:
+                    continue
+                face = []
+                for a, b in ((0, 0), (1, 0), (1, 1), (0, 1)):
+                    at = list(cell)
+                    at[axis], at[u], at[v] = cell[axis] + side, cell[u] + a, cell[v] + b
+                    face.append(places.setdefault(tuple(at), len(places) + 1))
+                faces.append(face if side else face[::-1])
+    rows = ["v " + " ".join(f"{edge * c:.9g}" for c in at) for at in places]
+    rows += ["f " + " ".join(map(str, face)) for face in faces]
+    Path(path).write_text("\n".join(rows) + "\n")
+
+
 def claim(what: str, value: float, least: float, most: float) -> None:
     """Says a number; the example has failed where it is not within the limits."""
     met = least <= value <= most

@@ -347,7 +347,7 @@ std::span<const SceneTable> scene_tables() {
       {"material", false, "The material of what no region takes."},
       {"region", true, "A part of another material: one of select, node, gltf_material."},
       {"pin", true, "A part that is held, as in `pins`."},
-      {"hold", true, "simulate: a part that is held along some axes."},
+      {"hold", true, "A part that is held along some axes."},
       {"traction", true, "A force or a pressure on a part of the surface."},
       {"move", true, "A part that is shifted along a path, or turned."},
       {"motion", false, "Motion at the start."},

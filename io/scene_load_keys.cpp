@@ -12,7 +12,7 @@ using Keys = std::vector<SceneKey>;
 Keys boundary_keys() {
   return {
       // nodes that do not move
-      {"", "holds", T::kTexts, "[]", "--hold", "simulate: holds as the option writes them"},
+      {"", "holds", T::kTexts, "[]", "--hold", "holds as the option writes them"},
       {"hold", "select", T::kText, "", "", "a selection, as in a pin"},
       {"hold",
        "axes",

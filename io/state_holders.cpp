@@ -33,6 +33,7 @@ void write_holders(hid_t file, const Scene& scene, const StateHeader& header,
   for (const Holder& holder : scene.holders) names.push_back(holder.name);
   write_names(group, names);
   hdf5::write_dataset<int32_t>(group, "of_node", scene.holder);
+  if (!scene.fixed.empty()) hdf5::write_dataset<int32_t>(group, "of_component", scene.fixed);
   // offsets of dependent nodes
   HeldNodes held(scene);
   if (!held.moves_dependent()) return;

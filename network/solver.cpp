@@ -47,8 +47,8 @@ Solver::Impl::Impl(const Scene& s, const SolverOptions& o)
       mode(o.mode),
       gradient(3 * size_t(s.grid.node_count())) {
   check_options(o);
-  pinned = std::any_of(s.pinned.data(), s.pinned.data() + s.pinned.rows(),
-                       [](uint8_t p) { return p != 0; });
+  pinned = !s.fixed.empty() || std::any_of(s.pinned.data(), s.pinned.data() + s.pinned.rows(),
+                                           [](uint8_t p) { return p != 0; });
   extrapolates = pinned || !s.colliders.empty();
   std::fill(std::begin(last_step), std::end(last_step), -kRetry);
   if (mode == SolverMode::kAuto) mode = is_stiff() ? SolverMode::kNewton : SolverMode::kQuasi;
@@ -59,6 +59,8 @@ Solver::Impl::Impl(const Scene& s, const SolverOptions& o)
                   "the paper's algorithm has no damping: --damping 0");
   ELASTOGEN_CHECK(mode != SolverMode::kPaper || scene.dependent.empty(),
                   "the paper's algorithm knows no dependent nodes");
+  ELASTOGEN_CHECK(mode != SolverMode::kPaper || scene.fixed.empty(),
+                  "the paper's algorithm knows no holds along single axes");
   if (mode == SolverMode::kPaper) {
     check_paper_scene(*terms, o.paper);
     in_float = true;
@@ -67,8 +69,8 @@ Solver::Impl::Impl(const Scene& s, const SolverOptions& o)
   }
   // forces beyond the range of float, or conditions beyond its digits
   in_float = courant <= kDoubleCourant && force < 1e25 && force > 1e-25;
-  // contact may ask for what rest does not
-  const EncoderChoice encoder{!o.skip || courant > kEncoderCourant,
+  // contact may ask for what rest does not; modes of the encoder know no fixed components
+  const EncoderChoice encoder{scene.fixed.empty() && (!o.skip || courant > kEncoderCourant),
                               o.skip && scene.colliders.empty() ? kEncoderSoftness : 0};
   make_work(&encoder);
 }

@@ -86,7 +86,7 @@ struct RunDescription {
 
   // what acts on it
   std::vector<Pin> pins;
-  std::vector<Hold> holds;  ///< only for finite elements
+  std::vector<Hold> holds;
   std::vector<Traction> tractions;
   std::vector<Force> forces;
   std::vector<Move> moves;

@@ -48,6 +48,7 @@ class NetworkStepper : public Stepper {
   void describe(StateHeader& header) const override {
     header.solver = solver_name(solver_.mode());
     header.traction = scene_.load;
+    header.fixed = fixed_components();
     header.moved = std::ranges::any_of(scene_.holders, [](const Holder& h) { return h.moves(); });
     header.tolerance = tolerance_;
     for (const auto& net : nets_) header.nets.push_back(net ? state_net(*net) : StateNet());
@@ -59,6 +60,15 @@ class NetworkStepper : public Stepper {
   }
 
  private:
+  /// 1 where a component is pinned or fixed, (nodes, 3); empty: pins alone hold.
+  Array<uint8_t> fixed_components() const {
+    Array<uint8_t> fixed(scene_.fixed.rows(), 3);
+    for (int64_t n = 0; n < fixed.rows(); ++n)
+      for (int d = 0; d < 3; ++d)
+        fixed(n, d) = scene_.pinned(n) == kPinnedNode || scene_.fixed(n, d) >= 0;
+    return fixed;
+  }
+
   const Scene& scene_;
   LearnedLaws nets_;
   double tolerance_;

@@ -72,19 +72,6 @@ void align_to_pins(const RunDescription& run, const PlacedBox& box, VoxelizeOpti
   }
 }
 
-/// 1 for each node that an option selects, (nodes, 1); warns if there is none.
-Array<uint8_t> held_nodes(const std::string& option, const Selection& selection, Setup& setup) {
-  const PlacedBox& box = setup.body.surface.box;
-  Array<uint8_t> selected = select_nodes(setup.scene.grid, selection, box);
-  const uint8_t* nodes = selected.data();
-  if (std::any_of(nodes, nodes + selected.rows(), [](uint8_t s) { return s != 0; }))
-    return selected;
-  setup.warnings.push_back(
-      fmt::format("{} holds nothing: no node of the grid lies in it; the asset spans {}", option,
-                  span_of(box)));
-  return selected;
-}
-
 /// Gives a node to a holder. @throws Error (usage) if another one has it and one of them moves.
 void take_node(int64_t n, int32_t holder, Scene& scene) {
   const int32_t before = scene.holder(n);
@@ -109,12 +96,6 @@ void pin_nodes(const HeldPart& part, int32_t holder, const std::optional<Border>
         (border && distance(*border, {X[0], X[1], X[2]}) <= kSamePlane * scene.grid.h))
       take_node(n, holder, scene);
   }
-}
-
-/// Whether nodes hold a pin where its border lies.
-bool fits_grid(const std::optional<Border>& border, const Setup& setup) {
-  const VoxelGrid& grid = setup.scene.grid;
-  return !border || fits(*border, setup.body.surface.box, grid.h, grid.origin);
 }
 
 /// Says once that nodes hold pins whose borders cut voxels.
@@ -157,6 +138,28 @@ void claim_border(int32_t holder, int32_t& owner, const Scene& scene) {
   if (owner < 0) owner = holder;
 }
 
+/// Says where voxels are too large for what is held.
+void say_coarse(const std::vector<HeldBorder>& borders, Setup& setup) {
+  constexpr double kLeastRadius = 2;  // of balls [voxel edges]
+  const Scene& scene = setup.scene;
+  for (const HeldBorder& held : borders) {
+    const double radius = held.border.radius / scene.grid.h;
+    if (radius <= 0 || radius >= kLeastRadius) continue;
+    setup.warnings.push_back(
+        fmt::format("{}: its radius is {:.2g} voxels; below 2 what is beside it moves with an "
+                    "error of a tenth or more",
+                    scene.holders[size_t(held.holder)].name, radius));
+  }
+  int64_t still = 0;
+  for (int64_t i = 0; i < scene.dependent.count(); ++i)
+    still += scene.dependent.parents(i).rows == 0;
+  if (still > 0)
+    setup.warnings.push_back(
+        fmt::format("{} nodes between borders of pins hold still: in gaps below two voxels the "
+                    "body hardly moves",
+                    still));
+}
+
 /// Adds the nodes that follow others at borders that cut voxels.
 void add_dependent(const std::vector<Border>& borders, const std::vector<BorderVoxel>& cut,
                    const std::vector<int32_t>& holder_of_border, Scene& scene) {
@@ -170,6 +173,23 @@ void add_dependent(const std::vector<Border>& borders, const std::vector<BorderV
 }
 
 }  // namespace
+
+Array<uint8_t> held_nodes(const std::string& option, const Selection& selection, Setup& setup) {
+  const PlacedBox& box = setup.body.surface.box;
+  Array<uint8_t> selected = select_nodes(setup.scene.grid, selection, box);
+  const uint8_t* nodes = selected.data();
+  if (std::any_of(nodes, nodes + selected.rows(), [](uint8_t s) { return s != 0; }))
+    return selected;
+  setup.warnings.push_back(
+      fmt::format("{} holds nothing: no node of the grid lies in it; the asset spans {}", option,
+                  span_of(box)));
+  return selected;
+}
+
+bool fits_grid(const std::optional<Border>& border, const Setup& setup) {
+  const VoxelGrid& grid = setup.scene.grid;
+  return !border || fits(*border, setup.body.surface.box, grid.h, grid.origin);
+}
 
 bool moves_apart(const Setup& setup, const RunDescription& run) {
   return run.fem && (setup.tets || !holder_of_nodes(run).empty());
@@ -230,10 +250,8 @@ void pin(const RunDescription& run, const std::vector<Border>& borders,
                       part.option, span_of(box)));
   }
   add_dependent(borders, cut, holder_of_border, scene);
+  say_coarse(setup.borders, setup);
   if (borders.empty()) say_nodes_hold(run, setup);
-  // holds, and moves of finite elements
-  for (const Hold& hold : run.holds)
-    held_nodes(fmt::format("--hold '{}'", hold.text), hold.selection, setup);
   for (const Move& move : run.moves)
     if (moves_apart(setup, run))
       held_nodes(fmt::format("--move '{}'", move.text), move.selection, setup);

@@ -12,6 +12,12 @@ namespace elastogen {
 /// The extents of a box, for messages.
 std::string span_of(const PlacedBox& box);
 
+/// 1 for each node that an option selects, (nodes, 1); warns if there is none.
+Array<uint8_t> held_nodes(const std::string& option, const Selection& selection, Setup& setup);
+
+/// Whether nodes hold a part where its border lies; the setup has a grid.
+bool fits_grid(const std::optional<Border>& border, const Setup& setup);
+
 /// Whether finite elements move nodes by themselves (fem_boundary.cpp), not by holders of the scene.
 bool moves_apart(const Setup& setup, const RunDescription& run);
 
@@ -22,8 +28,8 @@ Holder holder_of(const Move& move, const PlacedBox& box);
 /// neither where the steps of the run hold nodes. @param box  of the asset [m].
 void add_borders(const RunDescription& run, const PlacedBox& box, VoxelizeOptions& options);
 
-/// Fills what holds the nodes of the scene; warns of pins, holds and moves that hold nothing. Holds, and
-/// moves of elements that move nodes apart, are only checked.
+/// Fills what holds the nodes of the scene; warns of pins and moves that hold nothing. Moves of elements
+/// that move nodes apart are only checked. Holds follow (scene/holds.hpp).
 /// @throws Error (usage) naming two options, one of them a move, that have a point, node or border in common.
 /// @param borders  of the options that the grid was made with.
 /// @param cut      by them (Voxelized).

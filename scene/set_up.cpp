@@ -12,6 +12,7 @@
 #include "scene/asset_stages.hpp"
 #include "scene/fem_boundary.hpp"
 #include "scene/fem_scene.hpp"
+#include "scene/holds.hpp"
 #include "scene/impact_speed.hpp"
 #include "scene/loads.hpp"
 #include "scene/loose_pieces.hpp"
@@ -159,6 +160,7 @@ void add_grid(const Asset& asset, const RunDescription& run, Setup& setup) {
         run.thickness, setup.body.shell));
   setup.scene.grid = std::move(voxelized.grid);
   pin(run, options.borders, voxelized.cut, setup);
+  fix_axes(run, setup);
 }
 
 /// Adds body and colliders for tetrahedra, which replace the grid.
@@ -365,6 +367,7 @@ Setup set_up(const TetAsset& tets, const RunDescription& run) {
   drop_elastic(setup.yields);
   setup.tets->material = scene.material;
   pin(run, {}, {}, setup);
+  fix_axes(run, setup);
   scene.surface = fem::is_plane(setup.tets->element) ? rim_points(*setup.tets, setup.node_of)
                                                      : vertex_points(setup.body.surface);
   for (const Collider& collider : scene.colliders) check_clear(scene, collider);

@@ -86,6 +86,7 @@ Embedding embed(const VoxelGrid& grid, In<double> points, In<int32_t> part) {
     // the voxel that holds the point, else the nearest one of its part
     int64_t v = on_lattice ? index.find(cell) : -1;
     if (v < 0 || (!grid.part.empty() && grid.part(v) != part(p))) v = nearest[k].find(t);
+    if (v < 0) return;  // a part that is held as a whole has none
     // weights in that voxel
     for (int d = 0; d < 3; ++d) t[d] -= grid.voxel_coord(v, d);
     embedding.voxel(p) = static_cast<int32_t>(v);

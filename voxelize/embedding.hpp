@@ -18,7 +18,8 @@ struct Embedding {
 /// unreferenced vertex) gets the nearest voxel. Up to one voxel away along each axis, its weights
 /// continue those at the nearest point of that voxel linearly, so that affine motions are carried
 /// exactly. From one to two voxels they fade to the weights at that nearest point, and stay there
-/// beyond. A stray point thus moves as its nearest voxel, never farther than the farthest node.
+/// beyond. A stray point thus moves as its nearest voxel, never farther than the farthest node. A
+/// point of a part without voxels rests, in voxel 0.
 /// @param points  [m], (points, 3), finite.
 /// @param part    of each point, (points), if pieces are kept apart: its voxel is of that part.
 /// @throws Error  if the grid has parts and the points have none.

@@ -2,6 +2,7 @@
 #include "voxelize/free_part.hpp"
 
 #include "core/vec3.hpp"
+#include "voxelize/held_share.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -16,8 +17,6 @@ constexpr double kOnBorder =
 constexpr double kNothing = 1e-9;  // free share of a voxel that is none
 constexpr double kHeld = 1e-12;    // least share that counts as held
 constexpr double kFlat = 1e-9;     // extent of a body that has none along an axis
-constexpr int kLattice = 8;        // points along an edge
-constexpr size_t kMostBoxes = 6;   // boxes in a voxel whose union is found exactly
 
 /// Borders that meet a voxel, in its coordinates: 0..1 along each edge.
 struct MetBorders {
@@ -51,72 +50,19 @@ bool meets(const Border& border, const Box& box) {
   return true;
 }
 
-/// Integrals of the shape functions over a box within a voxel, 0 if it is empty.
-void box_moments(const Box& box, double moment[8]) {
-  double line[3][2];
-  for (size_t d = 0; d < 3; ++d) {
-    const double a = box.lower[d], b = std::max(box.upper[d], a), half = (b * b - a * a) / 2;
-    line[d][0] = b - a - half;
-    line[d][1] = half;
-  }
-  for (int c = 0; c < 8; ++c) moment[c] = line[0][c & 1] * line[1][c >> 1 & 1] * line[2][c >> 2];
-}
-
-/// Integrals over the part of a box within a voxel that lies in the union of boxes, by the sums over
-/// the intersections of each set of them.
-void union_of_boxes(const Box& box, const std::vector<Border>& boxes, double held[8]) {
-  std::fill_n(held, 8, 0.0);
-  for (uint32_t set = 1; set < 1u << boxes.size(); ++set) {
-    Box common = box;
-    double sign = -1;
-    for (size_t b = 0; b < boxes.size(); ++b) {
-      if (!(set >> b & 1)) continue;
-      sign = -sign;
-      for (size_t d = 0; d < 3; ++d) {
-        common.lower[d] = std::max(common.lower[d], boxes[b].lower[d]);
-        common.upper[d] = std::min(common.upper[d], boxes[b].upper[d]);
-      }
-    }
-    double moment[8];
-    box_moments(common, moment);
-    for (int c = 0; c < 8; ++c) held[c] += sign * moment[c];
-  }
-}
-
-/// The same for any borders, as means over points.
-void union_of_borders(const Box& box, const std::vector<Border>& borders, double held[8]) {
-  std::fill_n(held, 8, 0.0);
-  double sum[8] = {}, whole[8];
-  box_moments(box, whole);
-  for (int k = 0; k < kLattice * kLattice * kLattice; ++k) {
-    const int at[3] = {k % kLattice, k / kLattice % kLattice, k / kLattice / kLattice};
-    Vec3 x;
-    for (size_t d = 0; d < 3; ++d)
-      x[d] = box.lower[d] + box.extent(int(d)) * (at[d] + 0.5) / kLattice;
-    bool inside = false;
-    for (const Border& border : borders) inside = inside || distance(border, x) <= 0;
-    for (int c = 0; c < 8; ++c) {
-      double N = 1;
-      for (size_t d = 0; d < 3; ++d) N *= c >> d & 1 ? x[d] : 1 - x[d];
-      sum[c] += N;
-      if (inside) held[c] += N;
-    }
-  }
-  for (int c = 0; c < 8; ++c) held[c] *= sum[c] > 0 ? whole[c] / sum[c] : 0;
-}
-
 /// Cuts the voxels of one body.
 class Cutter {
  public:
-  Cutter(const CutBody& body, const std::vector<Border>& borders) {
+  Cutter(const CutBody& body, const std::vector<Border>& borders) : body_(body) {
     for (const Border& border : borders)
       borders_.push_back(border_on_lattice(border, body.lattice));
     for (const Vec3& vertex : body.mesh.vertices) box_.add(vertex);
   }
 
   /// Fills `cut` but for its coordinates from the integrals over what the body fills of a voxel.
+  /// @param cell  of the surface, -1: the voxel has none.
   /// @return whether something is held.
-  bool cut(const Coord& voxel, const double of_body[8], CutVoxel& result) const {
+  bool cut(const Coord& voxel, int64_t cell, const double of_body[8], CutVoxel& result) const {
     // the part of the voxel within the body's box, and the borders that meet it
     Box part;
     for (size_t d = 0; d < 3; ++d) {
@@ -126,18 +72,19 @@ class Cutter {
     }
     const MetBorders met = borders_at(voxel, part);
     if (met.number.empty()) return false;
-    // shares that they hold
-    double whole[8], held[8], body_share = 0;
-    box_moments(part, whole);
-    shares(part, met, held);
+    // shares that they leave, of the box or of what the surface fills of it
+    double free[8], body = 0;
+    free_shares(part, met.border, free);
+    if (cell >= 0)
+      result.thickness = free_shares_inside(solid_triangles(body_.mesh, body_.cells, cell), of_body,
+                                            part, met.border, free);
     result.share = 0;
     for (int c = 0; c < 8; ++c) {
-      const double free = whole[c] > 0 ? std::clamp(1 - held[c] / whole[c], 0.0, 1.0) : 0;
-      body_share += of_body[c];
-      result.share += result.moment[c] = std::max(of_body[c], 0.0) * free;
+      body += of_body[c];
+      result.share += result.moment[c] = std::max(of_body[c], 0.0) * free[c];
     }
     result.borders = met.number;
-    return met.balls || body_share - result.share > kHeld;
+    return met.balls || body - result.share > kHeld;
   }
 
  private:
@@ -154,13 +101,7 @@ class Cutter {
     return met;
   }
 
-  static void shares(const Box& part, const MetBorders& met, double held[8]) {
-    if (met.balls || met.border.size() > kMostBoxes)
-      union_of_borders(part, met.border, held);
-    else
-      union_of_boxes(part, met.border, held);
-  }
-
+  const CutBody& body_;
   std::vector<Border> borders_;
   Box box_;
 };
@@ -188,10 +129,10 @@ FreePart free_part(const CutBody& body, const std::vector<Border>& borders) {
   const Cutter cutter(body, borders);
   FreePart result;
   std::vector<int32_t> kept;
-  const auto add = [&](const Coord& at, const double moment[8]) {
+  const auto add = [&](const Coord& at, int64_t cell, const double moment[8]) {
     CutVoxel cut;
     cut.coord = at;
-    const bool is_cut = cutter.cut(at, moment, cut);
+    const bool is_cut = cutter.cut(at, cell, moment, cut);
     if (is_cut) result.held += sum_of(moment) - cut.share;
     if (is_cut && cut.share <= kNothing) return;
     kept.insert(kept.end(), at.begin(), at.end());
@@ -202,11 +143,11 @@ FreePart free_part(const CutBody& body, const std::vector<Border>& borders) {
     if (!body.kept[size_t(c)]) continue;
     double moment[8];
     filled_moments(body, c, moment);
-    add(body.cells.coord[size_t(c)], moment);
+    add(body.cells.coord[size_t(c)], c, moment);
   }
   for (const Run& run : body.fill.full)
     for (int32_t i = 0; i < run.length; ++i)
-      add({run.first[0] + i, run.first[1], run.first[2]}, kFullVoxel);
+      add({run.first[0] + i, run.first[1], run.first[2]}, -1, kFullVoxel);
   result.voxels = Array<int32_t>(int64_t(kept.size() / 3), 3);
   std::copy(kept.begin(), kept.end(), result.voxels.data());
   return result;
@@ -222,7 +163,7 @@ std::vector<uint8_t> cut_cells(const CutBody& body, const std::vector<Border>& b
     filled_moments(body, c, moment);
     CutVoxel cut;
     result[size_t(c)] =
-        cutter.cut(body.cells.coord[size_t(c)], moment, cut) && cut.share > kNothing;
+        cutter.cut(body.cells.coord[size_t(c)], c, moment, cut) && cut.share > kNothing;
   }
   return result;
 }

@@ -13,6 +13,7 @@ struct CutVoxel {
   Coord coord;
   double share = 0;              ///< free, of the voxel
   double moment[8] = {};         ///< integrals of the shape functions over the free part
+  Vec3 thickness = {1, 1, 1};    ///< mean length of the free part along each axis [voxel edges]
   std::vector<int32_t> borders;  ///< that hold something in it
 };
 
@@ -23,9 +24,8 @@ struct FreePart {
 };
 
 /// The free part of a body. The integrals over what a body fills of a voxel are multiplied by the
-/// share of each that borders leave of the part of the voxel within the body's box: exact in full
-/// voxels, and in any where faces of the body stand across the axes. Shares of boxes and half spaces
-/// are exact, with balls they are means over 8^3 points.
+/// share of each that borders leave (voxelize/held_share.hpp): exact in full voxels, and in any where
+/// faces of the body stand across the axes, but for balls.
 FreePart free_part(const CutBody& body, const std::vector<Border>& borders);
 
 /// 1 for each surface cell of a body that free_part would cut, (cells); empty without borders.

@@ -51,6 +51,7 @@ void fill_cut(const FreePart& free, const BrickIndex& index, int32_t shift, Voxe
   for (const CutVoxel& cut : free.cut) {
     const auto v = int32_t(index.find({cut.coord[0] + shift, cut.coord[1], cut.coord[2]}));
     result.grid.fill(v) = cut.share;
+    std::ranges::copy(cut.thickness, result.grid.thickness.row(v));
     set_means(cut.moment, result.grid.shape_mean.row(v));
     for (const int32_t border : cut.borders) result.cut.push_back({v, border});
   }
@@ -142,9 +143,11 @@ void fill_grid(const std::vector<CutBody>& bodies, const std::vector<int32_t>& s
   if (options.thickness > 0) result.grid.sheet = Array<double>(count);
   // what they hold
   const BrickIndex index(result.grid.voxel_coord);
+  for (size_t k = 0; k < bodies.size(); ++k)
+    fill_border(bodies[k], index, shift[k], result);
+  if (!borders.empty()) result.grid.thickness = Array<double>(count, 3);
   for (size_t k = 0; k < bodies.size(); ++k) {
     result.report.sheet_volume += cube * sheet_volume(bodies[k]);
-    fill_border(bodies[k], index, shift[k], result);
     fill_cut(free[k], index, shift[k], result);
     if (!bodies[k].all_sheets || bodies[k].thickness > 0)
       result.grid.volume += cube * (total_volume(bodies[k]) - free[k].held);

@@ -19,6 +19,8 @@ class DeviceDependentNodes {
 
   /// The dependent nodes, with their parent nodes as sources.
   WeightedSums sums() const { return filled_.view(); }
+  /// The parent nodes, with their dependent nodes as sources.
+  WeightedSums parents() const { return folded_.view(); }
 
   /// As DependentNodes::fill; (nodes, 3), on the device.
   template <class T>

@@ -25,6 +25,13 @@ std::vector<HeldNode> joined(const std::vector<std::vector<HeldNode>>& lists) {
   return all;
 }
 
+/// HeldNodes::fixed_axes of all nodes, or none.
+std::vector<uint8_t> axes_of(const Scene& scene, const HeldNodes& held) {
+  std::vector<uint8_t> axes(size_t(scene.fixed.rows()));
+  for (size_t n = 0; n < axes.size(); ++n) axes[n] = held.fixed_axes(int64_t(n));
+  return axes;
+}
+
 /// The places of the lists' entries where these are joined.
 std::vector<std::vector<int32_t>> places_of(const std::vector<std::vector<HeldNode>>& lists) {
   std::vector<std::vector<int32_t>> places;
@@ -42,6 +49,8 @@ std::vector<std::vector<int32_t>> places_of(const std::vector<std::vector<HeldNo
 DeviceHeldNodes::DeviceHeldNodes(const Scene& scene)
     : host_(scene),
       dependent_(scene.dependent),
+      fixed_(host_.fixed()),
+      axes_(axes_of(scene, host_)),
       moved_(host_.moved()),
       holders_of_moved_(host_.holders_of_moved()),
       place_(host_.places()),
@@ -61,15 +70,25 @@ void DeviceHeldNodes::set_time(double time) {
   rates_.upload(host_.rates().data());
 }
 
+template <class T>
+void DeviceHeldNodes::fix(T* values) const {
+  const int32_t* const fixed = fixed_.data();
+  cuda::for_each(fixed_.size(), [=] __device__(int64_t k) { values[fixed[k]] = 0; });
+}
+template void DeviceHeldNodes::fix(float*) const;
+template void DeviceHeldNodes::fix(double*) const;
+
 void DeviceHeldNodes::place_pinned(double* u) const {
   const int32_t* const nodes = moved_.data();
   const Vec3* const place = place_.data();
   cuda::for_each(3 * moved_.size(), [=] __device__(int64_t k) {
     u[3 * int64_t(nodes[k / 3]) + k % 3] = place[k / 3][size_t(k % 3)];
   });
+  fix(u);
 }
 
 void DeviceHeldNodes::follow(double* u) const {
+  fix(u);
   if (offset_.size() > 0)
     dependent_.fill(u, offset_.data());
   else
@@ -88,7 +107,7 @@ void DeviceHeldNodes::set_velocities(const double* x, double* v) const {
 
 void DeviceHeldNodes::start_reactions(const double* rest, const double* load, const double* u,
                                       double* r) {
-  const HeldForces forces{rest, u, r, load, dependent_.sums()};
+  const HeldForces forces{rest, u, r, load, dependent_.sums(), dependent_.parents()};
   const HeldNode* const nodes = nodes_.data();
   const Vec3* const centres = centres_.data();
   const int64_t holders = centres_.size();
@@ -98,7 +117,7 @@ void DeviceHeldNodes::start_reactions(const double* rest, const double* load, co
       [=] __device__(int64_t h, int64_t k, DeviceSums & sum) {
         const HeldNode held = nodes[k];
         if (h < holders) forces.add(held, centres[h], sum.value);
-        if (held.dependent >= 0) return;
+        if (held.dependent >= 0 || !held.is_whole()) return;
         for (int64_t d = 0; d < 3; ++d) r[3 * int64_t(held.node) + d] = 0;
       },
       [=] __device__(int64_t h, const DeviceSums& sum) { to[h] = sum; });

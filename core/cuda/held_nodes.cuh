@@ -22,17 +22,24 @@ class DeviceHeldNodes {
   /// Copies to the device, and waits for it, where a holder moves.
   void set_time(double time);
   void place_pinned(double* u) const;
-  void follow(double* u) const;
+  void follow(double* u) const;  ///< and fixed components
   void place(double* u) const { place_pinned(u), follow(u); }
   void set_velocities(const double* x, double* v) const;
   template <class T>
   void fill(T* values) const {
+    fix(values);
     dependent_.fill(values);
   }
   template <class T>
   void fold(T* gradient) const {
     dependent_.fold(gradient);
+    fix(gradient);
   }
+  /// Sets fixed components to 0.
+  template <class T>
+  void fix(T* values) const;
+  /// HeldNodes::fixed_axes of all nodes, null where no component is fixed.
+  const uint8_t* fixed_axes() const { return axes_.data(); }
   const DeviceDependentNodes& dependent() const { return dependent_; }
 
   /// Whether a holder holds something.
@@ -50,6 +57,9 @@ class DeviceHeldNodes {
 
   HeldNodes host_;
   DeviceDependentNodes dependent_;
+  // fixed components
+  DeviceArray<int32_t> fixed_;
+  DeviceArray<uint8_t> axes_;
   // motion of pinned nodes, and what dependent ones have beside that from their parent nodes
   DeviceArray<int32_t> moved_, holders_of_moved_;
   DeviceArray<Vec3> place_, offset_;

@@ -14,11 +14,12 @@ constexpr double kLinearTolerance = 0.02;
 constexpr int kLinearIterations = 3;
 constexpr int64_t kDenseNodes = 200;  // of the coarsest level: little memory
 
-/// The constraints of a scene that knows pins only.
+/// The constraints of a scene.
 Array<uint8_t> pins_of(const Scene& scene) {
   Array<uint8_t> fixed(scene.grid.node_count(), 3);
   for (int64_t n = 0; n < fixed.rows(); ++n)
-    std::fill_n(fixed.row(n), 3, scene.pinned(n) != kFreeNode);
+    for (int d = 0; d < 3; ++d)
+      fixed(n, d) = scene.pinned(n) != kFreeNode || (!scene.fixed.empty() && scene.fixed(n, d) >= 0);
   return fixed;
 }
 

@@ -163,7 +163,7 @@ void IncrementalPotential::set_nodal_rotations(const double* u) {
       const double* F = gradients_.data() + (slot - lane) * 9 + lane;
       for (int k = 0; k < 9; ++k) sum.m[k] += grid.fill(v) * F[k * kLanes];
     }
-    const Mat3<double> R = polar_rotation(sum);
+    const Mat3<double> R = polar_rotation_about(held_.fixed_axes(n), sum);
     for (int k = 0; k < 9; ++k) nodal_rotation_[size_t(9 * n + k)] = float(R.m[k]);
   });
 }
@@ -252,7 +252,7 @@ template <>
 PotentialValue IncrementalPotential::evaluate<double>(const double* u, double* gradient) {
   PotentialValue value = evaluate_all<double, false>(u, gradient);
   if (contact_.exists()) value.contact = contact_.evaluate(u, gradient);
-  if (gradient) scene_.dependent.fold(gradient);
+  if (gradient) held_.fold(gradient);
   return value;
 }
 
@@ -260,7 +260,7 @@ template <>
 PotentialValue IncrementalPotential::evaluate<float>(const double* u, float* gradient) {
   PotentialValue value = evaluate_all<float, false>(u, gradient);
   if (contact_.exists()) value.contact = contact_.evaluate(u, gradient);
-  if (gradient) scene_.dependent.fold(gradient);
+  if (gradient) held_.fold(gradient);
   return value;
 }
 
@@ -274,7 +274,7 @@ PotentialValue IncrementalPotential::residual(const double* u, double* gradient)
   for_each(scene_.grid.node_count(), [&](int64_t n) {
     if (is_fixed(n)) std::fill_n(gradient + 3 * n, 3, 0.0);
   });
-  scene_.dependent.fold(gradient);
+  held_.fold(gradient);
   return value;
 }
 
@@ -325,8 +325,8 @@ void IncrementalPotential::hessian_product(const float* p, float* product) {
               is_fixed(n) ? 0.f : force[i] + float(inertia_[size_t(n)]) * p[3 * n + i];
       });
   if (contact_.exists()) contact_.add_hessian_product(p, product);
-  // the part of dependent nodes
-  scene_.dependent.fold(product);
+  // the part of dependent nodes, and fixed components
+  held_.fold(product);
 }
 
 void IncrementalPotential::rest_hessian_product(const double* p, double* product) {
@@ -348,7 +348,7 @@ void IncrementalPotential::rest_hessian_product(const double* p, double* product
         for (int i = 0; i < 3; ++i)
           product[3 * n + i] = is_fixed(n) ? 0 : force[i] + inertia_[size_t(n)] * p[3 * n + i];
       });
-  scene_.dependent.fold(product);
+  held_.fold(product);
 }
 
 }  // namespace elastogen

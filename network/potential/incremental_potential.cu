@@ -116,6 +116,7 @@ void DevicePotential::freeze_rotations(const double* u) {
 void DevicePotential::set_nodal_rotations(const double* u) {
   const VoxelTables<float> table = impl_->voxels<float>();
   Quaternion<float>* rotation = impl_->nodal_rotation.data();
+  const uint8_t* axes = impl_->held.fixed_axes();
   sum_at_nodes<float, 9>(
       impl_->rows, reinterpret_cast<float*>(impl_->parts.data()),
       [=] __device__(int64_t n, int64_t reference, float v[3]) {
@@ -130,7 +131,7 @@ void DevicePotential::set_nodal_rotations(const double* u) {
       [=] __device__(int64_t n, const float sum[9]) {
         Mat3<float> F;
         for (int k = 0; k < 9; ++k) F.m[k] = sum[k];
-        rotation[n] = quaternion_of(polar_rotation(F));
+        rotation[n] = quaternion_of(polar_rotation_about(axes ? axes[n] : 0, F));
       });
 }
 

@@ -51,7 +51,7 @@ class IncrementalPotential : public PotentialTerms {
   PotentialValue voxel_forces(const double* u, double* forces);
 
   /// Sets the nodal rotations of the preconditioner, polar factors of the fill-weighted sum of F_v,
-  /// from the start value of the iteration.
+  /// from the start value of the iteration. They leave the axes of fixed components alone.
   void set_nodal_rotations(const double* u);
 
   /// Value and gradient [N], (nodes, 3), 0 on pinned nodes, at displacement u; null: the value

@@ -4,7 +4,7 @@
 #include "core/error.hpp"
 #include "core/hex8.hpp"
 #include "core/reduce.hpp"
-#include "network/precondition/dependent_diagonal.hpp"
+#include "network/precondition/held_diagonal.hpp"
 #include "network/precondition/multigrid_element.hpp"
 #include "network/precondition/multigrid_grid.hpp"
 
@@ -189,7 +189,7 @@ struct Multigrid<T>::Level {
 template <class T>
 Multigrid<T>::Multigrid(const Scene& scene, double a0, std::shared_ptr<const BrickRows> rows,
                         std::optional<int64_t> most_dense)
-    : folded_(dependent_diagonal(scene, a0 / (scene.dt * scene.dt))) {
+    : folded_(held_diagonal(scene, a0 / (scene.dt * scene.dt))) {
   const int64_t dense = most_dense.value_or(dense_nodes(scene));
   if (!rows) rows = std::make_shared<const BrickRows>(make_brick_rows(scene.grid, scene.material));
   levels_.push_back(std::make_unique<Level>(finest_level(scene, a0, std::move(rows))));

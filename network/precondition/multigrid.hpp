@@ -68,7 +68,7 @@ class Multigrid {
   void smooth(Level& level);
   void cycle(size_t l);
   std::vector<std::unique_ptr<Level>> levels_;
-  std::vector<double> folded_;  // of dependent nodes (dependent_diagonal.hpp); empty: there is none
+  std::vector<double> folded_;  // of dependent nodes (held_diagonal.hpp); empty: there is none
 };
 
 }  // namespace elastogen

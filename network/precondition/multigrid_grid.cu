@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "network/potential/incremental_potential.cuh"
 #include "network/precondition/dense.cuh"
-#include "network/precondition/dependent_diagonal.hpp"
+#include "network/precondition/held_diagonal.hpp"
 #include "network/precondition/multigrid.cuh"
 #include "network/precondition/multigrid_grid.cuh"
 #include "network/precondition/stencil_folded.cuh"
@@ -116,7 +116,7 @@ void LevelMaker<T>::take_scene(DevicePotential::Impl& potential, const BrickLeve
 template <class T>
 void LevelMaker<T>::take_folded(const PotentialTerms& terms) {
   const StepScheme& scheme = terms.scheme();
-  folded_ = folded_by_slot(dependent_diagonal(terms.scene(), scheme.a0 / (scheme.dt * scheme.dt)),
+  folded_ = folded_by_slot(held_diagonal(terms.scene(), scheme.a0 / (scheme.dt * scheme.dt)),
                            made.slot, slots_);
 }
 

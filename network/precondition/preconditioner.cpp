@@ -87,7 +87,7 @@ void Preconditioner<T>::apply(const In* r, In* z) {
               ? In(0)
               : In(scale * (T(R[3 * i]) * w[0] + T(R[3 * i + 1]) * w[1] + T(R[3 * i + 2]) * w[2]));
   });
-  potential_.scene().dependent.fill(z);
+  potential_.held().fill(z);
 }
 
 template class Preconditioner<float>;

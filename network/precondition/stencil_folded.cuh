@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What dependent nodes add to the diagonals of the levels (dependent_diagonal.hpp) while these are
+// What dependent nodes add to the diagonals of the levels (held_diagonal.hpp) while these are
 // made (multigrid_grid.cu): [N/m], (slots, 3); empty where no node is dependent.
 
 #pragma once

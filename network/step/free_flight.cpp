@@ -10,6 +10,8 @@ std::vector<uint8_t> held_pieces(const Scene& scene) {
   for (const int32_t n :
        filtered(scene.grid.node_count(), [&](int64_t n) { return scene.pinned(n); }))
     held[size_t(scene.grid.piece(n))] = 1;
+  for (int64_t k = 0; k < scene.fixed.size(); ++k)
+    if (scene.fixed.data()[k] >= 0) held[size_t(scene.grid.piece(k / 3))] = 1;
   return held;
 }
 

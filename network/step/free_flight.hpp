@@ -13,7 +13,7 @@
 
 namespace elastogen {
 
-/// Whether a node of each piece is pinned, (pieces).
+/// Whether a node of each piece is pinned, or fixed along an axis, (pieces).
 std::vector<uint8_t> held_pieces(const Scene& scene);
 /// Nodes of each piece that is not held.
 std::vector<std::vector<int32_t>> free_pieces(const Scene& scene);

@@ -263,7 +263,7 @@ void HostStep::filter(Preconditioner<P>& first, double interval, double* y) {
   if (most == 0) most = 1;
   for_each(size,
            [&](int64_t k) { right[size_t(k)] = float(potential_.inertia(k / 3) * y[k] / most); });
-  scene_.dependent.fold(right.data());
+  potential_.held().fold(right.data());
   PcgWork<float> work(size);
   pcg(
       right.data(), solution.data(), size, kFilterTolerance, kFilterIterations, work,

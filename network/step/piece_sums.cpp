@@ -14,9 +14,11 @@ Pieces::Pieces(const Scene& scene) : held_(held_pieces(scene)) {
   mass_.resize(count());
   size_.resize(count());
   pins_.resize(count());
-  has_dependent_.resize(count());
+  is_bound_.resize(count());
   for (int64_t i = 0; i < scene.dependent.count(); ++i)
-    has_dependent_[size_t(scene.grid.piece(scene.dependent.node(i)))] = 1;
+    is_bound_[size_t(scene.grid.piece(scene.dependent.node(i)))] = 1;
+  for (int64_t k = 0; k < scene.fixed.size(); ++k)
+    if (scene.fixed.data()[k] >= 0) is_bound_[size_t(scene.grid.piece(k / 3))] = 1;
   for (size_t p = 0; p < count(); ++p) {
     // mass and centre, pins, then distances from the centre
     const auto whole = sum<4>(p, [&](int64_t n, auto& s) {

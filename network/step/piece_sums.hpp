@@ -25,12 +25,13 @@ class Pieces {
   explicit Pieces(const Scene& scene);
 
   size_t count() const { return nodes_.size(); }
-  /// No node of the piece is pinned.
+  /// No node of the piece is pinned, or fixed along an axis.
   bool is_free(size_t piece) const { return !held_[piece]; }
   /// Mean place of a piece's pinned nodes at rest, where they stay [m].
   const Vec3& pins(size_t piece) const { return pins_[piece]; }
-  /// Nodes of the piece depend on others: no turn about the pins meets what they must.
-  bool has_dependent(size_t piece) const { return has_dependent_[piece]; }
+  /// Nodes of the piece depend on others or are fixed along an axis: no turn about the pins meets what
+  /// they must.
+  bool is_bound(size_t piece) const { return is_bound_[piece]; }
   double mass(size_t piece) const { return mass_[piece]; }  ///< [kg]
   /// Twice the rms distance of its nodes from the centre at rest [m], weighted with mass.
   double size(size_t piece) const { return size_[piece]; }
@@ -56,7 +57,7 @@ class Pieces {
 
  private:
   std::vector<std::vector<int32_t>> nodes_;
-  std::vector<uint8_t> held_, has_dependent_;
+  std::vector<uint8_t> held_, is_bound_;
   std::vector<double> mass_, size_;
   std::vector<Vec3> pins_;
 };

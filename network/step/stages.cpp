@@ -79,9 +79,9 @@ RigidPose Stages::pose(size_t p, double t) const {
 }
 
 /// The turn of a piece about its pins, which goes on as it changed in the last step; none where nodes
-/// depend on others or something that is held moves.
+/// depend on others or are fixed along an axis, or something that is held moves.
 void Stages::turn_about_pins(size_t p) {
-  if (pieces_.has_dependent(p) || holders_move_) return;
+  if (pieces_.is_bound(p) || holders_move_) return;
   turn_[p] = spin_about(now_[p], pieces_.mass(p), pieces_.pins(p));
   const double rate = safe_norm(turn_[p]);
   gain_[p] = 0;

@@ -13,19 +13,14 @@ namespace {
 using test::animate_options, test::parsed_words, test::refusal, test::simulate_options;
 using test::error_of, test::expect_says, test::TempFolder;
 
-TEST(LoadOptions, TheNetworkRefusesHoldsAndTakesMovesAndLoads) {
+TEST(LoadOptions, BothVerbsTakeHoldsMovesAndLoads) {
   const TempFolder folder;
-  const std::string says = refusal({"a.obj", "-o", "a.glb", "--hold", "all: x"});
-  expect_says(says, "the network has no --hold");
-  expect_says(says, "use simulate");
   for (const auto& [option, text] : {std::pair("--hold", "all: x"),
                                      {"--traction", "all: 1,0,0"},
                                      {"--force", "all: 1,0,0"},
                                      {"--move", "all: shift 0:0,0,0"}}) {
     EXPECT_NO_THROW(simulate_options({"a.obj", "-o", "a.glb", option, text}));
-    if (std::string_view(option) != "--hold") {
-      EXPECT_NO_THROW(animate_options({"a.obj", "-o", "a.glb", option, text}));
-    }
+    EXPECT_NO_THROW(animate_options({"a.obj", "-o", "a.glb", option, text}));
     expect_says(error_of(
                     [&] {
                       parsed_words({"study", "a.obj", option, text});

@@ -79,6 +79,15 @@ class Part:
         return np.concatenate([self.pinned, self.followers])
 
 
+@dataclass(frozen=True)
+class AxesPart:
+    """What one holder holds along some axes."""
+
+    holder: int
+    nodes: Ints
+    mask: NDArray[np.bool_]  # (nodes, 3)
+
+
 class Holding:
     """The holders of a state file; there are none where it does not name them."""
 
@@ -96,6 +105,13 @@ class Holding:
             rows = np.flatnonzero(held.of_node[followers] == h)
             nodes = np.concatenate([pinned, followers[rows]])
             self.parts.append(Part(pinned, followers[rows], rows, self.p[nodes], self.s[nodes, 0], held.rests(h)))
+        self.axes: list[AxesPart] = []
+        if held and held.of_component is not None:
+            for h in range(len(held.names)):
+                mask = held.of_component == h
+                if mask.any():
+                    nodes = np.flatnonzero(mask.any(1))
+                    self.axes.append(AxesPart(h, nodes, mask[nodes]))
         self.weighing = self._weighing() if "reaction_force" in state.steps else np.zeros(0)
 
     def beyond(self, values: Floats) -> Floats:
@@ -141,6 +157,8 @@ class Holding:
             q = self._places(part, x, offset)
             still = part.rests or (self.state.has_stages and not self.state.moved)
             worst = max(worst, float(np.abs(q - part.p).max()) if still else fit_motion(part.p, part.s, q).off)
+        for axes in self.axes:
+            worst = max(worst, float(np.abs((x - self.body.rest)[axes.nodes][axes.mask]).max()))
         return worst
 
     def off_velocity(self, x: Floats, v: Floats) -> float:
@@ -150,6 +168,8 @@ class Holding:
         for part in (part for part in self.parts if len(part.pinned) and (part.rests or self.state.is_network)):
             mine = v[part.pinned]
             worst = max(worst, float(np.abs(mine).max()) if part.rests else fit_velocity(x[part.pinned], mine))
+        for axes in self.axes:
+            worst = max(worst, float(np.abs(v[axes.nodes][axes.mask]).max()))
         return worst
 
     def off_about(self, step: int, x: Floats) -> float:
@@ -163,6 +183,9 @@ class Holding:
             if not part.rests:
                 off = min(off, float(np.abs(fit.move(about) - about).max()) if fit.is_unique else 0.0)
             worst = max(worst, off)
+        for axes in self.axes:
+            about = self.state.steps["reaction_about"][step][axes.holder]
+            worst = max(worst, float(np.abs(about - x[axes.nodes].mean(0)).max()))
         return worst
 
     def reactions(self, step: int, found: Potential, x: Floats) -> tuple[Floats, Floats]:
@@ -174,6 +197,13 @@ class Holding:
             f = np.concatenate([away[part.pinned], found.gradient[part.followers]])
             force[h] = part.s @ f
             moment[h] = np.cross(lever[part.nodes] - np.outer(part.s, about), f).sum(0)
+        # along axes, with what dependent nodes bring
+        brought = self.body.fold(np.where(self.body.dependent[:, None], found.gradient, 0))
+        for axes in self.axes:
+            f = np.where(axes.mask, (away + brought)[axes.nodes], 0)
+            about = self.state.steps["reaction_about"][step][axes.holder]
+            force[axes.holder] = f.sum(0)
+            moment[axes.holder] = np.cross(x[axes.nodes] - about, f).sum(0)
         return force, moment
 
     def slack(self, step: int, x: Floats) -> tuple[Floats, Floats]:
@@ -185,4 +215,8 @@ class Holding:
         for h, (part, about) in enumerate(zip(self.parts, self.state.steps["reaction_about"][step])):
             force[h] = size * np.linalg.norm(part.s)
             moment[h] = size * np.linalg.norm(lever[part.nodes] - np.outer(part.s, about))
+        for axes in self.axes:
+            about = self.state.steps["reaction_about"][step][axes.holder]
+            force[axes.holder] = size * np.sqrt(len(axes.nodes))
+            moment[axes.holder] = size * np.linalg.norm(x[axes.nodes] - about)
         return force, moment

@@ -85,9 +85,11 @@ def find_pieces(state: State, body: Body) -> Pieces:
     held = ~body.loose
     free = [not held[of == p].any() for p in range(count)]
     pins: list[Floats | None] = []
+    components = state.holders.of_component if state.holders else None
+    bound = np.zeros(len(of), bool) if components is None else (components >= 0).any(1)
     for p in range(count):
         pinned = (of == p) & held.all(1)
-        rests = state.moved or not pinned.any() or body.dependent[of == p].any()
+        rests = state.moved or not pinned.any() or body.dependent[of == p].any() or bound[of == p].any()
         pins.append(None if rests else body.rest[pinned].mean(0))
     return Pieces(of, np.bincount(of, body.mass), free, pins)
 

@@ -80,11 +80,12 @@ class Net:
 
 @dataclass(frozen=True)
 class Holders:
-    """What holds nodes: pins, at rest, and moves."""
+    """What holds nodes: pins, at rest, moves, and holds along some axes."""
 
     names: tuple[str, ...]
     of_node: Ints  # (nodes,), -1: free
     offset: Floats | None = None  # (records, followers, 3) [m]; None: none moves followers
+    of_component: Ints | None = None  # (nodes, 3), -1: not held along the axis; None: nothing is
 
     def rests(self, holder: int) -> bool:
         """Whether the option that it is named after is no move."""
@@ -296,11 +297,18 @@ def _read_holders(file: h5py.File, grid: dict[str, NDArray[Any]], steps: dict[st
         require(np.isfinite(offset).all(), "/holders/offset has values that are not finite")
         require("moved" not in file.attrs or file.attrs["moved"],
                 "/holders/offset is there where root attribute 'moved' is 0")
+    component = group["of_component"][()].astype(np.int64) if "of_component" in group else None
+    if component is not None:
+        require("fixed" in grid, "/holders/of_component is there without /grid/fixed")
+        require(((component >= -1) & (component < len(names))).all(),
+                f"/holders/of_component must lie in -1..{len(names) - 1}")
+        require(((component >= 0) == ((grid["fixed"] == 1) & (pinned == 0)[:, None])).all(),
+                "/holders/of_component must be -1 where /grid/fixed is 0 or /grid/pinned is not, and only there")
     for name in {"reaction_force", "reaction_moment", "reaction_about"} & set(steps):
         require(np.isfinite(steps[name]).all(), f"/steps/{name} has values that are not finite")
-        idle = np.setdiff1d(np.arange(len(names)), of_node)
+        idle = np.setdiff1d(np.arange(len(names)), of_node if component is None else np.append(of_node, component))
         require((steps[name][:, idle] == 0).all(), f"/steps/{name} is not 0 of what holds no node")
-    return Holders(names, of_node, offset)
+    return Holders(names, of_node, offset, component)
 
 
 def read_state(file: h5py.File) -> State:

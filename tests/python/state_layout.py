@@ -55,7 +55,9 @@ REACTIONS: dict[str, tuple[str, Shape]] = {  # also in /steps, of the network wh
     "reaction_about": ("f8", ("steps", "holders", 3)),
 }
 HOLDERS: dict[str, tuple[str, Shape]] = {"name": ("S", ("holders",)), "of_node": ("i4", ("nodes",))}
-OFFSET: tuple[str, Shape] = ("f8", ("records", "followers", 3))  # also in /holders
+# also in /holders, where it is needed
+MORE_OF_HOLDERS: dict[str, tuple[str, Shape]] = {"offset": ("f8", ("records", "followers", 3)),
+                                                 "of_component": ("i4", ("nodes", 3))}
 ENERGY: tuple[str, Shape] = ("f", ("steps",))
 CONTACT: dict[str, tuple[str, Shape]] = {
     "voxel": ("i4", ("points",)),
@@ -123,7 +125,7 @@ def _tables(file: h5py.File) -> dict[str, dict[str, tuple[str, Shape]]]:
         "grid": GRID | {name: BOUNDARY[name] for name in BOUNDARY if name in file["grid"]},
         "steps": STEPS | (STAGES if stages else {}) | energies,
         "contact": CONTACT | ({"bonds": BONDS} if stages else {}),
-        "holders": HOLDERS | ({"offset": OFFSET} if "offset" in file.get("holders", ()) else {}),
+        "holders": HOLDERS | {name: what for name, what in MORE_OF_HOLDERS.items() if name in file.get("holders", ())},
     }
     if set(DEPENDENT) & set(file["grid"]):
         tables["grid"] = tables["grid"] | DEPENDENT

@@ -47,6 +47,16 @@ class Moves(unittest.TestCase):
         self.check_same("--move", "x<7%: shift 0:0,0,0; 0.1:0,2cm,1cm", "--traction",
                         "x>100%: 0,30,-20 N")
 
+    def test_holds_along_axes_are_those_of_finite_elements(self) -> None:
+        self.check_same("--hold", "x<7%: xy", "--hold", "z<0%: z", "--move",
+                        "x>93%: shift 0:0,0,0; 0.1:3cm,0,2cm", "--gravity", "1,-9.81,0")
+
+    def test_a_hold_and_a_move_of_the_same_node_are_refused(self) -> None:
+        done = run("animate", self.source, *GRID, "-o", self.folder / "a.pc2", "--hold", "x>50%: y",
+                   "--move", "x>93%: shift 0:0,0,0; 0.1:3cm,0,0")
+        self.assertEqual(done.code, 2)
+        self.assertIn("contradict each other", done.err)
+
     def test_the_parts_in_a_move_go_along_exactly(self) -> None:
         output = self.folder / "a.pc2"
         done = animate(self.source, output, *GRID, "--frames", 6, *ENDS)

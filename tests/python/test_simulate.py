@@ -213,10 +213,6 @@ class Tolerance(Simulate):
 
 
 class Network(Simulate):
-    def test_it_has_no_holds(self) -> None:
-        done = animate(self.source, self.folder / "a.glb", "--hold", "x<1%: x")
-        self.refused(done, "the network has no --hold", "use simulate")
-
     def test_a_scene_file_says_the_same(self) -> None:
         scene = self.folder / "scene.toml"
         scene.write_text("[asset]\nfile = 'bar.obj'\n[[hold]]\nselect = 'x<0%'\naxes = 'xyz'\n"
@@ -230,8 +226,6 @@ class Network(Simulate):
         self.assertEqual(resolved["tractions"], ["x>100%: 0,1,0"])
         self.assertEqual(resolved["moves"][0].split(" 0:")[0],
                          "box(0,0,0,1cm,1cm,1cm): turn(0,0,0, 0,0,2)")
-        self.refused(run("animate", "--scene", scene, "-o", self.folder / "a.glb"),
-                     "the network has no --hold")
         done = run("simulate", "--scene", scene, "--h", 0.1, "--static", "--quiet", "-o",
                    self.folder / "a.glb")
         self.assertEqual(done.code, 0, done.err)

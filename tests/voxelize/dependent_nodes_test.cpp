@@ -84,6 +84,28 @@ TEST(FreePart, HasTheVolumeAndTheCentroidBesideTwoPlanesInAnyPlaceOfTheGrid) {
   }
 }
 
+TEST(FreePart, KnowsFacesOfABodyThatLieWithinItsBox) {
+  Soup soup = box({0, 0, 0}, {1, 0.2, 0.2});
+  soup.add(box({-0.5, 0.6, 0}, {-0.3, 0.8, 0.2}));
+  for (const double offset : {0.1, 0.3, 0.7, 0.9}) {
+    const Held held = hold(soup.surface(), {below(-0.42), below(0.01), above(0.99)},
+                           {0.01 - offset * 0.05, 0.02, 0.02}, 0.05);
+    EXPECT_NEAR(filled_volume(held.body.grid), 0.98 * 0.04, 1e-8);
+    EXPECT_NEAR(held.body.grid.volume, 0.98 * 0.04, 1e-8);
+  }
+}
+
+TEST(FreePart, OfARoundBodyBehindAPlaneIsACap) {
+  const Surface ball = sphere(0.5, {}, 5).surface();
+  const double whole = filled_volume(hold(ball, {}, {}, 0.1).body.grid);
+  for (const double place : {-0.48, -0.27, -0.03, 0.14}) {
+    const double height = 0.5 + place,
+                 cap = height * height * (1.5 - height) / (4 * std::pow(0.5, 3));
+    const double free = filled_volume(hold(ball, {below(place)}, {}, 0.1).body.grid);
+    EXPECT_NEAR(free / whole, 1 - cap, 5e-4) << place;
+  }
+}
+
 TEST(FreePart, CountsWhatTwoBordersHoldOnce) {
   const std::vector<Border> borders = {below(0.33), below(0.33, 1), below(0.31)};
   const Held held = hold(box({0, 0, 0}, {1, 1, 1}).surface(), borders, {0, 0, 0}, 0.1);

@@ -205,6 +205,22 @@ TEST(Embedding, LeavesARestingAssetWhereItIsToTheBit) {
   }
 }
 
+TEST(Embedding, APartWithoutVoxelsRests) {
+  const Surface surface = sphere(1, {}, 4).surface();
+  VoxelGrid grid = voxelize(surface, {.voxels = 10}).grid;
+  grid.part = Array<int32_t>(grid.voxel_count());
+  grid.part_shift = {0, 0};
+  Array<double> points(2, 3), x = grid.rest, displacement(2, 3);
+  Array<int32_t> part(2);
+  part(1) = 1;
+  for (int64_t n = 0; n < x.rows(); ++n) x(n, 1) += 3;
+  const Embedding embedding = embed(grid, points, part);
+  deform_asset(grid, embedding, x, displacement);
+  EXPECT_NEAR(displacement(0, 1), 3, 1e-12);
+  EXPECT_EQ(displacement(1, 1), 0);
+  EXPECT_GE(embedding.voxel(1), 0);
+}
+
 TEST(Embedding, PutsEachPointIntoTheVoxelThatHoldsIt) {
   const Soup soup = sphere(1, {}, 4);
   const Surface surface = soup.surface();

@@ -4,7 +4,7 @@
 
 #ifdef ELASTOGEN_CUDA
 
-#include "tests/network/held_bodies.hpp"
+#include "tests/network/fixed_scenes.hpp"
 #include "tests/network/potential/device_potential_support.hpp"
 #include "tests/network/step/moving_scenes.hpp"
 
@@ -22,7 +22,7 @@ std::vector<double> held_shake(const Scene& scene, unsigned seed) {
 
 std::vector<Scene> held_scenes() {
   return {swinging_bar(TimeScheme::kBdf2), swinging_bar(TimeScheme::kEuler, 0.3),
-          block_on_ball(TimeScheme::kEuler)};
+          block_on_ball(TimeScheme::kEuler), sliding_bar(TimeScheme::kBdf2)};
 }
 
 TEST_F(HeldOnCard, GradientHessianAndResidualAreThoseOfTheHost) {

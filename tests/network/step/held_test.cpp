@@ -44,6 +44,20 @@ TEST(HeldBar, SagsAlikeOnAnyGridAndAtBothEnds) {
   EXPECT_LT(most, 1.015 * least);
 }
 
+TEST(HeldStrip, ThinnerThanAVoxelBendsAlikeOnAnyGrid) {
+  double least = 1e300, most = 0;
+  for (const double offset : {0.0, 0.1, 0.3, 0.5, 0.7, 0.9}) {
+    const Scene scene = held_scene(box_surface({0, 0, 0}, {0.5, 0.02, 0.2}),
+                                   {half_space_border(true, 0.01)}, kBarEdge,
+                                   {0.01 - offset * kBarEdge, 0, 0});
+    const double tip = -displacements(scene, equilibrium(scene), {{0.49, 0.01, 0.1}})(0, 1);
+    least = std::min(least, tip);
+    most = std::max(most, tip);
+  }
+  EXPECT_GT(least, 5e-3);
+  EXPECT_LT(most, 1.015 * least);
+}
+
 /// The scene of the bar seen in a mirror.
 Scene mirrored_bar(double offset, double dt) {
   return held_scene(box_surface({0, 0, 0}, {1, 0.2, 0.2}), kBothEnds, kBarEdge,

@@ -5,7 +5,7 @@
 #ifdef ELASTOGEN_CUDA
 
 #include "tests/network/contact/contact_scenes.hpp"
-#include "tests/network/moved_scenes.hpp"
+#include "tests/network/fixed_scenes.hpp"
 #include "tests/network/potential/device_potential_support.hpp"
 #include "tests/network/step/moving_scenes.hpp"
 
@@ -16,7 +16,7 @@ using MovedOnCard = OnCard;
 
 std::vector<Scene> moved_scenes(TimeScheme scheme) {
   return {pulled_bar(scheme), twisted_bar(scheme, false), twisted_bar(scheme, true),
-          loaded_bar(scheme)};
+          loaded_bar(scheme), sliding_bar(scheme)};
 }
 
 /// Forces to a part of the largest force, moments to that of the largest moment.
