@@ -142,31 +142,17 @@ void fill_mass(Scene& scene) {
   });
 }
 
-/// The neighbour of a voxel across its upper or lower face along an axis, -1 if there is none.
-int32_t neighbour(const VoxelGrid& grid, int64_t voxel, int axis, bool upper) {
-  const int bit = 1 << axis;
-  const int corner = upper ? bit : 0;
-  return grid.voxels(grid.corners(voxel, corner), upper ? 0 : bit);
-}
-
 /// Weights of one voxel: which axes have both faces free decides between solid, sheet and strip.
 void variance_of_voxel(const VoxelGrid& grid, const Material& m, int64_t v, double weight[4]) {
   constexpr int kAxes[4] = {3, 6, 5, 7};  // axes of the patterns xy, yz, zx, xyz as bits
-  int thin = 0, count = 0;
-  for (int d = 0; d < 3; ++d)
-    if (neighbour(grid, v, d, false) < 0 && neighbour(grid, v, d, true) < 0)
-      thin |= 1 << d, ++count;
+  const int thin = thin_axes(grid, v), count = (thin & 1) + (thin >> 1 & 1) + (thin >> 2);
   const double E = m.young, nu = m.poisson;
   double c = (m.mu() + E / 2) / 2;
   if (count == 1) c = E / (2 * (1 - nu * nu));
   if (count >= 2) c = E / 2;
   // of the edge that a member across the thin axis fills
   double share = grid.fill(v);
-  if (!grid.thickness.empty() && grid.thickness(v, 0) > 0) {
-    share = 1;
-    for (int d = 0; d < 3; ++d)
-      if (thin >> d & 1) share *= grid.thickness(v, d);
-  }
+  if (!grid.member.empty() && grid.member(v) > 0) share = grid.member(v);
   if (!grid.sheet.empty() && grid.sheet(v) > 0) share = grid.sheet(v);
   for (int k = 0; k < 4; ++k) weight[k] = kAxes[k] & thin ? c * share * share : c;
 }

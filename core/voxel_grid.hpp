@@ -37,8 +37,8 @@ struct VoxelGrid {
   Array<double> fill;        ///< filled share of each voxel after the floor of 0.02, (voxels, 1)
   Array<double> shape_mean;  ///< mean of each corner's shape function over the fill, (voxels, 8),
                              ///< rows sum to 1, 1/8 in a full voxel
-  Array<double> thickness;   ///< where borders of pins cut voxels: mean length of what they leave
-                             ///< along each axis, over h, 0 in others, (voxels, 3); empty: none does
+  Array<double> member;      ///< beside borders of pins that cut voxels: share of the edge that the
+                             ///< body fills across its thin axes; 0, or empty: it is `fill`
   double volume = 0;         ///< volume of the asset [m^3]; 0 where it has none (open sheets)
   Array<double> sheet;       ///< thickness / h of the layer in each voxel, 0 where there is none,
                              ///< (voxels, 1); empty where no thickness was given
@@ -50,5 +50,20 @@ struct VoxelGrid {
   int64_t voxel_count() const { return corners.rows(); }
   int64_t node_count() const { return rest.rows(); }
 };
+
+/// The neighbour of a voxel across its upper or lower face along an axis, -1 if there is none.
+inline int32_t neighbour(const VoxelGrid& grid, int64_t voxel, int axis, bool upper) {
+  const int bit = 1 << axis;
+  const int corner = upper ? bit : 0;
+  return grid.voxels(grid.corners(voxel, corner), upper ? 0 : bit);
+}
+
+/// Bit d: a voxel has no neighbours along axis d.
+inline int thin_axes(const VoxelGrid& grid, int64_t voxel) {
+  int thin = 0;
+  for (int d = 0; d < 3; ++d)
+    if (neighbour(grid, voxel, d, false) < 0 && neighbour(grid, voxel, d, true) < 0) thin |= 1 << d;
+  return thin;
+}
 
 }  // namespace elastogen

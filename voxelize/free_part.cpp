@@ -140,9 +140,14 @@ FreePart free_part(const CutBody& body, const std::vector<Border>& borders) {
   };
   // border voxels, then those without surface
   for (int64_t c = 0; c < body.cells.count(); ++c) {
-    if (!body.kept[size_t(c)]) continue;
     double moment[8];
     filled_moments(body, c, moment);
+    CutVoxel dropped;
+    if (!body.kept[size_t(c)]) {
+      if (cutter.cut(body.cells.coord[size_t(c)], c, moment, dropped))
+        result.held += sum_of(moment) - dropped.share;
+      continue;
+    }
     add(body.cells.coord[size_t(c)], c, moment);
   }
   for (const Run& run : body.fill.full)

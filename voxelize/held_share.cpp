@@ -112,7 +112,8 @@ void add_free(double from, double to, const std::vector<Interval>& held, LineSum
 /// Integrals over the inside along lines, and over what borders leave of it.
 struct LineMoments {
   double inside[8] = {}, free[8] = {};
-  double length = 0;  ///< of what is left, the mean over lines that have some
+  double length = 0;            ///< of what is left, the mean over lines that have some
+  double lower = 1, upper = 0;  ///< ends of the inside
 };
 
 LineMoments along_lines(const LocalTriangles& surface, const Box& box, int axis, double w,
@@ -129,6 +130,8 @@ LineMoments along_lines(const LocalTriangles& surface, const Box& box, int axis,
     LineSums inside, free;
     for_each_inside(crossings, at, p, axis, [&](double from, double to) {
       inside.add(from, to);
+      result.lower = std::min(result.lower, from);
+      result.upper = std::max(result.upper, to);
       add_free(from, to, held, free);
     });
     inside.add_to(result.inside, p, axis, 1);
@@ -147,6 +150,16 @@ double mismatch(const double a[8], const double b[8]) {
   if (!(scale_a > 0 && scale_b > 0)) return 1e300;
   for (int c = 0; c < 8; ++c) sum += std::pow(a[c] / scale_a - b[c] / scale_b, 2);
   return sum;
+}
+
+/// Whether a body fills just a box.
+bool fills(const Box& box, const double of_body[8]) {
+  constexpr double kSame = 1e-9;
+  double moment[8];
+  box_moments(box, moment);
+  for (int c = 0; c < 8; ++c)
+    if (std::abs(moment[c] - of_body[c]) > kSame) return false;
+  return true;
 }
 
 }  // namespace
@@ -178,10 +191,13 @@ Vec3 free_shares_inside(const LocalTriangles& surface, const double of_body[8], 
   }
   for (int c = 0; c < 8; ++c)
     if (found.inside[c] > 0) free[c] = std::clamp(found.free[c] / found.inside[c], 0.0, 1.0);
-  for (int d = 0; d < 3; ++d) {
-    const double length = along_lines(surface, box, d, first, borders).length;
-    if (length > 0) thickness[size_t(d)] = std::min(length, 1.0);
+  Box inside;
+  for (size_t d = 0; d < 3; ++d) {
+    const LineMoments along = along_lines(surface, box, int(d), first, borders);
+    if (along.length > 0) thickness[d] = std::min(along.length, 1.0);
+    inside.lower[d] = along.lower, inside.upper[d] = along.upper;
   }
+  if (fills(inside, of_body)) free_shares(inside, borders, free);
   return thickness;
 }
 

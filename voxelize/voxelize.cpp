@@ -7,6 +7,7 @@
 #include "voxelize/budget.hpp"
 #include "voxelize/cut_body.hpp"
 #include "voxelize/free_part.hpp"
+#include "voxelize/thin_cuts.hpp"
 #include "voxelize/thin_features.hpp"
 
 #include <algorithm>
@@ -51,7 +52,7 @@ void fill_cut(const FreePart& free, const BrickIndex& index, int32_t shift, Voxe
   for (const CutVoxel& cut : free.cut) {
     const auto v = int32_t(index.find({cut.coord[0] + shift, cut.coord[1], cut.coord[2]}));
     result.grid.fill(v) = cut.share;
-    std::ranges::copy(cut.thickness, result.grid.thickness.row(v));
+    take_member(v, cut.thickness, result.grid);
     set_means(cut.moment, result.grid.shape_mean.row(v));
     for (const int32_t border : cut.borders) result.cut.push_back({v, border});
   }
@@ -143,9 +144,8 @@ void fill_grid(const std::vector<CutBody>& bodies, const std::vector<int32_t>& s
   if (options.thickness > 0) result.grid.sheet = Array<double>(count);
   // what they hold
   const BrickIndex index(result.grid.voxel_coord);
-  for (size_t k = 0; k < bodies.size(); ++k)
-    fill_border(bodies[k], index, shift[k], result);
-  if (!borders.empty()) result.grid.thickness = Array<double>(count, 3);
+  for (size_t k = 0; k < bodies.size(); ++k) fill_border(bodies[k], index, shift[k], result);
+  if (!borders.empty()) result.grid.member = Array<double>(count);
   for (size_t k = 0; k < bodies.size(); ++k) {
     result.report.sheet_volume += cube * sheet_volume(bodies[k]);
     fill_cut(free[k], index, shift[k], result);
@@ -157,6 +157,7 @@ void fill_grid(const std::vector<CutBody>& bodies, const std::vector<int32_t>& s
   std::ranges::sort(result.cut, {}, [](const BorderVoxel& at) {
     return std::pair{at.voxel, at.border};
   });
+  join_thin_cuts(borders, result);
 }
 
 /// Gives a shell the requested thickness by scaling its fill; it cannot become thicker.

@@ -122,31 +122,32 @@ void link(const VoxelGrid& fine, const CoarseLattice& lattice, const BrickIndex&
   });
 }
 
-/// The thickness of a voxel of which a border cuts a child: along each axis the mean of its children
-/// over the layers that they make.
-void take_thickness(const VoxelGrid& fine, CoarseGrid& coarse, int64_t v) {
-  double sum[3] = {};
+/// The member of a voxel of whose children one has it: the mean of these over the layers that they make
+/// across its thin axes.
+void take_member(const VoxelGrid& fine, CoarseGrid& coarse, int64_t v) {
+  double sum = 0;
   int count = 0, sides[3] = {};
   bool is_cut = false;
   for (int child = 0; child < 8; ++child) {
     const int32_t of = coarse.children(v, child);
     if (of < 0) continue;
     ++count;
-    is_cut |= fine.thickness(of, 0) > 0;
-    for (int d = 0; d < 3; ++d) {
-      sides[d] |= 1 << (child >> d & 1);
-      sum[d] += fine.thickness(of, 0) > 0 ? fine.thickness(of, d) : fine.fill(of);
-    }
+    is_cut |= fine.member(of) > 0;
+    sum += fine.member(of) > 0 ? fine.member(of) : fine.fill(of);
+    for (int d = 0; d < 3; ++d) sides[d] |= 1 << (child >> d & 1);
   }
-  for (int d = 0; d < 3 && is_cut; ++d)
-    coarse.grid.thickness(v, d) = sum[d] / count * (sides[d] == 3 ? 1 : 0.5);
+  if (!is_cut) return;
+  double& member = coarse.grid.member(v) = sum / count;
+  const int thin = thin_axes(coarse.grid, v);
+  for (int d = 0; d < 3; ++d)
+    if (thin >> d & 1 && sides[d] != 3) member /= 2;
 }
 
 /// Fill, means of shape functions and thickness of layers, from the children.
 void fill_voxels(const VoxelGrid& fine, CoarseGrid& coarse) {
   VoxelGrid& grid = coarse.grid;
   if (!fine.sheet.empty()) grid.sheet = Array<double>(grid.voxel_count());
-  if (!fine.thickness.empty()) grid.thickness = Array<double>(grid.voxel_count(), 3);
+  if (!fine.member.empty()) grid.member = Array<double>(grid.voxel_count());
   for_each(grid.voxel_count(), [&](int64_t v) {
     double fill = 0, mean[8] = {};
     for (int child = 0; child < 8; ++child) {
@@ -166,7 +167,7 @@ void fill_voxels(const VoxelGrid& fine, CoarseGrid& coarse) {
         }
     }
     grid.fill(v) = fill / 8;
-    if (!fine.thickness.empty()) take_thickness(fine, coarse, v);
+    if (!fine.member.empty()) take_member(fine, coarse, v);
     for (int c = 0; c < 8; ++c) grid.shape_mean(v, c) = mean[c] / fill;
   });
   grid.volume = fine.volume;

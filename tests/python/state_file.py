@@ -217,7 +217,7 @@ def _check_voxels(grid: dict[str, NDArray[Any]], materials: int, h: float) -> No
         inside = (grid[name] >= 0) & (grid[name] < end)
         require(inside.all(), f"/grid/{name} must lie in 0..{end - 1}")
     fill, mean = grid["fill"], grid["shape_mean"]
-    require(((fill > 0) & (fill <= 1)).all(), "/grid/fill must lie in (0, 1]")
+    require(((fill > 0) & (fill <= 1.5)).all(), "/grid/fill must lie in (0, 1.5]")
     require((mean >= 0).all() and np.allclose(mean.sum(1), 1, rtol=0, atol=1e-9),
             "/grid/shape_mean must be >= 0 with sum 1 in each voxel")
     require((grid["mass"] >= 0).all(), "/grid/mass must be >= 0")
