@@ -76,7 +76,8 @@ void add_constraint_options(CLI::App& app, Typed& t) {
   };
   // what is held, what is in the way, what is loaded and moved
   add_texts("--pin", t.pins,
-            "hold a part: y<5%, z>0.2m, box(x,y,z,x,y,z), sphere(x,y,z,r), all; repeatable");
+            "hold a part: y<5%, z>0.2m, box(x,y,z,x,y,z), sphere(x,y,z,r), all, or what the asset "
+            "names or paints: node:NAME, material:NAME, colour:#RRGGBB, attr:NAME>0.5; repeatable");
   add_texts("--collider", t.colliders,
             "plane(x,y,z, nx,ny,nz), sphere(x,y,z, r) or box(x0,y0,z0, x1,y1,z1), then "
             "friction F (or sticky), name NAME, path T:x,y,z; T:x,y,z; repeatable");

@@ -37,12 +37,17 @@ std::string text_of(const SceneValue& table, const char* key, const std::string&
   return value ? value_text(*value) : fallback;
 }
 
+/// The selection of a table as the options write it.
+std::string selection_text(const SceneValue& table) {
+  if (table.find("node")) return fmt::format("node:{}", text_of(table, "node", ""));
+  if (table.find("gltf_material"))
+    return fmt::format("material:{}", text_of(table, "gltf_material", ""));
+  return text_of(table, "select", "");
+}
+
 std::string region_text(const SceneValue& region, const std::string& preset) {
-  std::string text = text_of(region, "select", "");
-  if (region.find("node")) text = fmt::format("node:{}", text_of(region, "node", ""));
-  if (region.find("gltf_material"))
-    text = fmt::format("material:{}", text_of(region, "gltf_material", ""));
-  text += fmt::format(": {}", text_of(region, "preset", preset));
+  std::string text =
+      fmt::format("{}: {}", selection_text(region), text_of(region, "preset", preset));
   for (const auto& [key, word] : {std::pair("law", "law"),
                                   {"young", "young"},
                                   {"poisson", "poisson"},
@@ -94,16 +99,16 @@ std::string shape_text(const SceneValue& shape) {
 }
 
 std::string hold_text(const SceneValue& hold) {
-  return fmt::format("{}: {}", text_of(hold, "select", ""), text_of(hold, "axes", ""));
+  return fmt::format("{}: {}", selection_text(hold), text_of(hold, "axes", ""));
 }
 
 std::string traction_text(const SceneValue& traction) {
-  return fmt::format("{}: {}", text_of(traction, "select", ""),
+  return fmt::format("{}: {}", selection_text(traction),
                      text_of(traction, traction.find("force") ? "force" : "pressure", ""));
 }
 
 std::string move_text(const SceneValue& move) {
-  const std::string select = text_of(move, "select", "");
+  const std::string select = selection_text(move);
   std::string words;
   for (const char* word : {"ease", "loop"})
     if (const SceneValue* flag = move.find(word); flag && flag->flag)
@@ -144,7 +149,7 @@ void add_tables(const SceneValue& scene, std::vector<SceneOption>& options) {
   };
   const SceneValue* material = scene.find("material");
   const std::string preset = material ? text_of(*material, "preset", "rubber") : "rubber";
-  add("pin", "--pin", [](const SceneValue& pin) { return text_of(pin, "select", ""); });
+  add("pin", "--pin", selection_text);
   add("region", "--region", [&](const SceneValue& r) { return region_text(r, preset); });
   add("collider", "--collider", collider_text);
   add("hold", "--hold", hold_text);

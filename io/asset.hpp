@@ -51,7 +51,8 @@ struct Mesh {
   /// Number of each position in the file; empty if that is its place among the positions of all
   /// meshes. Meshes of one file may share positions.
   std::vector<int32_t> file_position;
-  std::vector<OwnColumn> own;  ///< only of an asset that is one mesh, shown once
+  std::vector<OwnColumn> own;         ///< only of an asset that is one mesh, shown once
+  std::vector<OwnColumn> attributes;  ///< of glTF if asked for, "_NAME" or "_NAME.x"; NaN: none
 };
 
 /// A node of the scene tree; several nodes may show one mesh.
@@ -65,8 +66,7 @@ struct AssetNode {
 struct AssetMaterial {
   std::string name;
   std::array<float, 4> base_colour = {0.8f, 0.8f, 0.8f, 1};
-  std::string
-      texture;  ///< path of the base colour image, resolved beside the asset; empty for none
+  std::string texture;  ///< path of the base colour image, found beside the asset; empty for none
   bool double_sided = false;
 };
 

@@ -17,6 +17,7 @@
 #include <tiny_gltf.h>
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <set>
 
@@ -31,7 +32,7 @@ constexpr uint64_t kMaxVertexReuse = 64;
 
 class GltfReader {
  public:
-  explicit GltfReader(const std::string& path) {
+  GltfReader(const std::string& path, const ReadOptions& options) : options_(options) {
     asset_.path = path;
     GltfSource source = read_gltf_source(path);
     channels_ = count_channels(parsed_json(source.json));
@@ -145,7 +146,33 @@ class GltfReader {
     if (has("TEXCOORD_0")) append(at("TEXCOORD_0"), first, count, mesh.uv, {});
     if (has("NORMAL")) append(at("NORMAL"), first, count, mesh.normal, {});
     if (has("COLOR_0")) append(at("COLOR_0"), first, count, mesh.colour, {1, 1, 1, 1});
+    if (options_.attributes) append_attributes(primitive, first, count, mesh.attributes);
     return count;
+  }
+
+  /// Appends the custom attributes of a primitive, a column for each component.
+  void append_attributes(const tinygltf::Primitive& primitive, int64_t first, int64_t count,
+                         std::vector<OwnColumn>& columns) {
+    for (const auto& [name, accessor] : primitive.attributes) {
+      if (!name.starts_with('_')) continue;
+      const Array<double> values = accessor_values(source_, model_, accessor);
+      check(values.rows() == count, "accessors[", accessor, "] has ", values.rows(),
+            " vertices, its POSITION has ", count);
+      for (int c = 0; c < values.cols(); ++c) {
+        const std::string full = values.cols() == 1 ? name : concat(name, '.', "xyzw"[c]);
+        auto column = std::ranges::find(columns, full, &OwnColumn::name);
+        if (column == columns.end()) column = columns.insert(column, {full, {}, {}});
+        pad(first, *column);
+        spend(uint64_t(count));
+        for (int64_t v = 0; v < count; ++v) column->value.push_back(values(v, c));
+      }
+    }
+  }
+
+  /// Fills a custom attribute up to a vertex.
+  void pad(int64_t vertices, OwnColumn& column) {
+    spend(uint64_t(vertices) - column.value.size());
+    column.value.resize(size_t(vertices), std::numeric_limits<double>::quiet_NaN());
   }
 
   static void add_triangles(const tinygltf::Primitive& primitive,
@@ -220,6 +247,7 @@ class GltfReader {
     if (!mesh.uv.empty()) mesh.uv.resize(drawn, {});
     if (!mesh.normal.empty()) mesh.normal.resize(drawn, {});
     if (!mesh.colour.empty()) mesh.colour.resize(drawn, {1, 1, 1, 1});
+    for (OwnColumn& column : mesh.attributes) pad(int64_t(drawn), column);
     return mesh;
   }
 
@@ -285,6 +313,7 @@ class GltfReader {
     note("missing-texture", missing, "images are not beside the file");
   }
 
+  ReadOptions options_;
   GltfSource source_;
   Json document_;  ///< of the source
   tinygltf::Model model_;
@@ -296,8 +325,12 @@ class GltfReader {
 
 }  // namespace
 
+Asset read_gltf(const std::string& path, const ReadOptions& options) {
+  return GltfReader(path, options).read();
+}
+
 Asset read_gltf(const std::string& path) {
-  return GltfReader(path).read();
+  return read_gltf(path, {});
 }
 
 }  // namespace elastogen

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "io/asset.hpp"
+#include "io/read_options.hpp"
 
 #include <string>
 
@@ -17,6 +18,7 @@ namespace elastogen {
 /// @throws Error (asset) naming file and place: a broken file, as plain_gltf, unknown required
 ///         extensions, indices or byte ranges out of bounds, a cyclic node tree, files outside the
 ///         asset's folder.
+Asset read_gltf(const std::string& path, const ReadOptions& options);
 Asset read_gltf(const std::string& path);
 
 }  // namespace elastogen

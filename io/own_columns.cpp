@@ -4,6 +4,7 @@
 #include "io/asset_check.hpp"
 #include "io/byte_reader.hpp"
 #include "io/frame_files.hpp"
+#include "io/ply_values.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -37,6 +38,13 @@ size_t OwnColumns::row_bytes() const {
   size_t bytes = 0;
   for (const Column& column : columns) bytes += size_t(size_of(column.type));
   return bytes;
+}
+
+double OwnColumns::value(size_t point, size_t column) const {
+  size_t at = point * row_bytes();
+  for (size_t k = 0; k < column; ++k) at += size_t(size_of(columns[k].type));
+  ByteReader bytes(std::string_view(rows).substr(at), "columns");
+  return read_number(bytes, columns[column].type);
 }
 
 void OwnColumns::add(size_t column, double value) {

@@ -24,6 +24,9 @@ struct OwnColumns {
 
   size_t row_bytes() const;
 
+  /// Value of a column of a point.
+  double value(size_t point, size_t column) const;
+
   /// Appends the value of a column for the next point.
   void add(size_t column, double value);
 };

@@ -51,25 +51,7 @@ int64_t PlyValues::left() const {
 double PlyValues::next(PlyType type) {
   if (is_text_) return next_number();
   need(size_of(type));
-  switch (type) {
-    case PlyType::kInt8:
-      return binary_.read<int8_t>();
-    case PlyType::kUint8:
-      return binary_.read<uint8_t>();
-    case PlyType::kInt16:
-      return binary_.read<int16_t>();
-    case PlyType::kUint16:
-      return binary_.read<uint16_t>();
-    case PlyType::kInt32:
-      return binary_.read<int32_t>();
-    case PlyType::kUint32:
-      return binary_.read<uint32_t>();
-    case PlyType::kFloat32:
-      return binary_.read<float>();
-    case PlyType::kFloat64:
-      break;
-  }
-  return binary_.read<double>();
+  return read_number(binary_, type);
 }
 
 int64_t PlyValues::next_length(const PlyProperty& list) {
@@ -112,6 +94,28 @@ double PlyValues::next_number() {
   const std::optional<double> value = to_double(word);
   check(value.has_value(), "a number is expected, not \"", word.substr(0, 40), '"');
   return *value;
+}
+
+double read_number(ByteReader& bytes, PlyType type) {
+  switch (type) {
+    case PlyType::kInt8:
+      return bytes.read<int8_t>();
+    case PlyType::kUint8:
+      return bytes.read<uint8_t>();
+    case PlyType::kInt16:
+      return bytes.read<int16_t>();
+    case PlyType::kUint16:
+      return bytes.read<uint16_t>();
+    case PlyType::kInt32:
+      return bytes.read<int32_t>();
+    case PlyType::kUint32:
+      return bytes.read<uint32_t>();
+    case PlyType::kFloat32:
+      return bytes.read<float>();
+    case PlyType::kFloat64:
+      break;
+  }
+  return bytes.read<double>();
 }
 
 double colour_range(PlyType type) {

@@ -55,6 +55,9 @@ class PlyValues {
   int64_t item_ = -1;  ///< of the element, counted from 0
 };
 
+/// The next number of a type. @throws Error (asset) if the bytes end.
+double read_number(ByteReader& bytes, PlyType type);
+
 /// Largest value of an integer type, the divisor of its colours; 0 for floats.
 double colour_range(PlyType type);
 

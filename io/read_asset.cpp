@@ -111,7 +111,9 @@ Asset read_format(const std::string& path, const std::string& format, const Read
   ELASTOGEN_CHECK_ASSET(options.grid.empty() || format == "vdb", path, ": the grid \"",
                         options.grid, "\" is asked for, which only .vdb files have");
   if (!reader) return read_in_child(path, format, options.grid);
-  return reader->format == "ply" ? read_ply(path, options) : reader->read(path);
+  if (reader->format == "ply") return read_ply(path, options);
+  if (reader->format == "glb" || reader->format == "gltf") return read_gltf(path, options);
+  return reader->read(path);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Facts about a file that the user states if the file does not.
+// Facts about a file that the user states if the file does not, and what is wanted of it.
 
 #pragma once
 
@@ -18,7 +18,8 @@ std::string splat_scales_name(SplatScales scales);
 
 struct ReadOptions {
   SplatScales splat_scales = SplatScales::kAuto;
-  std::string grid;  ///< name of a grid of an OpenVDB file, "": the first that is not empty
+  std::string grid;         ///< name of a grid of an OpenVDB file, "": the first that is not empty
+  bool attributes = false;  ///< custom attributes of a glTF are wanted (Mesh::attributes)
 };
 
 }  // namespace elastogen

@@ -75,26 +75,21 @@ class Check {
     expect(at, table, Kind::kTable, name);
     for (SceneMember& member : table.members) value(member, name);
     const int line = table.line > 0 ? table.line : at.value.line;
-    for (const auto& [owner, key] : {std::pair("pin", "select"),
-                                     {"hold", "select"},
-                                     {"hold", "axes"},
-                                     {"traction", "select"},
-                                     {"move", "select"}})
-      if (name == owner && !table.find(key)) fail(line, concat('\'', name, "': needs ", key));
+    if (find_scene_key(name, "gltf_material")) check_selection(name, table, line);
+    if (name == "hold" && !table.find("axes")) fail(line, "'hold': needs axes");
     if (name == "traction" && !table.find("force") == !table.find("pressure"))
       fail(line, "'traction': needs one of force and pressure");
     if (name == "move") check_move(table, line);
-    if (name == "region") check_region(table, line);
     if (name == "collider") check_collider(table, line);
     if (name == "shape")
       check_form("shape", "kind", table, line, {kBoxKeys, kBallKeys, kBoxKeys, kBallKeys});
   }
 
-  void check_region(const SceneValue& region, int line) const {
+  void check_selection(const std::string& name, const SceneValue& table, int line) const {
     int given = 0;
-    for (const char* key : {"select", "node", "gltf_material"})
-      given += region.find(key) != nullptr;
-    if (given != 1) fail(line, "'region': needs one of select, node and gltf_material");
+    for (const char* key : {"select", "node", "gltf_material"}) given += table.find(key) != nullptr;
+    if (given != 1)
+      fail(line, concat('\'', name, "': needs one of select, node and gltf_material"));
   }
 
   /// A move must have a path, or all keys of a turn.

@@ -11,9 +11,9 @@ namespace elastogen {
 /// scene file's folder.
 /// @throws Error (usage) with file, line and key: everything that parse_scene refuses; an unknown
 ///         key (naming the nearest); another type, word, unit or range than the key has; a collider
-///         that lacks a key of its shape or has one of another; a region without exactly one of
-///         select, node and gltf_material; a hold, traction or move that lacks a key; a file that
-///         cannot be read.
+///         that lacks a key of its shape or has one of another; a pin, region, hold, traction or
+///         move without exactly one of select, node and gltf_material, or that lacks a key; a file
+///         that cannot be read.
 SceneValue read_scene(const std::string& path);
 
 /// Checks a scene in a text. @param name  of the file, for messages and relative paths.

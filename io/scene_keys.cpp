@@ -345,7 +345,7 @@ std::span<const SceneTable> scene_tables() {
       {"shape", false,
        "A body without a file, in place of asset.file; its size is that of its numbers."},
       {"material", false, "The material of what no region takes."},
-      {"region", true, "A part of another material: one of select, node, gltf_material."},
+      {"region", true, "A part of another material."},
       {"pin", true, "A part that is held, as in `pins`."},
       {"hold", true, "A part that is held along some axes."},
       {"traction", true, "A force or a pressure on a part of the surface."},

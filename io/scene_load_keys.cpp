@@ -8,12 +8,11 @@ using T = SceneType;
 using Q = Quantity;
 using Keys = std::vector<SceneKey>;
 
-/// Boundary conditions and loads; holds are for simulate alone.
+/// Boundary conditions and loads.
 Keys boundary_keys() {
   return {
       // nodes that do not move
       {"", "holds", T::kTexts, "[]", "--hold", "holds as the option writes them"},
-      {"hold", "select", T::kText, "", "", "a selection, as in a pin"},
       {"hold",
        "axes",
        T::kText,
@@ -25,7 +24,6 @@ Keys boundary_keys() {
        {"x", "y", "z", "xy", "xz", "yz", "xyz"}},
       // forces and pressures on the surface
       {"", "tractions", T::kTexts, "[]", "--traction", "tractions as the option writes them"},
-      {"traction", "select", T::kText, "", "", "a selection, as in a pin"},
       {"traction", "force", T::kVector, "", "", "in all, spread evenly over the surface in it",
        Q::kForce},
       {"traction", "pressure", T::kNumber, "", "",
@@ -34,7 +32,6 @@ Keys boundary_keys() {
       {"", "wind", T::kText, "", "--wind", "velocity of the air as the option writes it"},
       // nodes whose motion is given
       {"", "moves", T::kTexts, "[]", "--move", "moves as the option writes them"},
-      {"move", "select", T::kText, "", "", "a selection, as in a pin"},
       {"move", "path", T::kPath, "", "",
        "[t, x, y, z] in s and m: how far its nodes are from their places, straight between"},
       {"move", "turn", T::kTurn, "", "",
@@ -48,10 +45,16 @@ Keys boundary_keys() {
 
 }  // namespace
 
+std::vector<SceneKey> selection_keys(const char* table) {
+  return {{table, "select", T::kText, "", "", "a selection"},
+          {table, "node", T::kText, "", "", "in place of select: name of nodes of the asset"},
+          {table, "gltf_material", T::kText, "", "",
+           "in place of select: name of materials of the asset"}};
+}
+
 std::vector<SceneKey> load_keys() {
   Keys keys = {
       {"", "pins", T::kTexts, "[]", "--pin", "selections whose nodes are held, like y<5%"},
-      {"pin", "select", T::kText, "", "", "one more selection"},
       {"", "regions", T::kTexts, "[]", "--region", "regions as the option writes them"},
       {"",
        "gravity",
@@ -67,6 +70,8 @@ std::vector<SceneKey> load_keys() {
       {"motion", "spin", T::kVector, "[0, 0, 0]", "--spin", "about the centre of mass at the start",
        Q::kSpin},
   };
+  for (const char* table : {"pin", "hold", "traction", "move"})
+    for (SceneKey& key : selection_keys(table)) keys.push_back(std::move(key));
   for (SceneKey& key : boundary_keys()) keys.push_back(std::move(key));
   return keys;
 }

@@ -9,4 +9,7 @@ namespace elastogen {
 
 std::vector<SceneKey> load_keys();
 
+/// Keys that select a part, of which each entry of the table has one.
+std::vector<SceneKey> selection_keys(const char* table);
+
 }  // namespace elastogen

@@ -2,6 +2,7 @@
 #include "io/scene_material_keys.hpp"
 
 #include "core/material.hpp"
+#include "io/scene_load_keys.hpp"
 
 #include <utility>
 
@@ -117,11 +118,7 @@ std::vector<SceneKey> main_material_keys() {
 }
 
 std::vector<SceneKey> region_keys() {
-  Keys keys = {
-      {"region", "select", T::kText, "", "", "a selection, as in a pin"},
-      {"region", "node", T::kText, "", "", "name of a node of the asset"},
-      {"region", "gltf_material", T::kText, "", "", "name of a material of the asset"},
-  };
+  Keys keys = selection_keys("region");
   for (SceneKey& key : material_keys("region")) keys.push_back(std::move(key));
   for (SceneKey& key : damping_keys("region")) keys.push_back(std::move(key));
   for (SceneKey& key : yield_keys("region")) keys.push_back(std::move(key));

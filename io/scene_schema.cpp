@@ -100,16 +100,23 @@ Json properties_of(std::string_view table) {
   return properties;
 }
 
+/// Schemas of which each needs one of the keys.
+Json one_of(std::initializer_list<const char*> keys) {
+  Json schemas = Json::array();
+  for (const char* key : keys) schemas.push_back({{"required", Json::array({key})}});
+  return schemas;
+}
+
 Json table_schema(const SceneTable& table) {
   Json schema = {{"type", "object"},
                  {"description", table.text},
                  {"properties", properties_of(table.name)},
                  {"additionalProperties", false}};
-  if (table.name == "pin" || table.name == "move" || table.name == "traction")
-    schema["required"] = {"select"};
-  if (table.name == "hold") schema["required"] = {"select", "axes"};
+  if (find_scene_key(table.name, "gltf_material"))
+    schema["oneOf"] = one_of({"select", "node", "gltf_material"});
+  if (table.name == "hold") schema["required"] = {"axes"};
   if (table.name == "traction")
-    schema["oneOf"] = {Json{{"required", {"force"}}}, Json{{"required", {"pressure"}}}};
+    schema["allOf"] = Json::array({{{"oneOf", one_of({"force", "pressure"})}}});
   if (table.name == "collider") schema["required"] = {"shape"};
   if (table.name == "shape") schema["required"] = {"kind"};
   if (!table.many) return schema;

@@ -3,6 +3,7 @@
 
 #include "core/stopwatch.hpp"
 #include "io/read_asset.hpp"
+#include "scene/asset_part.hpp"
 #include "scene/piece_names.hpp"
 
 #include <algorithm>
@@ -21,7 +22,10 @@ int64_t bytes_of(const ParticleOptions& particles) {
 }  // namespace
 
 Asset run_asset(const RunDescription& run) {
-  return run.shape ? shape_asset(*run.shape) : read_asset(run.input, run.read);
+  if (run.shape) return shape_asset(*run.shape);
+  ReadOptions read = run.read;
+  read.attributes |= asks_for_attributes(run);
+  return read_asset(run.input, read);
 }
 
 VoxelizeOptions resolution(const RunDescription& run) {

@@ -20,11 +20,9 @@ struct Parts {
   std::string_view rest;
 };
 
-/// The texts before and after the first colon; a selection has no colon.
 Parts parts_of(std::string_view text) {
-  const size_t colon = text.find(':');
-  ELASTOGEN_CHECK(colon != text.npos, "the colon behind the selection is missing");
-  return {parse_selection(text.substr(0, colon)), trimmed(text.substr(colon + 1))};
+  const auto [selection, rest] = split_selection(text);
+  return {parse_selection(selection), rest};
 }
 
 /// Runs a parser; adds the text of the option and its grammar to errors.

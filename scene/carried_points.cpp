@@ -18,6 +18,10 @@ CarriedPoints carried_points(const Setup& setup) {
   if (points.node_of) return points;
   points.moved = rest_behind(setup.borders, setup.body.surface.box, setup.body.carried,
                              points.embedding.weights);
+  for (const HeldPoint& held : setup.held_points) {
+    std::fill_n(points.embedding.weights.row(held.point), 8, 0.0);
+    points.moved.push_back(held);
+  }
   std::erase_if(points.moved, [&](const HeldPoint& point) {
     return !setup.scene.holders[size_t(point.holder)].moves();
   });

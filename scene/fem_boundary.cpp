@@ -37,8 +37,7 @@ void check_contradictions(const Setup& setup, const RunDescription& run) {
   const VoxelGrid& grid = setup.scene.grid;
   std::vector<Claim> claims;
   const auto claim = [&](const char* option, const std::string& text, const Selection& selection) {
-    claims.push_back({fmt::format("{} '{}'", option, text),
-                      select_nodes(grid, selection, setup.body.surface.box)});
+    claims.push_back({fmt::format("{} '{}'", option, text), selected_nodes(setup, selection)});
   };
   for (const Pin& pin : run.pins) claim("--pin", pin.text, pin.selection);
   for (const Hold& hold : run.holds) claim("--hold", hold.text, hold.selection);
@@ -63,11 +62,9 @@ void displace(const Motion& motion, double time, Out<double> u) {
 }
 
 Motion make_motion(const Move& move, const Setup& setup, const fem::ElementMesh& mesh) {
-  const PlacedBox& box = setup.body.surface.box;
-  const Array<uint8_t> selected =
-      with_middles(select_nodes(setup.scene.grid, move.selection, box), mesh);
+  const Array<uint8_t> selected = with_middles(selected_nodes(setup, move.selection), mesh);
   Motion motion;
-  motion.holder = holder_of(move, box);
+  motion.holder = holder_of(move, setup.body.surface.box);
   for (int64_t n = 0; n < selected.rows(); ++n) {
     if (!selected(n)) continue;
     motion.nodes.push_back(int32_t(n));
@@ -84,8 +81,7 @@ void add_holds(const Setup& setup, const RunDescription& run, fem::FemScene& sce
   for (int64_t n = 0; n < pinned.rows(); ++n)
     if (pinned(n) == kPinnedNode) std::fill_n(scene.fixed.row(n), 3, uint8_t(1));
   for (const Hold& hold : run.holds) {
-    const Array<uint8_t> nodes = with_middles(
-        select_nodes(setup.scene.grid, hold.selection, setup.body.surface.box), scene.mesh);
+    const Array<uint8_t> nodes = with_middles(selected_nodes(setup, hold.selection), scene.mesh);
     for (int64_t n = 0; n < nodes.rows(); ++n)
       for (int d = 0; d < 3; ++d)
         if (nodes(n) && hold.axes[size_t(d)]) scene.fixed(n, d) = 1;

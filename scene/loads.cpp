@@ -28,14 +28,12 @@ std::vector<TimedForce> timed_forces(const Setup& setup, const RunDescription& r
                                      const fem::ElementMesh& mesh, const Array<double>& mass) {
   std::vector<TimedForce> forces;
   for (const Force& force : run.forces) {
-    const PlacedBox& box = setup.body.surface.box;
-    const Array<uint8_t> nodes =
-        with_middles(select_nodes(setup.scene.grid, force.selection, box), mesh);
+    const Array<uint8_t> nodes = with_middles(selected_nodes(setup, force.selection), mesh);
     double all = 0;
     for (int64_t n = 0; n < nodes.rows(); ++n) all += nodes(n) ? mass(n) : 0;
     if (!(all > 0))
       throw Error(fmt::format("--force '{}': no node of the grid lies in it; the asset spans {}",
-                              force.text, span_of(box)));
+                              force.text, span_of(setup.body.surface.box)));
     TimedForce& timed = forces.emplace_back();
     timed.force = force.force;
     timed.share = Array<double>(nodes.rows());
@@ -60,10 +58,8 @@ void add_forces(const RunDescription& run, Setup& setup) {
 Array<double> surface_loads(const Setup& setup, const RunDescription& run,
                             const fem::ElementMesh& mesh) {
   Array<double> sum;
-  const PlacedBox& box = setup.body.surface.box;
   for (const Traction& traction : run.tractions) {
-    const Array<uint8_t> nodes =
-        with_middles(select_nodes(setup.scene.grid, traction.selection, box), mesh);
+    const Array<uint8_t> nodes = with_middles(selected_nodes(setup, traction.selection), mesh);
     const Array<double> load = traction.pressure
                                    ? fem::pressure_load(mesh, nodes, *traction.pressure)
                                    : fem::surface_load(mesh, nodes, traction.force);
@@ -71,7 +67,7 @@ Array<double> surface_loads(const Setup& setup, const RunDescription& run,
       throw Error(fmt::format(
           "--traction '{}': no face of the body has all its nodes in the selection; the asset "
           "spans {}",
-          traction.text, span_of(box)));
+          traction.text, span_of(setup.body.surface.box)));
     if (sum.empty()) sum = Array<double>(load.rows(), 3);
     for (int64_t k = 0; k < load.size(); ++k) sum.data()[k] += load.data()[k];
   }

@@ -4,7 +4,6 @@
 #include "core/vec3.hpp"
 #include "scene/piece_names.hpp"
 #include "voxelize/labels.hpp"
-#include "voxelize/regions.hpp"
 
 #include <fmt/format.h>
 
@@ -23,10 +22,9 @@ std::vector<uint8_t> held_pieces(const Setup& setup, const RunDescription& run) 
   const auto add = [&](const Array<uint8_t>& nodes) {
     for (int64_t n = 0; n < nodes.rows(); ++n) held[size_t(grid.piece(n))] |= nodes(n);
   };
-  const PlacedBox& box = setup.body.surface.box;
   add(setup.scene.pinned);
-  for (const Hold& hold : run.holds) add(select_nodes(grid, hold.selection, box));
-  for (const Move& move : run.moves) add(select_nodes(grid, move.selection, box));
+  for (const Hold& hold : run.holds) add(selected_nodes(setup, hold.selection));
+  for (const Move& move : run.moves) add(selected_nodes(setup, move.selection));
   return held;
 }
 

@@ -4,10 +4,9 @@
 #include "core/error.hpp"
 #include "core/parallel.hpp"
 #include "core/vec3.hpp"
-#include "io/byte_reader.hpp"
-#include "io/splat_ply.hpp"
 #include "io/texture.hpp"
 #include "io/triangle_corners.hpp"
+#include "scene/paint.hpp"
 #include "voxelize/labels.hpp"
 #include "voxelize/particle_surface.hpp"
 
@@ -21,32 +20,6 @@ using Colours = std::vector<std::array<float, 4>>;
 
 constexpr int kLongestTexture = 2048;  // longest edge of a decoded texture [texels]
 constexpr float kSeen = 0.1f;          // least opacity of a splat whose colour is used
-
-/// Weights of the corners at the place of a triangle nearest to a point; equal weights if the
-/// triangle has no area.
-Vec3 nearest_weights(const std::array<Vec3, 3>& corner, const Vec3& point) {
-  const Vec3 a = minus(corner[1], corner[0]), b = minus(corner[2], corner[0]);
-  const Vec3 p = minus(point, corner[0]), normal = cross(a, b);
-  const double size = dot(normal, normal);
-  if (!(size > 0)) return {1.0 / 3, 1.0 / 3, 1.0 / 3};
-  Vec3 w = {0, dot(cross(p, b), normal) / size, dot(cross(a, p), normal) / size};
-  w[0] = 1 - w[1] - w[2];
-  if (*std::ranges::min_element(w) >= 0) return w;
-  // outside: the nearest place is on an edge
-  double nearest = 1e300;
-  for (size_t k = 0; k < 3; ++k) {
-    const Vec3 edge = minus(corner[(k + 1) % 3], corner[k]), from = minus(point, corner[k]);
-    const double length = dot(edge, edge);
-    const double t = length > 0 ? std::clamp(dot(from, edge) / length, 0.0, 1.0) : 0;
-    const Vec3 gap = minus(from, scaled(edge, t));
-    if (dot(gap, gap) >= nearest) continue;
-    nearest = dot(gap, gap);
-    w = {};
-    w[k] = 1 - t;
-    w[(k + 1) % 3] = t;
-  }
-  return w;
-}
 
 /// Materials, textures and colours of vertices of a mesh.
 class Paints {
@@ -75,7 +48,7 @@ class Paints {
   /// @param width  size of the sample that gets the colour [m].
   Texel at(int64_t t, const Vec3& point, double width) const {
     const std::array<Vec3, 3> corner = {place(t, 0), place(t, 1), place(t, 2)};
-    const Vec3 w = nearest_weights(corner, point);
+    const Vec3 w = nearest_weights(corner.data(), point);
     const TriangleCorners& of = corners_[size_t(t)];
     const int32_t m = surface_.material(t);
     Texel colour = {1, 1, 1, 1};
@@ -155,15 +128,10 @@ Dabs dabs_of(const Asset& asset) {
     return dabs;
   }
   const SplatCloud& splats = *asset.splats;
-  const size_t width = 3 * size_t(harmonic_count(splats.degree));
   for (size_t k = 0; k < splats.position.size(); ++k) {
     if (splats.opacity[k] < kSeen) continue;
-    std::array<float, 4> colour = {0, 0, 0, 1};
-    for (size_t c = 0; c < 3; ++c)
-      colour[c] = linear_from_srgb(
-          std::clamp(0.5 + kHarmonic0 * splats.harmonics[width * k + c], 0.0, 1.0));
     dabs.point.push_back(int32_t(k));
-    dabs.colour.push_back(colour);
+    dabs.colour.push_back(splat_colour(splats, k));
   }
   return dabs;
 }

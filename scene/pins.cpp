@@ -6,7 +6,6 @@
 #include "core/vec3.hpp"
 #include "mpm_fem/fem/element_mesh.hpp"
 #include "voxelize/dependent_nodes.hpp"
-#include "voxelize/regions.hpp"
 
 #include <fmt/format.h>
 
@@ -85,7 +84,8 @@ void take_node(int64_t n, int32_t holder, Scene& scene) {
   scene.pinned(n) = kPinnedNode;
 }
 
-/// Pins the nodes in a part, and those that lie in its planes but for the rounding of the grid.
+/// Pins the nodes in a part, and those that lie in its planes but for the rounding of the grid. Notes
+/// the points of a part of the asset.
 void pin_nodes(const HeldPart& part, int32_t holder, const std::optional<Border>& border,
                Setup& setup) {
   Scene& scene = setup.scene;
@@ -96,6 +96,8 @@ void pin_nodes(const HeldPart& part, int32_t holder, const std::optional<Border>
         (border && distance(*border, {X[0], X[1], X[2]}) <= kSamePlane * scene.grid.h))
       take_node(n, holder, scene);
   }
+  for (int64_t p = 0; p < setup.body.carried.rows() && !part.selection->is_place(); ++p)
+    if (has_point(setup, *part.selection, p)) setup.held_points.push_back({p, holder});
 }
 
 /// Says once that nodes hold pins whose borders cut voxels.
@@ -120,13 +122,11 @@ void check_apart(const std::vector<HeldPart>& parts, const Setup& setup) {
     for (size_t b = 0; b < a; ++b)
       for (int64_t p = 0; p < points.rows(); ++p) {
         if (!parts[a].holder.moves() && !parts[b].holder.moves()) break;
-        const Vec3 X = {points(p, 0), points(p, 1), points(p, 2)};
-        const PlacedBox& box = setup.body.surface.box;
-        if (!contains(*parts[a].selection, X, box) || !contains(*parts[b].selection, X, box))
+        if (!has_point(setup, *parts[a].selection, p) || !has_point(setup, *parts[b].selection, p))
           continue;
         throw Error(fmt::format(
             "{} and {} contradict each other: both have the point ({:.4g}, {:.4g}, {:.4g}) m",
-            parts[b].option, parts[a].option, X[0], X[1], X[2]));
+            parts[b].option, parts[a].option, points(p, 0), points(p, 1), points(p, 2)));
       }
 }
 
@@ -175,14 +175,15 @@ void add_dependent(const std::vector<Border>& borders, const std::vector<BorderV
 }  // namespace
 
 Array<uint8_t> held_nodes(const std::string& option, const Selection& selection, Setup& setup) {
-  const PlacedBox& box = setup.body.surface.box;
-  Array<uint8_t> selected = select_nodes(setup.scene.grid, selection, box);
+  Array<uint8_t> selected = selected_nodes(setup, selection);
   const uint8_t* nodes = selected.data();
   if (std::any_of(nodes, nodes + selected.rows(), [](uint8_t s) { return s != 0; }))
     return selected;
   setup.warnings.push_back(
-      fmt::format("{} holds nothing: no node of the grid lies in it; the asset spans {}", option,
-                  span_of(box)));
+      selection.is_place()
+          ? fmt::format("{} holds nothing: no node of the grid lies in it; the asset spans {}",
+                        option, span_of(setup.body.surface.box))
+          : fmt::format("{} holds nothing: no voxel and no point belongs to it", option));
   return selected;
 }
 

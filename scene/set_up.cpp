@@ -159,6 +159,7 @@ void add_grid(const Asset& asset, const RunDescription& run, Setup& setup) {
         "--thickness {:.4g} m: the shell around the points is {:.4g} m thick, and no thicker",
         run.thickness, setup.body.shell));
   setup.scene.grid = std::move(voxelized.grid);
+  setup.parts = asset_parts(run, asset, setup.body, setup.scene.grid);
   pin(run, options.borders, voxelized.cut, setup);
   fix_axes(run, setup);
 }
@@ -331,7 +332,8 @@ Setup set_up(const Asset& asset, const RunDescription& run) {
   scene.material =
       run.material_of ? run.material_of(scene.grid) : Array<int32_t>(scene.grid.voxel_count());
   setup.yields.assign(scene.materials.size(), run.materials.empty() ? run.yield : Yield{});
-  apply_regions(run.regions, asset, setup.body, scene, setup.yields, setup.warnings);
+  apply_regions(run.regions, setup.parts, setup.body.surface.box, scene, setup.yields,
+                setup.warnings);
   drop_elastic(setup.yields);
   damp(run, setup);
   // contact and time step
@@ -362,8 +364,9 @@ Setup set_up(const TetAsset& tets, const RunDescription& run) {
   scene.materials = {run.material};
   scene.material = Array<int32_t>(setup.tets->elements.rows());
   setup.yields = {run.yield};
-  apply_regions(run.regions, *setup.tets, tets.region, tets.regions, setup.body.surface.box, scene,
-                setup.yields, setup.warnings);
+  setup.parts = asset_parts(run, tets);
+  apply_regions(run.regions, setup.parts, *setup.tets, setup.body.surface.box, scene, setup.yields,
+                setup.warnings);
   drop_elastic(setup.yields);
   setup.tets->material = scene.material;
   pin(run, {}, {}, setup);

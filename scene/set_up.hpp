@@ -6,6 +6,7 @@
 #include "io/asset.hpp"
 #include "io/report_file.hpp"
 #include "mpm_fem/mpm/particles.hpp"
+#include "scene/asset_part.hpp"
 #include "scene/description.hpp"
 #include "scene/tet_asset.hpp"
 #include "voxelize/body.hpp"
@@ -46,6 +47,8 @@ struct Setup {
   std::optional<ParticleSetup> particles;  ///< for bodies that fall apart into grains
   Array<int32_t> node_of;                  ///< with tets: node of each carried point, (points, 1)
   std::vector<HeldBorder> borders;         ///< that cut voxels
+  std::vector<AssetPart> parts;            ///< that options of the run select
+  std::vector<HeldPoint> held_points;      ///< of parts that are held or moved by holders
   int substeps = 1;
   double longest_edge = 0;                       ///< of the asset [m]
   double sheet_volume = 0, sheet_thickness = 0;  ///< of sheets and shells [m^3], [m]

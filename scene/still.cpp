@@ -3,7 +3,6 @@
 
 #include "io/animation_writer.hpp"
 #include "io/safe_file.hpp"
-#include "voxelize/regions.hpp"
 
 #include <fmt/format.h>
 
@@ -21,8 +20,7 @@ Array<uint8_t> held_along(const Setup& setup, const RunDescription& run, int axi
   Array<uint8_t> held = scene.pinned;
   for (const Hold& hold : run.holds) {
     if (!hold.axes[size_t(axis)]) continue;
-    const Array<uint8_t> selected =
-        select_nodes(scene.grid, hold.selection, setup.body.surface.box);
+    const Array<uint8_t> selected = selected_nodes(setup, hold.selection);
     for (int64_t n = 0; n < held.rows(); ++n) held(n) |= selected(n);
   }
   return held;

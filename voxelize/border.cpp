@@ -48,8 +48,6 @@ std::optional<Border> border_of(const Selection& selection, const PlacedBox& box
   // half spaces have one face that is not at infinity; of balls both corners are the centre
   Border border;
   switch (selection.kind) {
-    case Selection::Kind::kAll:
-      return std::nullopt;
     case Selection::Kind::kHalfSpace: {
       border.is_plane = true;
       border.lower = {-kNoFace, -kNoFace, -kNoFace};
@@ -68,8 +66,9 @@ std::optional<Border> border_of(const Selection& selection, const PlacedBox& box
             border.radius > 0 ? border.lower[d] : coordinate(selection.upper[d], int(d), box);
       }
       return border;
+    default:
+      return std::nullopt;
   }
-  return std::nullopt;
 }
 
 double distance(const Border& border, const Vec3& point) {

@@ -30,7 +30,7 @@ struct BorderVoxel {
   int32_t voxel, border;
 };
 
-/// Border of a selection, none of `all`. @param box  of the asset [m].
+/// Border of a selection, none of `all` and of parts of the asset. @param box  of the asset [m].
 std::optional<Border> border_of(const Selection& selection, const PlacedBox& box);
 
 /// Signed distance of a point, positive outside, and its gradient, of length 1.

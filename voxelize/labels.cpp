@@ -153,6 +153,30 @@ double triangle_distance2(const Vec3 corner[3], const Vec3& point) {
                    segment_distance2(c, a, point)});
 }
 
+Vec3 nearest_weights(const Vec3 corner[3], const Vec3& point) {
+  const Vec3 a = minus(corner[1], corner[0]), b = minus(corner[2], corner[0]);
+  const Vec3 p = minus(point, corner[0]), normal = cross(a, b);
+  const double size = dot(normal, normal);
+  if (!(size > 0)) return {1.0 / 3, 1.0 / 3, 1.0 / 3};
+  Vec3 w = {0, dot(cross(p, b), normal) / size, dot(cross(a, p), normal) / size};
+  w[0] = 1 - w[1] - w[2];
+  if (*std::ranges::min_element(w) >= 0) return w;
+  // outside: the nearest place is on an edge
+  double nearest = 1e300;
+  for (size_t k = 0; k < 3; ++k) {
+    const Vec3 edge = minus(corner[(k + 1) % 3], corner[k]), from = minus(point, corner[k]);
+    const double length = dot(edge, edge);
+    const double t = length > 0 ? std::clamp(dot(from, edge) / length, 0.0, 1.0) : 0;
+    const Vec3 gap = minus(from, scaled(edge, t));
+    if (dot(gap, gap) >= nearest) continue;
+    nearest = dot(gap, gap);
+    w = {};
+    w[k] = 1 - t;
+    w[(k + 1) % 3] = t;
+  }
+  return w;
+}
+
 Array<int32_t> nearest_triangles(const VoxelGrid& grid, const Surface& surface) {
   ELASTOGEN_CHECK(surface.triangles.rows() > 0, "the surface has no triangle");
   const std::vector<TriangleTree> trees =

@@ -11,6 +11,10 @@ namespace elastogen {
 /// Squared distance of a point from a triangle [m^2]; also valid for triangles without area.
 double triangle_distance2(const Vec3 corner[3], const Vec3& point);
 
+/// Weights of the corners at the place of a triangle nearest to a point; equal weights if the
+/// triangle has no area.
+Vec3 nearest_weights(const Vec3 corner[3], const Vec3& point);
+
 /// The triangle nearest to each voxel's centre, the first of several, (voxels, 1). A triangle that
 /// faces the centre counts as farther by a millionth of its squared distance, so that voxels on
 /// both sides of two touching solids belong to their own solid. If pieces are kept apart, each

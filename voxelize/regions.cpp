@@ -3,9 +3,12 @@
 
 #include "core/error.hpp"
 #include "core/parallel.hpp"
+#include "io/byte_reader.hpp"
 #include "io/units.hpp"
 
 #include <algorithm>
+#include <cassert>
+#include <charconv>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -19,7 +22,8 @@ constexpr double kBorder = 1e-9;  // width of a border over the box's longest ed
   throw Error(concat("selection '", text, "': ", why,
                      "; it reads: all, AXIS<PLACE, AXIS>PLACE, box(x0,y0,z0,x1,y1,z1) or "
                      "sphere(x,y,z,RADIUS), where AXIS is x, y or z and PLACE a length (0.2m, 3cm) "
-                     "or a share of the asset's box (5%)"));
+                     "or a share of the asset's box (5%); or node:NAME, material:NAME, "
+                     "colour:#RRGGBB, attr:NAME>NUMBER"));
 }
 
 Selection parse_half_space(std::string_view text) {
@@ -53,8 +57,57 @@ Selection parse_sphere(const std::vector<std::string_view>& numbers) {
   return selection;
 }
 
+struct Word {
+  std::string_view text;
+  Selection::Kind kind;
+};
+constexpr Word kWords[] = {{"node:", Selection::Kind::kNode},
+                           {"material:", Selection::Kind::kMaterial},
+                           {"colour:", Selection::Kind::kColour},
+                           {"color:", Selection::Kind::kColour},
+                           {"attr:", Selection::Kind::kAttribute}};
+
+/// The word with which a part of the asset begins; null for places.
+const Word* word_of(std::string_view text) {
+  for (const Word& word : kWords)
+    if (text.starts_with(word.text)) return &word;
+  return nullptr;
+}
+
+void parse_colour(std::string_view text, Selection& selection) {
+  unsigned number = 0;
+  const char* end = text.data() + text.size();
+  const bool read = text.size() == 7 && text[0] == '#' &&
+                    std::from_chars(text.data() + 1, end, number, 16).ptr == end;
+  ELASTOGEN_CHECK(read, "'", text, "' is no #RRGGBB");
+  for (size_t c = 0; c < 3; ++c) selection.colour[c] = uint8_t(number >> (16 - 8 * c));
+}
+
+void parse_attribute(std::string_view text, Selection& selection) {
+  const size_t at = text.find_last_of("<>");
+  ELASTOGEN_CHECK(at != text.npos, "'", text, "' is no comparison of an attribute");
+  selection.below = text[at] == '<';
+  selection.with_bound = text.substr(at + 1).starts_with('=');
+  selection.bound = parse_number(text.substr(at + (selection.with_bound ? 2 : 1)));
+  selection.name = trimmed(text.substr(0, at));
+}
+
+Selection parse_part(const Word& word, std::string_view text) {
+  Selection selection;
+  selection.kind = word.kind;
+  if (word.kind == Selection::Kind::kColour)
+    parse_colour(text, selection);
+  else if (word.kind == Selection::Kind::kAttribute)
+    parse_attribute(text, selection);
+  else
+    selection.name = text;
+  ELASTOGEN_CHECK(word.kind == Selection::Kind::kColour || !selection.name.empty(),
+                  "nothing follows '", word.text, "'");
+  return selection;
+}
+
 /// @param bare  text without blanks.
-Selection parse(std::string_view bare) {
+Selection parse_place_words(std::string_view bare) {
   if (bare == "all") return {};
   if (bare.size() > 2 && bare[0] >= 'x' && bare[0] <= 'z' && (bare[1] == '<' || bare[1] == '>'))
     return parse_half_space(bare);
@@ -104,15 +157,29 @@ double coordinate(const Place& place, int axis, const PlacedBox& box) {
 
 Selection parse_selection(std::string_view text) {
   try {
-    return parse(without_blanks(text));
+    const Word* word = word_of(trimmed(text));
+    return word ? parse_part(*word, trimmed(trimmed(text).substr(word->text.size())))
+                : parse_place_words(without_blanks(text));
   } catch (const Error& error) {
     refuse(text, error.what());
   }
 }
 
+std::pair<std::string_view, std::string_view> split_selection(std::string_view text) {
+  text = trimmed(text);
+  const Word* word = word_of(text);
+  const size_t first = word ? word->text.size() : 0;
+  size_t colon = word ? std::min(text.find(": ", first), text.find(":\t", first)) : text.npos;
+  if (colon == text.npos) colon = text.find(':', first);
+  ELASTOGEN_CHECK(colon != text.npos, "the colon behind the selection is missing");
+  return {text.substr(0, colon), trimmed(text.substr(colon + 1))};
+}
+
 bool contains(const Selection& selection, const Vec3& point, const PlacedBox& box) {
+  assert(selection.is_place());
   const double border = kBorder * std::max({box.extent(0), box.extent(1), box.extent(2)});
   double distance2 = 0;
+  // each kind with a margin for rounding
   switch (selection.kind) {
     case Selection::Kind::kAll:
       return true;
@@ -131,6 +198,8 @@ bool contains(const Selection& selection, const Vec3& point, const PlacedBox& bo
       for (int d = 0; d < 3; ++d)
         distance2 += std::pow(point[d] - coordinate(selection.lower[d], d, box), 2);
       return std::sqrt(distance2) <= selection.radius + border;
+    default:
+      break;
   }
   return false;
 }

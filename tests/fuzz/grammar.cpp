@@ -17,7 +17,7 @@
 namespace elastogen {
 namespace {
 
-const Box kBox = {{-1, 0, 2}, {1, 3, 2.5}};
+const PlacedBox kBox = {{{-1, 0, 2}, {1, 3, 2.5}}};
 
 void require_finite(double x) {
   fuzz::require(std::isfinite(x), "a number that was read is finite");
@@ -25,9 +25,10 @@ void require_finite(double x) {
 
 void selection(std::string_view text) {
   const Selection s = parse_selection(text);
-  contains(s, {0.1, 0.2, 2.1}, kBox);
+  if (s.is_place()) contains(s, {0.1, 0.2, 2.1}, kBox);
   if (const auto p = plane(s, kBox)) require_finite(p->second);
   require_finite(s.radius);
+  require_finite(s.bound);
 }
 
 void collider(std::string_view text) {

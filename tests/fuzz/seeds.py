@@ -40,9 +40,9 @@ SCENE_WORDS = ("pins gravity asset file size up voxels material preset young poi
                "collider shape sphere plane box name centre radius normal lower upper path time "
                "frames fps substeps scheme solver output files true false inf nan").split()
 GRAMMAR_WORDS = ("all box( sphere( plane( x< y<= z>= % , ) friction name path : ; = node: "
-                 "material: rubber foam young poisson density law neo-hookean stvk auto off m mm "
-                 "cm km in ft Pa MPa GPa kg/m3 g/cm3 s ms min deg rad rpm m/s km/h m/s2 g0 kB GiB "
-                 "1e308 -x").split()
+                 "material: colour: #ff8000 attr: w.x rubber foam young poisson density law "
+                 "neo-hookean stvk auto off m mm cm km in ft Pa MPa GPa kg/m3 g/cm3 s ms min deg "
+                 "rad rpm m/s km/h m/s2 g0 kB GiB 1e308 -x").split()
 
 # harness -> words that its texts are made of
 WORDS = {
@@ -314,11 +314,11 @@ JSON = b"""{"pins": ["y<5%"], "asset": {"file": "bunny.obj", "size": "20 cm"},
 "material": {"preset": "rubber", "young": 2e6}, "time": {"frames": 60}}
 """
 GRAMMAR = [b"\0all", b"\0y<5%", b"\0z >= 0.2m", b"\0box(0,0,0, 50%,1cm,1)",
-           b"\0sphere(0,50%,0, 3cm)", b"\1plane(0,0%,0, 0,1,0) friction 0.3 name floor",
-           b"\1sphere(0,1m,0, 5cm) path 0:0,0,0; 1s:0,-10cm,0", b"\1box(0,0,2, 100%,100%,2.5)",
-           b"\2y>80%: foam", b"\2node:ear*: rubber,young=2MPa,poisson=0.4",
-           b"\2material:red: jelly, density=900, law=stvk", b"\x03\x010,-1,2 cm", b"\x03\x053km/h",
-           b"\x041.5 GiB", b"\x0530%", b"\x06-z"]
+           b"\0node:ear*", b"\0colour:#ff8000", b"\0attr:w.x>=0.5", b"\0sphere(0,50%,0, 3cm)",
+           b"\1plane(0,0%,0, 0,1,0) friction 0.3 name floor", b"\1box(0,0,2, 100%,100%,2.5)",
+           b"\1sphere(0,1m,0, 5cm) path 0:0,0,0; 1s:0,-10cm,0", b"\2y>80%: foam",
+           b"\2node:ear*: rubber,young=2MPa,poisson=0.4", b"\x041.5 GiB", b"\x0530%", b"\x06-z",
+           b"\2material:red: jelly, density=900, law=stvk", b"\x03\x010,-1,2 cm", b"\x03\x053km/h"]
 
 
 def law_seeds() -> list[bytes]:

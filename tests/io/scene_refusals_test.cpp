@@ -44,16 +44,16 @@ TEST(SceneFile, RefusesUnitsWordsAndRanges) {
 
 TEST(SceneFile, RefusesTablesThatContradictThemselves) {
   // pins, regions, colliders and holds
-  expect_says(refusal("[[pin]]\n"), "needs select");
+  expect_says(refusal("[[pin]]\n"), "'pin': needs one of select, node and gltf_material");
   expect_says(refusal("[[region]]\npreset = 'foam'\n"), "one of select, node and gltf_material");
   expect_says(refusal("[[region]]\nselect = 'all'\nnode = 'n'\n"), "one of select");
   expect_says(refusal("[[collider]]\nname = 'n'\n"), "needs shape");
-  expect_says(refusal("[[hold]]\naxes = 'x'\n"), "'hold': needs select");
+  expect_says(refusal("[[hold]]\naxes = 'x'\n"), "'hold': needs one of select");
   expect_says(refusal("[[hold]]\nselect = 'all'\n"), "'hold': needs axes");
   expect_says(refusal("[[hold]]\nselect = 'all'\naxes = 'xw'\n"), "known are x, y, z, xy");
   // tractions
   const std::string traction = "[[traction]]\nselect = 'all'\n";
-  expect_says(refusal("[[traction]]\npressure = 1\n"), "'traction': needs select");
+  expect_says(refusal("[[traction]]\npressure = 1\n"), "'traction': needs one of select");
   expect_says(refusal(traction), "'traction': needs one of force and pressure");
   expect_says(refusal(traction + "force = [0, 0, 1]\npressure = 1\n"), "one of force and pressure");
   expect_says(refusal(traction + "pressure = '1 N'\n"), "known are Pa");
@@ -61,7 +61,7 @@ TEST(SceneFile, RefusesTablesThatContradictThemselves) {
   // moves
   const std::string move = "[[move]]\nselect = 'all'\n", path = "path = [[0,0,0,0]]\n";
   const std::string axis = "turn_centre = [0,0,0]\nturn_axis = [0,0,1]\n";
-  expect_says(refusal("[[move]]\n" + path), "'move': needs select");
+  expect_says(refusal("[[move]]\n" + path), "'move': needs one of select");
   expect_says(refusal(move), "needs path, or turn");
   expect_says(refusal(move + axis), "needs path, or turn");
   expect_says(refusal(move + path + axis), "needs path, or turn");

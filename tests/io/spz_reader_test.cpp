@@ -27,7 +27,7 @@ std::string gzip(const std::string& bytes) {
   return out;
 }
 
-std::string header_of(uint32_t version, uint32_t splats, int degree = 0, int fraction = 12,
+std::string spz_start(uint32_t version, uint32_t splats, int degree = 0, int fraction = 12,
                       int flags = 0) {
   return bytes_of(0x5053474eu, version, splats, uint8_t(degree), uint8_t(fraction), uint8_t(flags),
                   uint8_t(0));
@@ -46,7 +46,7 @@ const std::string kSplat = raw({0x00, 0x10, 0x00, 0x00, 0xf0, 0xff, 0x00, 0x28, 
 const std::string kRotation2 = raw({204, 128, 51});
 
 std::string one_splat() {
-  return header_of(2, 1) + kSplat + kRotation2;
+  return spz_start(2, 1) + kSplat + kRotation2;
 }
 
 void expect_same_splat(const SplatCloud& s) {
@@ -80,7 +80,7 @@ TEST(SpzReader, UnpacksVersion3WithEachLargestComponent) {
   const double expected[4][4] = {{c, m, a, b}, {c, a, m, b}, {c, a, b, m}, {m, a, b, c}};
   for (uint32_t largest = 0; largest < 4; ++largest) {
     const uint32_t word = largest << 30 | 100u << 20 | (512u | 200u) << 10 | 300u;
-    const Asset asset = test::checked(parse_spz, gzip(header_of(3, 1) + kSplat + bytes_of(word)));
+    const Asset asset = test::checked(parse_spz, gzip(spz_start(3, 1) + kSplat + bytes_of(word)));
     expect_same_splat(*asset.splats);
     for (size_t k = 0; k < 4; ++k)
       EXPECT_NEAR(asset.splats->rotation[0][k], expected[largest][k], 1e-6) << largest << ' ' << k;
@@ -120,7 +120,7 @@ TEST(SpzReader, Version4HoldsWhatVersion3Does) {
   std::string rest;
   for (int k = 0; k < 9; ++k) rest += char(100 + k);
   const SplatCloud three =
-      *test::checked(parse_spz, gzip(header_of(3, 1, 1) + kSplat + bytes_of(word) + rest)).splats;
+      *test::checked(parse_spz, gzip(spz_start(3, 1, 1) + kSplat + bytes_of(word) + rest)).splats;
   for (const uint32_t extension : {0u, 12u}) {
     const std::string file = version4(1, 1, attributes_of(word, rest), extension);
     const SplatCloud four = *test::checked(parse_spz, file).splats;
@@ -161,7 +161,7 @@ TEST(SpzReader, HarmonicsAreByCoefficientThenChannel) {
   std::string rest;
   for (int k = 0; k < 45; ++k) rest += char(128 + k);
   const SplatCloud s =
-      *test::checked(parse_spz, gzip(header_of(2, 1, 3) + kSplat + kRotation2 + rest)).splats;
+      *test::checked(parse_spz, gzip(spz_start(2, 1, 3) + kSplat + kRotation2 + rest)).splats;
   EXPECT_EQ(s.degree, 3);
   ASSERT_EQ(s.harmonics.size(), 48u);
   for (size_t k = 0; k < 45; ++k) EXPECT_EQ(s.harmonics[3 + k], float(k) / 128);
@@ -169,7 +169,7 @@ TEST(SpzReader, HarmonicsAreByCoefficientThenChannel) {
 
 TEST(SpzReader, SkipsExtensions) {
   EXPECT_NO_THROW(
-      parse_spz(gzip(header_of(2, 1, 0, 12, 2) + kSplat + kRotation2 + "more"), "file"));
+      parse_spz(gzip(spz_start(2, 1, 0, 12, 2) + kSplat + kRotation2 + "more"), "file"));
 }
 
 TEST(SpzReader, RefusesWhatCannotBe) {
@@ -179,16 +179,16 @@ TEST(SpzReader, RefusesWhatCannotBe) {
       {"NGSP\x04", "has no SPZ header of 32 bytes"},
       {gzip(""), "has no SPZ header of 16 bytes"},
       {gzip("ply\nformat ascii 1.0\n"), "what it packs is no SPZ; unpack it with gunzip"},
-      {gzip(header_of(1, 1) + kSplat), "SPZ version 1 is not read"},
-      {gzip(header_of(4, 1) + kSplat), "SPZ version 4 is not read"},
-      {gzip(header_of(2, 1, 4)), "harmonics of degree 4 are not read"},
-      {gzip(header_of(2, 1, 0, 24)), "cannot have 24 behind the point"},
-      {gzip(header_of(2, 2) + kSplat + kRotation2), "its 2 splats need 38 bytes, it unpacks to 19"},
+      {gzip(spz_start(1, 1) + kSplat), "SPZ version 1 is not read"},
+      {gzip(spz_start(4, 1) + kSplat), "SPZ version 4 is not read"},
+      {gzip(spz_start(2, 1, 4)), "harmonics of degree 4 are not read"},
+      {gzip(spz_start(2, 1, 0, 24)), "cannot have 24 behind the point"},
+      {gzip(spz_start(2, 2) + kSplat + kRotation2), "its 2 splats need 38 bytes, it unpacks to 19"},
       {gzip(one_splat() + "x"), "unpacks to more bytes than its 1 splats"},
-      {gzip(header_of(2, 0x80000000)), "claims 2147483648 splats of 19 bytes, too many"},
-      {gzip(header_of(2, 0xffffffff, 3)), "claims 4294967295 splats of 64 bytes, too many"},
-      {gzip(header_of(2, 100000) + std::string(1900000, '\0')), "too many for a file of"},
-      {gzip(header_of(2, 0)), "has no splats: nothing to simulate"},
+      {gzip(spz_start(2, 0x80000000)), "claims 2147483648 splats of 19 bytes, too many"},
+      {gzip(spz_start(2, 0xffffffff, 3)), "claims 4294967295 splats of 64 bytes, too many"},
+      {gzip(spz_start(2, 100000) + std::string(1900000, '\0')), "too many for a file of"},
+      {gzip(spz_start(2, 0)), "has no splats: nothing to simulate"},
   };
   for (const auto& [bytes, message] : cases)
     expect_says(error_of([&, &b = bytes] { test::checked(parse_spz, b); }), message);

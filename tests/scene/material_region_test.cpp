@@ -2,6 +2,7 @@
 #include "scene/material_region.hpp"
 
 #include "core/error.hpp"
+#include "scene/asset_part.hpp"
 #include "voxelize/voxelize.hpp"
 
 #include <gtest/gtest.h>
@@ -46,8 +47,8 @@ struct Result {
 };
 
 Result applied(const std::vector<std::string>& texts) {
-  std::vector<MaterialRegion> regions;
-  for (const std::string& text : texts) regions.push_back(parse_region(text));
+  RunDescription run;
+  for (const std::string& text : texts) run.regions.push_back(parse_region(text));
   const Asset asset = two_cubes();
   const Body body = make_body(asset);
   Result r;
@@ -56,24 +57,24 @@ Result applied(const std::vector<std::string>& texts) {
   r.scene.pinned = Array<uint8_t>(r.scene.grid.node_count());
   r.scene.materials = {{"base", Law::kNeoHookean, 1e6, 0.3, 100}};
   std::vector<Yield> yields(r.scene.materials.size());
-  apply_regions(regions, asset, body, r.scene, yields, r.warnings);
+  const std::vector<AssetPart> parts = asset_parts(run, asset, body, r.scene.grid);
+  apply_regions(run.regions, parts, body.surface.box, r.scene, yields, r.warnings);
   EXPECT_EQ(yields.size(), r.scene.materials.size());
   return r;
 }
 
 TEST(MaterialRegion, ReadsSelectionsNamesAndChangesOfAPreset) {
   const MaterialRegion place = parse_region(" y<30% : jelly, young = 30 kPa,law=stvk ");
-  EXPECT_EQ(place.kind, MaterialRegion::Kind::kPlace);
   EXPECT_EQ(place.selection.kind, Selection::Kind::kHalfSpace);
   EXPECT_EQ(place.material.young, 3e4);
   EXPECT_EQ(place.material.law, Law::kStvk);
   EXPECT_EQ(place.material.density, material_preset("jelly").material.density);
   const MaterialRegion node = parse_region("node:a:b *: foam,poisson=0.2,density=0.5 g/cm3");
-  EXPECT_EQ(node.kind, MaterialRegion::Kind::kNode);
-  EXPECT_EQ(node.name, "a:b *");
+  EXPECT_EQ(node.selection.kind, Selection::Kind::kNode);
+  EXPECT_EQ(node.selection.name, "a:b *");
   EXPECT_EQ(node.material.poisson, 0.2);
   EXPECT_EQ(node.material.density, 500);
-  EXPECT_EQ(parse_region("material:skin:rubber").kind, MaterialRegion::Kind::kMaterial);
+  EXPECT_EQ(parse_region("material:skin:rubber").selection.kind, Selection::Kind::kMaterial);
 }
 
 TEST(MaterialRegion, ReadsWhenItsMaterialYields) {
