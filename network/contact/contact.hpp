@@ -87,6 +87,14 @@ class Contact {
   /// Largest depth of a point below a collider's surface [m], 0 if none.
   double deepest_overlap(const double* u);
 
+  /// Calls body(corners, weights, stiffness) for each frozen point.
+  template <class Body>
+  void for_each_frozen(const Body& body) const {
+    for (const Frozen& of : active_)
+      body(scene_.grid.corners.row(scene_.surface.voxel(of.point)),
+           scene_.surface.weights.row(of.point), of.k);
+  }
+
  private:
   struct Obstacle : ObstaclePath {
     Collider core = {};

@@ -26,7 +26,7 @@ void IncrementalPotential::begin(In<double> positions, const Motion& motion) {
     }
   });
   held_.place_pinned(predictor_.data());
-  freeze_rotations();
+  rotations(now_.data(), rotation_);
 }
 
 void IncrementalPotential::begin_loads(const State& state, const StepScheme& scheme, bool first) {

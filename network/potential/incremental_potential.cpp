@@ -77,6 +77,8 @@ IncrementalPotential::IncrementalPotential(PotentialTerms&& terms)
   predictor_.resize(3 * nodes);
   now_.resize(3 * nodes);
   inertia_.resize(nodes);
+  if (!scene_.dependent.empty()) is_parent_.resize(nodes);
+  for (const int32_t n : scene_.dependent.folded().nodes) is_parent_[size_t(n)] = 1;
   if (scheme_.dt > 0) set_scheme(scheme_);
 }
 
@@ -118,14 +120,14 @@ PotentialValue IncrementalPotential::voxel_forces(const double* u, double* force
   return evaluate_all<double, false>(u, forces);
 }
 
-/// R_v of every row at now_.
-void IncrementalPotential::freeze_rotations() {
-  deformation_gradients(now_.data(), rotation_);
+/// R_v of every row.
+void IncrementalPotential::rotations(const double* u, Zeroed<double>& result) {
+  deformation_gradients(u, result);
   for_each(rows_->row_count(), [&](int64_t r) {
     Mat3<Pack<double>> F;
-    for (int k = 0; k < 9; ++k) F.m[k] = load(rotation_.data() + (r * 9 + k) * kLanes);
+    for (int k = 0; k < 9; ++k) F.m[k] = load(result.data() + (r * 9 + k) * kLanes);
     const Mat3<Pack<double>> R = unique_rotation(F);
-    for (int k = 0; k < 9; ++k) store(rotation_.data() + (r * 9 + k) * kLanes, R.m[k]);
+    for (int k = 0; k < 9; ++k) store(result.data() + (r * 9 + k) * kLanes, R.m[k]);
   });
 }
 

@@ -67,12 +67,25 @@ void Preconditioner<T>::update_inertia() {
 template <class T>
 template <class In>
 void Preconditioner<T>::apply(const In* r, In* z) {
+  if (patch_.empty()) return apply_plain(r, z);
+  left_.resize(r_.size()), first_.resize(r_.size());
+  for_each(int64_t(r_.size()), [&](int64_t k) { left_[size_t(k)] = T(r[k]); });
+  patch_.begin(left_.data(), first_.data());
+  apply_plain(left_.data(), z);
+  patch_.end(left_.data(), first_.data(), z);
+}
+
+/// Without the correction of folds.
+
+template <class T>
+template <class From, class In>
+void Preconditioner<T>::apply_plain(const From* r, In* z) {
   const int64_t nodes = potential_.scene().grid.node_count();
   const float* rotation = potential_.nodal_rotation().data();
   const T scale = T(scale_);
   for_each(nodes, [&](int64_t n) {
     const float* R = rotation + 9 * n;
-    const In* v = r + 3 * n;
+    const From* v = r + 3 * n;
     for (int i = 0; i < 3; ++i)
       r_[size_t(3 * n + i)] = T(R[i]) * T(v[0]) + T(R[3 + i]) * T(v[1]) + T(R[6 + i]) * T(v[2]);
   });

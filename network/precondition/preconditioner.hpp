@@ -5,11 +5,13 @@
 //
 // R the block diagonal of nodal rotations at the start of the iteration. Contact adds the stiffness
 // K of its nodes to both: its diagonal in the rotated frames to multigrid, the 3x3 blocks to A_r.
-// Symmetric and positive definite: the first matrix of L-BFGS and the preconditioner of CG.
+// Symmetric and positive definite: the first matrix of L-BFGS and the preconditioner of CG, which may
+// correct it in folds (fold_patch.hpp).
 
 #pragma once
 
 #include "network/precondition/encoder.hpp"
+#include "network/precondition/fold_patch.hpp"
 #include "network/precondition/multigrid.hpp"
 
 #include <optional>
@@ -44,6 +46,11 @@ class Preconditioner {
   /// Uses the frozen contact stiffness of the potential.
   void update_contact();
 
+  /// Corrects folds at u, where the Hessian of the potential is frozen, until clear_folds().
+  void update_folds(const double* u) { patch_.update(potential_, u); }
+  void clear_folds() { patch_.clear(); }
+  bool has_folds() const { return !patch_.empty(); }
+
   /// Uses inertia and damping of the potential's present scheme, without contact. It was built with
   /// the inertia of the first one.
   void update_inertia();
@@ -51,10 +58,14 @@ class Preconditioner {
   const Encoder<T>* encoder() const { return encoder_ ? &*encoder_ : nullptr; }
 
  private:
-  const IncrementalPotential& potential_;
+  template <class From, class In>
+  void apply_plain(const From* r, In* z);
+
+  IncrementalPotential& potential_;
+  FoldPatch patch_;
   Multigrid<T> multigrid_;
   std::optional<Encoder<T>> encoder_;
-  Zeroed<T> r_, z_;
+  Zeroed<T> r_, z_, left_, first_;
   double built_with_, used_;  // a0 / dt^2 [1/s^2]
   double scale_ = 1;          // of the inverse
   bool in_contact_ = false;

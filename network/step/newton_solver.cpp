@@ -2,8 +2,14 @@
 #include "network/step/newton_solver.hpp"
 
 #include "network/step/newton_loop.hpp"
+#include <cstdlib>
 
 namespace elastogen {
+namespace {
+
+constexpr int kQuick = 8;  // PCG iterations that need no correction of folds
+
+}  // namespace
 
 NewtonSolver::NewtonSolver(IncrementalPotential& potential)
     : potential_(potential),
@@ -26,6 +32,7 @@ struct NewtonSolver::Work {
   void linearise(TangentKind kind, const PotentialValue&) {
     of.potential_.linearise(u, kind);
     preconditioner.update_contact();
+    of.is_slow_ ? preconditioner.update_folds(u) : preconditioner.clear_folds();
   }
 
   LinearResult solve(double unit, double eta, int most, const PcgScalars& scalars,
@@ -37,6 +44,10 @@ struct NewtonSolver::Work {
         [&](const float* p, float* Ap) { of.potential_.hessian_product(p, Ap); },
         [&](const float* r, float* z) { preconditioner.apply(r, z); }, interrupted, scalars);
     for_each(of.size_, [&](int64_t k) { of.step_[size_t(k)] *= float(unit); });
+    if (inner.iterations > kQuick)
+      of.is_slow_ = !std::getenv("EG_NOPATCH");
+    else if (!preconditioner.has_folds())
+      of.is_slow_ = false;
     return {inner.iterations, inner.end};
   }
 
@@ -90,7 +101,10 @@ IterationResult NewtonSolver::solve(double* u, double target, int max_outer, int
                                     Preconditioner<P>& preconditioner,
                                     const Interrupted& interrupted) {
   Work<P> work{*this, u, preconditioner};
-  return newton_loop(work, region_, target, max_outer, max_inner, interrupted);
+  const IterationResult result =
+      newton_loop(work, region_, target, max_outer, max_inner, interrupted);
+  preconditioner.clear_folds();
+  return result;
 }
 
 #define ELASTOGEN_INSTANTIATE(P) \

@@ -1,0 +1,275 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "network/precondition/fold_patch.hpp"
+
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <cmath>
+
+namespace elastogen {
+namespace {
+
+constexpr double kApart = 0.7;    // cosine of the angle from which on frames lie far apart
+constexpr int kDegree = 4;        // of the smoother
+constexpr double kLowest = 0.05;  // of the eigenvalues that it damps, over the largest
+constexpr double kMargin = 1.1;   // of the largest over what the power method finds
+constexpr int kPowers = 10;
+
+/// Cosine of the angle of a rotation from another.
+double cosine(const Mat3<double>& a, const float* b) {
+  double trace = 0;
+  for (int k = 0; k < 9; ++k) trace += a.m[k] * double(b[k]);
+  return (trace - 1) / 2;
+}
+
+/// y = K x of a 3x3 block, or its transpose.
+void add_product(const float* K, const float* x, float y[3]) {
+  for (int i = 0; i < 3; ++i) y[i] += K[3 * i] * x[0] + K[3 * i + 1] * x[1] + K[3 * i + 2] * x[2];
+}
+void add_transposed(const float* K, const float* x, float y[3]) {
+  for (int i = 0; i < 3; ++i) y[i] += K[i] * x[0] + K[3 + i] * x[1] + K[6 + i] * x[2];
+}
+
+void sort_unique(std::vector<int32_t>& numbers) {
+  std::ranges::sort(numbers);
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+}
+
+std::vector<int32_t> corners_of(const VoxelGrid& grid, const std::vector<int32_t>& voxels) {
+  std::vector<int32_t> nodes;
+  for (const int32_t v : voxels)
+    nodes.insert(nodes.end(), grid.corners.row(v), grid.corners.row(v) + 8);
+  sort_unique(nodes);
+  return nodes;
+}
+
+std::vector<int32_t> voxels_at(const VoxelGrid& grid, const std::vector<int32_t>& nodes) {
+  std::vector<int32_t> voxels;
+  for (const int32_t n : nodes)
+    std::copy_if(grid.voxels.row(n), grid.voxels.row(n) + 8, std::back_inserter(voxels),
+                 [](int32_t v) { return v >= 0; });
+  sort_unique(voxels);
+  return voxels;
+}
+
+}  // namespace
+
+void FoldPatch::find_nodes(IncrementalPotential& potential, const double* u) {
+  const VoxelGrid& grid = potential.scene().grid;
+  potential.find_frames(u);
+  const float* frames = potential.nodal_rotation().data();
+  const std::vector<int32_t> apart = filtered(grid.voxel_count(), [&](int64_t v) {
+    const Mat3<double> R = potential.frame_of(v);
+    const int32_t* corners = grid.corners.row(v);
+    return std::any_of(corners, corners + 8,
+                       [&](int32_t n) { return cosine(R, frames + 9 * size_t(n)) < kApart; });
+  });
+  // their nodes, and those of voxels beside them
+  nodes_ = apart.empty() ? std::vector<int32_t>()
+                         : corners_of(grid, voxels_at(grid, corners_of(grid, apart)));
+  std::erase_if(nodes_, [&](int32_t n) { return !potential.is_plain(n); });
+  voxels_ = voxels_at(grid, nodes_);
+  // what H reaches from there
+  place_.assign(size_t(grid.node_count()), -1);
+  reached_ = nodes_;
+  for (size_t k = 0; k < nodes_.size(); ++k) place_[size_t(nodes_[k])] = int32_t(k);
+  for (const int32_t n : corners_of(grid, voxels_))
+    if (place_[size_t(n)] < 0 && potential.scene().pinned(n) == kFreeNode) {
+      place_[size_t(n)] = int32_t(reached_.size());
+      reached_.push_back(n);
+    }
+}
+
+void FoldPatch::find_columns(const VoxelGrid& grid) {
+  begin_.assign(1, 0);
+  columns_.clear();
+  for (const int32_t n : nodes_) {
+    std::vector<int32_t> places;
+    for (const int32_t corner : corners_of(grid, voxels_at(grid, {n})))
+      if (place_[size_t(corner)] >= 0) places.push_back(place_[size_t(corner)]);
+    std::ranges::sort(places);
+    columns_.insert(columns_.end(), places.begin(), places.end());
+    begin_.push_back(int32_t(columns_.size()));
+  }
+  blocks_ = Zeroed<float>(9 * columns_.size());
+}
+
+/// Adds value(i, j) to the block of two corners, if it is there.
+template <class Value>
+void FoldPatch::add_block(const int32_t* corners, int a, int b, const Value& value) {
+  const int32_t row = place_[size_t(corners[a])], column = place_[size_t(corners[b])];
+  if (row < 0 || column < 0 || row >= int32_t(nodes_.size())) return;
+  const auto found = std::lower_bound(columns_.begin() + begin_[size_t(row)],
+                                      columns_.begin() + begin_[size_t(row) + 1], column);
+  float* block = blocks_.data() + 9 * (found - columns_.begin());
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) block[3 * i + j] += float(value(i, j));
+}
+
+void FoldPatch::add_voxels(const IncrementalPotential& potential) {
+  constexpr size_t kEntries = 24 * 24;
+  std::vector<double> matrices(kEntries * voxels_.size());
+  for_each(int64_t(voxels_.size()), [&](int64_t k) {
+    potential.element_matrix(voxels_[size_t(k)], matrices.data() + kEntries * size_t(k));
+  });
+  for (size_t v = 0; v < voxels_.size(); ++v) {
+    const double* K = matrices.data() + kEntries * v;
+    const int32_t* corners = potential.scene().grid.corners.row(voxels_[v]);
+    for (int a = 0; a < 8; ++a)
+      for (int b = 0; b < 8; ++b)
+        add_block(corners, a, b, [&](int i, int j) { return K[24 * (3 * a + i) + 3 * b + j]; });
+  }
+  for (const int32_t n : nodes_)
+    add_block(&n, 0, 0, [&](int i, int j) { return i == j ? potential.inertia(n) : 0; });
+}
+
+void FoldPatch::add_contact(const Contact& contact) {
+  contact.for_each_frozen([&](const int32_t* corners, const double* w, const PointStiffness& k) {
+    for (int a = 0; a < 8; ++a)
+      for (int b = 0; b < 8; ++b)
+        add_block(corners, a, b,
+                  [&](int i, int j) { return w[a] * w[b] * k.entry(size_t(i), size_t(j)); });
+  });
+}
+
+void FoldPatch::find_inverses() {
+  using Block = Eigen::Matrix<float, 3, 3, Eigen::RowMajor>;
+  inverse_ = Zeroed<float>(9 * nodes_.size());
+  for_each(count(), [&](int64_t k) {
+    const auto first = columns_.begin() + begin_[size_t(k)],
+               last = columns_.begin() + begin_[size_t(k) + 1];
+    const auto number = size_t(std::lower_bound(first, last, int32_t(k)) - columns_.begin());
+    const Eigen::Matrix3d D = Eigen::Map<const Block>(blocks_.data() + 9 * number).cast<double>();
+    const Eigen::Matrix3d inverse = D.inverse();
+    Eigen::Map<Block>(inverse_.data() + 9 * k) =
+        ((inverse + inverse.transpose()) / 2).cast<float>();
+  });
+}
+
+void FoldPatch::find_transposed() {
+  first_.assign(reached_.size() + 1, 0);
+  for (const int32_t place : columns_) ++first_[size_t(place) + 1];
+  for (size_t k = 1; k < first_.size(); ++k) first_[k] += first_[k - 1];
+  std::vector<int32_t> next = first_;
+  transposed_.resize(columns_.size());
+  for (int32_t row = 0; row < int32_t(count()); ++row)
+    for (int32_t e = begin_[size_t(row)]; e < begin_[size_t(row) + 1]; ++e)
+      transposed_[size_t(next[size_t(columns_[size_t(e)])]++)] = {row, e};
+}
+
+/// y = H x on the nodes of the patch, x on those reached.
+void FoldPatch::product(const Zeroed<float>& x, Zeroed<float>& y) const {
+  for_each(count(), [&](int64_t row) {
+    float sum[3] = {};
+    for (int32_t e = begin_[size_t(row)]; e < begin_[size_t(row) + 1]; ++e)
+      add_product(blocks_.data() + 9 * size_t(e), x.data() + 3 * size_t(columns_[size_t(e)]), sum);
+    std::copy_n(sum, 3, y.begin() + 3 * row);
+  });
+}
+
+/// By the power method on D^-1 H, from a vector without symmetry.
+void FoldPatch::find_bound() {
+  for (size_t k = 0; k < right_.size(); ++k)
+    far_[k] = float((k * 2654435761u >> 8) % 1000) / 1000 - 0.5f;
+  std::fill(far_.begin() + int64_t(right_.size()), far_.end(), 0.f);
+  bound_ = 1;
+  for (int power = 0; power < kPowers; ++power) {
+    product(far_, Hz_);
+    for_each(count(), [&](int64_t k) {
+      float sum[3] = {};
+      add_product(inverse_.data() + 9 * k, Hz_.data() + 3 * k, sum);
+      std::copy_n(sum, 3, far_.begin() + 3 * k);
+    });
+    const double size = norm(far_.data(), int64_t(right_.size()));
+    if (!(size > 0)) return;
+    if (power > 0) bound_ = kMargin * size;
+    for (float& value : far_) value = float(value / size);
+  }
+}
+
+/// z_ = S right_, Chebyshev's iteration from 0.
+void FoldPatch::smooth() {
+  const double low = kLowest * bound_, theta = (bound_ + low) / 2, delta = (bound_ - low) / 2;
+  double rho = delta / theta;
+  std::fill(z_.begin(), z_.end(), 0.f);
+  for (int step = 0; step < kDegree; ++step) {
+    if (step > 0) product(z_, Hz_);
+    const double next = step == 0 ? rho : 1 / (2 * theta / delta - rho);
+    const auto keep = float(step == 0 ? 0 : next * rho),
+               add = float(step == 0 ? 1 / theta : 2 * next / delta);
+    rho = next;
+    for_each(count(), [&](int64_t k) {
+      float r[3], Dr[3] = {};
+      for (size_t i = 3 * size_t(k), j = 0; j < 3; ++i, ++j)
+        r[j] = step == 0 ? right_[i] : right_[i] - Hz_[i];
+      add_product(inverse_.data() + 9 * k, r, Dr);
+      for (size_t i = 3 * size_t(k), j = 0; j < 3; ++i, ++j) {
+        d_[i] = step == 0 ? add * Dr[j] : keep * d_[i] + add * Dr[j];
+        z_[i] += d_[i];
+      }
+    });
+  }
+}
+
+void FoldPatch::update(IncrementalPotential& potential, const double* u) {
+  find_nodes(potential, u);
+  if (empty()) return;
+  // H
+  find_columns(potential.scene().grid);
+  add_voxels(potential);
+  add_contact(potential.contact());
+  // S
+  for (Zeroed<float>* vector : {&right_, &d_, &Hz_}) *vector = Zeroed<float>(3 * nodes_.size());
+  for (Zeroed<float>* vector : {&z_, &far_}) *vector = Zeroed<float>(3 * reached_.size());
+  find_inverses();
+  find_transposed();
+  find_bound();
+}
+
+template <class T>
+void FoldPatch::gather(const std::vector<int32_t>& nodes, const T* from, Zeroed<float>& to) const {
+  for_each(int64_t(nodes.size()), [&](int64_t k) {
+    for (size_t i = 0; i < 3; ++i)
+      to[3 * size_t(k) + i] = float(from[3 * size_t(nodes[size_t(k)]) + i]);
+  });
+}
+
+template <class T>
+void FoldPatch::begin(T* r, T* z_1) {
+  gather(nodes_, r, right_);
+  smooth();
+  for_each(int64_t(reached_.size()), [&](int64_t m) {
+    float sum[3] = {};
+    for (int32_t t = first_[size_t(m)]; t < first_[size_t(m) + 1]; ++t) {
+      const auto [row, number] = transposed_[size_t(t)];
+      add_transposed(blocks_.data() + 9 * size_t(number), z_.data() + 3 * size_t(row), sum);
+    }
+    const size_t n = 3 * size_t(reached_[size_t(m)]);
+    for (size_t i = 0; i < 3; ++i) {
+      r[n + i] -= T(sum[i]);
+      if (m < count()) z_1[n + i] = T(z_[3 * size_t(m) + i]);
+    }
+  });
+}
+
+template <class T, class Z>
+void FoldPatch::end(const T* r, const T* z_1, Z* p) {
+  gather(nodes_, r, right_);
+  gather(reached_, p, far_);
+  product(far_, Hz_);
+  for_each(int64_t(right_.size()), [&](int64_t k) { right_[size_t(k)] -= Hz_[size_t(k)]; });
+  smooth();
+  for_each(count(), [&](int64_t k) {
+    const size_t n = 3 * size_t(nodes_[size_t(k)]);
+    for (size_t i = 0; i < 3; ++i) p[n + i] += Z(z_1[n + i] + T(z_[3 * size_t(k) + i]));
+  });
+}
+
+template void FoldPatch::begin(float*, float*);
+template void FoldPatch::begin(double*, double*);
+template void FoldPatch::end(const float*, const float*, float*);
+template void FoldPatch::end(const float*, const float*, double*);
+template void FoldPatch::end(const double*, const double*, float*);
+template void FoldPatch::end(const double*, const double*, double*);
+
+}  // namespace elastogen

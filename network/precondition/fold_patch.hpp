@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// A correction of the first matrix P, V-cycle and encoder, where its form fails: in folds the frames of
+// a voxel and of its nodes lie far apart, and no operator of constant coefficients in nodal frames is
+// near the Hessian H. With S a Chebyshev smoother of H on the nodes of such voxels and beside them,
+//
+//     z_1 = S r,     z_2 = z_1 + P (r - H z_1),     z = z_2 + S (r - H z_2).
+//
+// H is here that of the voxels without negative eigenvalues, with the stiffness of contact: z is a
+// symmetric positive definite map of r.
+
+#pragma once
+
+#include "network/potential/incremental_potential.hpp"
+
+namespace elastogen {
+
+class FoldPatch {
+ public:
+  /// Finds the voxels whose frames at u [m], where the Hessian is frozen, lie far from those of their
+  /// nodes, and assembles H there. Repeats to the bit.
+  void update(IncrementalPotential& potential, const double* u);
+  void clear() { nodes_.clear(); }
+  bool empty() const { return nodes_.empty(); }
+  int64_t count() const { return int64_t(nodes_.size()); }  ///< of its nodes
+
+  /// z_1 = S r and r -= H z_1; both (nodes, 3), z_1 only on nodes of the patch.
+  template <class T>
+  void begin(T* r, T* z_1);
+  /// z = z_1 + p + S (r - H p), where p = P r of the r that begin() left.
+  template <class T, class Z>
+  void end(const T* r, const T* z_1, Z* p);
+
+ private:
+  struct Entry {
+    int32_t row, number;  // of a block
+  };
+  void find_nodes(IncrementalPotential& potential, const double* u);
+  void find_columns(const VoxelGrid& grid);
+  void add_voxels(const IncrementalPotential& potential);
+  void add_contact(const Contact& contact);
+  template <class Value>
+  void add_block(const int32_t* corners, int a, int b, const Value& value);
+  void find_inverses();
+  void find_transposed();
+  void find_bound();
+  void product(const Zeroed<float>& x, Zeroed<float>& y) const;
+  template <class T>
+  void gather(const std::vector<int32_t>& nodes, const T* from, Zeroed<float>& to) const;
+  void smooth();
+
+  std::vector<int32_t> nodes_;    // of the patch, ascending
+  std::vector<int32_t> reached_;  // these, then free nodes beside them
+  std::vector<int32_t> place_;    // of each node of the grid among reached_, -1 if it is none
+  std::vector<int32_t> voxels_;   // with a node of the patch, ascending
+  // H by rows of nodes_: columns as places among reached_, ascending, and 3x3 blocks
+  std::vector<int32_t> begin_, columns_;
+  Zeroed<float> blocks_, inverse_;  // inverse_: of the diagonal blocks
+  // the same by columns
+  std::vector<int32_t> first_;
+  std::vector<Entry> transposed_;
+  double bound_ = 0;                        // of the eigenvalues of D^-1 H
+  Zeroed<float> right_, z_, d_, Hz_, far_;  // of the patch; far_ of the nodes reached
+};
+
+}  // namespace elastogen
