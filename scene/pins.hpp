@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What pins hold, and moves. The network and finite elements on voxels hold the body at their borders
-// where these cut voxels (voxelize/dependent_nodes.hpp); all other steps hold the nodes in them.
+// What pins hold, and moves. The network and finite elements hold the body at their borders where these
+// cut voxels (voxelize/dependent_nodes.hpp) or tetrahedra (tet_pins.hpp); the solver 'paper' holds the
+// nodes in them.
 
 #pragma once
 
@@ -12,9 +13,6 @@ namespace elastogen {
 /// The extents of a box, for messages.
 std::string span_of(const PlacedBox& box);
 
-/// Whether finite elements move nodes by themselves (fem_boundary.cpp), not by holders of the scene.
-bool moves_apart(const Setup& setup, const RunDescription& run);
-
 /// What a move does. @param box  of the asset [m].
 Holder holder_of(const Move& move, const PlacedBox& box);
 
@@ -22,15 +20,18 @@ Holder holder_of(const Move& move, const PlacedBox& box);
 /// neither where the steps of the run hold nodes. @param box  of the asset [m].
 void add_borders(const RunDescription& run, const PlacedBox& box, VoxelizeOptions& options);
 
-/// Fills what holds the nodes of the scene; warns of pins, holds and moves that hold nothing. Holds, and
-/// moves of elements that move nodes apart, are only checked.
+/// Fills what holds the nodes of the scene; warns of pins, holds and moves that hold nothing, but for
+/// pins and moves of a file's tetrahedra (hold_tets). Holds are only checked.
 /// @throws Error (usage) naming two options, one of them a move, that have a point, node or border in common.
 /// @param borders  of the options that the grid was made with.
 /// @param cut      by them (Voxelized).
 void pin(const RunDescription& run, const std::vector<Border>& borders,
          const std::vector<BorderVoxel>& cut, Setup& setup);
 
-/// Sets the weights of points behind borders to 0. @return these points.
+/// The points behind borders.
+std::vector<HeldPoint> points_behind(const std::vector<HeldBorder>& borders, const PlacedBox& box,
+                                     In<double> points);
+/// Sets their weights to 0. @return these points.
 std::vector<HeldPoint> rest_behind(const std::vector<HeldBorder>& borders, const PlacedBox& box,
                                    In<double> points, Array<double>& weights);
 
