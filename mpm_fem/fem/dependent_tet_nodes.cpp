@@ -15,7 +15,8 @@
 namespace elastogen::fem {
 namespace {
 
-constexpr double kAhead = 0.2;  // least cosine of the angle between a way ahead and the normal
+constexpr double kAhead = 0.2;   // least cosine of the angle between a way ahead and the normal
+constexpr double kAlong = 1e-3;  // weight of offsets along the normal, of quadratic elements
 constexpr double kSmallFactors = 1e-8;  // weight of what keeps factors small
 
 /// A dependent node and, once it is known, its slope a = sum of factor u_m over free nodes m.
@@ -26,10 +27,10 @@ struct Follower {
   std::map<int32_t, double> slope;
 };
 
-/// A node ahead: its offset across the normal and its distance from the border, both over h.
+/// A node ahead: t and its distance from the border, both over h.
 struct Ahead {
   int32_t node;
-  Eigen::Vector3d across;
+  Eigen::Vector3d offset;
   double distance;
 };
 
@@ -39,7 +40,7 @@ Eigen::VectorXd extremum(const std::vector<Ahead>& ahead) {
   Eigen::Matrix4d A = Eigen::Matrix4d::Zero();
   for (const Ahead& m : ahead) {
     Eigen::Vector4d row;
-    row << 1, -m.across;
+    row << 1, -m.offset;
     A += m.distance * m.distance * row * row.transpose();
   }
   A.bottomRightCorner<3, 3>() += kSmallFactors * Eigen::Matrix3d::Identity();
@@ -47,16 +48,17 @@ Eigen::VectorXd extremum(const std::vector<Ahead>& ahead) {
   Eigen::VectorXd alpha(Eigen::Index(ahead.size()));
   for (size_t m = 0; m < ahead.size(); ++m)
     alpha[Eigen::Index(m)] = ahead[m].distance * ahead[m].distance *
-                             (solution[0] - ahead[m].across.dot(solution.tail<3>()));
+                             (solution[0] - ahead[m].offset.dot(solution.tail<3>()));
   return alpha;
 }
 
-/// The same with alpha >= 0: the nodes with the most negative ones leave, one by one.
-Eigen::VectorXd weights_of(std::vector<Ahead>& ahead) {
+/// The same with alpha >= 0 where that is asked for: the nodes with the most negative ones leave, one by
+/// one.
+Eigen::VectorXd weights_of(bool positive, std::vector<Ahead>& ahead) {
   while (true) {
     Eigen::VectorXd alpha = extremum(ahead);
     Eigen::Index worst = 0;
-    if (ahead.size() == 1 || alpha.minCoeff(&worst) >= 0) return alpha / alpha.sum();
+    if (!positive || ahead.size() == 1 || alpha.minCoeff(&worst) >= 0) return alpha / alpha.sum();
     ahead.erase(ahead.begin() + worst);
   }
 }
@@ -114,6 +116,8 @@ class Follow {
   Vec3 rest(int32_t node) const {
     return {mesh_.rest(node, 0), mesh_.rest(node, 1), mesh_.rest(node, 2)};
   }
+
+  double weight_along() const { return mesh_.elements.cols() == 10 ? kAlong : 0; }
 
   /// Mean distance of neighbouring nodes of an element.
   double spacing_of(int32_t element) const {
@@ -173,12 +177,12 @@ class Follow {
       if (m == node || along < kAhead * norm(way)) continue;
       const double d = distance_ahead(m, of);
       if (!(d > 0)) continue;
-      const Vec3 t = scaled(minus(way, scaled(n, along)), 1 / h);
+      const Vec3 t = scaled(minus(way, scaled(n, along * (1 - weight_along()))), 1 / h);
       ahead.push_back({m, {t[0], t[1], t[2]}, d / h});
     }
     if (ahead.empty()) return;
     // their slopes
-    const Eigen::VectorXd alpha = weights_of(ahead);
+    const Eigen::VectorXd alpha = weights_of(weight_along() == 0, ahead);
     for (size_t k = 0; k < ahead.size(); ++k) {
       const double weight = alpha[Eigen::Index(k)];
       const auto other = followers_.find(ahead[k].node);

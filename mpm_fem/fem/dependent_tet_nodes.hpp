@@ -8,7 +8,8 @@
 //     alpha = argmin |sum_m alpha_m t_m|^2 + epsilon sum_m (h alpha_m/d_m)^2,   sum alpha = 1, alpha >= 0,
 //
 // t_m the part of x_m - x_i across n over h: slopes are carried along n, from afar rather than from
-// nodes close to the border.
+// nodes close to the border. Of quadratic elements t_m has 1e-3 of the part along n too, and alpha may be
+// negative: slopes may change along n, as far as that takes no large factors.
 
 #pragma once
 
