@@ -89,7 +89,7 @@ void describe(const Stepper& stepper, const Scene& scene, StudyRun& run) {
   run.dt = scene.dt;
   run.voxels = scene.grid.voxel_count();
   run.elements = header.mesh ? header.mesh->corners.rows() : run.voxels;
-  const Array<uint8_t>& pinned = header.mesh ? header.mesh->pinned : scene.pinned;
+  const Array<uint8_t>& pinned = header.mesh ? header.mesh->nodes.pinned : scene.pinned;
   run.dofs = 3 * std::count(pinned.data(), pinned.data() + pinned.size(), uint8_t(0));
 }
 

@@ -60,8 +60,8 @@ void HeldNodes::find_fixed() {
       fixed_.push_back(int32_t(3 * n + d));
       std::vector<HeldNode>& nodes = nodes_[size_t(holder)];
       if (nodes.empty() || nodes.back().node != int32_t(n))
-        nodes.push_back({int32_t(n), -1, scaled(scene_.gravity, weighing_[size_t(n)]),
-                         parent[size_t(n)], 0});
+        nodes.push_back(
+            {int32_t(n), -1, scaled(scene_.gravity, weighing_[size_t(n)]), parent[size_t(n)], 0});
       nodes.back().axes |= uint8_t(1 << d);
     }
   }
@@ -151,12 +151,9 @@ void HeldNodes::set_velocities(const double* x, double* v) const {
 
 std::vector<Reaction> HeldNodes::reactions(const double* r, const double* u,
                                            const double* load) const {
-  const HeldForces forces{scene_.grid.rest.data(),
-                          u,
-                          r,
-                          load,
-                          scene_.dependent.filled().view(),
-                          scene_.dependent.folded().view()};
+  const HeldForces forces{
+      scene_.grid.rest.data(),         u, r, load, scene_.dependent.filled().view(),
+      scene_.dependent.folded().view()};
   std::vector<HolderSums> sums(nodes_.size());
   for (size_t h = 0; h < sums.size(); ++h)
     for (const HeldNode& held : nodes_[h]) forces.add(held, centres_[h], sums[h].data());

@@ -25,9 +25,10 @@ void write_dependent(hid_t group, const DependentNodes& dependent) {
   hdf5::write_dataset<double>(group, "parent_weight", weights);
 }
 
-void write_holders(hid_t file, const Scene& scene, const StateHeader& header,
+void write_holders(hid_t file, const Scene& of_grid, const StateHeader& header,
                    const std::vector<double>& times) {
-  if (scene.holders.empty() || header.mesh) return;  // of the nodes of a grid
+  const Scene& scene = header.mesh ? header.mesh->nodes : of_grid;
+  if (scene.holders.empty()) return;
   const hdf5::Handle group = hdf5::create_group(file, "holders");
   std::vector<std::string> names;
   for (const Holder& holder : scene.holders) names.push_back(holder.name);

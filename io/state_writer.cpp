@@ -68,11 +68,15 @@ void write_root(hid_t file, const Scene& scene, const StateHeader& header) {
 
 void write_mesh(hid_t file, const StateMesh& mesh) {
   const hdf5::Handle group = hdf5::create_group(file, "grid");
-  hdf5::write_dataset<double>(group, "rest", mesh.rest);
+  hdf5::write_dataset<double>(group, "rest", mesh.nodes.grid.rest);
   hdf5::write_dataset<int32_t>(group, "corners", mesh.corners);
   hdf5::write_dataset<double>(group, "mass", mesh.mass);
-  hdf5::write_dataset<uint8_t>(group, "pinned", mesh.pinned);
+  hdf5::write_dataset<uint8_t>(group, "pinned", mesh.nodes.pinned);
   hdf5::write_dataset<int32_t>(group, "material", mesh.material);
+  if (mesh.part.empty()) return;
+  hdf5::write_dataset<double>(group, "fill", mesh.fill);
+  hdf5::write_dataset<double>(group, "part", mesh.part);
+  write_dependent(group, mesh.nodes.dependent);
 }
 
 void write_grid(hid_t file, const Scene& scene) {
@@ -112,7 +116,7 @@ std::vector<EntryField> entry_fields(const Scene& scene, const StateHeader& head
             {group, "C", {count, 9}},
             {group, "memory", {count}}};
   }
-  const int64_t nodes = header.mesh ? header.mesh->rest.rows() : scene.grid.node_count();
+  const int64_t nodes = header.mesh ? header.mesh->nodes.grid.rest.rows() : scene.grid.node_count();
   std::vector<EntryField> fields = {{"steps", "x", {nodes, 3}}, {"steps", "v", {nodes, 3}}};
   if (!makes_stages(scene, header)) return fields;
   fields.push_back({"steps", "x_stage", {nodes, 3}, false});

@@ -20,11 +20,11 @@ namespace elastogen {
 
 /// Nodes and elements of a run that does not compute on the voxels themselves.
 struct StateMesh {
-  Array<double> rest;             ///< [m], (nodes, 3)
-  Array<int32_t> corners;         ///< nodes of each element, (elements, 4 or 10)
-  Array<double> mass;             ///< [kg], (nodes, 1)
-  Array<uint8_t> pinned;          ///< (nodes, 1)
-  Array<int32_t> material;        ///< (elements, 1)
+  Scene nodes;               ///< all nodes at rest, and what holds them, as HeldNodes reads them
+  Array<int32_t> corners;    ///< nodes of each element, (elements, 4 or 10)
+  Array<double> mass;        ///< [kg], (nodes, 1)
+  Array<double> fill, part;  ///< of elements that pins cut (fem::ElementMesh), else empty
+  Array<int32_t> material;   ///< (elements, 1)
   Array<int32_t> contact_nodes;   ///< nodes that carry each surface point, (points, 4 or 10)
   Array<double> contact_weights;  ///< weights of these nodes, (points, 4 or 10)
 };

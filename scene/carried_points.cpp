@@ -15,6 +15,8 @@ CarriedPoints carried_points(const Setup& setup) {
     points.node_of = &setup.node_of;
   else
     points.embedding = embed(setup.scene.grid, setup.body.carried, parts_of_carried(setup.body));
+  if (setup.tets)  // nodes behind borders move as their elements need it
+    points.moved = points_behind(setup.borders, setup.body.surface.box, setup.body.carried);
   if (points.node_of) return points;
   points.moved = rest_behind(setup.borders, setup.body.surface.box, setup.body.carried,
                              points.embedding.weights);

@@ -6,6 +6,7 @@
 #include "core/vec3.hpp"
 #include "mpm_fem/fem/elastic_body.hpp"
 #include "mpm_fem/fem/mesh_pieces.hpp"
+#include "scene/fem_holders.hpp"
 #include "scene/loads.hpp"
 #include "scene/pins.hpp"
 
@@ -47,37 +48,11 @@ void check_contradictions(const Setup& setup, const RunDescription& run) {
   }
 }
 
-/// A prescribed motion of nodes.
-struct Motion {
-  std::vector<int32_t> nodes;
-  std::vector<Vec3> rest;  ///< rest position of each [m]
-  Holder holder;
-};
-
-/// Writes the displacements at a time [m].
-void displace(const Motion& motion, double time, Out<double> u) {
-  for (size_t k = 0; k < motion.nodes.size(); ++k)
-    std::ranges::copy(held_displacement(motion.holder, motion.rest[k], time),
-                      u.row(motion.nodes[k]));
-}
-
-Motion make_motion(const Move& move, const Setup& setup, const fem::ElementMesh& mesh) {
-  const Array<uint8_t> selected = with_middles(selected_nodes(setup, move.selection), mesh);
-  Motion motion;
-  motion.holder = holder_of(move, setup.body.surface.box);
-  for (int64_t n = 0; n < selected.rows(); ++n) {
-    if (!selected(n)) continue;
-    motion.nodes.push_back(int32_t(n));
-    motion.rest.push_back({mesh.rest(n, 0), mesh.rest(n, 1), mesh.rest(n, 2)});
-  }
-  return motion;
-}
-
 void add_holds(const Setup& setup, const RunDescription& run, fem::FemScene& scene) {
   scene.fixed = Array<uint8_t>(scene.mesh.rest.rows(), 3);
   for (int64_t n = 0; n < scene.fixed.rows(); ++n)
     scene.fixed(n, 2) = fem::is_plane(scene.mesh.element);
-  const Array<uint8_t> pinned = pinned_nodes(setup.scene, scene.mesh);
+  const Array<uint8_t> pinned = nodes_with_holders(setup, scene.mesh).pinned;
   for (int64_t n = 0; n < pinned.rows(); ++n)
     if (pinned(n) == kPinnedNode) std::fill_n(scene.fixed.row(n), 3, uint8_t(1));
   for (const Hold& hold : run.holds) {
@@ -88,39 +63,28 @@ void add_holds(const Setup& setup, const RunDescription& run, fem::FemScene& sce
   }
 }
 
-/// Moves the nodes in the selections of moves.
-void move_nodes(const Setup& setup, const RunDescription& run, double per_time,
-                fem::FemScene& scene) {
-  std::vector<Motion> motions;
-  for (const Move& move : run.moves) {
-    motions.push_back(make_motion(move, setup, scene.mesh));
-    for (const int32_t n : motions.back().nodes) std::fill_n(scene.fixed.row(n), 3, uint8_t(1));
-  }
-  scene.motion = [motions = std::move(motions), per_time](double time, Out<double> u) {
-    for (const Motion& motion : motions) displace(motion, per_time * time, u);
-  };
-}
-
-/// Moves what holders of the setup's scene hold, at borders that cut voxels too.
-void move_holders(const Setup& setup, double per_time, fem::FemScene& scene) {
-  const auto held = std::make_shared<HeldNodes>(setup.scene);
-  scene.motion = [held, per_time](double time, Out<double> u) {
-    held->set_time(per_time * time);
-    held->place_pinned(u.data);
-  };
-  if (!held->moves_dependent()) return;
-  scene.dependent_motion = [held, per_time](double time, Out<double> offset) {
-    held->set_time(per_time * time);
-    for (int64_t i = 0; i < offset.rows; ++i) std::ranges::copy(held->offset(i), offset.row(i));
-  };
-}
+/// The nodes of a mesh and what holds them.
+struct HeldMesh {
+  explicit HeldMesh(Scene mesh_nodes) : nodes(std::move(mesh_nodes)), held(nodes) {}
+  Scene nodes;
+  HeldNodes held;
+};
 
 /// Of statics a load factor of 1 is the end of all paths.
 void add_moves(const Setup& setup, const RunDescription& run, fem::FemScene& scene) {
   if (run.moves.empty()) return;
   const double per_time = run.fem->statics ? end_of_moves(run) : 1;
-  moves_apart(setup, run) ? move_nodes(setup, run, per_time, scene)
-                          : move_holders(setup, per_time, scene);
+  const auto mesh = std::make_shared<HeldMesh>(nodes_with_holders(setup, scene.mesh));
+  scene.motion = [mesh, per_time](double time, Out<double> u) {
+    mesh->held.set_time(per_time * time);
+    mesh->held.place_pinned(u.data);
+  };
+  if (!mesh->held.moves_dependent()) return;
+  scene.dependent_motion = [mesh, per_time](double time, Out<double> offset) {
+    mesh->held.set_time(per_time * time);
+    for (int64_t i = 0; i < offset.rows; ++i)
+      std::ranges::copy(mesh->held.offset(i), offset.row(i));
+  };
 }
 
 /// In statics forces are those at the end of their path, times the load factor.
@@ -169,19 +133,16 @@ double end_of_moves(const RunDescription& run) {
   return end;
 }
 
-Array<uint8_t> pinned_nodes(const Scene& scene, const fem::ElementMesh& mesh) {
-  return with_middles(scene.pinned, mesh);
-}
-
-void add_boundary(const Setup& setup, const RunDescription& run, fem::FemScene& scene) {
+void add_boundary(const Setup& setup, const RunDescription& run, const fem::ElementMesh& whole,
+                  fem::FemScene& scene) {
   check_contradictions(setup, run);
-  scene.dependent = setup.scene.dependent;
+  scene.dependent = nodes_with_holders(setup, scene.mesh).dependent;
   add_holds(setup, run, scene);
   add_moves(setup, run, scene);
   // what a pin holds at its border follows that
   for (int64_t i = 0; i < scene.dependent.count(); ++i)
     std::fill_n(scene.fixed.row(scene.dependent.node(i)), 3, uint8_t(0));
-  scene.traction = surface_loads(setup, run, scene.mesh);
+  scene.traction = surface_loads(setup, run, whole);
   add_timed_forces(setup, run, scene);
 }
 

@@ -11,15 +11,14 @@ namespace elastogen {
 /// Time of the last key of all moves [s].
 double end_of_moves(const RunDescription& run);
 
-/// Scene::pinned of each node, and 1 for middles of edges between two pinned ones, (nodes, 1).
-Array<uint8_t> pinned_nodes(const Scene& scene, const fem::ElementMesh& mesh);
-
 /// Fills fixed, dependent, traction and motion of a scene that has its mesh. Holds and moves leave
 /// dependent nodes to the pin that they follow. In a static run the load factor is the share of the
 /// last key's time at which the motion is evaluated.
 /// @throws Error (usage) naming the selections if a node is moved and held or moved twice, or if a
 ///         traction selects no face.
-void add_boundary(const Setup& setup, const RunDescription& run, fem::FemScene& scene);
+/// @param whole  the elements before pins cut them, whose faces take tractions.
+void add_boundary(const Setup& setup, const RunDescription& run, const fem::ElementMesh& whole,
+                  fem::FemScene& scene);
 
 /// A sentence for each piece of the mesh that is free along some axis, with no displacement
 /// component prescribed nor a dependent node. Statics then have no equilibrium unless the loads

@@ -6,6 +6,7 @@
 #include "mpm_fem/fem/point_location.hpp"
 #include "mpm_fem/fem/voxel_tets.hpp"
 #include "scene/fem_boundary.hpp"
+#include "scene/fem_holders.hpp"
 #include "scene/host_stepper.hpp"
 
 #include <algorithm>
@@ -88,24 +89,29 @@ fem::Scheme scheme_of(const Scene& scene, const FemOptions& options) {
 
 }  // namespace
 
+fem::ElementMesh whole_mesh(const Setup& setup, const RunDescription& run) {
+  if (setup.tets) return *setup.tets;
+  const bool yields = !run.fem->named && !setup.yields.empty();
+  return mesh_of(setup.scene, yields ? yielding_element(setup.yields) : run.fem->element);
+}
+
 fem::FemScene fem_scene(const Setup& setup, const RunDescription& run) {
   const Scene& scene = setup.scene;
   const FemOptions& fem = *run.fem;
   fem::FemScene result;
-  const bool yields = !fem.named && !setup.yields.empty();
-  result.mesh = setup.tets ? *setup.tets
-                           : mesh_of(scene, yields ? yielding_element(setup.yields) : fem.element);
+  const fem::ElementMesh whole = whole_mesh(setup, run);
+  result.mesh = setup.cut_mesh ? setup.cut_mesh->mesh : whole;
   result.yields = setup.yields;
   result.materials = setup.tets ? scene.materials : materials_of(scene);
   result.gravity = scene.gravity;
-  add_boundary(setup, run, result);
+  add_boundary(setup, run, whole, result);
   result.dt = scene.dt;
   result.scheme = scheme_of(scene, fem);
   result.mass_kind = fem.mass;
   const bool lumped = fem.mass == fem::Mass::kLumped;
   if (lumped && !is_tets(result.mesh.element)) result.mass = scene.mass;
   result.colliders = scene.colliders;
-  if (!scene.colliders.empty()) result.contact = contact_of(setup, result.mesh);
+  if (!scene.colliders.empty()) result.contact = contact_of(setup, whole);
   return result;
 }
 
@@ -131,11 +137,11 @@ void describe_fem(const Setup& setup, const RunDescription& run, const fem::FemS
                       {"impact_speed", setup.scene.impact_speed}};
   if (!is_tets(scene.mesh.element)) return;
   StateMesh& mesh = header.mesh.emplace();
-  mesh.rest = scene.mesh.rest;
+  mesh.nodes = nodes_with_holders(setup, scene.mesh);
   mesh.corners = scene.mesh.elements;
   mesh.material = scene.mesh.material;
   mesh.mass = fem::ElasticBody(scene.mesh, scene.materials).lumped_mass();
-  mesh.pinned = pinned_nodes(setup.scene, scene.mesh);
+  if (setup.cut_mesh) mesh.fill = scene.mesh.fill, mesh.part = scene.mesh.part;
   mesh.contact_nodes = scene.contact.nodes;
   mesh.contact_weights = scene.contact.weights;
 }

@@ -10,6 +10,9 @@
 
 namespace elastogen {
 
+/// The elements of a run, before pins cut them.
+fem::ElementMesh whole_mesh(const Setup& setup, const RunDescription& run);
+
 /// The scene as finite elements. The first of their nodes are those of the grid.
 /// @throws Error as add_boundary.
 fem::FemScene fem_scene(const Setup& setup, const RunDescription& run);

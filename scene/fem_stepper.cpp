@@ -4,6 +4,7 @@
 #include "mpm_fem/integrators/parted_fem.hpp"
 #include "mpm_fem/integrators/stage_fem.hpp"
 #include "scene/fem_boundary.hpp"
+#include "scene/fem_holders.hpp"
 #include "scene/fem_scene.hpp"
 #include "scene/host_stepper.hpp"
 
@@ -28,7 +29,8 @@ class FemStepper : public HostStepper {
         setup_(setup),
         run_(run),
         stop_(std::move(stop)),
-        scene_(fem_scene(setup, run)) {
+        scene_(fem_scene(setup, run)),
+        holders_(setup, scene_) {
     const fem::ImplicitOptions options{.tolerance = fem_tolerance(setup, run),
                                        .max_newton = scene_.yields.empty() ? 100 : kMostOfPart,
                                        .as_positions = true};
@@ -67,6 +69,7 @@ class FemStepper : public HostStepper {
   const RunDescription& run_;
   std::function<bool()> stop_;
   fem::FemScene scene_;
+  FemHolders holders_;
   std::optional<fem::ImplicitFem> solver_;  // or
   std::optional<fem::StageFem> stages_;
   fem::FemState fem_;    ///< state of the solver; state_ is the same as positions
@@ -77,7 +80,7 @@ void FemStepper::begin(const StartMotion& motion) {
   Scene nodes;  // only the members that initial_state reads
   nodes.grid.rest = scene_.mesh.rest;
   nodes.mass = potential().mass().nodal();
-  nodes.pinned = pinned_nodes(setup_.scene, scene_.mesh);
+  nodes.pinned = nodes_with_holders(setup_, scene_.mesh).pinned;
   State state = initial_state(nodes, motion);
   for (int64_t k = 0; k < state.v.size(); ++k)
     if (scene_.fixed.data()[k]) state.v.data()[k] = 0;
@@ -125,7 +128,10 @@ StepReport FemStepper::advance() {
     report = solver_->step(fem_);
   else
     report = step_in_parts(*solver_, fem_, stop_);
-  if (report.finite && !report.interrupted) show();
+  if (!report.finite || report.interrupted) return report;
+  show();
+  report.reactions =
+      holders_.reactions(stages_ ? stages_->holding() : solver_->holding(), fem_.u, fem_.time);
   return report;
 }
 

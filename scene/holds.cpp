@@ -20,7 +20,7 @@ std::string option_of(const Hold& hold) {
 void say_cut(const Hold& hold, Setup& setup) {
   const PlacedBox& box = setup.body.surface.box;
   const std::optional<Border> border = border_of(hold.selection, box);
-  if (fits_grid(border, setup) || !reaches(*border, box)) return;
+  if (setup.tets || fits_grid(border, setup) || !reaches(*border, box)) return;
   setup.warnings.push_back(fmt::format(
       "{}: its border cuts voxels, of which only the nodes in it are held along these axes",
       option_of(hold)));

@@ -4,7 +4,6 @@
 #include "core/error.hpp"
 #include "core/parallel.hpp"
 #include "core/vec3.hpp"
-#include "mpm_fem/fem/element_mesh.hpp"
 #include "voxelize/dependent_nodes.hpp"
 
 #include <fmt/format.h>
@@ -27,7 +26,6 @@ struct HeldPart {
 /// What holds only the nodes in a pin, empty where nothing of the run does.
 std::string holder_of_nodes(const RunDescription& run) {
   if (method_of(run) == Method::kMpm) return "particles hold";
-  if (run.fem && fem::nodes_of(run.fem->element) != 8) return "tetrahedra hold";
   if (run.fem || method_of(run) != Method::kAuto) return "";
   if (run.solver.mode == SolverMode::kPaper) return "the solver 'paper' holds";
   return "";
@@ -37,15 +35,13 @@ double longest_extent(const Box& box) {
   return std::max({box.extent(0), box.extent(1), box.extent(2)});
 }
 
-/// Pins, then moves; finite elements that hold nodes have the latter by themselves.
-std::vector<HeldPart> held_parts(const RunDescription& run, const PlacedBox& box, bool with_moves) {
+/// Pins, then moves.
+std::vector<HeldPart> held_parts(const RunDescription& run, const PlacedBox& box) {
   std::vector<HeldPart> parts;
   for (const Pin& pin : run.pins)
     parts.push_back({fmt::format("--pin '{}'", pin.text), &pin.selection, {}});
   for (const Move& move : run.moves)
-    if (with_moves)
-      parts.push_back(
-          {fmt::format("--move '{}'", move.text), &move.selection, holder_of(move, box)});
+    parts.push_back({fmt::format("--move '{}'", move.text), &move.selection, holder_of(move, box)});
   for (HeldPart& part : parts) part.holder.name = part.option;
   return parts;
 }
@@ -55,7 +51,7 @@ std::vector<HeldPart> held_parts(const RunDescription& run, const PlacedBox& box
 void align_to_pins(const RunDescription& run, const PlacedBox& box, VoxelizeOptions& options) {
   const double h = options.h > 0 ? options.h : longest_extent(box) / options.voxels;
   std::vector<double> planes[3];
-  for (const HeldPart& part : held_parts(run, box, true)) {
+  for (const HeldPart& part : held_parts(run, box)) {
     const auto border = border_of(*part.selection, box);
     const auto at = plane(*part.selection, box);
     if (at && reaches(*border, box)) planes[at->first].push_back(at->second);
@@ -87,9 +83,11 @@ void take_node(int64_t n, int32_t holder, Scene& scene) {
 /// Pins the nodes in a part, and those that lie in its planes but for the rounding of the grid. Notes
 /// the points of a part of the asset.
 void pin_nodes(const HeldPart& part, int32_t holder, const std::optional<Border>& border,
-               Setup& setup) {
+               bool may_be_empty, Setup& setup) {
   Scene& scene = setup.scene;
-  const Array<uint8_t> selected = held_nodes(part.option, *part.selection, setup);
+  const Array<uint8_t> selected =
+      may_be_empty ? selected_nodes(setup, *part.selection)
+                   : held_nodes(part.option, *part.selection, setup);
   for (int64_t n = 0; n < selected.rows(); ++n) {
     const double* X = scene.grid.rest.row(n);
     if (selected(n) ||
@@ -108,8 +106,8 @@ void say_nodes_hold(const RunDescription& run, Setup& setup) {
     if (setup.tets || fits_grid(border, setup) || !reaches(*border, box)) continue;
     setup.warnings.push_back(fmt::format(
         "--pin '{}': its border cuts voxels, of which {} the nodes in it only, so that the body "
-        "moves there by a part of what its voxels do; the network and finite elements on voxels "
-        "hold it at the border",
+        "moves there by a part of what its voxels do; the network and finite elements hold it at "
+        "the border",
         pin.text, holder_of_nodes(run)));
     return;
   }
@@ -192,10 +190,6 @@ bool fits_grid(const std::optional<Border>& border, const Setup& setup) {
   return !border || fits(*border, setup.body.surface.box, grid.h, grid.origin);
 }
 
-bool moves_apart(const Setup& setup, const RunDescription& run) {
-  return run.fem && (setup.tets || !holder_of_nodes(run).empty());
-}
-
 std::string span_of(const PlacedBox& box) {
   const Vec3 lower = plus(box.lower, box.origin), upper = plus(box.upper, box.origin);
   return fmt::format("{:.4g}..{:.4g}, {:.4g}..{:.4g}, {:.4g}..{:.4g} m", lower[0], upper[0],
@@ -213,7 +207,7 @@ Holder holder_of(const Move& move, const PlacedBox& box) {
 
 void add_borders(const RunDescription& run, const PlacedBox& box, VoxelizeOptions& options) {
   if (!holder_of_nodes(run).empty()) return;
-  for (const HeldPart& part : held_parts(run, box, true))
+  for (const HeldPart& part : held_parts(run, box))
     if (const auto border = border_of(*part.selection, box)) options.borders.push_back(*border);
   std::ranges::sort(options.borders, [](const Border& a, const Border& b) { return a < b; });
   options.borders.erase(std::unique(options.borders.begin(), options.borders.end()),
@@ -230,14 +224,15 @@ void pin(const RunDescription& run, const std::vector<Border>& borders,
   std::fill_n(scene.holder.data(), scene.holder.rows(), -1);
   std::vector<int32_t> holder_of_border(borders.size(), -1);
   // parts that the grid fits by their nodes, the others at their borders
-  const std::vector<HeldPart> parts = held_parts(run, box, !moves_apart(setup, run));
+  const std::vector<HeldPart> parts = held_parts(run, box);
   check_apart(parts, setup);
   for (const HeldPart& part : parts) {
     const auto holder = int32_t(scene.holders.size());
     scene.holders.push_back(part.holder);
     const std::optional<Border> border = border_of(*part.selection, box);
     if (borders.empty() || fits_grid(border, setup)) {
-      pin_nodes(part, holder, borders.empty() ? std::nullopt : border, setup);
+      pin_nodes(part, holder, borders.empty() ? std::nullopt : border, setup.tets.has_value(),
+                setup);
       continue;
     }
     const auto number = std::ranges::find(borders, *border) - borders.begin();
@@ -252,23 +247,26 @@ void pin(const RunDescription& run, const std::vector<Border>& borders,
   }
   add_dependent(borders, cut, holder_of_border, scene);
   say_coarse(setup.borders, setup);
-  if (borders.empty()) say_nodes_hold(run, setup);
-  for (const Move& move : run.moves)
-    if (moves_apart(setup, run))
-      held_nodes(fmt::format("--move '{}'", move.text), move.selection, setup);
+  if (!holder_of_nodes(run).empty()) say_nodes_hold(run, setup);
 }
 
-std::vector<HeldPoint> rest_behind(const std::vector<HeldBorder>& borders, const PlacedBox& box,
-                                   In<double> points, Array<double>& weights) {
+std::vector<HeldPoint> points_behind(const std::vector<HeldBorder>& borders, const PlacedBox& box,
+                                     In<double> points) {
   std::vector<HeldPoint> held;
   const double margin = kOnBorder * longest_extent(box);
   for (int64_t p = 0; p < points.rows && !borders.empty(); ++p)
     for (const auto& [border, holder] : borders)
       if (distance(border, {points(p, 0), points(p, 1), points(p, 2)}) <= margin) {
-        std::fill_n(weights.row(p), 8, 0.0);
         held.push_back({p, holder});
         break;
       }
+  return held;
+}
+
+std::vector<HeldPoint> rest_behind(const std::vector<HeldBorder>& borders, const PlacedBox& box,
+                                   In<double> points, Array<double>& weights) {
+  std::vector<HeldPoint> held = points_behind(borders, box, points);
+  for (const HeldPoint& point : held) std::fill_n(weights.row(point.point), 8, 0.0);
   return held;
 }
 

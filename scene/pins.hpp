@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What pins hold, and moves. The network and finite elements on voxels hold the body at their borders
-// where these cut voxels (voxelize/dependent_nodes.hpp); all other steps hold the nodes in them.
+// What pins hold, and moves. The network and finite elements hold the body at their borders where these
+// cut voxels (voxelize/dependent_nodes.hpp) or tetrahedra (tet_pins.hpp); the solver 'paper' holds the
+// nodes in them.
 
 #pragma once
 
@@ -18,9 +19,6 @@ Array<uint8_t> held_nodes(const std::string& option, const Selection& selection,
 /// Whether nodes hold a part where its border lies; the setup has a grid.
 bool fits_grid(const std::optional<Border>& border, const Setup& setup);
 
-/// Whether finite elements move nodes by themselves (fem_boundary.cpp), not by holders of the scene.
-bool moves_apart(const Setup& setup, const RunDescription& run);
-
 /// What a move does. @param box  of the asset [m].
 Holder holder_of(const Move& move, const PlacedBox& box);
 
@@ -28,15 +26,18 @@ Holder holder_of(const Move& move, const PlacedBox& box);
 /// neither where the steps of the run hold nodes. @param box  of the asset [m].
 void add_borders(const RunDescription& run, const PlacedBox& box, VoxelizeOptions& options);
 
-/// Fills what holds the nodes of the scene; warns of pins and moves that hold nothing. Moves of elements
-/// that move nodes apart are only checked. Holds follow (scene/holds.hpp).
+/// Fills what holds the nodes of the scene; warns of pins and moves that hold nothing, but for those of a
+/// file's tetrahedra (hold_tets). Holds follow (scene/holds.hpp).
 /// @throws Error (usage) naming two options, one of them a move, that have a point, node or border in common.
 /// @param borders  of the options that the grid was made with.
 /// @param cut      by them (Voxelized).
 void pin(const RunDescription& run, const std::vector<Border>& borders,
          const std::vector<BorderVoxel>& cut, Setup& setup);
 
-/// Sets the weights of points behind borders to 0. @return these points.
+/// The points behind borders.
+std::vector<HeldPoint> points_behind(const std::vector<HeldBorder>& borders, const PlacedBox& box,
+                                     In<double> points);
+/// Sets their weights to 0. @return these points.
 std::vector<HeldPoint> rest_behind(const std::vector<HeldBorder>& borders, const PlacedBox& box,
                                    In<double> points, Array<double>& weights);
 

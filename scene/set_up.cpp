@@ -18,6 +18,7 @@
 #include "scene/loose_pieces.hpp"
 #include "scene/particle_setup.hpp"
 #include "scene/pins.hpp"
+#include "scene/tet_pins.hpp"
 #include "voxelize/regions.hpp"
 #include "voxelize/voxelize.hpp"
 
@@ -351,6 +352,7 @@ Setup set_up(const Asset& asset, const RunDescription& run) {
   if (!run.fem) add_forces(run, setup);
   // particles in place of voxels, if the body falls apart into grains
   if (method_of(run) == Method::kMpm) add_particles(asset, run, setup);
+  hold_tets(run, setup);
   judge(asset, run, setup);
   setup.other_seconds = watch.seconds() - setup.voxelize_seconds;
   return setup;
@@ -376,6 +378,7 @@ Setup set_up(const TetAsset& tets, const RunDescription& run) {
   for (const Collider& collider : scene.colliders) check_clear(scene, collider);
   add_time(run, setup);
   scene.impact_speed = impact_speed(scene, run.motion);
+  hold_tets(run, setup);
   judge(tets.asset, run, setup);
   setup.other_seconds = watch.seconds();
   return setup;

@@ -37,6 +37,13 @@ struct HeldPoint {
   int32_t holder;
 };
 
+/// Tetrahedra that pins and moves cut: what is free, and all nodes with what holds them
+/// (nodes_with_holders).
+struct CutMesh {
+  fem::ElementMesh mesh;
+  Scene nodes;
+};
+
 struct Setup {
   Body body;
   Scene scene;
@@ -46,9 +53,10 @@ struct Setup {
   std::optional<fem::ElementMesh> tets;
   std::optional<ParticleSetup> particles;  ///< for bodies that fall apart into grains
   Array<int32_t> node_of;                  ///< with tets: node of each carried point, (points, 1)
-  std::vector<HeldBorder> borders;         ///< that cut voxels
+  std::vector<HeldBorder> borders;         ///< that cut voxels or tetrahedra
   std::vector<AssetPart> parts;            ///< that options of the run select
   std::vector<HeldPoint> held_points;      ///< of parts that are held or moved by holders
+  std::optional<CutMesh> cut_mesh;         ///< in place of tetrahedra that borders cut
   int substeps = 1;
   double longest_edge = 0;                       ///< of the asset [m]
   double sheet_volume = 0, sheet_thickness = 0;  ///< of sheets and shells [m^3], [m]

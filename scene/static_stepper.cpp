@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scene/static_stepper.hpp"
 
-#include "core/held_nodes.hpp"
 #include "core/stopwatch.hpp"
-#include "mpm_fem/integrators/fem_state.hpp"
 #include "mpm_fem/integrators/static_fem.hpp"
+#include "scene/fem_holders.hpp"
 #include "scene/fem_scene.hpp"
 #include "scene/host_stepper.hpp"
 
@@ -20,6 +19,7 @@ class StaticStepper : public HostStepper {
         setup_(setup),
         run_(run),
         scene_(fem_scene(setup, run)),
+        holders_(setup, scene_),
         residual_(scene_.mesh.rest.rows(), 3) {}
 
   void begin(const StartMotion&) override {
@@ -36,29 +36,13 @@ class StaticStepper : public HostStepper {
   }
 
  private:
-  std::vector<Reaction> reactions_of(const fem::StaticResult& result) const;
-
   const Setup& setup_;
   const RunDescription& run_;
   fem::FemScene scene_;
+  FemHolders holders_;
   fem::PlasticHistory plastic_;
   Array<double> residual_;  ///< of the last step [N], (nodes, 3)
 };
-
-/// Of what holds the voxels of the grid, under the whole load; tetrahedra have no holders.
-std::vector<Reaction> StaticStepper::reactions_of(const fem::StaticResult& result) const {
-  const Scene& grid = setup_.scene;
-  if (setup_.tets || !result.converged || scene_.mass.rows() != grid.holder.rows()) return {};
-  const HeldNodes held(grid);
-  // the inner forces, and the loads that are taken from them
-  Array<double> inner = result.reaction;
-  const Array<double> load = fem::applied_force(scene_, 1, 1);
-  for (int64_t n = 0; n < inner.rows(); ++n)
-    for (int d = 0; d < 3; ++d)
-      if (grid.pinned(n) == kPinnedNode)
-        inner(n, d) += scene_.mass(n) * scene_.gravity[size_t(d)] + load(n, d);
-  return held.reactions(inner.data(), result.u.data(), load.data());
-}
 
 StepReport StaticStepper::advance() {
   const Stopwatch watch;
@@ -82,7 +66,7 @@ StepReport StaticStepper::advance() {
   report.yields = !scene_.yields.empty();
   report.min_j = result.min_j;
   report.energy = result.energy;
-  report.reactions = reactions_of(result);
+  report.reactions = holders_.reactions(result);
   report.ms = 1e3 * watch.seconds();
   // a draft says how far it came
   if (!result.converged)

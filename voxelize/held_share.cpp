@@ -120,6 +120,7 @@ LineMoments along_lines(const LocalTriangles& surface, const Box& box, int axis,
                         const std::vector<Border>& borders) {
   LineMoments result;
   int met = 0;
+  // what lies behind a border of each line, then what is inside, and what is left of it
   std::vector<Interval> held;
   for_each_line(surface, box, axis, w, [&](const Crossings& crossings, double at, const Vec3& p) {
     held.clear();

@@ -11,21 +11,55 @@ constexpr double kLeft = 1e-9;  // share of its fill that a slice keeps
 constexpr double kAcross =
     0.99;  // least component of a normal that stands across a layer of voxels
 
-/// The voxel next to one along the normal of a border that leaves a slice of it, -1 if the border is
-/// no face there, or a corner is free.
-int64_t next_of_slice(const VoxelGrid& grid, const Border& border, int64_t voxel) {
+/// The voxel next to another one, -1 if there is none.
+struct Next {
+  int64_t voxel = -1;
+  int axis = 0;
+  bool upper = false;  ///< it lies above
+};
+
+/// That along the normal of a border that leaves a slice of a voxel; none if the border is no face
+/// there, or a corner is free.
+Next next_of_slice(const VoxelGrid& grid, const Border& border, int64_t voxel) {
   const double nearest = nearest_free(border) * grid.h;
   Vec3 centre = {};
   for (int c = 0; c < 8; ++c) {
     const double* X = grid.rest.row(grid.corners(voxel, c));
-    if (distance(border, {X[0], X[1], X[2]}) >= nearest) return -1;
+    if (distance(border, {X[0], X[1], X[2]}) >= nearest) return {};
     for (size_t d = 0; d < 3; ++d) centre[d] += X[d] / 8;
   }
   const Vec3 normal = distance_gradient(border, centre);
   for (int d = 0; d < 3; ++d)
-    if (std::abs(normal[size_t(d)]) > kAcross)
-      return neighbour(grid, voxel, d, normal[size_t(d)] > 0);
-  return -1;
+    if (std::abs(normal[size_t(d)]) > kAcross) {
+      const bool upper = normal[size_t(d)] > 0;
+      return {neighbour(grid, voxel, d, upper), d, upper};
+    }
+  return {};
+}
+
+/// Means of the next voxel's shape functions over a slice, by those of the slice's own: with t the
+/// place along the axis from the far end of the slice's voxel, (1 - t, t) become (2 - t, t - 1).
+void means_from_next(const double* own, const Next& next, double means[8]) {
+  for (int c = 0; c < 8; ++c) {
+    if (c >> next.axis & 1) continue;
+    const int bit = 1 << next.axis, far = next.upper ? c : c | bit, near = next.upper ? c | bit : c;
+    means[far] = 2 * own[far] + own[near];
+    means[near] = -own[far];
+  }
+}
+
+/// Adds a slice to the fill and the means of the next voxel, unless most of both lies in the slice.
+void add_slice(int64_t voxel, const Next& next, VoxelGrid& grid) {
+  double means[8];
+  means_from_next(grid.shape_mean.row(voxel), next, means);
+  const double slice = (1 - kLeft) * grid.fill(voxel), all = grid.fill(next.voxel) + slice;
+  double* to = grid.shape_mean.row(next.voxel);
+  for (int c = 0; c < 8; ++c) means[c] = to[c] + slice / all * (means[c] - to[c]);
+  if (*std::min_element(means, means + 8) < 0) return;
+  std::copy_n(means, 8, to);
+  if (grid.member(next.voxel) == 0) grid.member(next.voxel) = grid.fill(next.voxel);
+  grid.fill(next.voxel) = all;
+  grid.fill(voxel) -= slice;
 }
 
 }  // namespace
@@ -37,11 +71,8 @@ void join_thin_cuts(const std::vector<Border>& borders, Voxelized& result) {
     const bool is_shared = (k > 0 && result.cut[k - 1].voxel == voxel) ||
                            (k + 1 < result.cut.size() && result.cut[k + 1].voxel == voxel);
     if (is_shared || borders[size_t(border)].radius > 0) continue;
-    const int64_t next = next_of_slice(grid, borders[size_t(border)], voxel);
-    if (next < 0) continue;
-    if (grid.member(next) == 0) grid.member(next) = grid.fill(next);
-    grid.fill(next) += (1 - kLeft) * grid.fill(voxel);
-    grid.fill(voxel) *= kLeft;
+    const Next next = next_of_slice(grid, borders[size_t(border)], voxel);
+    if (next.voxel >= 0) add_slice(voxel, next, grid);
   }
 }
 

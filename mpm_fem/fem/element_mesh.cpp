@@ -53,10 +53,13 @@ void check_tables(const ElementMesh& mesh) {
   check_range(mesh.elements, 0, double(mesh.rest.rows() - 1), "elements");
   check_range(mesh.fill, std::numeric_limits<double>::min(), std::numeric_limits<double>::max(),
               "fill");
+  // boxes, or maps
+  const int columns = nodes == 8 ? 6 : 12;
   ELASTOGEN_CHECK(
-      In<double>(mesh.part).size() == 0 || (In<double>(mesh.part).is(elements, 6) && nodes == 8),
-      "part must be (elements, 6) of hexahedra, or empty");
-  check_range(mesh.part, 0, 1, "part");
+      In<double>(mesh.part).size() == 0 ||
+          (In<double>(mesh.part).is(elements, columns) && !is_plane(mesh.element)),
+      "part must be (elements, 6) of hexahedra, (elements, 12) of tetrahedra, or empty");
+  if (nodes == 8) check_range(mesh.part, 0, 1, "part");
 }
 
 /// @throws Error unless all triangles lie in one plane z.

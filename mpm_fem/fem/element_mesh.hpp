@@ -38,8 +38,9 @@ struct ElementMesh {
   /// Share of each element that is filled, a factor on its energy and mass, (elements, 1);
   /// empty: 1. Hexahedra that have it are voxels.
   Array<double> fill;
-  /// Box of each element's reference cube that the points of hexahedra lie in, lower and upper corner,
-  /// (elements, 6); empty: the whole cube.
+  /// Part of each reference element that its points lie in. Of hexahedra a box, lower and upper corner,
+  /// (elements, 6); of tetrahedra the image of the reference one under xi = b + B xi_0, B row by row,
+  /// then b, (elements, 12). Weights are those of the whole element. Empty: all of it.
   Array<double> part;
 
   // voxels only; filled by voxel_mesh
@@ -71,8 +72,12 @@ inline double fill_of(const ElementMesh& mesh, int64_t element) {
 /// A point of the reference element, moved with the whole element into its part.
 inline Vec3 in_part(const ElementMesh& mesh, int64_t element, Vec3 xi) {
   if (mesh.part.empty()) return xi;
-  const double* box = mesh.part.row(element);
-  for (size_t d = 0; d < 3; ++d) xi[d] = box[d] + xi[d] * (box[3 + d] - box[d]);
+  const double* part = mesh.part.row(element);
+  if (mesh.part.cols() == 12)
+    return {part[9] + part[0] * xi[0] + part[1] * xi[1] + part[2] * xi[2],
+            part[10] + part[3] * xi[0] + part[4] * xi[1] + part[5] * xi[2],
+            part[11] + part[6] * xi[0] + part[7] * xi[1] + part[8] * xi[2]};
+  for (size_t d = 0; d < 3; ++d) xi[d] = part[d] + xi[d] * (part[3 + d] - part[d]);
   return xi;
 }
 

@@ -56,7 +56,7 @@ std::vector<int64_t> ElementTables::find_shapes() {
   std::vector<int64_t> first = {0};
   if (!is_voxel_mesh(mesh_)) first.resize(size_t(elements));
   std::iota(first.begin(), first.end(), 0);
-  if (mesh_.part.empty()) return first;
+  if (mesh_.part.empty() || !is_voxel_mesh(mesh_)) return first;
   // voxels with the same part
   first.clear();
   std::map<std::array<double, 6>, int32_t> known;

@@ -19,21 +19,25 @@ Array<T> rows_of(const Array<T>& table, const std::vector<int64_t>& rows) {
 }  // namespace
 
 ElementMesh part_of(const ElementMesh& mesh, const std::vector<bool>& wanted) {
-  std::vector<int64_t> rows;
+  std::vector<int64_t> elements;
   for (int64_t e = 0; e < mesh.elements.rows(); ++e) {
     const auto m = size_t(mesh.material(e));
-    if (m < wanted.size() && wanted[m]) rows.push_back(e);
+    if (m < wanted.size() && wanted[m]) elements.push_back(e);
   }
+  return some_elements(mesh, elements);
+}
+
+ElementMesh some_elements(const ElementMesh& mesh, const std::vector<int64_t>& elements) {
   ElementMesh part;
   part.element = mesh.element;
   part.rest = mesh.rest;
-  part.elements = rows_of(mesh.elements, rows);
-  part.material = rows_of(mesh.material, rows);
-  part.fill = rows_of(mesh.fill, rows);
-  part.part = rows_of(mesh.part, rows);
+  part.elements = rows_of(mesh.elements, elements);
+  part.material = rows_of(mesh.material, elements);
+  part.fill = rows_of(mesh.fill, elements);
+  part.part = rows_of(mesh.part, elements);
   part.h = mesh.h;
-  part.shape_mean = rows_of(mesh.shape_mean, rows);
-  part.variance = rows_of(mesh.variance, rows);
+  part.shape_mean = rows_of(mesh.shape_mean, elements);
+  part.variance = rows_of(mesh.variance, elements);
   part.hourglass = mesh.hourglass;
   return part;
 }

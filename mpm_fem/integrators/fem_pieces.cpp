@@ -36,41 +36,61 @@ RigidMotion rigid_motion(const PieceMotion& piece) {
 
 FemPieces::FemPieces(const FemScene& scene, const MassMatrix& mass)
     : scene_(scene), matrix_(mass), piece_(mesh_pieces(scene.mesh)), node_mass_(piece_.rows()) {
-  // M 1 by one component of the nodal vectors, and the pieces' first nodes and masses
+  find_masses();
+  find_pins();
+  // the trace of the moments is twice sum r . M r
+  const Array<double> rest(piece_.rows(), 3);
+  for (const PieceMotion& piece : motions(rest, rest)) {
+    const Mat3<double>& I = piece.inertia;
+    size_.push_back(2 * std::sqrt((I(0, 0) + I(1, 1) + I(2, 2)) / (2 * mass_[size_.size()])));
+  }
+}
+
+/// Masses of nodes and pieces, and the first node of each piece.
+void FemPieces::find_masses() {
+  // M 1 by one component of the nodal vectors
   const int64_t nodes = piece_.rows();
   Array<double> ones(nodes, 3);
   ones.fill(1);
   const Array<double> M1 = multiplied(ones);
+  std::vector<int64_t> unused;
   for (int64_t n = 0; n < nodes; ++n) {
-    ELASTOGEN_CHECK(piece_(n) >= 0, "node ", n, " belongs to no element");
+    if (piece_(n) < 0) {
+      unused.push_back(n);
+      continue;
+    }
     node_mass_(n) = M1(n, 0);
     if (of(n) == count()) first_.push_back(n), mass_.push_back(0);
     mass_[of(n)] += node_mass_(n);
   }
-  // which of them are held, and where
+  // nodes whose elements are held whole go with a piece that borders hold
+  for (const int64_t n : unused) {
+    ELASTOGEN_CHECK(!scene_.dependent.empty() && scene_.fixed(n, 0), "node ", n,
+                    " belongs to no element");
+    piece_(n) = piece_(scene_.dependent.node(0));
+  }
+}
+
+/// Which pieces are held, and where.
+void FemPieces::find_pins() {
   free_.assign(count(), 1);
   pins_.resize(count());
   std::vector<double> pinned(count());
-  for (int64_t n = 0; n < nodes && !scene.fixed.empty(); ++n) {
-    const uint8_t* fixed = scene.fixed.row(n);
+  for (int64_t n = 0; n < piece_.rows() && !scene_.fixed.empty(); ++n) {
+    const uint8_t* fixed = scene_.fixed.row(n);
     if (fixed[0] || fixed[1] || fixed[2]) free_[of(n)] = 0;
-    if (!(fixed[0] && fixed[1] && fixed[2]) || scene.motion) continue;
-    pins_[of(n)] = plus(pins_[of(n)], row_of(scene.mesh.rest, n));
+    if (!(fixed[0] && fixed[1] && fixed[2]) || scene_.motion) continue;
+    pins_[of(n)] = plus(pins_[of(n)], row_of(scene_.mesh.rest, n));
     pinned[of(n)] += 1;
   }
+  // those with dependent nodes have no pins to turn about
   std::vector<uint8_t> follows(count());
-  for (int64_t i = 0; i < scene.dependent.count(); ++i) follows[of(scene.dependent.node(i))] = 1;
+  for (int64_t i = 0; i < scene_.dependent.count(); ++i) follows[of(scene_.dependent.node(i))] = 1;
   pinned_.resize(count());
   for (size_t p = 0; p < count(); ++p) {
     if (follows[p]) free_[p] = 0, pinned[p] = 0;
     pinned_[p] = pinned[p] > 0;
     if (pinned_[p]) pins_[p] = scaled(pins_[p], 1 / pinned[p]);
-  }
-  // the trace of the moments is twice sum r . M r
-  const Array<double> rest(nodes, 3);
-  for (const PieceMotion& piece : motions(rest, rest)) {
-    const Mat3<double>& I = piece.inertia;
-    size_.push_back(2 * std::sqrt((I(0, 0) + I(1, 1) + I(2, 2)) / (2 * mass_[size_.size()])));
   }
 }
 

@@ -32,7 +32,7 @@ RigidMotion rigid_motion(const PieceMotion& piece);
 class FemPieces {
  public:
   /// Both must outlive it.
-  /// @throws Error where a node belongs to no element
+  /// @throws Error where a node belongs to no element, unless borders of dependent nodes hold it
   FemPieces(const FemScene& scene, const MassMatrix& mass);
 
   size_t count() const { return mass_.size(); }
@@ -60,6 +60,8 @@ class FemPieces {
   Array<double> rigid_part(In<double> u, const std::vector<PieceMotion>& motion) const;
 
  private:
+  void find_masses();
+  void find_pins();
   Array<double> multiplied(In<double> y) const;
 
   const FemScene& scene_;

@@ -16,7 +16,8 @@ ImplicitFem::ImplicitFem(const FemScene& scene, const ImplicitOptions& options)
       solve_(scene, options),
       terms_(solve_.terms()),
       potential_(terms_.potential),
-      predictor_(scene.mesh.rest.rows(), 3) {
+      predictor_(scene.mesh.rest.rows(), 3),
+      holding_(predictor_) {
   ELASTOGEN_CHECK(scene.scheme != Scheme::kSdirk2 && scene.scheme != Scheme::kAuto,
                   "steps of stages are made by StageFem");
   ELASTOGEN_CHECK(scene.scheme != Scheme::kNewmark || !terms_.viscous,
@@ -120,6 +121,8 @@ void ImplicitFem::finish(const Array<double>& u, Array<double> handed, FemState&
     report.energy.gravity -= solve_.weight().data()[k] * x;
   }
   report.damped = dt * terms_.damping_power(handed);
+  const Vec3 pull = scene_.scheme == Scheme::kNewmark ? Vec3{} : scene_.gravity;
+  potential_.held_gradient(handed.data(), pull, holding_.data());
   // kinetic energy, and the flow of the step
   potential_.mass().multiply(v.data(), Mv.data());
   report.energy.kinetic = dot(v.data(), Mv.data(), v.size()) / 2;

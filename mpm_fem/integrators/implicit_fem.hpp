@@ -42,6 +42,10 @@ class ImplicitFem {
   /// Push of each collider on the body at the end of the last step, which led to u [N].
   std::vector<Vec3> pushes(In<double> u) { return terms_.contact.pushes(u); }
 
+  /// Forces that hold the body at the end of the last step [N], (nodes, 3): the gradient of Phi
+  /// before it is folded, at fixed components as Potential::held_gradient has it.
+  const Array<double>& holding() const { return holding_; }
+
   /// Gradient of Phi at the last state [N], (nodes, 3), 0 at fixed components.
   const Array<double>& residual() const { return solve_.residual(); }
   const Potential& potential() const { return potential_; }
@@ -65,7 +69,7 @@ class ImplicitFem {
   Potential& potential_;  // of the terms
   Period period_ = {};    // of the present step
   StepScheme scheme_;
-  Array<double> predictor_;
+  Array<double> predictor_, holding_;
 };
 
 }  // namespace elastogen::fem

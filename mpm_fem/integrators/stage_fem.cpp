@@ -184,6 +184,8 @@ bool StageFem::judge(FemStepReport& report) {
   end_ = pieces_.motions(u_, v_);
   at_end_ = loads(u_);
   booking_.at_end = actions(v_, at_end_);
+  holding_ = Array<double>(u_.rows(), 3);
+  potential_.held_gradient(u_.data(), scene_.gravity, holding_.data());
   booking_.kinetic = pieces_.product(v_, v_) / 2;
   correct_momentum();
   booking_.corrected = account_of(u_, v_);

@@ -46,6 +46,9 @@ class StageFem {
   FemStepReport step(
       FemState& state, const std::function<bool()>& stop = [] { return false; });
 
+  /// As ImplicitFem::holding(); of the last stage.
+  const Array<double>& holding() const { return holding_; }
+
   /// Gradient of Phi at the last state [N], (nodes, 3), 0 at fixed components.
   const Array<double>& residual() const { return solve_.residual(); }
   const Potential& potential() const { return potential_; }
@@ -104,6 +107,7 @@ class StageFem {
   bool meets_collider_ = false;      // the last stage was not begun for it
   Array<double> applied_;            // force on the nodes at the end of the stage [N]
   Array<double> u_, v_;              // end of the last stage, velocities at the end of the step
+  Array<double> holding_;            // forces at the end of the step
   Array<double> first_;              // end of the first stage of SDIRK2
   bool guarded_ = false;             // energy was taken from the velocities
   std::vector<PieceMotion> end_;     // the pieces there before velocities are corrected

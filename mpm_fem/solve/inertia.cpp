@@ -23,6 +23,11 @@ void Inertia::find_away(In<double> u) {
   mass_.multiply(away_.data(), mass_away_.data());
 }
 
+void Inertia::find_accelerations(In<double> u, double* acceleration) const {
+  for (int64_t k = 0; k < u.size(); ++k)
+    acceleration[k] = weight_ * (u.data[k] - predictor_[size_t(k)]);
+}
+
 TermValue Inertia::value(In<double> u) {
   if (weight_ == 0) return {};
   find_away(u);

@@ -18,6 +18,9 @@ class Inertia final : public Term {
   const MassMatrix& mass() const { return mass_; }
   void set(double weight, In<double> predictor);  ///< a [1/s^2], uhat [m], (nodes, 3)
 
+  /// a (u - uhat) [m/s^2], (nodes, 3).
+  void find_accelerations(In<double> u, double* acceleration) const;
+
   const Stencils& stencils() const override { return mass_.stencils(); }
   TermValue value(In<double> u) override;
   void add_gradient(In<double> u, Out<double> g) override;

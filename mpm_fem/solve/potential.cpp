@@ -65,6 +65,22 @@ void Potential::full_gradient(const double* u, double* gradient) {
   inertia_.add_gradient(nodal(u), g);
 }
 
+void Potential::held_gradient(const double* u, const Vec3& pull, double* gradient) {
+  full_gradient(u, gradient);
+  std::vector<double> inertia(force_.size()), acceleration(inertia);
+  inertia_.add_gradient(nodal(u), {inertia.data(), rest_.rows, 3});
+  for (size_t k = 0; k < inertia.size(); ++k)
+    if (fixed_[k]) gradient[k] += force_[k] - inertia[k];
+  if (!mass().consistent()) return;
+  // the inertia of free components at fixed ones
+  inertia_.find_accelerations(nodal(u), acceleration.data());
+  for (size_t k = 0; k < inertia.size(); ++k)
+    acceleration[k] = fixed_[k] ? 0 : acceleration[k] + pull[k % 3];
+  mass().multiply(acceleration.data(), inertia.data());
+  for (size_t k = 0; k < inertia.size(); ++k)
+    if (fixed_[k]) gradient[k] += inertia[k];
+}
+
 void Potential::free_gradient(const double* u, double* gradient) {
   full_gradient(u, gradient);
   restrict(gradient);

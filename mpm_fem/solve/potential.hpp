@@ -56,6 +56,10 @@ class Potential {
   NewtonValue evaluate(const double* u, double* gradient);
   /// The gradient in u itself, with the forces that hold fixed components and dependent nodes.
   void full_gradient(const double* u, double* gradient);
+  /// The same; at fixed components that of the terms, with what the inertia of free components does
+  /// to them where masses are coupled: without f, their own inertia and their weight.
+  /// @param pull  acceleration within uhat [m/s^2]
+  void held_gradient(const double* u, const Vec3& pull, double* gradient);
   /// The gradient of evaluate() alone.
   void free_gradient(const double* u, double* gradient);
   /// Turns the gradient in u into that of evaluate().

@@ -19,7 +19,8 @@ Array<uint8_t> pins_of(const Scene& scene) {
   Array<uint8_t> fixed(scene.grid.node_count(), 3);
   for (int64_t n = 0; n < fixed.rows(); ++n)
     for (int d = 0; d < 3; ++d)
-      fixed(n, d) = scene.pinned(n) != kFreeNode || (!scene.fixed.empty() && scene.fixed(n, d) >= 0);
+      fixed(n, d) =
+          scene.pinned(n) != kFreeNode || (!scene.fixed.empty() && scene.fixed(n, d) >= 0);
   return fixed;
 }
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from command import Floats, Run, run
+from command import Floats, Run, run, turned_box, write_obj
 from test_simulate import EDGES, YOUNG, uniaxial
 from tet_mesh import TetMesh, lattice, quadratic, write_msh, write_vtk
 
@@ -121,6 +121,80 @@ class ClosedForms(Tets):
                                    "node:a: foam"), 2, "no nodes with names")
 
 
+def last_frame(path: Path) -> tuple[Floats, Floats]:
+    """Points of a PC2 file at rest and in its last frame."""
+    raw = path.read_bytes()
+    count, frames = (np.frombuffer(raw[at:at + 4], np.int32)[0] for at in (16, 28))
+    points = np.frombuffer(raw[32:], np.float32).reshape(frames, count, 3)
+    return points[0].astype(float), points[-1].astype(float)
+
+
+class Borders(Tets):
+    """A bar 1 x 0.2 x 0.2 m of 21 x 4 x 4 cells, whose nodes lie on none of the borders."""
+
+    LINEAR = lattice((21, 4, 4), lambda share: share * [1, 0.2, 0.2])
+    PINS = ("--pin", "x<1%", "--pin", "x>99%")
+
+    def frames(self, mesh: TetMesh, *options: object, **material: object) -> tuple[Floats, Floats]:
+        """Points of the surface at rest and in the last frame."""
+        source = write_msh(self.folder / "bar.msh", mesh)
+        done = self.simulate(source, *options, output="out.pc2", **material)
+        self.assertEqual(done.code, 0, done.err)
+        self.assertNotIn("--pin", done.err)
+        return last_frame(self.folder / "out.pc2")
+
+    def test_reactions_carry_the_weight_of_what_is_free(self) -> None:
+        report = self.folder / "a.json"
+        weight = 0.98 * 0.2 * 0.2 * 1000 * 9.81
+        for mesh in (self.LINEAR, quadratic(self.LINEAR)):
+            for options in (("--static",), ("--time-scheme", "euler", "--substeps", 1, "--frames", 40)):
+                rest, x = self.frames(mesh, *self.PINS, "--report", report, *options, young="10MPa")
+                held = (rest[:, 0] < 0.01) | (rest[:, 0] > 0.99)
+                np.testing.assert_array_equal(x[held], rest[held])
+                self.assertLess((x - rest)[:, 1].min(), -1e-4)
+                left, right = (np.array(r["force"])
+                               for r in json.loads(report.read_text())["reactions"])
+                self.assertLess(abs((left + right)[1] / weight - 1), 1e-3)
+                self.assertLess(abs(left[1] / right[1] - 1), 0.02)
+
+    def test_an_end_arrives_where_its_move_ends(self) -> None:
+        for mesh in (self.LINEAR, quadratic(self.LINEAR)):
+            for path, expected in (
+                    ("shift 0:0,0,0; 1:1m,0,0", lambda p: p + [1, 0, 0]),
+                    ("turn(50%,50%,50%,1,0,0) 0:0; 1:90deg",
+                     lambda p: np.stack([p[:, 0], 0.2 - p[:, 2], p[:, 1]], 1))):
+                rest, x = self.frames(mesh, *WEIGHTLESS, "--static", "--pin", "x<1%", "--move",
+                                      f"x>99%: {path}", young="1MPa")
+                right, left = rest[:, 0] > 0.99, rest[:, 0] < 0.01
+                np.testing.assert_allclose(x[right], expected(rest[right]), rtol=0, atol=2e-7)
+                np.testing.assert_array_equal(x[left], rest[left])
+
+    def test_a_pin_beside_the_body_changes_nothing(self) -> None:
+        source = write_msh(self.folder / "bar.msh", self.LINEAR)
+        options = ("--time-scheme", "euler", "--frames", 2)
+        _, free = self.solved(source, *options)
+        done = self.simulate(source, "--pin", "x<-5%", *options)
+        self.assertEqual(done.code, 0, done.err)
+        self.assertIn("holds nothing", done.err)
+        with h5py.File(self.state) as file:
+            np.testing.assert_array_equal(file["steps/x"][-1], free)
+
+    def test_balls_and_boxes_hold_as_those_of_hexahedra_do(self) -> None:
+        voxels = write_obj(self.folder / "bar.obj", *turned_box((1, 0.2, 0.2), (0, 0, 1), 0))
+        for pin in ("sphere(50%,50%,50%,0.09m)", "box(40%,-1%,-1%,61%,55%,101%)"):
+            hang = []
+            for source in (voxels, write_msh(self.folder / "bar.msh", quadratic(self.LINEAR))):
+                named = ("--element", "hex-bbar", "--h", 0.025) if source == voxels else ()
+                done = self.simulate(source, *named, "--pin", pin, "--static", output="out.pc2",
+                                     young="10MPa")
+                self.assertEqual(done.code, 0, done.err)
+                rest, x = last_frame(self.folder / "out.pc2")
+                hang.append([(x - rest)[np.abs(rest[:, 0] - end) < 1e-6, 1].mean()
+                             for end in (rest[:, 0].min(), rest[:, 0].max())])
+            self.assertLess(max(hang[0]), -1e-3)
+            np.testing.assert_allclose(hang[1], hang[0], rtol=0.02 if "sphere" in pin else 0.07)
+
+
 class Outputs(Tets):
     MOVE = ("--pin", "x<0%", "--move", "x>100%: shift 0:0,0,0; 0.1:0,3cm,0", "--frames", 4,
             "--fps", 40, "--substeps", 1)
@@ -141,7 +215,7 @@ class Outputs(Tets):
                 mass = 1000 * np.prod(EDGES)
                 self.assertAlmostEqual(grid["mass"][()].sum(), mass, delta=1e-12 * mass)
                 near, far = mesh.x[:, 0] < -0.2 + 1e-9, mesh.x[:, 0] > 0.2 - 1e-9
-                np.testing.assert_array_equal(grid["pinned"][()].ravel(), near)
+                np.testing.assert_array_equal(grid["pinned"][()].ravel(), near | far)
                 x = file["steps/x"][()]
                 np.testing.assert_allclose(x[-1, far] - mesh.x[far],
                                            np.tile([0, 0.03, 0], (far.sum(), 1)), atol=1e-15)

@@ -102,10 +102,10 @@ TEST(Pins, OfRunsOnTheCardHoldAtTheirBordersToo) {
 
 TEST(Pins, OfStepsThatHoldNodesSaySoOnce) {
   RunDescription run = run_of({"x<1%", "x>99%", "sphere(50%,50%,50%,0.07m)"});
-  run.fem = FemOptions{.element = fem::Element::kTet4, .named = true};
+  run.solver.mode = SolverMode::kPaper;
   const auto setup = set_up(long_bar(), run);
   EXPECT_TRUE(setup.scene.dependent.empty());
-  EXPECT_TRUE(warns(setup, "tetrahedra hold the nodes in it only"));
+  EXPECT_TRUE(warns(setup, "the solver 'paper' holds the nodes in it only"));
   EXPECT_EQ(std::ranges::count_if(
                 setup.warnings,
                 [](const std::string& text) { return text.find("cuts voxels") != text.npos; }),
