@@ -90,9 +90,8 @@ class Contact {
   /// Calls body(corners, weights, stiffness) for each frozen point.
   template <class Body>
   void for_each_frozen(const Body& body) const {
-    for (const Frozen& of : active_)
-      body(scene_.grid.corners.row(scene_.surface.voxel(of.point)),
-           scene_.surface.weights.row(of.point), of.k);
+    for (const auto& [p, k] : active_)
+      body(scene_.grid.corners.row(scene_.surface.voxel(p)), scene_.surface.weights.row(p), k);
   }
 
  private:

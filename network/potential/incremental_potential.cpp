@@ -77,8 +77,6 @@ IncrementalPotential::IncrementalPotential(PotentialTerms&& terms)
   predictor_.resize(3 * nodes);
   now_.resize(3 * nodes);
   inertia_.resize(nodes);
-  if (!scene_.dependent.empty()) is_parent_.resize(nodes);
-  for (const int32_t n : scene_.dependent.folded().nodes) is_parent_[size_t(n)] = 1;
   if (scheme_.dt > 0) set_scheme(scheme_);
 }
 

@@ -74,18 +74,6 @@ class IncrementalPotential : public PotentialTerms {
   void linearise_contact(const double* u) { contact_.linearise(u); }
   void hessian_product(const float* p, float* product);
 
-  /// Finds the rotations of all voxels at u, for frame_of().
-  void find_frames(const double* u);
-  Mat3<double> frame_of(int64_t voxel) const;
-  /// The frozen Hessian of a voxel without negative eigenvalues [N/m], (24, 24), row-major; component i
-  /// of corner c is 3 c + i.
-  void element_matrix(int64_t voxel, double* K) const;
-  /// Whether a node is free along all axes, and no parent node.
-  bool is_plain(int64_t n) const {
-    return scene_.pinned(n) == kFreeNode && held_.fixed_axes(n) == 0 &&
-           (is_parent_.empty() || !is_parent_[size_t(n)]);
-  }
-
   /// Product with the Hessian at rest, in float64, without contact.
   void rest_hessian_product(const double* p, double* product);
 
@@ -110,6 +98,7 @@ class IncrementalPotential : public PotentialTerms {
   void read_voxel_data(int64_t row, VoxelData<Pack<T>>& data) const;
 
  private:
+  friend class VoxelStiffness;
   struct Sums {
     Pack<double> elastic = {}, hourglass = {}, viscous = {};
     Pack<double> min_j = Pack<double>{} + 1e300, min_corner_j = min_j;
@@ -121,7 +110,6 @@ class IncrementalPotential : public PotentialTerms {
   template <class Motion>
   void begin(In<double> x, const Motion& motion);
   void rotations(const double* u, Zeroed<double>& result);
-  VoxelData<double> voxel_data(int64_t voxel) const;
   void find_strains(const double* u, Zeroed<double>& strains);
   void begin_damping(const State& state, double weight, const double* other);
   /// beta of the damping of a material in the present step.
@@ -141,7 +129,7 @@ class IncrementalPotential : public PotentialTerms {
   std::shared_ptr<const BrickRows> rows_;
   Zeroed<double> weights_;    ///< phi, c_xy, c_yz, c_zx, c_xyz, [row][5][lane]
   Zeroed<double> rotation_;   ///< R_v, [row][9][lane]
-  Zeroed<double> gradients_;  ///< F_v of set_nodal_rotations, R_v of find_frames, [row][9][lane]
+  Zeroed<double> gradients_;  ///< F_v of set_nodal_rotations, or their rotations, [row][9][lane]
   Zeroed<float> nodal_rotation_;
   Zeroed<double> predictor_, inertia_, now_;
   Zeroed<float> tangent_;                   ///< [row][45][lane]; filled by linearise
@@ -151,7 +139,6 @@ class IncrementalPotential : public PotentialTerms {
   HeldNodes held_;
   NodeLoads loads_;
   std::vector<Reaction> reactions_;
-  std::vector<uint8_t> is_parent_;  // of dependent nodes; empty: there are none
   std::vector<Sums> sums_;
   std::vector<NoSums> no_sums_;
 };

@@ -54,12 +54,12 @@ std::vector<int32_t> voxels_at(const VoxelGrid& grid, const std::vector<int32_t>
 
 }  // namespace
 
-void FoldPatch::find_nodes(IncrementalPotential& potential, const double* u) {
-  const VoxelGrid& grid = potential.scene().grid;
-  potential.find_frames(u);
-  const float* frames = potential.nodal_rotation().data();
+void FoldPatch::find_nodes(const VoxelStiffness& stiffness) {
+  const Scene& scene = stiffness.potential().scene();
+  const VoxelGrid& grid = scene.grid;
+  const float* frames = stiffness.potential().nodal_rotation().data();
   const std::vector<int32_t> apart = filtered(grid.voxel_count(), [&](int64_t v) {
-    const Mat3<double> R = potential.frame_of(v);
+    const Mat3<double> R = stiffness.frame(v);
     const int32_t* corners = grid.corners.row(v);
     return std::any_of(corners, corners + 8,
                        [&](int32_t n) { return cosine(R, frames + 9 * size_t(n)) < kApart; });
@@ -67,14 +67,14 @@ void FoldPatch::find_nodes(IncrementalPotential& potential, const double* u) {
   // their nodes, and those of voxels beside them
   nodes_ = apart.empty() ? std::vector<int32_t>()
                          : corners_of(grid, voxels_at(grid, corners_of(grid, apart)));
-  std::erase_if(nodes_, [&](int32_t n) { return !potential.is_plain(n); });
+  std::erase_if(nodes_, [&](int32_t n) { return !stiffness.is_plain(n); });
   voxels_ = voxels_at(grid, nodes_);
   // what H reaches from there
   place_.assign(size_t(grid.node_count()), -1);
   reached_ = nodes_;
   for (size_t k = 0; k < nodes_.size(); ++k) place_[size_t(nodes_[k])] = int32_t(k);
   for (const int32_t n : corners_of(grid, voxels_))
-    if (place_[size_t(n)] < 0 && potential.scene().pinned(n) == kFreeNode) {
+    if (place_[size_t(n)] < 0 && scene.pinned(n) == kFreeNode) {
       place_[size_t(n)] = int32_t(reached_.size());
       reached_.push_back(n);
     }
@@ -106,11 +106,12 @@ void FoldPatch::add_block(const int32_t* corners, int a, int b, const Value& val
     for (int j = 0; j < 3; ++j) block[3 * i + j] += float(value(i, j));
 }
 
-void FoldPatch::add_voxels(const IncrementalPotential& potential) {
+void FoldPatch::add_voxels(const VoxelStiffness& stiffness) {
+  const IncrementalPotential& potential = stiffness.potential();
   constexpr size_t kEntries = 24 * 24;
   std::vector<double> matrices(kEntries * voxels_.size());
   for_each(int64_t(voxels_.size()), [&](int64_t k) {
-    potential.element_matrix(voxels_[size_t(k)], matrices.data() + kEntries * size_t(k));
+    stiffness.matrix(voxels_[size_t(k)], matrices.data() + kEntries * size_t(k));
   });
   for (size_t v = 0; v < voxels_.size(); ++v) {
     const double* K = matrices.data() + kEntries * v;
@@ -212,11 +213,12 @@ void FoldPatch::smooth() {
 }
 
 void FoldPatch::update(IncrementalPotential& potential, const double* u) {
-  find_nodes(potential, u);
+  const VoxelStiffness stiffness(potential, u);
+  find_nodes(stiffness);
   if (empty()) return;
   // H
   find_columns(potential.scene().grid);
-  add_voxels(potential);
+  add_voxels(stiffness);
   add_contact(potential.contact());
   // S
   for (Zeroed<float>* vector : {&right_, &d_, &Hz_}) *vector = Zeroed<float>(3 * nodes_.size());

@@ -10,7 +10,7 @@
 
 #pragma once
 
-#include "network/potential/incremental_potential.hpp"
+#include "network/potential/voxel_stiffness.hpp"
 
 namespace elastogen {
 
@@ -34,9 +34,9 @@ class FoldPatch {
   struct Entry {
     int32_t row, number;  // of a block
   };
-  void find_nodes(IncrementalPotential& potential, const double* u);
+  void find_nodes(const VoxelStiffness& stiffness);
   void find_columns(const VoxelGrid& grid);
-  void add_voxels(const IncrementalPotential& potential);
+  void add_voxels(const VoxelStiffness& stiffness);
   void add_contact(const Contact& contact);
   template <class Value>
   void add_block(const int32_t* corners, int a, int b, const Value& value);

@@ -11,8 +11,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <limits>
 
 namespace elastogen {
@@ -80,10 +78,6 @@ IterationResult newton_loop(Work& work, NewtonRegion& region, double target, int
 
     // the step, and what it says of the quadratic model
     const StepTaken taken = newton_descent(work, value, residual);
-    if (std::getenv("EG_DEBUG"))
-      std::fprintf(stderr, "  %d res %.3g -> %.3g eta %.2g inner %d share %.3g slope %.3g dPhi %.3g model %.3g edge %d halved %d radius %.3g\n",
-                   result.outer, before / target, residual / target, eta, inner.iterations, taken.share, taken.slope,
-                   taken.difference, unit * unit * inner.end.model, inner.end.at_edge, taken.halved, inner.end.radius * unit);
     if (!region.take_step(inner.end, unit, taken)) return result;
   }
 }

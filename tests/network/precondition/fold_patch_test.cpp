@@ -59,15 +59,16 @@ struct Folded {
   std::vector<double> u;
 };
 
-TEST(ElementMatrix, MakesTheHessianOfTheBody) {
+TEST(VoxelStiffness, MakesTheHessianOfTheBody) {
   Folded of(2.2);
   const std::vector<double> random = random_field(of.scene, 1, 3);
   const std::vector<float> p(random.begin(), random.end());
   std::vector<float> product(p.size());
   of.potential.hessian_product(p.data(), product.data());
   std::vector<double> sum(p.size()), K(24 * 24);
+  const VoxelStiffness stiffness(of.potential, of.u.data());
   for (int64_t v = 0; v < of.scene.grid.voxel_count(); ++v) {
-    of.potential.element_matrix(v, K.data());
+    stiffness.matrix(v, K.data());
     const int32_t* corners = of.scene.grid.corners.row(v);
     for (int a = 0; a < 24; ++a)
       for (int b = 0; b < 24; ++b)
