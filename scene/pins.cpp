@@ -85,9 +85,8 @@ void take_node(int64_t n, int32_t holder, Scene& scene) {
 void pin_nodes(const HeldPart& part, int32_t holder, const std::optional<Border>& border,
                bool may_be_empty, Setup& setup) {
   Scene& scene = setup.scene;
-  const Array<uint8_t> selected =
-      may_be_empty ? selected_nodes(setup, *part.selection)
-                   : held_nodes(part.option, *part.selection, setup);
+  const Array<uint8_t> selected = may_be_empty ? selected_nodes(setup, *part.selection)
+                                               : held_nodes(part.option, *part.selection, setup);
   for (int64_t n = 0; n < selected.rows(); ++n) {
     const double* X = scene.grid.rest.row(n);
     if (selected(n) ||

@@ -362,6 +362,7 @@ Setup set_up(const TetAsset& tets, const RunDescription& run) {
   Setup setup;
   Scene& scene = setup.scene;
   const Stopwatch watch;
+  // elements, their materials, what holds them, contact and time step
   add_tets(tets, run, setup);
   scene.materials = {run.material};
   scene.material = Array<int32_t>(setup.tets->elements.rows());

@@ -84,8 +84,8 @@ std::vector<HeldSelection> fitted_selections(const CuttingBorders& cutting,
   for (size_t k = 0; k < selections.size(); ++k) {
     if (std::ranges::find(cutting.holders, int32_t(k)) != cutting.holders.end()) continue;
     const bool is_place = selections[k]->is_place();
-    fitted.push_back({selections[k], is_place ? Array<uint8_t>()
-                                              : selected_nodes(setup, *selections[k])});
+    fitted.push_back(
+        {selections[k], is_place ? Array<uint8_t>() : selected_nodes(setup, *selections[k])});
   }
   return fitted;
 }

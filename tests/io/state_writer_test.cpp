@@ -73,10 +73,10 @@ TEST_F(StateWriterTest, AMeshTakesThePlaceOfTheGrid) {
   const int nodes = kNodes + 1;
   // a mesh with loads in place of the grid
   StateMesh mesh;
-  mesh.rest = counted<double>(nodes, 3, 0.2, 0.03);
+  mesh.nodes.grid.rest = counted<double>(nodes, 3, 0.2, 0.03);
   mesh.corners = counted<int32_t>(5, 10, 0, 0.25);
   mesh.mass = counted<double>(nodes, 1, 2, 0.1);
-  mesh.pinned = counted<uint8_t>(nodes, 1, 0, 0.1);
+  mesh.nodes.pinned = counted<uint8_t>(nodes, 1, 0, 0.1);
   mesh.material = counted<int32_t>(5, 1, 0, 0.3);
   header.element = "tet10";
   header.scheme = "newmark";
@@ -96,7 +96,7 @@ TEST_F(StateWriterTest, AMeshTakesThePlaceOfTheGrid) {
   open();
   EXPECT_EQ(text("element"), "tet10");
   EXPECT_EQ(text("time_scheme"), "newmark");
-  EXPECT_EQ(numbers("/grid/rest"), values_of(mesh.rest));
+  EXPECT_EQ(numbers("/grid/rest"), values_of(mesh.nodes.grid.rest));
   EXPECT_EQ(read<int32_t>("/grid/corners", H5T_NATIVE_INT32), values_of(mesh.corners));
   EXPECT_EQ(shape("/grid/corners"), (std::vector<hsize_t>{5, 10}));
   EXPECT_EQ(shape("/steps/x"), (std::vector<hsize_t>{2, hsize_t(nodes), 3}));

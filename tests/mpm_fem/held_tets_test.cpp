@@ -93,7 +93,7 @@ TEST(HeldTets, SagAlikeOnMeshesThatAreShifted) {
        {std::tuple{Element::kTet4, 0.04, 0.06}, std::tuple{Element::kTet10, 0.02, 0.04}}) {
     const TetSag fit = sag_of_tets(tet_bar(element, kLeft, 20, (kRight - kLeft) / 20, {}));
     double least = 1e300, most = 0;
-    for (const double offset : {0.0, 0.1, 0.3, 0.5, 0.79, 0.95}) {
+    for (const double offset : {0.1, 0.5, 0.95}) {
       const TetSag sag = sag_of_tets(shifted_bar(element, offset));
       least = std::min(least, sag.middle), most = std::max(most, sag.middle);
       printf(
