@@ -5,6 +5,7 @@
 #include "core/parallel.hpp"
 #include "core/vec3.hpp"
 #include "voxelize/dependent_nodes.hpp"
+#include "voxelize/thin_cuts.hpp"
 
 #include <fmt/format.h>
 
@@ -167,6 +168,7 @@ void add_dependent(const std::vector<Border>& borders, const std::vector<BorderV
     scene.pinned(n) = kDependentNode;
     scene.holder(n) = holder_of_border[size_t(border_of_node[size_t(i)])];
   }
+  join_thin_cuts(borders, cut, scene.dependent, scene.grid);
 }
 
 }  // namespace

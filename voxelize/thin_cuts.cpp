@@ -7,9 +7,8 @@
 namespace elastogen {
 namespace {
 
-constexpr double kLeft = 1e-9;  // share of its fill that a slice keeps
-constexpr double kAcross =
-    0.99;  // least component of a normal that stands across a layer of voxels
+constexpr double kLeft = 1e-9;    // share of its fill that a slice keeps
+constexpr double kAcross = 0.99;  // least component of a normal across a layer of voxels
 
 /// The voxel next to another one, -1 if there is none.
 struct Next {
@@ -18,23 +17,44 @@ struct Next {
   bool upper = false;  ///< it lies above
 };
 
-/// That along the normal of a border that leaves a slice of a voxel; none if the border is no face
-/// there, or a corner is free.
-Next next_of_slice(const VoxelGrid& grid, const Border& border, int64_t voxel) {
-  const double nearest = nearest_free(border) * grid.h;
-  Vec3 centre = {};
-  for (int c = 0; c < 8; ++c) {
-    const double* X = grid.rest.row(grid.corners(voxel, c));
-    if (distance(border, {X[0], X[1], X[2]}) >= nearest) return {};
-    for (size_t d = 0; d < 3; ++d) centre[d] += X[d] / 8;
+/// Dependent nodes by their numbers in the grid.
+class Followers {
+ public:
+  Followers(const DependentNodes& dependent, int64_t nodes)
+      : dependent_(dependent), place_(size_t(nodes), -1) {
+    for (int64_t i = 0; i < dependent.count(); ++i) place_[size_t(dependent.node(i))] = i;
   }
-  const Vec3 normal = distance_gradient(border, centre);
-  for (int d = 0; d < 3; ++d)
-    if (std::abs(normal[size_t(d)]) > kAcross) {
-      const bool upper = normal[size_t(d)] > 0;
-      return {neighbour(grid, voxel, d, upper), d, upper};
+  /// Whether a node follows another one alone.
+  bool follows(int32_t node, int32_t parent) const {
+    const int64_t i = place_[size_t(node)];
+    return i >= 0 && dependent_.parents(i).rows == 1 && dependent_.parents(i)(0) == parent;
+  }
+
+ private:
+  const DependentNodes& dependent_;
+  std::vector<int64_t> place_;
+};
+
+/// That along the normal of a border that leaves a slice of a voxel; none if a corner of the slice follows
+/// others than the node on its line in the next layer.
+Next next_of_slice(const VoxelGrid& grid, const Border& border, int64_t voxel,
+                   const Followers& followers) {
+  const double* first = grid.rest.row(grid.corners(voxel, 0));
+  const double half = grid.h / 2;
+  const Vec3 normal =
+      distance_gradient(border, {first[0] + half, first[1] + half, first[2] + half});
+  Next next;
+  for (size_t d = 0; d < 3; ++d)
+    if (std::abs(normal[d]) > kAcross) {
+      next.axis = int(d), next.upper = normal[d] > 0;
+      next.voxel = neighbour(grid, voxel, next.axis, next.upper);
     }
-  return {};
+  if (next.voxel < 0) return {};
+  for (int c = 0; c < 8; ++c) {
+    const int bit = 1 << next.axis, ahead = next.upper ? c | bit : c & ~bit;
+    if (!followers.follows(grid.corners(voxel, c), grid.corners(next.voxel, ahead))) return {};
+  }
+  return next;
 }
 
 /// Means of the next voxel's shape functions over a slice, by those of the slice's own: with t the
@@ -64,14 +84,16 @@ void add_slice(int64_t voxel, const Next& next, VoxelGrid& grid) {
 
 }  // namespace
 
-void join_thin_cuts(const std::vector<Border>& borders, Voxelized& result) {
-  VoxelGrid& grid = result.grid;
-  for (size_t k = 0; k < result.cut.size(); ++k) {
-    const auto [voxel, border] = result.cut[k];
-    const bool is_shared = (k > 0 && result.cut[k - 1].voxel == voxel) ||
-                           (k + 1 < result.cut.size() && result.cut[k + 1].voxel == voxel);
+void join_thin_cuts(const std::vector<Border>& borders, const std::vector<BorderVoxel>& cut,
+                    const DependentNodes& dependent, VoxelGrid& grid) {
+  if (dependent.empty()) return;
+  const Followers followers(dependent, grid.node_count());
+  for (size_t k = 0; k < cut.size(); ++k) {
+    const auto [voxel, border] = cut[k];
+    const bool is_shared =
+        (k > 0 && cut[k - 1].voxel == voxel) || (k + 1 < cut.size() && cut[k + 1].voxel == voxel);
     if (is_shared || borders[size_t(border)].radius > 0) continue;
-    const Next next = next_of_slice(grid, borders[size_t(border)], voxel);
+    const Next next = next_of_slice(grid, borders[size_t(border)], voxel, followers);
     if (next.voxel >= 0) add_slice(voxel, next, grid);
   }
 }

@@ -157,7 +157,6 @@ void fill_grid(const std::vector<CutBody>& bodies, const std::vector<int32_t>& s
   std::ranges::sort(result.cut, {}, [](const BorderVoxel& at) {
     return std::pair{at.voxel, at.border};
   });
-  join_thin_cuts(borders, result);
 }
 
 /// Gives a shell the requested thickness by scaling its fill; it cannot become thicker.

@@ -7,6 +7,7 @@
 #include "tests/network/scenes.hpp"
 #include "voxelize/dependent_nodes.hpp"
 #include "voxelize/embedding.hpp"
+#include "voxelize/thin_cuts.hpp"
 #include "voxelize/voxelize.hpp"
 
 #include <gtest/gtest.h>
@@ -67,6 +68,7 @@ inline Scene held_scene(const Surface& surface, const std::vector<Border>& borde
         if (distance(border, {X[0], X[1], X[2]}) <= 1e-6 * h) scene.pinned(n) = kPinnedNode;
       }
   scene.dependent = dependent_nodes(scene.grid, borders, made.cut, scene.pinned);
+  join_thin_cuts(borders, made.cut, scene.dependent, scene.grid);
   for (int64_t i = 0; i < scene.dependent.count(); ++i)
     scene.pinned(scene.dependent.node(i)) = kDependentNode;
   scene.gravity = {0, -9.81, 0};
