@@ -8,6 +8,8 @@ import os
 import struct
 import subprocess
 import sys
+from collections.abc import Callable
+from itertools import product
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -45,54 +47,28 @@ def vertices(path: str) -> list[tuple[float, float, float]]:
     return [tuple(row[k] for k in at) for row in rows]
 
 
+def blocks(path: str, place: Callable, boxes: list) -> None:
+    """Writes an OBJ of the surface of boxes of cells; place gives the place of numbers of cells."""
+    cells = {cell for box in boxes for cell in product(*map(range, *box))}
+    places, faces = {}, []
+    for cell, axis, side in product(sorted(cells), range(3), (0, 1)):
+        beside = tuple(c + (2 * side - 1) * (d == axis) for d, c in enumerate(cell))
+        if beside in cells:
+            continue
+        face, u, v = [], (axis + 1) % 3, (axis + 2) % 3
+        for a, b in ((0, 0), (1, 0), (1, 1), (0, 1)):
+            at = list(cell)
+            at[axis], at[u], at[v] = cell[axis] + side, cell[u] + a, cell[v] + b
+            face.append(places.setdefault(tuple(at), len(places) + 1))
+        faces.append(face if side else face[::-1])
+    rows = ["v {:.9g} {:.9g} {:.9g}\n".format(*place(at)) for at in places]
+    Path(path).write_text("".join(rows + ["f {} {} {} {}\n".format(*face) for face in faces]))
+
+
 def box(path: str, lower: tuple, upper: tuple, parts: tuple) -> None:
     """Writes an OBJ of a box whose edges along x, y, z have so many parts."""
-    places, faces = {}, []
-
-    def vertex(at: tuple) -> int:
-        return places.setdefault(at, len(places) + 1)
-
-    for axis in range(3):
-        u, v = (axis + 1) % 3, (axis + 2) % 3
-        for side in (0, parts[axis]):
-            for i in range(parts[u]):
-                for j in range(parts[v]):
-                    corners = []
-                    for a, b in ((0, 0), (1, 0), (1, 1), (0, 1)):
-                        at = [0, 0, 0]
-                        at[axis], at[u], at[v] = side, i + a, j + b
-                        corners.append(vertex(tuple(at)))
-                    faces.append(corners if side else corners[::-1])
-    rows = []
-    for at in places:
-        x = [lo + (up - lo) * k / n for lo, up, k, n in zip(lower, upper, at, parts)]
-        rows.append("v {:.9g} {:.9g} {:.9g}".format(*x))
-    rows += ["f " + " ".join(map(str, face)) for face in faces]
-    Path(path).write_text("\n".join(rows) + "\n")
-
-
-def blocks(path: str, edge: float, boxes: list) -> None:
-    """Writes an OBJ of the surface of boxes of cubes: corners as numbers of edges."""
-    cells = {(i, j, k) for lower, upper in boxes for i in range(lower[0], upper[0])
-             for j in range(lower[1], upper[1]) for k in range(lower[2], upper[2])}
-    places, faces = {}, []
-    for cell in sorted(cells):
-        for axis in range(3):
-            u, v = (axis + 1) % 3, (axis + 2) % 3
-            for side in (0, 1):
-                beside = list(cell)
-                beside[axis] += 2 * side - 1
-                if tuple(beside) in cells:
-                    continue
-                face = []
-                for a, b in ((0, 0), (1, 0), (1, 1), (0, 1)):
-                    at = list(cell)
-                    at[axis], at[u], at[v] = cell[axis] + side, cell[u] + a, cell[v] + b
-                    face.append(places.setdefault(tuple(at), len(places) + 1))
-                faces.append(face if side else face[::-1])
-    rows = ["v " + " ".join(f"{edge * c:.9g}" for c in at) for at in places]
-    rows += ["f " + " ".join(map(str, face)) for face in faces]
-    Path(path).write_text("\n".join(rows) + "\n")
+    blocks(path, lambda at: [lo + (up - lo) * k / n for lo, up, k, n in zip(lower, upper, at, parts)],
+           [((0, 0, 0), parts)])
 
 
 def claim(what: str, value: float, least: float, most: float) -> None:

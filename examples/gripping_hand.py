@@ -9,7 +9,7 @@ from common import SCENES, blocks, claim, elastogen, steps, vertices
 # palm and fingers of cubes of 5 mm
 FINGERS = [((5, 0, -2), (9, 16, 2)), ((-9, 0, -2), (-5, 16, 2)), ((-2, 0, 5), (2, 16, 9)),
            ((-2, 0, -9), (2, 16, -5))]
-blocks("gripping_hand.obj", 0.005, [((-9, 16, -9), (9, 20, 9)), *FINGERS])
+blocks("gripping_hand.obj", lambda at: [0.005 * c for c in at], [((-9, 16, -9), (9, 20, 9)), *FINGERS])
 elastogen("animate", "gripping_hand.obj", "--scene", SCENES / "gripping_hand.toml", "-o",
           "gripping_hand.ply", "-o", "gripping_hand.png", "--log-json", "gripping_hand.log")
 

@@ -134,7 +134,7 @@ def held_runs() -> Case:
             "--move", "x<8%: turn(0,0,0, 0.2,1,0) ease 0:0; 0.3:30deg", "--pin", "sphere(50%,50%,50%, 3cm)",
             "--move", "x>92%: shift 0:0,0,0; 0.1:0,1cm,1cm"),
         "on rails, along two axes and one, with a move": (
-            "--hold", "z<20%: z", "--hold", "x<8%: xy", "--move", "x>92%: shift 0:0,0,0; 0.1:2cm,1cm,0"),
+            "--hold", "box(0%,0%,0%, 80%,100%,20%): z", "--hold", "x<8%: xy", "--move", "x>92%: shift 0:0,0,0; 0.1:2cm,1cm,0"),
         "moved along a floor": (*HELD, "--move", "x>95%: shift 0:0,0,0; 0.2:2cm,0,1cm", "--floor", "y=-0.113",
                                 "--friction", "0.5", "--region", "x>50%: jelly", "--gravity", "0,-40,0"),
     }
