@@ -364,9 +364,8 @@ Setup set_up(const TetAsset& tets, const RunDescription& run) {
   const Stopwatch watch;
   // elements, their materials, what holds them, contact and time step
   add_tets(tets, run, setup);
-  scene.materials = {run.material};
+  scene.materials = {run.material}, setup.yields = {run.yield};
   scene.material = Array<int32_t>(setup.tets->elements.rows());
-  setup.yields = {run.yield};
   setup.parts = asset_parts(run, tets);
   apply_regions(run.regions, setup.parts, *setup.tets, setup.body.surface.box, scene, setup.yields,
                 setup.warnings);

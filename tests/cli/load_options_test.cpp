@@ -34,7 +34,9 @@ TEST(LoadOptions, BothVerbsTakeHoldsMovesAndLoads) {
   expect_says(refusal({"a.obj", "-o", "a.glb", "--wind", "1,0,0", "--state", "s.h5"}),
               "--state does not hold");
   const std::string scene = folder.write("s.toml", "[[hold]]\nselect = 'all'\naxes = 'x'\n");
-  expect_says(refusal({"a.obj", "-o", "a.glb", "--scene", scene}), "all: x");
+  const AnimateOptions held = animate_options({"a.obj", "-o", "a.glb", "--scene", scene});
+  ASSERT_EQ(held.holds.size(), 1u);
+  EXPECT_EQ(held.holds[0].text, "all: x");
 }
 
 }  // namespace

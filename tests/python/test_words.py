@@ -60,7 +60,7 @@ REFUSED = [
     "animate bar.obj -o a.glb --collider 'sphere(0,5,0, 1) path 1:0,0'",
     "animate bar.obj -o a.glb --collider 'sphere(0,5,0, 1) path 1:0,0,0; 0:0,0,0'",
     "animate bar.obj -o a.glb --collider 'sphere(0,0,0, 1)'",
-    "animate bar.obj -o a.glb --hold 'x<1%: x'",
+    "animate bar.obj -o a.glb --solver paper --hold 'x<1%: x'",
     "animate bar.obj -o a.glb --log-json a.glb",
     "animate bar.obj -o a.glb --max-voxels 10",
     "animate bar.obj -o a.glb --max-memory 1kB",
