@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "network/precondition/fold_patch.hpp"
 
+#include "core/reduce.hpp"
+
 #include <Eigen/LU>
 
 #include <algorithm>
