@@ -3,6 +3,7 @@
 #include "scene/tet_pins.hpp"
 
 #include "core/vec3.hpp"
+#include "mpm_fem/fem/elastic_body.hpp"
 #include "scene/boundary.hpp"
 #include "scene/carried_points.hpp"
 #include "scene/fem_scene.hpp"
