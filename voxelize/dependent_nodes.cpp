@@ -4,6 +4,7 @@
 #include "core/bricks/index.hpp"
 #include "core/vec3.hpp"
 #include "voxelize/levelled_distance.hpp"
+#include "voxelize/sloped_nodes.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -16,14 +17,6 @@ constexpr double kEnoughAhead = 0.3;  // share of sum |n_k| that the axis neighb
 constexpr double kNarrowCosine =
     0.309;  // cos of 72 degrees, the widest angle to the normal otherwise
 
-/// A dependent node and, once it is known, its slope a = sum of factor u_m over free nodes m.
-struct Dependent {
-  int32_t border = -1;
-  double distance = 0;
-  bool known = false;
-  std::map<int32_t, double> slope;
-};
-
 class Builder {
  public:
   Builder(const VoxelGrid& grid, const std::vector<Border>& borders,
@@ -35,35 +28,15 @@ class Builder {
     for (const BorderVoxel& at : cut)
       for (int c = 0; c < 8; ++c) consider(grid.corners(at.voxel, c), at.border);
     std::erase_if(dependents_, [&](const auto& entry) {
-      const Dependent& of = entry.second;
+      const SlopedNode& of = entry.second;
       return of.distance >= nearest(of.border);
     });
   }
 
-  /// The border of each dependent node, in their order.
-  std::vector<int32_t> borders_of_nodes() const {
-    std::vector<int32_t> result;
-    for (const auto& [node, of] : dependents_) result.push_back(of.border);
-    return result;
-  }
+  std::vector<int32_t> borders_of_nodes() const { return borders_of(dependents_); }
 
   DependentNodes build() {
-    // slopes from the farthest nodes on, those of one distance by their numbers
-    std::vector<std::pair<double, int32_t>> order;
-    for (const auto& [node, of] : dependents_) order.push_back({-of.distance, node});
-    std::ranges::sort(order);
-    for (const auto& [key, node] : order) find_slope(node, dependents_.at(node));
-    // weights
-    std::vector<int32_t> nodes, begin = {0}, parents;
-    std::vector<double> weights;
-    for (const auto& [node, of] : dependents_) {
-      nodes.push_back(node);
-      for (const auto& [parent, factor] : of.slope)
-        if (of.distance * factor != 0)
-          parents.push_back(parent), weights.push_back(of.distance * factor);
-      begin.push_back(int32_t(parents.size()));
-    }
-    return {std::move(nodes), std::move(begin), std::move(parents), std::move(weights)};
+    return follow_slopes(dependents_, [&](int32_t node, SlopedNode& of) { find_slope(node, of); });
   }
 
  private:
@@ -72,9 +45,7 @@ class Builder {
   /// Gives a corner of a cut voxel to the nearest border.
   void consider(int32_t node, int32_t border) {
     if (pinned_(node)) return;
-    Dependent& of = dependents_[node];
-    const double d = distance_[size_t(border)](node);
-    if (of.border < 0 || d < of.distance) of.border = border, of.distance = d;
+    offer(dependents_, node, border, distance_[size_t(border)](node));
   }
 
   bool share_voxel(int32_t a, int32_t b) const {
@@ -85,14 +56,14 @@ class Builder {
   }
 
   /// Adds `weight` times the slope at a neighbour; false if it has none that the node may take.
-  bool add_slope(int32_t node, const Dependent& of, const Coord& step, double weight,
+  bool add_slope(int32_t node, const SlopedNode& of, const Coord& step, double weight,
                  std::map<int32_t, double>& slope) const {
     Coord at;
     for (size_t d = 0; d < 3; ++d) at[d] = grid_.node_coord(node, int(d)) + step[d];
     const auto m = int32_t(nodes_.find(at));
     if (m < 0 || pinned_(m) || !share_voxel(node, m)) return false;
     if (const auto other = dependents_.find(m); other != dependents_.end()) {
-      const Dependent& ahead = other->second;
+      const SlopedNode& ahead = other->second;
       if (!ahead.known || ahead.border != of.border || ahead.slope.empty()) return false;
       for (const auto& [parent, factor] : ahead.slope) slope[parent] += weight * factor;
       return true;
@@ -103,7 +74,7 @@ class Builder {
     return true;
   }
 
-  void find_slope(int32_t node, Dependent& of) {
+  void find_slope(int32_t node, SlopedNode& of) {
     of.known = true;
     const Vec3 n =
         distance_gradient(borders_[size_t(of.border)],
@@ -137,7 +108,7 @@ class Builder {
   const Array<uint8_t>& pinned_;
   BrickIndex nodes_;
   std::vector<LevelledDistance> distance_;
-  std::map<int32_t, Dependent> dependents_;
+  SlopedNodes dependents_;
 };
 
 }  // namespace

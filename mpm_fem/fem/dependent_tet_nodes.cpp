@@ -4,6 +4,7 @@
 #include "core/error.hpp"
 #include "core/vec3.hpp"
 #include "mpm_fem/fem/levelled_tet_distance.hpp"
+#include "voxelize/sloped_nodes.hpp"
 
 #include <Eigen/Dense>
 
@@ -18,14 +19,6 @@ namespace {
 constexpr double kAhead = 0.2;   // least cosine of the angle between a way ahead and the normal
 constexpr double kAlong = 1e-3;  // weight of offsets along the normal, of quadratic elements
 constexpr double kSmallFactors = 1e-8;  // weight of what keeps factors small
-
-/// A dependent node and, once it is known, its slope a = sum of factor u_m over free nodes m.
-struct Follower {
-  int32_t border = -1;
-  double distance = 0;
-  bool known = false;
-  std::map<int32_t, double> slope;
-};
 
 /// A node ahead: t and its distance from the border, both over h.
 struct Ahead {
@@ -87,29 +80,10 @@ class Follow {
     find_neighbours();
   }
 
-  std::vector<int32_t> borders_of_nodes() const {
-    std::vector<int32_t> result;
-    for (const auto& [node, of] : followers_) result.push_back(of.border);
-    return result;
-  }
+  std::vector<int32_t> borders_of_nodes() const { return borders_of(followers_); }
 
   DependentNodes build() {
-    // slopes from the farthest nodes on, those of one distance by their numbers
-    std::vector<std::pair<double, int32_t>> order;
-    for (const auto& [node, of] : followers_) order.push_back({-of.distance, node});
-    std::ranges::sort(order);
-    for (const auto& [key, node] : order) find_slope(node, followers_.at(node));
-    // weights
-    std::vector<int32_t> nodes, begin = {0}, parents;
-    std::vector<double> weights;
-    for (const auto& [node, of] : followers_) {
-      nodes.push_back(node);
-      for (const auto& [parent, factor] : of.slope)
-        if (of.distance * factor != 0)
-          parents.push_back(parent), weights.push_back(of.distance * factor);
-      begin.push_back(int32_t(parents.size()));
-    }
-    return {std::move(nodes), std::move(begin), std::move(parents), std::move(weights)};
+    return follow_slopes(followers_, [&](int32_t node, SlopedNode& of) { find_slope(node, of); });
   }
 
  private:
@@ -135,9 +109,7 @@ class Follow {
   /// Gives a node of a cut element to the nearest border.
   void consider(int32_t node, int32_t border) {
     if (pinned_(node)) return;
-    Follower& of = followers_[node];
-    const double d = distance_[size_t(border)](node);
-    if (of.border < 0 || d < of.distance) of.border = border, of.distance = d;
+    offer(followers_, node, border, distance_[size_t(border)](node));
   }
 
   void find_neighbours() {
@@ -150,10 +122,10 @@ class Follow {
   }
 
   /// Distance of a node whose slope another one may take from the border, 0: of none.
-  double distance_ahead(int32_t node, const Follower& of) const {
+  double distance_ahead(int32_t node, const SlopedNode& of) const {
     if (pinned_(node)) return 0;
     if (const auto other = followers_.find(node); other != followers_.end()) {
-      const Follower& ahead = other->second;
+      const SlopedNode& ahead = other->second;
       if (!ahead.known || ahead.border != of.border || ahead.slope.empty()) return 0;
       // it stands for its parent nodes
       double inverse = 0;
@@ -165,7 +137,7 @@ class Follow {
     return d < nearest_free(borders_[size_t(of.border)]) * spacing ? 0 : d;
   }
 
-  void find_slope(int32_t node, Follower& of) {
+  void find_slope(int32_t node, SlopedNode& of) {
     of.known = true;
     const Vec3 X = rest(node), n = distance_gradient(borders_[size_t(of.border)], X);
     const double h = spacing_.at(node);
@@ -199,7 +171,7 @@ class Follow {
   const Array<uint8_t>& pinned_;
   std::vector<LevelledTetDistance> distance_;
   std::map<int32_t, double> spacing_;  // of nodes of cut elements
-  std::map<int32_t, Follower> followers_;
+  SlopedNodes followers_;
   std::map<int32_t, std::set<int32_t>> neighbours_;  // of dependent nodes
 };
 
