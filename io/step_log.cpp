@@ -80,7 +80,7 @@ StepLog::StepLog(const std::string& path) : path_(path), file_(path, std::ios::t
 
 void StepLog::write(int64_t frame, const StepReport& report,
                     const std::optional<CloudReport>& cloud) {
-  // one write with its line break: a run that is killed leaves whole lines
+  // one write with its line break: a kill between two writes leaves whole lines
   file_ << step_log_line(frame, report, cloud) + '\n' << std::flush;
   if (!file_) throw Error(concat(path_, ": writing failed, disk full?"), ErrorKind::kResources);
 }

@@ -2,8 +2,8 @@
 """Outputs of runs that are killed, and of disks that are full.
 
 A run killed at any time leaves the old file of each output or the whole new one, and nothing else
-in the folder but the log, whose lines are whole; killed between two system calls, both, the new one
-under its temporary name.
+in the folder but the log, whose lines are whole but for the last, which has no line break where a kill
+cut it; killed between two system calls, both files, the new one under its temporary name.
 """
 import json
 import os
@@ -56,7 +56,7 @@ class Killed(unittest.TestCase):
             points, samples = (int.from_bytes(content[k:k + 4], "little") for k in (16, 28))
             self.assertEqual(len(content), 32 + 12 * points * samples)
 
-    def check(self, folder: Path, whole: dict[str, int]) -> None:
+    def check(self, folder: Path, whole: dict[str, int], killed: bool) -> None:
         """Each file is old or whole; counts the whole ones. Files get a name when they are whole: a
         temporary one for the moment before the old file is replaced, in which a kill can fall."""
         out = folder / "out"
@@ -69,10 +69,11 @@ class Killed(unittest.TestCase):
             whole[name] += path.name == name
         log = out / "a.log"
         if log.exists():
-            text = log.read_text()
-            self.assertTrue(text == "" or text.endswith("\n"))
-            for line in text.splitlines():
+            *lines, cut = log.read_text().split("\n")
+            for line in lines:
                 json.loads(line)
+            # the kernel may end a write at a page of the file when a signal kills the process
+            self.assertTrue(cut == "" or (killed and '{"'.startswith(cut[:2])))
 
     def test_leaves_old_files_or_whole_ones(self) -> None:
         rng = random.Random(7)
@@ -93,7 +94,7 @@ class Killed(unittest.TestCase):
                         process.wait(rng.uniform(0, 1.1 * seconds))
                     except subprocess.TimeoutExpired:
                         process.send_signal(signal.SIGKILL)
-                self.check(folder, whole)
+                self.check(folder, whole, killed=True)
         # the kills came early and late
         self.assertGreater(sum(whole.values()), 0)
         self.assertLess(sum(whole.values()), 4 * KILLS)
@@ -108,7 +109,8 @@ class Killed(unittest.TestCase):
                     time.sleep(1)
                     process.send_signal(number)
                     self.assertEqual(process.wait(20), 128 + number)
-                self.check(folder, dict.fromkeys(("a.glb", "a.pc2", "a.h5", "a.json"), 0))
+                self.check(folder, dict.fromkeys(("a.glb", "a.pc2", "a.h5", "a.json"), 0),
+                           killed=False)
                 self.assertEqual(json.loads((folder / "out/a.json").read_text())["warnings"][-1],
                                  "interrupted")
 
