@@ -228,6 +228,19 @@ NodalStiffness DeviceContact::nodal_stiffness(const Quaternion<float>* rotation,
   return {g.nodes, to, g.count};
 }
 
+FrozenStiffness DeviceContact::frozen_stiffness() {
+  const GatherView g = impl_->at_free.view();
+  const ContactView v = impl_->view();
+  return {g.nodes,
+          g.begin,
+          g.point,
+          g.weight,
+          impl_->stiff ? g.count : 0,
+          v.corners,
+          v.weights,
+          impl_->frozen.data()};
+}
+
 const std::vector<int32_t>& DeviceContact::surface_nodes() const {
   return impl_->surface_nodes;
 }

@@ -26,6 +26,7 @@ ELASTOGEN_HD constexpr int symmetric_place(int i, int j) {
 }
 
 class DeviceHeldNodes;
+struct FrozenStiffness;  // contact_view.cuh
 
 class DeviceContact {
  public:
@@ -81,6 +82,8 @@ class DeviceContact {
   /// @param rotation  (nodes)
   /// @param pinned    NodeKind, (nodes)
   NodalStiffness nodal_stiffness(const Quaternion<float>* rotation, const uint8_t* pinned);
+  /// The frozen stiffness between nodes, for kernels.
+  FrozenStiffness frozen_stiffness();
   /// The nodes of nodal_stiffness, on the host.
   const std::vector<int32_t>& surface_nodes() const;
 

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "core/point_contact.hpp"
+#include "network/contact/contact_device.hpp"
 
 namespace elastogen::cuda {
 
@@ -51,6 +52,39 @@ struct ContactView {
   __device__ ContactPoint bonded(ContactPoint point, int obstacle, int64_t p) const {
     if (slip != nullptr) point.start = minus(point.start, slip[obstacle * points + p]);
     return point;
+  }
+};
+
+/// The frozen stiffness of contact between nodes.
+struct FrozenStiffness {
+  const int32_t *nodes, *begin, *point;  ///< surface nodes, ascending, and the points of each
+  const double* weight;                  ///< of these points at the node
+  int64_t count;                         ///< of the nodes; 0: there is no stiffness
+  const int32_t* corners;                ///< (points, 8)
+  const double *weights, *blocks;        ///< (points, 8); symmetric, (points, 6)
+
+  /// Adds the block of two nodes [N/m].
+  __device__ void add(int32_t row, int32_t column, float block[9]) const {
+    // the surface node
+    int64_t low = 0, high = count;
+    while (low < high) {
+      const int64_t middle = (low + high) / 2;
+      if (nodes[middle] < row)
+        low = middle + 1;
+      else
+        high = middle;
+    }
+    if (low == count || nodes[low] != row) return;
+    // its points that the other node carries too
+    for (int32_t k = begin[low]; k < begin[low + 1]; ++k)
+      for (int c = 0; c < 8; ++c) {
+        const int64_t p = point[k];
+        if (corners[8 * p + c] != column) continue;
+        const double w = weight[k] * weights[8 * p + c];
+        for (int i = 0; i < 3; ++i)
+          for (int j = 0; j < 3; ++j)
+            block[3 * i + j] += float(w * blocks[6 * p + symmetric_place(i, j)]);
+      }
   }
 };
 

@@ -18,14 +18,11 @@ class VoxelStiffness {
   /// The frozen Hessian of a voxel without negative eigenvalues [N/m], (24, 24), row-major; component i
   /// of corner c is 3 c + i. Inertia and contact are not in it.
   void matrix(int64_t voxel, double* K) const;
-  /// Whether a node is free along all axes and no other node follows it.
-  bool is_plain(int64_t node) const;
 
  private:
   VoxelData<double> data(int64_t voxel) const;
 
   IncrementalPotential& of_;
-  std::vector<uint8_t> is_parent_;  // empty: no node follows others
 };
 
 }  // namespace elastogen

@@ -11,12 +11,6 @@
 namespace elastogen {
 namespace {
 
-constexpr double kApart = 0.7;    // cosine of the angle from which on frames lie far apart
-constexpr int kDegree = 4;        // of the smoother
-constexpr double kLowest = 0.05;  // of the eigenvalues that it damps, over the largest
-constexpr double kMargin = 1.1;   // of the largest over what the power method finds
-constexpr int kPowers = 10;
-
 /// Cosine of the angle of a rotation from another.
 double cosine(const Mat3<double>& a, const float* b) {
   double trace = 0;
@@ -32,78 +26,28 @@ void add_transposed(const float* K, const float* x, float y[3]) {
   for (int i = 0; i < 3; ++i) y[i] += K[i] * x[0] + K[3 + i] * x[1] + K[6 + i] * x[2];
 }
 
-void sort_unique(std::vector<int32_t>& numbers) {
-  std::ranges::sort(numbers);
-  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
-}
-
-std::vector<int32_t> corners_of(const VoxelGrid& grid, const std::vector<int32_t>& voxels) {
-  std::vector<int32_t> nodes;
-  for (const int32_t v : voxels)
-    nodes.insert(nodes.end(), grid.corners.row(v), grid.corners.row(v) + 8);
-  sort_unique(nodes);
-  return nodes;
-}
-
-std::vector<int32_t> voxels_at(const VoxelGrid& grid, const std::vector<int32_t>& nodes) {
-  std::vector<int32_t> voxels;
-  for (const int32_t n : nodes)
-    std::copy_if(grid.voxels.row(n), grid.voxels.row(n) + 8, std::back_inserter(voxels),
-                 [](int32_t v) { return v >= 0; });
-  sort_unique(voxels);
-  return voxels;
+/// Voxels whose frames lie far from those of one of their nodes.
+std::vector<int32_t> voxels_apart(const VoxelStiffness& stiffness) {
+  const VoxelGrid& grid = stiffness.potential().scene().grid;
+  const float* frames = stiffness.potential().nodal_rotation().data();
+  return filtered(grid.voxel_count(), [&](int64_t v) {
+    const Mat3<double> R = stiffness.frame(v);
+    const int32_t* corners = grid.corners.row(v);
+    return std::any_of(corners, corners + 8,
+                       [&](int32_t n) { return cosine(R, frames + 9 * size_t(n)) < kFoldCosine; });
+  });
 }
 
 }  // namespace
 
-void FoldPatch::find_nodes(const VoxelStiffness& stiffness) {
-  const Scene& scene = stiffness.potential().scene();
-  const VoxelGrid& grid = scene.grid;
-  const float* frames = stiffness.potential().nodal_rotation().data();
-  const std::vector<int32_t> apart = filtered(grid.voxel_count(), [&](int64_t v) {
-    const Mat3<double> R = stiffness.frame(v);
-    const int32_t* corners = grid.corners.row(v);
-    return std::any_of(corners, corners + 8,
-                       [&](int32_t n) { return cosine(R, frames + 9 * size_t(n)) < kApart; });
-  });
-  // their nodes, and those of voxels beside them
-  nodes_ = apart.empty() ? std::vector<int32_t>()
-                         : corners_of(grid, voxels_at(grid, corners_of(grid, apart)));
-  std::erase_if(nodes_, [&](int32_t n) { return !stiffness.is_plain(n); });
-  voxels_ = voxels_at(grid, nodes_);
-  // what H reaches from there
-  place_.assign(size_t(grid.node_count()), -1);
-  reached_ = nodes_;
-  for (size_t k = 0; k < nodes_.size(); ++k) place_[size_t(nodes_[k])] = int32_t(k);
-  for (const int32_t n : corners_of(grid, voxels_))
-    if (place_[size_t(n)] < 0 && scene.pinned(n) == kFreeNode) {
-      place_[size_t(n)] = int32_t(reached_.size());
-      reached_.push_back(n);
-    }
-}
-
-void FoldPatch::find_columns(const VoxelGrid& grid) {
-  begin_.assign(1, 0);
-  columns_.clear();
-  for (const int32_t n : nodes_) {
-    std::vector<int32_t> places;
-    for (const int32_t corner : corners_of(grid, voxels_at(grid, {n})))
-      if (place_[size_t(corner)] >= 0) places.push_back(place_[size_t(corner)]);
-    std::ranges::sort(places);
-    columns_.insert(columns_.end(), places.begin(), places.end());
-    begin_.push_back(int32_t(columns_.size()));
-  }
-  blocks_ = Zeroed<float>(9 * columns_.size());
-}
-
 /// Adds value(i, j) to the block of two corners, if it is there.
 template <class Value>
 void FoldPatch::add_block(const int32_t* corners, int a, int b, const Value& value) {
-  const int32_t row = place_[size_t(corners[a])], column = place_[size_t(corners[b])];
-  if (row < 0 || column < 0 || row >= int32_t(nodes_.size())) return;
-  const auto found = std::lower_bound(columns_.begin() + begin_[size_t(row)],
-                                      columns_.begin() + begin_[size_t(row) + 1], column);
-  float* block = blocks_.data() + 9 * (found - columns_.begin());
+  const int32_t row = of_->place[size_t(corners[a])], column = of_->place[size_t(corners[b])];
+  if (row < 0 || column < 0 || row >= int32_t(of_->nodes.size())) return;
+  const auto found = std::lower_bound(of_->columns.begin() + of_->begin[size_t(row)],
+                                      of_->columns.begin() + of_->begin[size_t(row) + 1], column);
+  float* block = blocks_.data() + 9 * (found - of_->columns.begin());
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) block[3 * i + j] += float(value(i, j));
 }
@@ -111,18 +55,18 @@ void FoldPatch::add_block(const int32_t* corners, int a, int b, const Value& val
 void FoldPatch::add_voxels(const VoxelStiffness& stiffness) {
   const IncrementalPotential& potential = stiffness.potential();
   constexpr size_t kEntries = 24 * 24;
-  std::vector<double> matrices(kEntries * voxels_.size());
-  for_each(int64_t(voxels_.size()), [&](int64_t k) {
-    stiffness.matrix(voxels_[size_t(k)], matrices.data() + kEntries * size_t(k));
+  std::vector<double> matrices(kEntries * of_->voxels.size());
+  for_each(int64_t(of_->voxels.size()), [&](int64_t k) {
+    stiffness.matrix(of_->voxels[size_t(k)], matrices.data() + kEntries * size_t(k));
   });
-  for (size_t v = 0; v < voxels_.size(); ++v) {
+  for (size_t v = 0; v < of_->voxels.size(); ++v) {
     const double* K = matrices.data() + kEntries * v;
-    const int32_t* corners = potential.scene().grid.corners.row(voxels_[v]);
+    const int32_t* corners = potential.scene().grid.corners.row(of_->voxels[v]);
     for (int a = 0; a < 8; ++a)
       for (int b = 0; b < 8; ++b)
         add_block(corners, a, b, [&](int i, int j) { return K[24 * (3 * a + i) + 3 * b + j]; });
   }
-  for (const int32_t n : nodes_)
+  for (const int32_t n : of_->nodes)
     add_block(&n, 0, 0, [&](int i, int j) { return i == j ? potential.inertia(n) : 0; });
 }
 
@@ -137,11 +81,11 @@ void FoldPatch::add_contact(const Contact& contact) {
 
 void FoldPatch::find_inverses() {
   using Block = Eigen::Matrix<float, 3, 3, Eigen::RowMajor>;
-  inverse_ = Zeroed<float>(9 * nodes_.size());
+  inverse_ = Zeroed<float>(9 * of_->nodes.size());
   for_each(count(), [&](int64_t k) {
-    const auto first = columns_.begin() + begin_[size_t(k)],
-               last = columns_.begin() + begin_[size_t(k) + 1];
-    const auto number = size_t(std::lower_bound(first, last, int32_t(k)) - columns_.begin());
+    const auto first = of_->columns.begin() + of_->begin[size_t(k)],
+               last = of_->columns.begin() + of_->begin[size_t(k) + 1];
+    const auto number = size_t(std::lower_bound(first, last, int32_t(k)) - of_->columns.begin());
     const Eigen::Matrix3d D = Eigen::Map<const Block>(blocks_.data() + 9 * number).cast<double>();
     const Eigen::Matrix3d inverse = D.inverse();
     Eigen::Map<Block>(inverse_.data() + 9 * k) =
@@ -149,34 +93,23 @@ void FoldPatch::find_inverses() {
   });
 }
 
-void FoldPatch::find_transposed() {
-  first_.assign(reached_.size() + 1, 0);
-  for (const int32_t place : columns_) ++first_[size_t(place) + 1];
-  for (size_t k = 1; k < first_.size(); ++k) first_[k] += first_[k - 1];
-  std::vector<int32_t> next = first_;
-  transposed_.resize(columns_.size());
-  for (int32_t row = 0; row < int32_t(count()); ++row)
-    for (int32_t e = begin_[size_t(row)]; e < begin_[size_t(row) + 1]; ++e)
-      transposed_[size_t(next[size_t(columns_[size_t(e)])]++)] = {row, e};
-}
-
 /// y = H x on the nodes of the patch, x on those reached.
 void FoldPatch::product(const Zeroed<float>& x, Zeroed<float>& y) const {
   for_each(count(), [&](int64_t row) {
     float sum[3] = {};
-    for (int32_t e = begin_[size_t(row)]; e < begin_[size_t(row) + 1]; ++e)
-      add_product(blocks_.data() + 9 * size_t(e), x.data() + 3 * size_t(columns_[size_t(e)]), sum);
+    for (int32_t e = of_->begin[size_t(row)]; e < of_->begin[size_t(row) + 1]; ++e)
+      add_product(blocks_.data() + 9 * size_t(e), x.data() + 3 * size_t(of_->columns[size_t(e)]),
+                  sum);
     std::copy_n(sum, 3, y.begin() + 3 * row);
   });
 }
 
 /// By the power method on D^-1 H, from a vector without symmetry.
 void FoldPatch::find_bound() {
-  for (size_t k = 0; k < right_.size(); ++k)
-    far_[k] = float((k * 2654435761u >> 8) % 1000) / 1000 - 0.5f;
+  for (size_t k = 0; k < right_.size(); ++k) far_[k] = fold_power_start(uint32_t(k));
   std::fill(far_.begin() + int64_t(right_.size()), far_.end(), 0.f);
   bound_ = 1;
-  for (int power = 0; power < kPowers; ++power) {
+  for (int power = 0; power < kFoldPowers; ++power) {
     product(far_, Hz_);
     for_each(count(), [&](int64_t k) {
       float sum[3] = {};
@@ -185,22 +118,18 @@ void FoldPatch::find_bound() {
     });
     const double size = norm(far_.data(), int64_t(right_.size()));
     if (!(size > 0)) return;
-    if (power > 0) bound_ = kMargin * size;
+    if (power > 0) bound_ = kFoldMargin * size;
     for (float& value : far_) value = float(value / size);
   }
 }
 
 /// z_ = S right_, Chebyshev's iteration from 0.
 void FoldPatch::smooth() {
-  const double low = kLowest * bound_, theta = (bound_ + low) / 2, delta = (bound_ - low) / 2;
-  double rho = delta / theta;
+  const FoldSmoother smoother = fold_smoother();
   std::fill(z_.begin(), z_.end(), 0.f);
-  for (int step = 0; step < kDegree; ++step) {
+  for (size_t step = 0; step < FoldSmoother::kDegree; ++step) {
     if (step > 0) product(z_, Hz_);
-    const double next = step == 0 ? rho : 1 / (2 * theta / delta - rho);
-    const auto keep = float(step == 0 ? 0 : next * rho),
-               add = float(step == 0 ? 1 / theta : 2 * next / delta);
-    rho = next;
+    const auto keep = float(smoother.keep[step]), add = float(smoother.add[step] / bound_);
     for_each(count(), [&](int64_t k) {
       float r[3], Dr[3] = {};
       for (size_t i = 3 * size_t(k), j = 0; j < 3; ++i, ++j)
@@ -215,18 +144,18 @@ void FoldPatch::smooth() {
 }
 
 void FoldPatch::update(IncrementalPotential& potential, const double* u) {
+  if (!of_) of_.emplace(potential.scene());
   const VoxelStiffness stiffness(potential, u);
-  find_nodes(stiffness);
+  of_->find(voxels_apart(stiffness));
   if (empty()) return;
   // H
-  find_columns(potential.scene().grid);
+  blocks_ = Zeroed<float>(9 * of_->columns.size());
   add_voxels(stiffness);
   add_contact(potential.contact());
   // S
-  for (Zeroed<float>* vector : {&right_, &d_, &Hz_}) *vector = Zeroed<float>(3 * nodes_.size());
-  for (Zeroed<float>* vector : {&z_, &far_}) *vector = Zeroed<float>(3 * reached_.size());
+  for (Zeroed<float>* vector : {&right_, &d_, &Hz_}) *vector = Zeroed<float>(3 * of_->nodes.size());
+  for (Zeroed<float>* vector : {&z_, &far_}) *vector = Zeroed<float>(3 * of_->reached.size());
   find_inverses();
-  find_transposed();
   find_bound();
 }
 
@@ -240,15 +169,15 @@ void FoldPatch::gather(const std::vector<int32_t>& nodes, const T* from, Zeroed<
 
 template <class T>
 void FoldPatch::begin(T* r, T* z_1) {
-  gather(nodes_, r, right_);
+  gather(of_->nodes, r, right_);
   smooth();
-  for_each(int64_t(reached_.size()), [&](int64_t m) {
+  for_each(int64_t(of_->reached.size()), [&](int64_t m) {
     float sum[3] = {};
-    for (int32_t t = first_[size_t(m)]; t < first_[size_t(m) + 1]; ++t) {
-      const auto [row, number] = transposed_[size_t(t)];
+    for (int32_t t = of_->first[size_t(m)]; t < of_->first[size_t(m) + 1]; ++t) {
+      const auto [row, number] = of_->transposed[size_t(t)];
       add_transposed(blocks_.data() + 9 * size_t(number), z_.data() + 3 * size_t(row), sum);
     }
-    const size_t n = 3 * size_t(reached_[size_t(m)]);
+    const size_t n = 3 * size_t(of_->reached[size_t(m)]);
     for (size_t i = 0; i < 3; ++i) {
       r[n + i] -= T(sum[i]);
       if (m < count()) z_1[n + i] = T(z_[3 * size_t(m) + i]);
@@ -258,13 +187,13 @@ void FoldPatch::begin(T* r, T* z_1) {
 
 template <class T, class Z>
 void FoldPatch::end(const T* r, const T* z_1, Z* p) {
-  gather(nodes_, r, right_);
-  gather(reached_, p, far_);
+  gather(of_->nodes, r, right_);
+  gather(of_->reached, p, far_);
   product(far_, Hz_);
   for_each(int64_t(right_.size()), [&](int64_t k) { right_[size_t(k)] -= Hz_[size_t(k)]; });
   smooth();
   for_each(count(), [&](int64_t k) {
-    const size_t n = 3 * size_t(nodes_[size_t(k)]);
+    const size_t n = 3 * size_t(of_->nodes[size_t(k)]);
     for (size_t i = 0; i < 3; ++i) p[n + i] += Z(z_1[n + i] + T(z_[3 * size_t(k) + i]));
   });
 }

@@ -11,6 +11,9 @@
 #pragma once
 
 #include "network/potential/voxel_stiffness.hpp"
+#include "network/precondition/fold_nodes.hpp"
+
+#include <optional>
 
 namespace elastogen {
 
@@ -19,9 +22,11 @@ class FoldPatch {
   /// Finds the voxels whose frames at u [m], where the Hessian is frozen, lie far from those of their
   /// nodes, and assembles H there. Repeats to the bit.
   void update(IncrementalPotential& potential, const double* u);
-  void clear() { nodes_.clear(); }
-  bool empty() const { return nodes_.empty(); }
-  int64_t count() const { return int64_t(nodes_.size()); }  ///< of its nodes
+  void clear() {
+    if (of_) of_->clear();
+  }
+  bool empty() const { return !of_ || of_->empty(); }
+  int64_t count() const { return of_ ? of_->count() : 0; }  ///< of its nodes
 
   /// z_1 = S r and r -= H z_1; both (nodes, 3), z_1 only on nodes of the patch.
   template <class T>
@@ -31,33 +36,20 @@ class FoldPatch {
   void end(const T* r, const T* z_1, Z* p);
 
  private:
-  struct Entry {
-    int32_t row, number;  // of a block
-  };
-  void find_nodes(const VoxelStiffness& stiffness);
-  void find_columns(const VoxelGrid& grid);
   void add_voxels(const VoxelStiffness& stiffness);
   void add_contact(const Contact& contact);
   template <class Value>
   void add_block(const int32_t* corners, int a, int b, const Value& value);
   void find_inverses();
-  void find_transposed();
   void find_bound();
   void product(const Zeroed<float>& x, Zeroed<float>& y) const;
   template <class T>
   void gather(const std::vector<int32_t>& nodes, const T* from, Zeroed<float>& to) const;
   void smooth();
 
-  std::vector<int32_t> nodes_;    // of the patch, ascending
-  std::vector<int32_t> reached_;  // these, then free nodes beside them
-  std::vector<int32_t> place_;    // of each node of the grid among reached_, -1 if it is none
-  std::vector<int32_t> voxels_;   // with a node of the patch, ascending
-  // H by rows of nodes_: columns as places among reached_, ascending, and 3x3 blocks
-  std::vector<int32_t> begin_, columns_;
-  Zeroed<float> blocks_, inverse_;  // inverse_: of the diagonal blocks
-  // the same by columns
-  std::vector<int32_t> first_;
-  std::vector<Entry> transposed_;
+  std::optional<FoldNodes> of_;
+  // H by rows of its nodes
+  Zeroed<float> blocks_, inverse_;          // 3x3; inverse_: of the diagonal blocks
   double bound_ = 0;                        // of the eigenvalues of D^-1 H
   Zeroed<float> right_, z_, d_, Hz_, far_;  // of the patch; far_ of the nodes reached
 };

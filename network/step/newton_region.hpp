@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // How the newton mode chooses its linear systems: how far they are solved and how long their steps
-// may be. By numbers alone, for host and card.
+// may be, and when folds are looked for. By numbers alone, for host and card.
 
 #pragma once
 
@@ -32,6 +32,23 @@ class NewtonRegion {
   TrustRegion region_;
   int failures_ = 0;  // in a row
   bool bounded_ = false;
+};
+
+/// Whether the first matrix is corrected for folds (precondition/fold_patch.hpp): after a linear system
+/// that took many PCG iterations, until one takes few without folds.
+class FoldWatch {
+ public:
+  bool looks() const { return looks_; }
+  void take(int iterations, bool has_folds) {
+    constexpr int kQuick = 8;  // iterations that need no correction
+    if (iterations > kQuick)
+      looks_ = true;
+    else if (!has_folds)
+      looks_ = false;
+  }
+
+ private:
+  bool looks_ = false;
 };
 
 }  // namespace elastogen

@@ -4,12 +4,6 @@
 #include "network/step/newton_loop.hpp"
 
 namespace elastogen {
-namespace {
-
-constexpr int kQuick = 8;  // PCG iterations that need no correction of folds
-
-}  // namespace
-
 NewtonSolver::NewtonSolver(IncrementalPotential& potential)
     : potential_(potential),
       size_(3 * potential.scene().grid.node_count()),
@@ -31,7 +25,7 @@ struct NewtonSolver::Work {
   void linearise(TangentKind kind, const PotentialValue&) {
     of.potential_.linearise(u, kind);
     preconditioner.update_contact();
-    of.is_slow_ ? preconditioner.update_folds(u) : preconditioner.clear_folds();
+    of.folds_.looks() ? preconditioner.update_folds(u) : preconditioner.clear_folds();
   }
 
   LinearResult solve(double unit, double eta, int most, const PcgScalars& scalars,
@@ -43,10 +37,7 @@ struct NewtonSolver::Work {
         [&](const float* p, float* Ap) { of.potential_.hessian_product(p, Ap); },
         [&](const float* r, float* z) { preconditioner.apply(r, z); }, interrupted, scalars);
     for_each(of.size_, [&](int64_t k) { of.step_[size_t(k)] *= float(unit); });
-    if (inner.iterations > kQuick)
-      of.is_slow_ = true;
-    else if (!preconditioner.has_folds())
-      of.is_slow_ = false;
+    of.folds_.take(inner.iterations, preconditioner.has_folds());
     return {inner.iterations, inner.end};
   }
 

@@ -3,6 +3,7 @@
 #include "core/cuda/reduce.cuh"
 #include "core/cuda/signal.cuh"
 #include "core/time_error.hpp"
+#include "network/precondition/fold_patch_device.hpp"
 #include "network/precondition/preconditioner.cuh"
 #include "network/step/newton_loop.hpp"
 #include "network/step/newton_solver_device.hpp"
@@ -40,12 +41,16 @@ struct DeviceNewton::Impl {
         pcg(1),
         sums(1),
         pair_sums(1),
-        numbers(1) {}
+        numbers(1),
+        folds(potential) {}
 
   // one pass each
   void measure(const DeviceArray<double>& g);
   void start_pcg(double unit, const PcgScalars& scalars);
+  LinearResult run_pcg(double unit, double eta, int most, const PcgScalars& scalars,
+                       const Interrupted& interrupted);
   void find_direction();
+  void precondition();
   void find_curvature();
   void advance();
   void scale_step(double unit);
@@ -56,7 +61,11 @@ struct DeviceNewton::Impl {
   double begin(PotentialValue& value);
   void linearise(TangentKind kind, const PotentialValue& value);
   LinearResult solve(double unit, double eta, int most, const PcgScalars& scalars,
-                     const Interrupted& interrupted);
+                     const Interrupted& interrupted) {
+    const LinearResult result = run_pcg(unit, eta, most, scalars, interrupted);
+    watch.take(result.iterations, !folds.empty());
+    return result;
+  }
   double slope();
   void move(double share, bool is_first);
   void start_trial();
@@ -76,6 +85,8 @@ struct DeviceNewton::Impl {
   PinnedArray<HostNumbers> numbers;
   Signal signal;  // of numbers
   NewtonRegion region;
+  DeviceFoldPatch folds;
+  FoldWatch watch;
   TrialNumbers trial;
   bool is_cut = false;  // the trial, where colliders are met
 };
@@ -119,28 +130,45 @@ void DeviceNewton::Impl::start_pcg(double unit, const PcgScalars& scalars) {
       });
 }
 
-/// z = B r and p = z + beta p, which dependent nodes follow; z is 0 there, as r is.
-void DeviceNewton::Impl::find_direction() {
+/// z = B r and r . z, from which beta follows.
+void DeviceNewton::Impl::precondition() {
   DevicePreconditioner& B = quasi.preconditioner();
-  float *residual = r.data(), *preconditioned = z.data(), *direction = p.data();
+  const bool folded = !folds.empty();
+  float *residual = r.data(), *preconditioned = z.data();
+  const float* argument = folded ? folds.begin(residual) : residual;
   B.turn([=] __device__(int64_t n, float v[3]) {
-    for (int i = 0; i < 3; ++i) v[i] = residual[3 * n + i];
+    for (int i = 0; i < 3; ++i) v[i] = argument[3 * n + i];
   });
   B.cycle();
-  // z and r . z, from which beta follows
+  // folds correct z as a whole
   const UnturnedResult result = B.result();
+  if (folded) {
+    cuda::for_each(count / 3, [=] __device__(int64_t n) { result.at(n, preconditioned + 3 * n); });
+    folds.end(preconditioned);
+  }
   PcgScalars* of = pcg.data();
   ordered_sum(
       count / 3, sums.data(),
       [=] __device__(int64_t n, Sums<1> & sum) {
         float v[3];
-        result.at(n, v);
+        if (folded)
+          for (int i = 0; i < 3; ++i) v[i] = preconditioned[3 * n + i];
+        else
+          result.at(n, v);
         for (int i = 0; i < 3; ++i) {
           preconditioned[3 * n + i] = v[i];
           sum.value[0] += double(residual[3 * n + i]) * double(v[i]);
         }
       },
       [=] __device__(const Sums<1>& sum) { of->turn(sum.value[0]); });
+}
+
+/// z = B r and p = z + beta p, which dependent nodes follow; z is 0 there, as r is.
+void DeviceNewton::Impl::find_direction() {
+  precondition();
+  const float* preconditioned = z.data();
+  float* direction = p.data();
+  const PcgScalars* of = pcg.data();
   cuda::for_each(count, [=] __device__(int64_t k) {
     const float beta = float(of->beta);
     direction[k] = beta == 0 ? preconditioned[k] : preconditioned[k] + beta * direction[k];
@@ -192,13 +220,16 @@ double DeviceNewton::Impl::begin(PotentialValue& value) {
 }
 
 void DeviceNewton::Impl::linearise(TangentKind kind, const PotentialValue& value) {
+  watch.looks() ? folds.find(quasi.u()) : folds.clear();
   potential.linearise(quasi.u(), kind, value.contact != 0);
   quasi.preconditioner().take_contact();
+  folds.assemble();
 }
 
 /// The PCG of core/pcg.hpp; the host waits once an iteration, for the residual.
-LinearResult DeviceNewton::Impl::solve(double unit, double eta, int most, const PcgScalars& scalars,
-                                       const Interrupted& interrupted) {
+LinearResult DeviceNewton::Impl::run_pcg(double unit, double eta, int most,
+                                         const PcgScalars& scalars,
+                                         const Interrupted& interrupted) {
   start_pcg(unit, scalars);
   signal.wait();
   const double start = std::sqrt(numbers[0].square);
@@ -269,7 +300,10 @@ DeviceNewton::~DeviceNewton() = default;
 
 IterationResult DeviceNewton::solve(double target, int max_outer, int max_inner,
                                     const Interrupted& interrupted) {
-  return newton_loop(*impl_, impl_->region, target, max_outer, max_inner, interrupted);
+  const IterationResult result =
+      newton_loop(*impl_, impl_->region, target, max_outer, max_inner, interrupted);
+  impl_->folds.clear();
+  return result;
 }
 
 /// g = -M/T^2 y by free nodes, so that the Newton step at it is S y.
@@ -290,7 +324,8 @@ void DeviceNewton::filter(double interval, double* y) {
   const StepScheme scheme(TimeScheme::kEuler, interval, 1);
   s.potential.set_scheme(scheme);
   s.quasi.preconditioner().update_inertia(scheme);
-  s.linearise(TangentKind::kProjected, s.potential.value());
+  s.potential.linearise(s.quasi.u(), TangentKind::kProjected, s.potential.value().contact != 0);
+  s.quasi.preconditioner().take_contact();
   s.set_inertial_gradient(y);
   s.measure(s.gradient);
   s.signal.wait();
@@ -298,7 +333,7 @@ void DeviceNewton::filter(double interval, double* y) {
   if (!(size > 0)) return;
   // scaled to 1, so that float holds it
   const double unit = size / std::sqrt(double(s.count));
-  s.solve(unit, kFilterTolerance, kFilterIterations, {}, [] { return false; });
+  s.run_pcg(unit, kFilterTolerance, kFilterIterations, {}, [] { return false; });
   s.take_step(y);
 }
 

@@ -30,7 +30,7 @@ class NewtonSolver {
   std::vector<float> right_, step_;
   PcgWork<float> pcg_;
   NewtonRegion region_;
-  bool is_slow_ = false;  // PCG has taken many iterations: folds are looked for
+  FoldWatch folds_;
 };
 
 }  // namespace elastogen

@@ -3,61 +3,12 @@
 
 #include "core/pcg.hpp"
 #include "network/precondition/preconditioner.hpp"
-#include "tests/network/scenes.hpp"
+#include "tests/network/precondition/folded_bar.hpp"
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 namespace elastogen::test {
 namespace {
-
-constexpr double kFoldEdge = 0.05;  // of voxels [m]
-
-/// A bar that is pinned at one end.
-Scene bar_to_fold() {
-  Scene scene = scene_on(make_box(16, 4, 4, kFoldEdge), solid(1e5, 0.4, Law::kNeoHookean));
-  pin_below(scene, 0, scene.grid.rest(0, 0) + 0.5 * kFoldEdge);
-  scene.materials[0].loss_factor = 0.1;
-  scene.dt = 1.0 / 60;
-  finish_scene(scene);
-  return scene;
-}
-
-/// Its second half turned up about a line in its upper face, within a voxel.
-std::vector<double> folded_up(const Scene& scene, double angle) {
-  const Array<double>& X = scene.grid.rest;
-  double lowest[3], highest[3];
-  for (int d = 0; d < 3; ++d) {
-    lowest[d] = highest[d] = X(0, d);
-    for (int64_t n = 0; n < X.rows(); ++n)
-      lowest[d] = std::min(lowest[d], X(n, d)), highest[d] = std::max(highest[d], X(n, d));
-  }
-  const double middle = (lowest[0] + highest[0]) / 2, top = highest[1];
-  std::vector<double> u(size_t(X.size()));
-  for (int64_t n = 0; n < X.rows(); ++n) {
-    const double share = std::clamp((X(n, 0) - middle) / kFoldEdge + 0.5, 0.0, 1.0),
-                 a = angle * share * share * (3 - 2 * share), x = X(n, 0) - middle,
-                 y = X(n, 1) - top;
-    u[size_t(3 * n)] = std::cos(a) * x - std::sin(a) * y - x;
-    u[size_t(3 * n + 1)] = std::sin(a) * x + std::cos(a) * y - y;
-  }
-  return u;
-}
-
-struct Folded {
-  explicit Folded(double angle)
-      : scene(bar_to_fold()), potential(scene), u(folded_up(scene, angle)) {
-    potential.begin_step(initial_state(scene), {TimeScheme::kEuler, scene.dt, 1});
-    potential.set_nodal_rotations(u.data());
-    potential.linearise(u.data(), TangentKind::kProjected);
-  }
-  int64_t size() const { return int64_t(u.size()); }
-
-  Scene scene;
-  IncrementalPotential potential;
-  std::vector<double> u;
-};
 
 TEST(VoxelStiffness, MakesTheHessianOfTheBody) {
   Folded of(2.2);
