@@ -23,6 +23,8 @@ from typing import Any
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tests" / "scenes"))
 from definitions import definitions_hash  # noqa: E402
+from drop_tables import TABLES as DROP_TABLES  # noqa: E402
+from drop_tables import drops_machine  # noqa: E402
 from equation_names import missing_names  # noqa: E402
 from fit_tables import fine_tuning, fits, generation  # noqa: E402
 from hold_tables import TABLES as HOLD_TABLES  # noqa: E402
@@ -261,12 +263,12 @@ TABLES: dict[str, Callable[[], str]] = {"accuracy": accuracy, "peers": peers,
                                     "fits": lambda: table(*fits()), "neural": neural,
                                     "generation": lambda: table(*generation()),
                                     "fine tuning": lambda: table(*fine_tuning()),
-                                    "held machine": measured_on} | {
+                                    "held machine": measured_on, "drops machine": drops_machine} | {
     f"study {name}": (lambda n=name: study(n)) for name in STUDIES} | {
     f"{title} {part.replace('-', ' ')}": (lambda f=file, p=part: bench(f, p))
     for title, file in (("bench", "benchmarks"), ("device", "device")) for part in BENCH_PARTS} | {
     name: (lambda lines=lines: table(*lines()))
-    for name, lines in (PAPER_TABLES | METAL_TABLES | PARTICLE_TABLES | HOLD_TABLES).items()}
+    for name, lines in (PAPER_TABLES | METAL_TABLES | PARTICLE_TABLES | HOLD_TABLES | DROP_TABLES).items()}
 
 
 def rendered(text: str, place: str) -> str:

@@ -18,9 +18,11 @@ class DeviceGraph {
   }
 
   /// Does what the launches of body() do. body must make the same launches on the same memory every
-  /// time and neither allocate nor wait. Its first run is direct, the second is recorded.
+  /// time and neither allocate nor wait. Its first run is direct, the second is recorded. While
+  /// another graph is recorded they become a part of that one.
   template <class Body>
   void run(const Body& body) {
+    if (is_recording()) return body();
     if (!warm_) {
       warm_ = true;
       return body();
@@ -28,8 +30,19 @@ class DeviceGraph {
     if (!graph_) record(body);
     check(cudaGraphLaunch(graph_, cudaStreamPerThread));
   }
+  /// The launches are others from now on: the next run is direct again.
+  void forget() {
+    if (graph_) check(cudaGraphExecDestroy(graph_));
+    graph_ = nullptr;
+    warm_ = false;
+  }
 
  private:
+  static bool is_recording() {
+    cudaStreamCaptureStatus status;
+    check(cudaStreamIsCapturing(cudaStreamPerThread, &status));
+    return status != cudaStreamCaptureStatusNone;
+  }
   template <class Body>
   void record(const Body& body) {
     const std::lock_guard lock(device_wide());

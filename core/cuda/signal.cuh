@@ -4,7 +4,7 @@
 
 #pragma once
 
-#include "core/cuda/pinned.cuh"
+#include "core/cuda/array.cuh"
 
 #include <atomic>
 
@@ -16,10 +16,12 @@ class Signal {
   struct Raise {
     unsigned* word;  ///< nullptr: nobody waits
     unsigned turn;
+    unsigned* count = nullptr;  ///< on the device: turns are counted there
     __device__ void operator()() const {
       if (word == nullptr) return;
+      const unsigned value = count == nullptr ? turn : ++*count;
       __threadfence_system();
-      *static_cast<volatile unsigned*>(word) = turn;
+      *static_cast<volatile unsigned*>(word) = value;
     }
   };
 
@@ -40,8 +42,22 @@ class Signal {
   }
 
  private:
+  friend class RepeatedSignal;
   PinnedArray<unsigned> word_{1};
   unsigned turn_ = 0;
+};
+
+/// A signal of kernels that are launched again and again as they are, as those of a graph.
+class RepeatedSignal {
+ public:
+  /// What the last of these kernels calls.
+  Signal::Raise raise() { return {signal_.word_.data(), 0, count_.data()}; }
+  void expect() { ++signal_.turn_; }  ///< before each launch
+  void wait() { signal_.wait(); }
+
+ private:
+  Signal signal_;
+  DeviceArray<unsigned> count_{1};
 };
 
 }  // namespace elastogen::cuda

@@ -79,10 +79,12 @@ class DevicePreconditioner {
     return {potential_.nodal_rotation(), z_.data(), potential_.pinned(), scale_};
   }
 
+  /// Whether cycles use what was added to the operators that they were built with.
+  bool has_added() const { return in_contact_ || other_inertia_; }
+
  private:
   void use_added();
   void add(const NodalStiffness& stiffness);
-  bool has_added() const { return in_contact_ || other_inertia_; }
 
   DevicePotential& potential_;
   DeviceMultigrid<float> multigrid_;

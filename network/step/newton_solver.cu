@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "core/cuda/graph.cuh"
 #include "core/cuda/held_nodes.cuh"
 #include "core/cuda/reduce.cuh"
 #include "core/cuda/signal.cuh"
 #include "core/time_error.hpp"
+#include "network/potential/incremental_potential.cuh"
 #include "network/precondition/fold_patch_device.hpp"
 #include "network/precondition/preconditioner.cuh"
 #include "network/step/newton_loop.hpp"
@@ -15,6 +17,14 @@ namespace elastogen::cuda {
 namespace {
 
 constexpr size_t kDoubles = 3, kFloats = 5;  // vectors
+
+/// What the launches of a PCG iteration depend on, beside the memory that they work on.
+struct PassKind {
+  bool is_stiff = false, has_added = false;  // contact, operators of the preconditioner
+  double rate = 0;                           // of damping
+  float scale = 0;                           // of the preconditioner
+  bool operator==(const PassKind&) const = default;
+};
 
 /// Numbers that kernels leave for the host.
 struct HostNumbers {
@@ -53,6 +63,8 @@ struct DeviceNewton::Impl {
   void precondition();
   void find_curvature();
   void advance();
+  void iterate();
+  PassKind pass_kind() const;
   void scale_step(double unit);
   void set_inertial_gradient(const double* y);
   void take_step(double* y);
@@ -83,7 +95,10 @@ struct DeviceNewton::Impl {
   DeviceArray<SumScratch<Sums<1>>> sums;
   DeviceArray<SumScratch<Sums<2>>> pair_sums;
   PinnedArray<HostNumbers> numbers;
-  Signal signal;  // of numbers
+  Signal signal;          // of numbers
+  RepeatedSignal passed;  // of those after a PCG iteration
+  DeviceGraph pass;       // a PCG iteration without folds
+  PassKind recorded;      // its kind
   NewtonRegion region;
   DeviceFoldPatch folds;
   FoldWatch watch;
@@ -195,7 +210,7 @@ void DeviceNewton::Impl::advance() {
   float *to_x = x.data(), *to_r = r.data();
   PcgScalars* of = pcg.data();
   HostNumbers* to = numbers.data();
-  const Signal::Raise raise = signal.next();
+  const Signal::Raise raise = passed.raise();
   ordered_sum(
       count, sums.data(),
       [=] __device__(int64_t k, Sums<1> & sum) {
@@ -209,6 +224,28 @@ void DeviceNewton::Impl::advance() {
         to->square = sum.value[0], to->pcg = *of;
         raise();
       });
+}
+
+PassKind DeviceNewton::Impl::pass_kind() const {
+  DeviceContact* contact = potential.contact();
+  const DevicePreconditioner& B = quasi.preconditioner();
+  return {contact && contact->is_stiff(), B.has_added(), potential.impl().rate, B.result().scale};
+}
+
+/// Starts an iteration of PCG: as one graph, whose launches folds would change.
+void DeviceNewton::Impl::iterate() {
+  const auto launch_all = [&] {
+    find_direction();
+    find_curvature();
+    advance();
+  };
+  passed.expect();
+  if (!folds.empty()) return launch_all();
+  if (const PassKind kind = pass_kind(); kind != recorded) {
+    pass.forget();
+    recorded = kind;
+  }
+  pass.run(launch_all);
 }
 
 double DeviceNewton::Impl::begin(PotentialValue& value) {
@@ -237,10 +274,8 @@ LinearResult DeviceNewton::Impl::run_pcg(double unit, double eta, int most,
   int iterations = 0;
   numbers[0].pcg = {};
   while (residual > eta && iterations < most && !numbers[0].pcg.ended && !interrupted()) {
-    find_direction();
-    find_curvature();
-    advance();
-    signal.wait();
+    iterate();
+    passed.wait();
     if (numbers[0].pcg.alpha == 0) break;
     residual = std::sqrt(numbers[0].square) / start;
     ++iterations;

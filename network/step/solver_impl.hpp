@@ -7,6 +7,7 @@
 #include "core/time_control.hpp"
 #include "network/solver.hpp"
 #include "network/step/cheaper_of.hpp"
+#include "network/step/pass_budget.hpp"
 #include "network/step/step_work.hpp"
 
 #include <atomic>
@@ -30,6 +31,9 @@ struct Solver::Impl {
   IterationResult iterate_and_learn(double target, int64_t step);
   IterationResult choose(double target, int64_t step);
   double cost(const IterationResult& r) const;
+  /// Polled once an iteration: a caller has ended the run, or the budget of the stage is spent.
+  bool polled() { return options.interrupted() || budget.spend(); }
+  bool stopped() const { return options.interrupted() || budget.spent(); }
 
   // the parts of a step
   void begin(const State& state);
@@ -67,6 +71,7 @@ struct Solver::Impl {
   int64_t last_step[4];      // that it took
   StepScheme scheme;
   TimeControl control;
+  PassBudget budget;     // of the present stage
   double h_before = 0;   // of the step before [s]
   double tolerance = 0;  // of the present step
   bool between_intervals = true;

@@ -20,12 +20,12 @@ bool Solver::Impl::is_stiff() const {
 }
 
 IterationResult Solver::Impl::quasi(double target, double precise_below) {
-  return work->quasi(target, options.max_outer, precise_below, options.interrupted);
+  return work->quasi(target, options.max_outer, precise_below, [&] { return polled(); });
 }
 
 IterationResult Solver::Impl::newton(double target) {
   return work->newton(target, std::max(1, options.max_outer), options.max_inner,
-                      options.interrupted);
+                      [&] { return polled(); });
 }
 
 /// By the present mode. Quasi is in float while that can reach the target, and where it then did
@@ -50,7 +50,7 @@ double Solver::Impl::cost(const IterationResult& r) const {
 /// Iterates and remembers what the kind of start of this step cost.
 IterationResult Solver::Impl::iterate_and_learn(double target, int64_t step) {
   const IterationResult result = iterate(target);
-  if (extrapolates && (result.converged || !options.interrupted()))
+  if (extrapolates && (result.converged || !stopped()))
     starts[size_t(mode)].take(start_kind, step, cost(result));
   return result;
 }
@@ -72,7 +72,8 @@ IterationResult Solver::Impl::choose(double target, int64_t step) {
   const bool stale = step - last_step[int(other)] >= (lost ? kLateRetry : kRetry);
   const bool dear = last_cost[int(mode)] > kCheap || mode == SolverMode::kNewton;
   const bool better = last_cost[int(other)] < last_cost[int(mode)];
-  if (!result.converged && !options.interrupted()) {
+  if (!result.converged) {
+    if (stopped()) return result;
     mode = other;
     result = sum(result, iterate(target));
   } else if (dear && !result.bounded && (stale || better)) {

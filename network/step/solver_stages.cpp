@@ -60,7 +60,7 @@ bool Solver::Impl::solve_with_friction(StepReport& report) {
     tolerance = wanted;
     if (rubs) certify(report);
     report.converged = report.residual <= wanted;
-    if (report.converged || !(rubs || rough) || pass == kMostFriction) break;
+    if (report.converged || !(rubs || rough) || pass == kMostFriction || budget.spent()) break;
     tolerance = std::max(wanted, report.residual / kRough);
     rough = tolerance > wanted;
   }
@@ -69,7 +69,7 @@ bool Solver::Impl::solve_with_friction(StepReport& report) {
 }
 
 /// Solves a stage and adds it to the report of the step, which keeps the worst of all stages.
-/// False where it was interrupted or refused, or not begun because an impact is to come.
+/// False where it was interrupted, refused or given up, or not begun because an impact is to come.
 bool Solver::Impl::make_stage(const TimeStage& stage, StepReport& report) {
   StepReport own;
   own.step = report.step;
@@ -80,7 +80,10 @@ bool Solver::Impl::make_stage(const TimeStage& stage, StepReport& report) {
                    control.level() < TimeControl::kImpactLevel && work->meets_collider();
   if (meets_collider) return false;
   ++report.solves;
+  // shorter steps are another way out, but for the shortest
+  budget.begin(scene.scheme == TimeScheme::kAuto && control.level() < TimeControl::kMostLevel);
   solved = solved && solve_with_friction(own);
+  if (own.converged) budget.learn(own.inner);
   // counts add up, of the certificates the worst
   report.outer += own.outer;
   report.inner += own.inner;
@@ -97,7 +100,7 @@ bool Solver::Impl::make_stage(const TimeStage& stage, StepReport& report) {
   report.reactions = std::move(own.reactions);
   if (!own.refusal.empty()) report.refusal = own.refusal;
   report.interrupted = own.interrupted;
-  return solved && own.finite;
+  return solved && own.finite && (own.converged || !budget.spent());
 }
 
 /// All stages of a step of length h.
@@ -169,7 +172,7 @@ StepReport Solver::Impl::advance_stages() {
         control.expect_impact();
         continue;
       }
-      // shorter steps may be finite
+      // shorter steps may be finite, or converge
       const bool may_retry = !report.interrupted && is_auto && level < TimeControl::kMostLevel;
       if (!may_retry) return report;
       control.accepts(kAlways);

@@ -10,11 +10,11 @@
 namespace elastogen::test {
 namespace {
 
-constexpr double kEdge = 0.1;  // voxels of all scenes here [m]
+constexpr double kDampedEdge = 0.1;  // voxels of all scenes here [m]
 
 /// A ragged block of a damped and an undamped material.
 Scene damped_block(Hourglass hourglass, double loss = 0.3) {
-  Scene scene = scene_on(ragged_grid(9, 7, 6, kEdge, 11), solid(1e5, 0.3));
+  Scene scene = scene_on(ragged_grid(9, 7, 6, kDampedEdge, 11), solid(1e5, 0.3));
   scene.materials[0].loss_factor = loss;
   scene.materials[0].loss_frequency = 4;
   scene.materials.push_back(solid(3e4, 0.45, Law::kNeoHookean, 700));
@@ -65,9 +65,10 @@ Viscous viscous_part(const Scene& scene, const State& start, const std::vector<d
 TEST(Damping, GradientIsTheDerivativeOfTheValue) {
   for (const Hourglass hourglass : {Hourglass::kFull, Hourglass::kVariance, Hourglass::kOff}) {
     const Scene scene = damped_block(hourglass);
-    const State start = turned_state(scene, 0.1 * kEdge, 0.7, 21);
-    const std::vector<double> u = displacement(scene, turned_state(scene, 0.1 * kEdge, 1, 22));
-    const std::vector<double> p = random_field(scene, kEdge, 23);
+    const State start = turned_state(scene, 0.1 * kDampedEdge, 0.7, 21);
+    const std::vector<double> u =
+        displacement(scene, turned_state(scene, 0.1 * kDampedEdge, 1, 22));
+    const std::vector<double> p = random_field(scene, kDampedEdge, 23);
     const Viscous at = viscous_part(scene, start, u);
     ASSERT_GT(at.value.viscous, 0);
     std::vector<double> high = u, low = u;
@@ -102,8 +103,8 @@ void expect_derivative(const Scene& scene, const State& start, const std::vector
 TEST(Damping, HessianIsTheDerivativeOfTheGradient) {
   // without the part within a voxel, whose Hessian is that of small strain
   const Scene scene = damped_block(Hourglass::kOff);
-  expect_derivative(scene, turned_state(scene, 0.02 * kEdge, 0.7, 21),
-                    displacement(scene, turned_state(scene, 0.05 * kEdge, 0.8, 22)),
+  expect_derivative(scene, turned_state(scene, 0.02 * kDampedEdge, 0.7, 21),
+                    displacement(scene, turned_state(scene, 0.05 * kDampedEdge, 0.8, 22)),
                     TangentKind::kTrue);
 }
 
@@ -116,11 +117,12 @@ TEST(Damping, HessianWithinAVoxelIsThatOfSmallStrain) {
 TEST(Damping, DoesNotFeelThatABodyTurns) {
   for (const Hourglass hourglass : {Hourglass::kFull, Hourglass::kOff}) {
     const Scene scene = damped_block(hourglass);
-    const State start = turned_state(scene, 0.1 * kEdge, 0, 21);
-    const std::vector<double> u = displacement(scene, turned_state(scene, 0.1 * kEdge, 1.2, 21));
+    const State start = turned_state(scene, 0.1 * kDampedEdge, 0, 21);
+    const std::vector<double> u =
+        displacement(scene, turned_state(scene, 0.1 * kDampedEdge, 1.2, 21));
     const Viscous same = viscous_part(scene, start, u);
-    const Viscous other =
-        viscous_part(scene, start, displacement(scene, turned_state(scene, 0.1 * kEdge, 0, 5)));
+    const Viscous other = viscous_part(
+        scene, start, displacement(scene, turned_state(scene, 0.1 * kDampedEdge, 0, 5)));
     EXPECT_LT(same.value.viscous, 1e-25 * other.value.viscous);
     EXPECT_LT(norm(same.gradient), 1e-12 * norm(other.gradient));
   }
@@ -128,8 +130,8 @@ TEST(Damping, DoesNotFeelThatABodyTurns) {
 
 TEST(Damping, HasNeitherForceNorTorqueOnTheBody) {
   const Scene scene = damped_block(Hourglass::kFull);
-  const State start = turned_state(scene, 0.1 * kEdge, 0, 21);
-  const State end = turned_state(scene, 0.1 * kEdge, 0.4, 22);
+  const State start = turned_state(scene, 0.1 * kDampedEdge, 0, 21);
+  const State end = turned_state(scene, 0.1 * kDampedEdge, 0.4, 22);
   const Viscous at = viscous_part(scene, start, displacement(scene, end));
   double force[3] = {}, torque[3] = {}, sum = 0;
   for (int64_t n = 0; n < end.x.rows(); ++n) {
@@ -143,12 +145,12 @@ TEST(Damping, HasNeitherForceNorTorqueOnTheBody) {
   }
   EXPECT_GT(sum, 0);
   EXPECT_LT(std::hypot(force[0], force[1], force[2]), 1e-10 * sum);
-  EXPECT_LT(std::hypot(torque[0], torque[1], torque[2]), 1e-10 * sum * 9 * kEdge);
+  EXPECT_LT(std::hypot(torque[0], torque[1], torque[2]), 1e-10 * sum * 9 * kDampedEdge);
 }
 
 TEST(Damping, OfAHomogeneousStretchIsThatOfTheFormula) {
   // (1 + s) along x in one Euler step: E' = (s + s^2/2) / dt
-  Scene scene = scene_on(make_box(3, 3, 3, kEdge), solid(1e5, 0.3));
+  Scene scene = scene_on(make_box(3, 3, 3, kDampedEdge), solid(1e5, 0.3));
   scene.materials[0].loss_factor = 0.2;
   scene.materials[0].loss_frequency = 5;
   finish_scene(scene);
@@ -159,7 +161,7 @@ TEST(Damping, OfAHomogeneousStretchIsThatOfTheFormula) {
   const double strain = s + s * s / 2, tau = 0.2 / (2 * std::numbers::pi * 5);
   const Material& m = scene.materials[0];
   const double expected =
-      27 * std::pow(kEdge, 3) * tau / scene.dt * (m.mu() + m.lambda() / 2) * strain * strain;
+      27 * std::pow(kDampedEdge, 3) * tau / scene.dt * (m.mu() + m.lambda() / 2) * strain * strain;
   EXPECT_NEAR(viscous_part(scene, start, u).value.viscous, expected, 1e-12 * expected);
 }
 

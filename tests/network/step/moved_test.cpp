@@ -11,7 +11,7 @@
 namespace elastogen::test {
 namespace {
 
-constexpr double kEdge = 0.05, kYoung = 1e8;
+constexpr double kMovedEdge = 0.05, kYoung = 1e8;
 constexpr double kForce = 0.041313 * kYoung, kTorque = 8.885e-5 * kYoung;
 
 const std::vector<Border> kEnds = {half_space_border(true, 0.01), half_space_border(false, 0.99)};
@@ -32,8 +32,8 @@ Holder turn(double angle, double time) {
 /// The bar without weight, its left end at rest, the other one held by `holder`; its border at the left
 /// is an offset [voxels] behind a layer of nodes, and with 0.4 that at the right is in one.
 Scene moved_bar(double offset, const Holder& holder, double dt = 100) {
-  Scene scene = held_scene(box_surface({0, 0, 0}, {1, 0.2, 0.2}), kEnds, kEdge,
-                           {0.01 - offset * kEdge, 0.02, 0.02}, dt);
+  Scene scene = held_scene(box_surface({0, 0, 0}, {1, 0.2, 0.2}), kEnds, kMovedEdge,
+                           {0.01 - offset * kMovedEdge, 0.02, 0.02}, dt);
   scene.gravity = {};
   scene.holders = {Holder{}, holder};
   scene.holder = Array<int32_t>(scene.grid.node_count());
