@@ -1,34 +1,47 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "network/precondition/fold_nodes.hpp"
 
+#include "core/parallel.hpp"
+
 #include <algorithm>
+#include <span>
 
 namespace elastogen {
 namespace {
 
 constexpr double kLowest = 0.05;  // of the eigenvalues that are damped, over the largest
 
-void sort_unique(std::vector<int32_t>& numbers) {
-  std::ranges::sort(numbers);
-  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
-}
+using Marks = std::vector<uint8_t>;
 
-std::vector<int32_t> corners_of(const VoxelGrid& grid, const std::vector<int32_t>& voxels) {
-  std::vector<int32_t> nodes;
+void mark_corners(const VoxelGrid& grid, const std::vector<int32_t>& voxels, Marks& nodes) {
   for (const int32_t v : voxels)
-    nodes.insert(nodes.end(), grid.corners.row(v), grid.corners.row(v) + 8);
-  sort_unique(nodes);
-  return nodes;
+    for (int c = 0; c < 8; ++c) nodes[size_t(grid.corners(v, c))] = 1;
 }
 
-std::vector<int32_t> voxels_at(const VoxelGrid& grid, const std::vector<int32_t>& nodes) {
-  std::vector<int32_t> voxels;
+void mark_voxels(const VoxelGrid& grid, const std::vector<int32_t>& nodes, Marks& voxels) {
   for (const int32_t n : nodes)
-    std::copy_if(grid.voxels.row(n), grid.voxels.row(n) + 8, std::back_inserter(voxels),
-                 [](int32_t v) { return v >= 0; });
-  sort_unique(voxels);
-  return voxels;
+    for (int c = 0; c < 8; ++c)
+      if (const int32_t v = grid.voxels(n, c); v >= 0) voxels[size_t(v)] = 1;
 }
+
+std::vector<int32_t> marked(const Marks& marks) {
+  return filtered(int64_t(marks.size()), [&](int64_t k) { return marks[size_t(k)] != 0; });
+}
+
+/// Places of the nodes that share a voxel with a node, ascending.
+struct Places {
+  Places(const VoxelGrid& grid, const std::vector<int32_t>& place, int64_t node) {
+    for (int c = 0; c < 8; ++c) {
+      const int32_t voxel = grid.voxels(node, c);
+      for (int b = 0; voxel >= 0 && b < 8; ++b)
+        if (const int32_t at = place[size_t(grid.corners(voxel, b))]; at >= 0) of[count++] = at;
+    }
+    std::sort(of, of + count);
+    count = int(std::unique(of, of + count) - of);
+  }
+  int32_t of[64];
+  int count = 0;
+};
 
 }  // namespace
 
@@ -46,17 +59,28 @@ bool FoldNodes::is_plain(int64_t node) const {
 }
 
 void FoldNodes::find_nodes(const std::vector<int32_t>& apart) {
-  // nodes of these voxels, and of those beside them
+  // voxels beside these, and their nodes
   const VoxelGrid& grid = scene_.grid;
-  nodes = apart.empty() ? std::vector<int32_t>()
-                        : corners_of(grid, voxels_at(grid, corners_of(grid, apart)));
-  std::erase_if(nodes, [&](int32_t n) { return !is_plain(n); });
-  voxels = voxels_at(grid, nodes);
+  Marks near_nodes(size_t(grid.node_count())), near(size_t(grid.voxel_count()));
+  mark_corners(grid, apart, near_nodes);
+  mark_voxels(grid, marked(near_nodes), near);
+  mark_corners(grid, marked(near), near_nodes);
+  nodes =
+      filtered(grid.node_count(), [&](int64_t n) { return near_nodes[size_t(n)] && is_plain(n); });
+  mark_voxels(grid, nodes, near);
+  // without those whose nodes were all left out
+  voxels = filtered(grid.voxel_count(), [&](int64_t v) {
+    return near[size_t(v)] &&
+           std::ranges::any_of(std::span(grid.corners.row(v), 8),
+                               [&](int32_t n) { return near_nodes[size_t(n)] && is_plain(n); });
+  });
   // what H reaches from there
-  place.assign(size_t(grid.node_count()), -1);
+  Marks beside(near_nodes.size());
+  mark_corners(grid, voxels, beside);
+  place.assign(near_nodes.size(), -1);
   reached = nodes;
   for (size_t k = 0; k < nodes.size(); ++k) place[size_t(nodes[k])] = int32_t(k);
-  for (const int32_t n : corners_of(grid, voxels))
+  for (const int32_t n : marked(beside))
     if (place[size_t(n)] < 0 && scene_.pinned(n) == kFreeNode) {
       place[size_t(n)] = int32_t(reached.size());
       reached.push_back(n);
@@ -64,22 +88,16 @@ void FoldNodes::find_nodes(const std::vector<int32_t>& apart) {
 }
 
 void FoldNodes::find_columns() {
-  begin.assign(1, 0);
-  columns.clear();
-  std::vector<int32_t> places;
-  for (const int32_t n : nodes) {
-    places.clear();
-    for (int c = 0; c < 8; ++c) {
-      const int32_t voxel = scene_.grid.voxels(n, c);
-      for (int b = 0; voxel >= 0 && b < 8; ++b) {
-        const int32_t column = place[size_t(scene_.grid.corners(voxel, b))];
-        if (column >= 0) places.push_back(column);
-      }
-    }
-    sort_unique(places);
-    columns.insert(columns.end(), places.begin(), places.end());
-    begin.push_back(int32_t(columns.size()));
-  }
+  begin.assign(nodes.size() + 1, 0);
+  for_each(count(), [&](int64_t k) {
+    begin[size_t(k) + 1] = Places(scene_.grid, place, nodes[size_t(k)]).count;
+  });
+  for (size_t k = 1; k < begin.size(); ++k) begin[k] += begin[k - 1];
+  columns.resize(size_t(begin.back()));
+  for_each(count(), [&](int64_t k) {
+    const Places places(scene_.grid, place, nodes[size_t(k)]);
+    std::copy_n(places.of, places.count, columns.begin() + begin[size_t(k)]);
+  });
 }
 
 void FoldNodes::find_transposed() {
@@ -91,6 +109,10 @@ void FoldNodes::find_transposed() {
   for (int32_t row = 0; row < int32_t(count()); ++row)
     for (int32_t e = begin[size_t(row)]; e < begin[size_t(row) + 1]; ++e)
       transposed[size_t(next[size_t(columns[size_t(e)])]++)] = {row, e};
+}
+
+bool FoldNodes::cover(const std::vector<int32_t>& apart) const {
+  return !empty() && std::ranges::includes(voxels, apart);
 }
 
 void FoldNodes::find(const std::vector<int32_t>& apart) {

@@ -23,6 +23,8 @@ class FoldNodes {
   /// Finds all of below. Repeats to the bit.
   /// @param apart  voxels whose frames lie far from those of their nodes, ascending.
   void find(const std::vector<int32_t>& apart);
+  /// Whether a patch that was found for others has all of these voxels.
+  bool cover(const std::vector<int32_t>& apart) const;
   void clear() { nodes.clear(); }
   bool empty() const { return nodes.empty(); }
   int64_t count() const { return int64_t(nodes.size()); }

@@ -171,13 +171,15 @@ int64_t DeviceFoldPatch::count() const {
 
 void DeviceFoldPatch::find(const double* u) {
   Impl& s = *impl_;
-  s.found.clear();
   if (s.is_without_memory) return;
   try {
-    s.found.find(s.stiffness.apart(u, kFoldCosine));
+    // lists are kept while they have all voxels: the host takes longer for them than the card for H
+    const std::vector<int32_t> apart = s.stiffness.apart(u, kFoldCosine);
+    const bool again = !s.found.cover(apart);
+    if (again) s.found.find(apart);
     if (empty()) return;
     s.stiffness.update(u, s.found.voxels);
-    s.upload();
+    if (again) s.upload();
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::kResources) throw;
     s.is_without_memory = true;
