@@ -294,8 +294,8 @@ Keys limit_keys() {
        {"none"}},
       // what a warning is
       {"limits", "strict", T::kFlag, "false", "--strict", "true: warnings are errors"},
-      {"limits", "strict_time", T::kFlag, "false", "--strict-time",
-       "true: frames above the time error are drafts"},
+      {"limits", "strict_time", T::kFlag, "true", "--strict-time",
+       "true: a run with frames above the time error ends as a draft"},
   };
 }
 
