@@ -9,8 +9,8 @@
 //     estimate, accepted   sums over the steps of the frame: what the run says, and what it allows
 //     error                of the positions at the end of the frame
 //     shown                the same behind the filter S of core/time_error.hpp, which the estimate has too
-//     kick                 the rigid part of that of the velocities of free pieces, times the frame: what the
-//                          estimate of a contact impulse is of
+//     kick                 the rigid part of that of the velocities of free pieces, times the frame, where a
+//                          collider struck one by more than the speed of a bounce that the estimate counts; else 0
 //     touches              a collider acted on the body
 //
 // The bonds of friction are no part of a state. Where the frame before touched a collider, both ways start
@@ -19,6 +19,7 @@
 #include "cli/options.hpp"
 #include "core/error.hpp"
 #include "core/pcg.hpp"
+#include "core/time_error.hpp"
 #include "network/potential/incremental_potential.hpp"
 #include "network/step/piece_sums.hpp"
 #include "scene/asset_stages.hpp"
@@ -156,7 +157,7 @@ double largest_rigid_rms(const Pieces& pieces, const Scene& scene, const Array<d
 nlohmann::ordered_json make_frame(Run& run) {
   double estimate = 0, accepted = 0, ratio = 0;
   int64_t steps = 0, solves = 0, rejected = 0;
-  bool touches = false;
+  Vec3 impulse = {};
   for (int part = 0; part < run.setup.substeps; ++steps) {
     const StepReport r = run.stepper->advance();
     ELASTOGEN_CHECK(r.finite && !r.interrupted, "step ", r.step, " has no result");
@@ -165,11 +166,16 @@ nlohmann::ordered_json make_frame(Run& run) {
     estimate += r.time_error;
     if (r.time_ratio > 0) accepted += r.time_error / r.time_ratio;
     ratio = std::max(ratio, r.time_ratio);
-    touches |= safe_norm(r.ledger.done.contact.linear) > 0;
+    impulse = plus(impulse, r.ledger.done.contact.linear);
   }
-  return {{"steps", steps},       {"solves", solves},     {"rejected", rejected},
-          {"estimate", estimate}, {"accepted", accepted}, {"ratio", ratio},
-          {"touches", touches}};
+  return {{"steps", steps},
+          {"solves", solves},
+          {"rejected", rejected},
+          {"estimate", estimate},
+          {"accepted", accepted},
+          {"ratio", ratio},
+          {"touches", safe_norm(impulse) > 0},
+          {"impulse", impulse}};
 }
 
 /// Each frame of a run, and the same again.
@@ -205,6 +211,18 @@ class Comparison {
   }
 
  private:
+  /// Whether the impulse of a frame beyond the weight is that of a bounce that counts, for some piece.
+  bool was_struck(const Vec3& impulse) const {
+    double mass = 0;
+    for (size_t p = 0; p < pieces_.count(); ++p) mass += pieces_.mass(p);
+    const double beyond = safe_norm(plus(impulse, scaled(scene_.gravity, mass * interval_)));
+    for (size_t p = 0; p < pieces_.count(); ++p)
+      if (beyond > 0 && bounce_counts(beyond / pieces_.mass(p), safe_norm(scene_.gravity),
+                                      interval_, pieces_.size(p)))
+        return safe_norm(impulse) > 0;
+    return false;
+  }
+
   /// The difference to the fine steps, as it is and as a frame shows it.
   void add_errors(const State& end, nlohmann::ordered_json& line) {
     const State& exact = fine_.stepper->state();
@@ -216,7 +234,8 @@ class Comparison {
     line["error"] = largest_rms(pieces_, scene_, error);
     filter_.apply(end, error);
     line["shown"] = largest_rms(pieces_, scene_, error);
-    line["kick"] = interval_ * largest_rigid_rms(pieces_, scene_, end.x, of_velocity);
+    const bool struck = was_struck(line["impulse"]);
+    line["kick"] = struck ? interval_ * largest_rigid_rms(pieces_, scene_, end.x, of_velocity) : 0;
   }
 
   Run run_, again_, fine_;

@@ -176,7 +176,8 @@ def main() -> int:
         print(name, short, {key: kept[name]["local"][key] for key in ("smooth", "rough")}, flush=True)
         if given.json:
             scenes = {scene: kept[scene] for scene in SCENES if scene in kept}
-            given.json.write_text(json.dumps({"header": header(), "steps": given.steps, "frame_steps": given.frame_steps, "scenes": scenes}) + "\n")
+            result = {"header": header(), "steps": given.steps, "frame_steps": given.frame_steps, "scenes": scenes}
+            given.json.write_text(json.dumps(result) + "\n")
     return 0
 
 
