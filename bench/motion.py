@@ -84,12 +84,14 @@ LEAST = 0.1  # of what is accepted: frames of smaller errors have no ratio
 
 
 def play(command: str, source: list[str], folder: Path, *more: str) -> tuple[list[Floats], dict[str, Any]]:
-    """Vertices of each frame, and the report."""
+    """Vertices of each frame [m], and the report. The file has the numbers of the asset."""
     folder.mkdir()
     subprocess.run([command, "animate", *source, *more, "--quiet", "--mesh-error", "off", "-o", folder / "x.ply",
                     "--report", folder / "report"], check=False, stdout=subprocess.DEVNULL)
+    report = json.loads((folder / "report").read_text())
     frames = [vertices(path) for path in sorted(folder.glob("x_*.ply"))]
-    return frames, json.loads((folder / "report").read_text())
+    scale = report["asset"]["size"]["longest_edge"] / np.ptp(frames[0], axis=0).max()
+    return [scale * frame for frame in frames], report
 
 
 def distances(run: list[Floats], other: list[Floats]) -> list[float]:

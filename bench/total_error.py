@@ -67,7 +67,7 @@ SCENES = {
     "bar swings": Scene(("--young", "1e5", "--pin", "x<1mm", "--frames", "24", *SOFT), (40, 20), (10, 40 / 3), (32, 16),
                         (40, 8, 8)),
     "ball bounces": Scene(("--shape", "sphere(0,0,0, 0.1)", "--young", "0.5MPa", "--floor", "y=-0.4", "--velocity",
-                           "0,-3,0", "--frames", "16", *SOFT), (50, 25), (12.5, 50 / 3), (32, 16), elements=1),
+                           "0,-3,0", "--frames", "16", *SOFT), (50, 25), (12.5, 50 / 3), (64, 32), elements=1),
 }
 
 
