@@ -34,7 +34,6 @@
 namespace elastogen::bench {
 namespace {
 
-constexpr double kFilterResidual = 1e-2;  // in float, of stiff bodies too
 constexpr int kMostIterations = 10000;
 
 /// A run with its scene.
@@ -75,7 +74,7 @@ class Filter {
     for (int64_t k = 0; k < size; ++k) right[size_t(k)] = float(weight(k) * y.data()[k] / most);
     PcgWork<float> work(size);
     const PcgResult end = pcg(
-        right.data(), found.data(), size, kFilterResidual, kMostIterations, work,
+        right.data(), found.data(), size, kFilterTolerance, kMostIterations, work,
         [&](const float* p, float* Ap) { potential_.hessian_product(p, Ap); },
         [&](const float* r, float* z) {
           for (int64_t k = 0; k < size; ++k) z[k] = weight(k) > 0 ? r[k] / float(weight(k)) : 0;
