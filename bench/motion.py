@@ -2,12 +2,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """How right the motion is at defaults: the command against itself at 64 steps of SDIRK2 a frame.
 
-    bench/motion.py COMMAND [--assets FOLDER] [--scenes NAME ...] [--steps 64] [--json FILE]
+    bench/motion.py COMMAND [--assets FOLDER] [--scenes NAME ...] [--steps 64] [--frame-steps 32] [--json FILE]
+                    [--frames-only]
 
-For each scene: rms error of the vertices over their motion from the start, at the end of the run and
-the largest of all frames; the largest time error that the run says, in all, over the true one; solves a frame;
-the rise of the energy over the largest kinetic one. Scenes with assets are left out where the folder
-lacks them."""
+COMMAND lies beside bench_local_error. For each scene: rms error of the vertices over their largest motion, at
+the end of the run and the largest of all frames; each frame made again from its start in 32 steps, and what the
+run said of it over what came out; solves a frame; frames that missed their time error; the rise of the energy
+over the largest kinetic one. Scenes with assets are left out where the folder lacks them; --frames-only keeps
+the rest of FILE. docs/how_right.md has the tables."""
 
 from __future__ import annotations
 
@@ -78,52 +80,106 @@ def vertices(path: Path) -> Floats:
     return np.stack([table[axis] for axis in "xyz"], 1).astype(np.float64)
 
 
-def play(command: str, source: list[str], folder: Path, *more: str) -> tuple[list[Floats], list[dict[str, Any]]]:
-    """Vertices of each frame, and the log."""
+LEAST = 0.1  # of what is accepted: frames of smaller errors have no ratio
+
+
+def play(command: str, source: list[str], folder: Path, *more: str) -> tuple[list[Floats], dict[str, Any]]:
+    """Vertices of each frame [m], and the report. The file has the numbers of the asset."""
     folder.mkdir()
-    subprocess.run([command, "animate", *source, *more, "--quiet", "-o", folder / "x.ply",
-                    "--log-json", folder / "log"], check=False, stdout=subprocess.DEVNULL)
+    subprocess.run([command, "animate", *source, *more, "--quiet", "--mesh-error", "off", "-o", folder / "x.ply",
+                    "--report", folder / "report"], check=False, stdout=subprocess.DEVNULL)
+    report = json.loads((folder / "report").read_text())
     frames = [vertices(path) for path in sorted(folder.glob("x_*.ply"))]
-    return frames, [json.loads(line) for line in (folder / "log").read_text().splitlines()]
+    scale = report["asset"]["size"]["longest_edge"] / np.ptp(frames[0], axis=0).max()
+    return [scale * frame for frame in frames], report
 
 
-def measure(command: str, source: list[str], folder: Path, steps: int) -> dict[str, float]:
+def distances(run: list[Floats], other: list[Floats]) -> list[float]:
+    """rms over the vertices, of each frame [m]."""
+    return [float(np.sqrt(((a - b) ** 2).sum(1).mean())) for a, b in zip(run, other)]
+
+
+def percentile(values: list[float], share: float) -> float | None:
+    return float(np.quantile(values, share)) if values else None
+
+
+def local_ratios(command: str, source: list[str], folder: Path, steps: int) -> dict[str, Any]:
+    """Of each frame made again from its start: what the run says of its error over what that is. Frames
+    are smooth where no collider touches the body in them or in the one before; else the error of the rigid
+    motion after the contact counts too, for a frame."""
+    program = Path(command).resolve().parent / "bench_local_error"
+    done = subprocess.run([program, str(steps), "animate", *source, "--quiet", "-o", folder / "none.ply"], check=True,
+                          capture_output=True, text=True)
+    frames = [json.loads(line) for line in done.stdout.splitlines()]
+    result: dict[str, Any] = {"frames": frames}
+    touched = [frame["touches"] for frame in frames]
+    rough = [here or before for here, before in zip(touched, [False, *touched])]
+    for name, kind in (("smooth", False), ("rough", True)):
+        pairs = [(frame["estimate"], frame["shown"] + kind * frame["kick"], frame["accepted"])
+                 for frame, is_rough in zip(frames, rough) if is_rough == kind]
+        said = [estimate / error for estimate, error, accepted in pairs if max(estimate, error) > LEAST * accepted]
+        result[name] = {"count": len(said), "median": percentile(said, 0.5), "tenth": percentile(said, 0.1),
+                        "ninetieth": percentile(said, 0.9)}
+    return result
+
+
+def measure(command: str, source: list[str], folder: Path, steps: int, of_frame: int) -> dict[str, Any]:
     """The numbers of one scene."""
-    run, log = play(command, source, folder / "auto")
-    fine, _ = play(command, source, folder / "fine", "--time-scheme", "sdirk2", "--substeps", str(steps))
-    rms = [float(np.sqrt(((a - b) ** 2).sum(1).mean())) for a, b in zip(run, fine)]
-    motion = max(float(np.sqrt(((b - fine[0]) ** 2).sum(1).mean())) for b in fine)
-    energies = [sum(step["energies"].values()) for step in log]
-    rise = max(now - min(energies[:k + 1]) for k, now in enumerate(energies))
-    kinetic = max(step["energies"]["kinetic"] for step in log)
-    return {"error_at_the_end_percent": 100 * rms[-1] / motion, "largest_error_percent": 100 * max(rms) / motion,
-            "said_over_true": sum(step["time_error"] for step in log) / max(max(rms), 1e-300),
-            "solves_a_frame": sum(step["solves"] for step in log) / (len(run) - 1),
-            "rejected": sum(step["rejected"] for step in log),
-            "energy_rise_percent": 100 * rise / kinetic, "min_j": min(step["min_j"] for step in log)}
+    run, report = play(command, source, folder / "auto")
+    fine, of_fine = play(command, source, folder / "fine", "--time-scheme", "sdirk2", "--substeps", str(steps))
+    errors, motion = distances(run, fine), max(distances(fine, [fine[0]] * len(fine)))
+    energy, fine_energy = report["ledger"]["energy"], of_fine["ledger"]["energy"]
+    return {"frames": len(run) - 1, "voxels": report["voxels"], "motion": motion,
+            "error_at_the_end": errors[-1] / motion, "largest_error": max(errors) / motion,
+            "said": report["time_error"]["sum"], "said_over_true": report["time_error"]["sum"] / max(errors),
+            "frames_over": report["time_error"]["frames_over"],
+            "solves_a_frame": report["time_error"]["solves"] / (len(run) - 1),
+            "rejected": report["time_error"]["rejected"],
+            "energy_rise": energy["largest_rise"] / energy["largest_kinetic"],
+            "fine_energy_rise": fine_energy["largest_rise"] / fine_energy["largest_kinetic"],
+            "min_j": report["min_j"], "converged_share": report["converged_share"],
+            "local": local_ratios(command, source, folder, of_frame)}
+
+
+def header() -> dict[str, Any]:
+    """Where and when it was measured."""
+    def said(*words: str) -> str:
+        return subprocess.run(words, capture_output=True, text=True, check=False).stdout.strip()
+    cpu = next((line.partition(":")[2].strip() for line in Path("/proc/cpuinfo").read_text().splitlines()
+                if line.startswith("model name")), "")
+    return {"commit": said("git", "rev-parse", "--short=12", "HEAD"), "date": said("date", "+%Y-%m-%d"), "cpu": cpu}
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("command")
     parser.add_argument("--assets", type=Path)
-    parser.add_argument("--scenes", nargs="*", default=list(SCENES))
+    parser.add_argument("--scenes", nargs="*", choices=SCENES, default=list(SCENES))
     parser.add_argument("--steps", type=int, default=64)
+    parser.add_argument("--frame-steps", type=int, default=32)
     parser.add_argument("--json", type=Path)
-    arguments = parser.parse_args()
-    results = {}
-    for name in arguments.scenes:
+    parser.add_argument("--frames-only", action="store_true")
+    given = parser.parse_args()
+    kept = json.loads(given.json.read_text())["scenes"] if given.json and given.json.exists() else {}
+    for name in given.scenes:
         asset, options = SCENES[name]
         with tempfile.TemporaryDirectory() as folder:
             write_two_blocks(Path(folder) / "two.obj")
-            places = [parent / asset for parent in (Path(folder), arguments.assets) if parent]
+            places = [parent / asset for parent in (Path(folder), given.assets) if parent]
             source = [str(place) for place in places if asset and place.exists()]
             if asset and not source:
                 continue
-            results[name] = measure(arguments.command, [*source, *options], Path(folder), arguments.steps)
-        print(name, {key: float(f"{value:.3g}") for key, value in results[name].items()}, flush=True)
-    if arguments.json:
-        arguments.json.write_text(json.dumps(results, indent=1) + "\n")
+            words = [*source, *options]
+            if given.frames_only:
+                kept[name]["local"] = local_ratios(given.command, words, Path(folder), given.frame_steps)
+            else:
+                kept[name] = measure(given.command, words, Path(folder), given.steps, given.frame_steps)
+        short = {key: value for key, value in kept[name].items() if key != "local"}
+        print(name, short, {key: kept[name]["local"][key] for key in ("smooth", "rough")}, flush=True)
+        if given.json:
+            scenes = {scene: kept[scene] for scene in SCENES if scene in kept}
+            result = {"header": header(), "steps": given.steps, "frame_steps": given.frame_steps, "scenes": scenes}
+            given.json.write_text(json.dumps(result) + "\n")
     return 0
 
 

@@ -2,6 +2,7 @@
 #include "cli/run.hpp"
 #include "cli/signals.hpp"
 #include "cli/verbs.hpp"
+#include "core/step_verdict.hpp"
 #include "voxelize/demo_character.hpp"
 
 #include <fmt/format.h>
@@ -39,8 +40,8 @@ void print_certificates(const std::vector<StepReport>& steps) {
   for (size_t k = stride - 1; k < steps.size(); k += stride) {
     const StepReport& r = steps[k];
     fmt::print("  {:5}   {:6.3f}   {:8.2e}   {:>9}   {:6}   {:5.3f}   {:9.3f}   {:5.1f}\n",
-               std::lround(r.time * 30), r.time, r.residual, r.converged ? "yes" : "draft", r.outer,
-               r.min_j, r.deepest_overlap, r.ms);
+               std::lround(r.time * 30), r.time, r.residual, is_converged(r) ? "yes" : "draft",
+               r.outer, r.min_j, r.deepest_overlap, r.ms);
   }
 }
 

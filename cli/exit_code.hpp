@@ -14,7 +14,7 @@ enum ExitCode : int {
   kExitDone = 0,           ///< every step converged; warnings are possible
   kExitUsage = 2,          ///< an option, a selection, a unit, contradictory pins
   kExitAsset = 3,          ///< a file that cannot be used, nothing to simulate
-  kExitDraft = 4,          ///< a step missed the tolerance, a voxel is inverted, --max-time is over
+  kExitDraft = 4,          ///< a step missed its tolerance or time error, a voxel is inverted, ...
   kExitDiverged = 5,       ///< a step had to be refused; the frames before it were written
   kExitResources = 6,      ///< memory, a budget or a disk is exhausted
   kExitDevice = 7,         ///< --device cuda without a device that can be used

@@ -159,7 +159,7 @@ void add_machine_options(CLI::App& app, AnimateOptions& o, Typed& t) {
   app.add_flag("--no-skip,!--skip", t.no_skip, "take no shortcut that the scene would allow");
   app.add_flag("--strict,!--no-strict", o.strict, "warnings are errors");
   app.add_flag("--strict-time,!--no-strict-time", o.strict_time,
-               "frames above the time error are drafts");
+               "exit code 4 for frames above the time error");
   app.add_flag("--quiet,!--no-quiet", o.quiet, "print errors only");
 }
 

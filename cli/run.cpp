@@ -160,8 +160,8 @@ void print_summary(const RunReport& r, double time_error) {
         double(r.solves) / double(std::max<int64_t>(r.frames, 1)), r.rejected_steps, r.steps);
   if (r.frames_over > 0)
     fmt::print(
-        "time error: {} of {} frames missed {:.3g} % of their motion at the most steps; they are "
-        "drafts in time\n",
+        "time error: {} of {} frames missed {:.3g} % of their motion at the most steps; these "
+        "steps are drafts (--strict-time: exit code 4)\n",
         r.frames_over, r.frames, 100 * time_error);
   if (r.mesh_error.frames > 0) print_mesh_error(r.mesh_error);
   fmt::print("{}", ledger_lines(r.ledger));

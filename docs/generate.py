@@ -30,6 +30,8 @@ from fit_tables import fine_tuning, fits, generation  # noqa: E402
 from hold_tables import TABLES as HOLD_TABLES  # noqa: E402
 from hold_tables import measured_on  # noqa: E402
 from metal_tables import TABLES as METAL_TABLES  # noqa: E402
+from motion_tables import MACHINES  # noqa: E402
+from motion_tables import TABLES as MOTION_TABLES  # noqa: E402
 from paper_tables import TABLES as PAPER_TABLES  # noqa: E402
 from particle_tables import TABLES as PARTICLE_TABLES  # noqa: E402
 from prose import long_lines  # noqa: E402
@@ -263,12 +265,13 @@ TABLES: dict[str, Callable[[], str]] = {"accuracy": accuracy, "peers": peers,
                                     "fits": lambda: table(*fits()), "neural": neural,
                                     "generation": lambda: table(*generation()),
                                     "fine tuning": lambda: table(*fine_tuning()),
-                                    "held machine": measured_on, "drops machine": drops_machine} | {
+                                    "held machine": measured_on, "drops machine": drops_machine} | MACHINES | {
     f"study {name}": (lambda n=name: study(n)) for name in STUDIES} | {
     f"{title} {part.replace('-', ' ')}": (lambda f=file, p=part: bench(f, p))
     for title, file in (("bench", "benchmarks"), ("device", "device")) for part in BENCH_PARTS} | {
     name: (lambda lines=lines: table(*lines()))
-    for name, lines in (PAPER_TABLES | METAL_TABLES | PARTICLE_TABLES | HOLD_TABLES | DROP_TABLES).items()}
+    for name, lines in (PAPER_TABLES | METAL_TABLES | PARTICLE_TABLES | HOLD_TABLES | MOTION_TABLES
+                        | DROP_TABLES).items()}
 
 
 def rendered(text: str, place: str) -> str:

@@ -18,11 +18,11 @@ namespace elastogen {
 
 /// What the solver certifies about one frame; the rest pose is converged with residual 0.
 struct FrameCertificate {
-  bool converged = false;
-  double residual = 0;    ///< |grad E| / |M g_ref| of the true equations [-]
-  double min_j = 1;       ///< smallest det F [-]
-  double time_error = 0;  ///< estimate of what its steps add to the time error [m]; 0: none made
-  double time_ratio = 0;  ///< largest of its steps' estimates over what was accepted [-]
+  bool converged = false;  ///< all of its steps are (core/step_verdict.hpp)
+  double residual = 0;     ///< |grad E| / |M g_ref| of the true equations [-]
+  double min_j = 1;        ///< smallest det F [-]
+  double time_error = 0;   ///< estimate of what its steps add to the time error [m]; 0: none made
+  double time_ratio = 0;   ///< largest of its steps' estimates over what was accepted [-]
   std::optional<MeshError> mesh_error = {};  ///< none where it was not estimated
 };
 

@@ -295,7 +295,7 @@ Keys limit_keys() {
       // what a warning is
       {"limits", "strict", T::kFlag, "false", "--strict", "true: warnings are errors"},
       {"limits", "strict_time", T::kFlag, "false", "--strict-time",
-       "true: frames above the time error are drafts"},
+       "true: a run with frames above the time error ends with exit code 4"},
   };
 }
 

@@ -4,6 +4,7 @@
 #include "core/constants.hpp"
 #include "core/error.hpp"
 #include "core/scene.hpp"
+#include "core/step_verdict.hpp"
 #include "core/time_scheme.hpp"
 #include "io/hdf5_file.hpp"
 #include "io/safe_file.hpp"
@@ -47,7 +48,7 @@ void write_root(hid_t file, const Scene& scene, const StateHeader& header) {
   const double gravity[3] = {scene.gravity[0], scene.gravity[1], scene.gravity[2]};
   const double place[3] = {scene.place[0], scene.place[1], scene.place[2]};
   hdf5::write_attribute(file, "format", std::string("elastogen-state"));
-  hdf5::write_attribute(file, "version", 4);
+  hdf5::write_attribute(file, "version", 5);
   hdf5::write_attribute(file, "h", scene.grid.h);
   hdf5::write_attribute(file, "dt", scene.dt);
   hdf5::write_attribute(file, "time_scheme",
@@ -196,8 +197,22 @@ void write_lengths(hid_t group, const Scene& scene, const StateHeader& header,
                        [&](R r) { return r.length > 0 ? r.length : scene.dt; });
   write_column<double>(group, "tolerance", all,
                        [&](R r) { return r.tolerance > 0 ? r.tolerance : header.tolerance; });
-  if (makes_stages(scene, header))
-    write_column<uint8_t>(group, "guarded", all, [](R r) { return r.guarded; });
+  if (!makes_stages(scene, header)) return;
+  write_column<uint8_t>(group, "guarded", all, [](R r) { return r.guarded; });
+  write_column<double>(group, "time_error", all, [](R r) { return r.time_error; });
+  write_column<double>(group, "time_ratio", all, [](R r) { return r.time_ratio; });
+}
+
+/// Writes the mesh numbers of a run that has some; NaN at steps without one.
+void write_mesh_errors(hid_t group, const std::vector<ReportFields>& all) {
+  using R = const ReportFields&;
+  if (std::ranges::none_of(all, [](R r) { return r.mesh_error.has_value(); })) return;
+  MeshError none{.rms = std::numeric_limits<double>::quiet_NaN(), .trusted = false};
+  none.largest = none.rms;
+  const auto of = [&](R r) { return r.mesh_error.value_or(none); };
+  write_column<double>(group, "mesh_error", all, [&](R r) { return of(r).rms; });
+  write_column<double>(group, "mesh_error_largest", all, [&](R r) { return of(r).largest; });
+  write_column<uint8_t>(group, "mesh_error_trusted", all, [&](R r) { return of(r).trusted; });
 }
 
 /// Writes the further values of steps of bodies that yield.
@@ -285,9 +300,10 @@ void StateWriter::keep(const State& state, const ParticleStrain* strain, const S
 void StateWriter::step(const State& state, const StepReport& report, const ParticleStrain* strain,
                        const StageData& data) {
   keep(state, strain, &report, data);
-  reports_.push_back({report.scheme, report.converged, report.guarded, report.outer, report.inner,
-                      report.fallbacks, report.residual, report.ms, report.min_j, report.length,
-                      report.tolerance, report.energy});
+  reports_.push_back({report.scheme, is_converged(report), report.guarded, report.outer,
+                      report.inner, report.fallbacks, report.residual, report.ms, report.min_j,
+                      report.length, report.tolerance, report.time_error, report.time_ratio,
+                      report.energy, report.mesh_error});
   reactions_.insert(reactions_.end(), report.reactions.begin(), report.reactions.end());
 }
 
@@ -315,6 +331,7 @@ void StateWriter::finish() {
     hdf5::write_dataset<double>(steps, "time", {time_.data(), entries, 1});
     write_reports(steps, reports_);
     if (!header_.particles) write_lengths(steps, scene_, header_, reports_);
+    write_mesh_errors(steps, reports_);
     write_reactions(steps, scene_.holders.size(), reactions_);
     if (plastic_ && !header_.particles) write_yields(steps, reports_);
   }

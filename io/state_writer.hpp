@@ -71,8 +71,9 @@ struct ReportFields {
   TimeScheme scheme;
   bool converged, guarded;
   int32_t outer, inner, fallbacks;
-  double residual, ms, min_j, length, tolerance;
+  double residual, ms, min_j, length, tolerance, time_error, time_ratio;
   EnergyParts energy;
+  std::optional<MeshError> mesh_error;
 };
 
 /// Keeps every step in a raw file in the target's folder and packs all of them into the target at

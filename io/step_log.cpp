@@ -2,6 +2,7 @@
 #include "io/step_log.hpp"
 
 #include "core/error.hpp"
+#include "core/step_verdict.hpp"
 #include "core/time_scheme.hpp"
 #include "io/ledger_json.hpp"
 
@@ -48,7 +49,7 @@ std::string step_log_line(int64_t frame, const StepReport& report,
       {"frame", frame},
       {"step", report.step},
       {"time", report.time},
-      {"converged", report.converged},
+      {"converged", is_converged(report)},
       {"residual", report.residual},
       {"outer", report.outer},
       {"inner", report.inner},

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scene/clip.hpp"
 
+#include "core/step_verdict.hpp"
 #include "core/stopwatch.hpp"
 #include "io/state_writer.hpp"
 #include "io/step_log.hpp"
@@ -64,7 +65,7 @@ class Clip {
     if (state_file_) finish_state();
     report_.stage_seconds.write += watch.seconds();
     report_.converged_share = report_.steps > 0 ? double(converged_) / double(report_.steps) : 1;
-    if (converged_ < report_.steps) raise(ClipEnd::kDraft);
+    if (solved_ < report_.steps) raise(ClipEnd::kDraft);
     if (report_.min_j <= 0) {
       report_.warnings.push_back(fmt::format("a voxel is inverted: min J = {:.3g}", report_.min_j));
       raise(ClipEnd::kDraft);
@@ -72,7 +73,7 @@ class Clip {
     judge_fits();
     find_long_steps();
     std::string still = said_of_stillness(setup_, run_, frames_.largest_motion());
-    if (!still.empty() && report_.frames > 0 && converged_ == report_.steps)
+    if (!still.empty() && report_.frames > 0 && solved_ == report_.steps)
       report_.warnings.push_back(std::move(still));
     return end_;
   }
@@ -163,7 +164,7 @@ class Clip {
 
   void take(int64_t frame, const StepReport& r, FrameCertificate& certificate) {
     // the frame, then the run
-    certificate.converged &= r.converged;
+    certificate.converged &= is_converged(r);
     certificate.residual = std::max(certificate.residual, r.residual);
     certificate.min_j = std::min(certificate.min_j, r.min_j);
     certificate.time_error += r.time_error;
@@ -180,7 +181,8 @@ class Clip {
     report_.solves += r.solves;
     report_.rejected_steps += r.rejected;
     ++report_.steps;
-    converged_ += r.converged;
+    converged_ += is_converged(r);
+    solved_ += r.converged;
     report_.worst_residual = std::max(report_.worst_residual, r.residual);
     report_.min_j = std::min(report_.min_j, r.min_j);
     report_.outside_fit += r.outside_fit;
@@ -243,7 +245,8 @@ class Clip {
   std::unique_ptr<Stepper> stepper_;
   ClipFrames frames_;
   FrameMeshError mesh_;
-  int64_t converged_ = 0;
+  int64_t converged_ = 0;      ///< steps
+  int64_t solved_ = 0;         ///< steps whose residual is as asked for, whatever their time error
   int64_t steps_outside_ = 0;  ///< steps in which voxels were outside the box of their nets
   std::vector<double> work_;   ///< inner iterations of the steps
   Stopwatch watch_;            ///< of the steps

@@ -35,7 +35,7 @@ struct ClipHooks {
 
 /// How a clip ended. All frames before its end have been written.
 enum class ClipEnd {
-  kConverged,  ///< every step converged
+  kConverged,  ///< every step was solved; frames_over of the report says whether in enough steps
   kDraft,      ///< a step missed the tolerance, a voxel is inverted, or max_time was over
   kDiverged,   ///< a step had to be refused
   kStopped     ///< on request

@@ -25,6 +25,9 @@ class StateStagesTest : public StateWriterTest {
     StepReport r = report_at(step);
     r.scheme = step == 1 ? TimeScheme::kSdirk2 : step == 2 ? TimeScheme::kBdf2 : TimeScheme::kEuler;
     r.guarded = step == 2;
+    r.time_error = 1e-4 * step, r.time_ratio = 0.4 * step;
+    r.converged = true;
+    if (step == 2) r.mesh_error = {3e-3, 7e-3, true};
     return r;
   }
 
@@ -69,6 +72,26 @@ TEST_F(StateStagesTest, HasTheFirstStageWhereThereIsOne) {
   EXPECT_EQ(numbers("/steps/v").back(), state_at(3).v.data()[3 * kNodes - 1]);
 }
 
+TEST_F(StateStagesTest, HasTimeErrorsAndWhatTheyMakeOfASolvedStep) {
+  write_stages(scene);
+  for (int t = 0; t < kSteps; ++t) {
+    EXPECT_EQ(numbers("/steps/time_error")[size_t(t)], report(t + 1).time_error);
+    EXPECT_EQ(numbers("/steps/time_ratio")[size_t(t)], report(t + 1).time_ratio);
+  }
+  // the third step is 1.2 times what is accepted
+  EXPECT_EQ(numbers("/steps/converged"), (std::vector<double>{1, 1, 0}));
+}
+
+TEST_F(StateStagesTest, HasMeshNumbersWhereFramesEnd) {
+  write_stages(scene);
+  const std::vector<double> rms = numbers("/steps/mesh_error"),
+                            largest = numbers("/steps/mesh_error_largest");
+  EXPECT_TRUE(std::isnan(rms[0]) && std::isnan(largest[0]) && std::isnan(rms[2]));
+  EXPECT_EQ(rms[1], 3e-3);
+  EXPECT_EQ(largest[1], 7e-3);
+  EXPECT_EQ(numbers("/steps/mesh_error_trusted"), (std::vector<double>{0, 1, 0}));
+}
+
 TEST_F(StateStagesTest, HasTheBondsOfEveryEntryWhichBeginAtZero) {
   write_stages(scene);
   EXPECT_EQ(shape("/contact/bonds"), (std::vector<hsize_t>{kSteps + 1, kColliders, kPoints, 3}));
@@ -84,7 +107,8 @@ TEST_F(StateStagesTest, HasTheBondsOfEveryEntryWhichBeginAtZero) {
 TEST_F(StateStagesTest, NothingOfThisIsInOtherFiles) {
   scene.scheme = TimeScheme::kBdf2;
   write_stages(scene);
-  for (const char* name : {"/steps/x_stage", "/steps/guarded", "/contact/bonds"})
+  for (const char* name : {"/steps/x_stage", "/steps/guarded", "/steps/time_error",
+                           "/steps/time_ratio", "/contact/bonds"})
     EXPECT_FALSE(H5Lexists(file, name, H5P_DEFAULT) > 0) << name;
 }
 

@@ -14,7 +14,7 @@ TEST_F(StateWriterTest, RootSaysWhatTheRunWas) {
   EXPECT_EQ(text("solver"), "quasi");
   EXPECT_EQ(text("energy"), "analytic");
   EXPECT_EQ(text("commit"), "abc123");
-  EXPECT_EQ(attribute("/", "version")[0], 4);
+  EXPECT_EQ(attribute("/", "version")[0], 5);
   EXPECT_EQ(text("element"), "voxel");
   EXPECT_EQ(attribute("/", "h")[0], 0.25);
   EXPECT_EQ(attribute("/", "dt")[0], 1.0 / 120);

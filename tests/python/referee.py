@@ -4,8 +4,9 @@
     python3 tests/python/referee.py STATE.h5 [--energy-check] [--json]
 
 Checked in each step: the residual |grad Phi|_2 / |M g_ref| over the free nodes (the largest of its
-stages), the flag `converged`, the velocity, the bonds of friction that the step leaves, places,
-velocities and reactions of what is held; once: the layout of the file and the nodal masses. Where
+stages), the flag `converged`, the velocity, without contact the time error, the bonds of friction
+that the step leaves, places, velocities and reactions of what is held; once: the layout of the file
+and the nodal masses. Where
 the step says that it was guarded, which takes energy from velocities, these are not checked, and
 the summary says in how many. `--energy-check` adds the recorded energies of these names; others are
 listed as not checked:
@@ -45,6 +46,8 @@ VELOCITY_SHARE = 1e-5
 BOND_SHARE = 1e-6
 MASS_SHARE = 1e-6
 TABLE_SHARE = 2e-3
+ESTIMATE_SHARE = 0.01
+UNFILTERED = 0.095  # of what is accepted: below a tenth the program leaves its filter out
 ENERGY_SHARE, ENERGY_FLOOR = 0.01, 1e-6
 ROUND_OFF = 16 * float(np.finfo(float).eps)
 TABLE_ROWS = 10
@@ -98,8 +101,23 @@ def check_residual(state: State, step: int, own: float, slack: float = 0) -> lis
     reported = float(state.steps["residual"][step])
     allowed = max(RESIDUAL_SHARE * abs(reported), RESIDUAL_FLOOR) + slack
     flag = float(reported <= state.steps["tolerance"][step])
+    if "time_ratio" in state.steps:
+        flag *= float(state.steps["time_ratio"][step] <= 1)
     return [Check(step, "residual", own, reported, allowed),
             Check(step, "converged", flag, float(state.steps["converged"][step]), 0.0)]
+
+
+def check_time_error(state: State, step: int, rough: float, touches: bool, speed: float) -> list[Check]:
+    """The estimate [m] of a step without contact, here or in two steps before: `rough` but for a filter
+    that lowers it, and is left out far below what is accepted. @param speed  the largest [m/s]"""
+    said, ratio = (float(state.steps[name][step]) if name in state.steps else 0.0
+                   for name in ("time_error", "time_ratio"))
+    if ratio == 0 or touches:
+        return []
+    is_rough = rough * ratio < UNFILTERED * said  # rough over what is accepted
+    own = rough if is_rough else min(rough, said)
+    slack = ROUND_OFF * speed * float(state.steps["length"][step])
+    return [Check(step, "time_error", own, said, ESTIMATE_SHARE * said + slack)]
 
 
 def check_velocity(step: int, own: Floats, recorded: Floats, slack: float) -> Check:
@@ -263,11 +281,14 @@ def judge_stages(state: State, with_energies: bool) -> Verdict:
     mass_check, factors = check_masses(state)
     holding = Holding(state, body)
     checks, own_energies = [mass_check, *check_tables(state)], []
+    touched: list[bool] = []
     start = Start(*read_record(state, 0))
     checks += check_held(holding, -1, start.x, start.v)
     for step, length in enumerate(state.steps["length"]):
         x, v = read_record(state, step + 1)
-        own = StageStep(state, body, pieces, step, start).recompute(x)
+        own = StageStep(state, body, pieces, step, start).recompute(x, v)
+        touched.append(own.touches)
+        checks += check_time_error(state, step, own.rough, any(touched[-3:]), float(np.abs(v).max()))
         checks += check_residual(state, step, own.residual, own.slack)
         checks += check_held(holding, step, x, v)
         checks += check_reactions(holding, step, own.found, x)

@@ -42,6 +42,7 @@ WORDS: dict[str, tuple[str, ...] | None] = {
     "energy": ("analytic", "neural"),
     "commit": None,
 }
+VERSIONS = (4, 5)  # 4 has no time errors and mesh numbers
 POSITIVE = ("h", "dt", "g_ref", "fps", "tolerance")
 LENGTHS = ("layer", "slip_range", "impact_speed")  # attributes of /contact
 PLANE, SPHERE, BOX = 0, 1, 2
@@ -146,7 +147,7 @@ def _read_numbers(file: h5py.File) -> dict[str, float]:
         require(np.isfinite(numbers[name]) and numbers[name] > 0,
                 f"root attribute '{name}' must be positive, got {numbers[name]}")
     version = number(_attribute(file, "version"), "root attribute 'version'")
-    require(version == 4, "version 4 expected, got ", version)
+    require(version in VERSIONS, f"version {VERSIONS} expected, got {version}")
     return numbers
 
 
@@ -243,8 +244,15 @@ def _check_steps(steps: dict[str, NDArray[Any]], time_scheme: str, dt: float) ->
     uneven = np.abs(np.diff(steps["time"]) - (length if stages else dt)).max()
     require(uneven <= 1e-6 * dt, f"/steps/time is off the time step dt by {uneven:.3g} s")
     require((steps["tolerance"] > 0).all(), "/steps/tolerance must be positive")
-    for name in {"converged", "guarded"} & set(steps):
+    for name in {"converged", "guarded", "mesh_error_trusted"} & set(steps):
         require((steps[name] <= 1).all(), f"/steps/{name} must be 0 or 1")
+    for name in {"time_error", "time_ratio"} & set(steps):
+        require((steps[name] >= 0).all(), f"/steps/{name} must be >= 0")
+    if "mesh_error" in steps:
+        has = np.isfinite(steps["mesh_error"])
+        require((steps["mesh_error"][has] >= 0).all() and (steps["mesh_error_trusted"][~has] == 0).all()
+                and (steps["mesh_error_largest"][has] >= steps["mesh_error"][has]).all(),
+                "/steps/mesh_error: rms, largest and trusted contradict each other")
     require((steps["scheme"] <= (SDIRK2 if stages else BDF2)).all(), "/steps/scheme is out of range")
     if stages:
         require(steps["scheme"][0] != BDF2, "/steps/scheme: the first step cannot be BDF2 (1)")

@@ -49,6 +49,15 @@ STAGES: dict[str, tuple[str, Shape]] = {  # also in /steps
     "x_stage": ("f8", ("steps", "nodes", 3)),
     "guarded": ("u1", ("steps",)),
 }
+ESTIMATES: dict[str, tuple[str, Shape]] = {  # of STAGES, in files of version 5 and later
+    "time_error": ("f8", ("steps",)),
+    "time_ratio": ("f8", ("steps",)),
+}
+MESH_ERRORS: dict[str, tuple[str, Shape]] = {  # also in /steps, where frames get a mesh number
+    "mesh_error": ("f8", ("steps",)),
+    "mesh_error_largest": ("f8", ("steps",)),
+    "mesh_error_trusted": ("u1", ("steps",)),
+}
 REACTIONS: dict[str, tuple[str, Shape]] = {  # also in /steps, of the network where something is held
     "reaction_force": ("f8", ("steps", "holders", 3)),
     "reaction_moment": ("f8", ("steps", "holders", 3)),
@@ -129,6 +138,10 @@ def _tables(file: h5py.File) -> dict[str, dict[str, tuple[str, Shape]]]:
     }
     if set(DEPENDENT) & set(file["grid"]):
         tables["grid"] = tables["grid"] | DEPENDENT
+    if stages and int(file.attrs["version"]) >= 5:
+        tables["steps"] = tables["steps"] | ESTIMATES
+    if set(MESH_ERRORS) & set(file["steps"]):
+        tables["steps"] = tables["steps"] | MESH_ERRORS
     if set(REACTIONS) & set(file["steps"]):
         require("holders" in file, "/steps has reactions in a file without /holders")
         tables["steps"] = tables["steps"] | REACTIONS

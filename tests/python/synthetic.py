@@ -179,12 +179,13 @@ def found_steps(state: State, x: Floats, x_stage: Floats,
 
     @param v  at the start; of pinned nodes also after each step
     """
-    steps, body, residual, found = len(SCHEMES), equations.make_body(state), [], []
+    steps, body, residual, rough, found = len(SCHEMES), equations.make_body(state), [], [], []
     state.steps, state.x_stage = {"scheme": SCHEMES, "length": LENGTHS_OF_STEPS}, x_stage
     start, v = Start(x[0], v[0]), list(v)
     for step in range(steps):
         own = StageStep(state, body, find_pieces(state, body), step, start).recompute(x[step + 1])
         residual.append(own.residual)
+        rough.append(own.rough)
         found.append(own.found)
         v[step + 1] = v[step + 1] + own.velocity
         if own.bonds is not None:
@@ -193,7 +194,8 @@ def found_steps(state: State, x: Floats, x_stage: Floats,
     arrays = step_arrays(state, x, np.array(v), SCHEMES.tolist(), 1.0)
     return arrays | state.steps | {
         "time": TIMES, "residual": np.array(residual), "converged": np.zeros(steps, np.uint8),
-        "x_stage": x_stage, "guarded": np.zeros(steps, np.uint8)}, found
+        "x_stage": x_stage, "guarded": np.zeros(steps, np.uint8), "time_error": np.array(rough),
+        "time_ratio": np.full(steps, 0.05)}, found
 
 
 def held_state() -> State:
@@ -261,7 +263,7 @@ def write_state(path: Path, state: State, steps: dict[str, Any], gravity: Floats
     """A state file; the materials as a compound dataset or as attributes of a group."""
     columns = {f: [getattr(m, f) for m in state.materials] for f in FIELDS}
     with h5py.File(path, "w") as file:
-        file.attrs.update(state.words | {"version": 4, "h": state.h, "dt": state.dt, "fps": 60.0,
+        file.attrs.update(state.words | {"version": 5, "h": state.h, "dt": state.dt, "fps": 60.0,
                                          "gravity": gravity, "g_ref": state.g_ref,
                                          "tolerance": state.tolerance})
         for name, values in state.grid.items():

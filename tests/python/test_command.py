@@ -242,6 +242,28 @@ class Endings(Command):
         frames = read_document(self.output).json["asset"]["extras"]["elastogen"]["frames"]
         self.assertFalse(all(frame["converged"] for frame in frames))
 
+    def test_a_step_above_its_time_error_is_a_draft_everywhere(self) -> None:
+        # a hard bar lands on a floor
+        words = ("--voxels", 6, "--young", 5e6, "--up", "y", "--floor", "y=-0.2", "--velocity", "0,-4,0", "--spin",
+                 "0,0,2", "--frames", 3)
+        for more, code in (((), 0), (("--strict-time",), 4)):
+            done = animate(self.source, self.output, *words, *more, *self.outputs())
+            self.assertEqual(done.code, code, done.err)
+            report = self.check_whole(3)
+            log = [json.loads(line) for line in (self.folder / "l.json").read_text().splitlines()]
+            met = [line["time_ratio"] <= 1 for line in log]
+            self.assertTrue(all(line["residual"] <= line["tolerance"] for line in log))
+            self.assertIn(False, met)
+            self.assertEqual([line["converged"] for line in log], met)
+            self.assertEqual(report["converged_share"], sum(met) / len(met))
+            with h5py.File(self.folder / "s.h5") as file:
+                self.assertEqual(list(file["steps/converged"]), met)
+                for name in ("time_error", "time_ratio"):
+                    self.assertEqual(list(file[f"steps/{name}"]), [line[name] for line in log])
+            frames = read_document(self.output).json["asset"]["extras"]["elastogen"]["frames"]
+            self.assertEqual([frame["converged"] for frame in frames[1:]],
+                             [all(m for m, line in zip(met, log) if line["frame"] == k) for k in (1, 2, 3)])
+
 
 class Outputs(Command):
     """What the files say."""

@@ -304,6 +304,37 @@ class HeldFile(Records):
                 ("grid/parent_weight", 3, 1e-9, "held places")):
             self.assert_says(word, add(place, index, by))
 
+    def test_a_wrong_time_error_is_caught(self) -> None:
+        for step in range(4):  # by SDIRK2, BDF2 and implicit Euler
+            for factor in (0.98, 1.02):
+                self.assert_says("time_error", add("steps/time_error", step, 0, factor))
+
+    def test_a_filter_may_lower_a_time_error_and_never_raises_it(self) -> None:
+        """At a time error near what is accepted the program takes out what a frame cannot show."""
+        self.assertEqual(self.run_tool(add("steps/time_ratio", 1, 0.5))[0], 0)
+
+        def change(by: float) -> Any:
+            return lambda file: (add("steps/time_ratio", 1, 0.5)(file), add("steps/time_error", 1, 0, by)(file))
+        self.assertEqual(self.run_tool(change(0.3))[0], 0)
+        self.assert_says("time_error", change(1.1))
+
+    def test_a_step_above_its_time_error_is_not_converged(self) -> None:
+        def solved(ratio: float) -> Any:
+            def change(file: h5py.File) -> None:
+                file["steps/tolerance"][...] = 1e9
+                file["steps/converged"][...] = 1
+                add("steps/time_ratio", 3, ratio)(file)
+            return change
+        self.assertEqual(self.run_tool(solved(0))[0], 0)
+        self.assert_says("converged", solved(1))
+
+    def test_files_of_version_4_are_read(self) -> None:
+        def older(file: h5py.File) -> None:
+            file.attrs.modify("version", 4)
+            del file["steps/time_error"], file["steps/time_ratio"]
+        self.assertEqual(self.run_tool(older)[0], 0)
+        self.assert_says("time_error", lambda file: file.attrs.modify("version", 4))
+
     def test_places_that_fit_together_but_no_rigid_motion_are_caught(self) -> None:
         """Offsets and the nodes that they move, stretched alike."""
         def stretch(file: h5py.File) -> None:
