@@ -162,6 +162,17 @@ void take_scene_file(Verb& verb) {
   verb.scene.input.clear();
 }
 
+/// @throws Error (usage) naming an option that the way to compute of a run does not have.
+void check_mode(const AnimateOptions& o) {
+  ELASTOGEN_CHECK(o.wind.keys.empty() || !o.fem || !o.fem->statics,
+                  "--static finds no equilibrium in wind, got --wind '", o.wind_text, "'");
+  if (o.fem || method_of(o) != Method::kAuto || o.solver.mode != SolverMode::kPaper) return;
+  ELASTOGEN_CHECK(o.holds.empty(), "the solver 'paper' knows no holds along single axes: --hold '",
+                  o.holds.front().text, "'");
+  ELASTOGEN_CHECK(o.wind.keys.empty(), "the solver 'paper' knows no wind: --wind '", o.wind_text,
+                  "'");
+}
+
 /// Options of the verb animate or simulate.
 AnimateOptions take_run(Verb& verb) {
   const std::string name = verb.app->get_name();
@@ -170,11 +181,7 @@ AnimateOptions take_run(Verb& verb) {
   resolve(verb);
   AnimateOptions& o = verb.scene;
   if (o.print_resolved) return finish_resolved(o);
-  ELASTOGEN_CHECK(!o.fem || o.wind.keys.empty(), "simulate: finite elements feel no wind, got ",
-                  "--wind '", o.wind_text, "'; use animate");
-  ELASTOGEN_CHECK(o.fem || o.state.empty() || (o.forces.empty() && o.wind.keys.empty()),
-                  "--state does not hold forces that change with time and wind yet: leave it out, ",
-                  "or --force and --wind");
+  check_mode(o);
   ELASTOGEN_CHECK(o.method == Method::kAuto || method_of(o) != Method::kAuto, "--method ",
                   verb.typed.method, ": no material of the scene yields");
   const std::string& file = verb.scene_file;

@@ -28,7 +28,7 @@ HeldNodes::HeldNodes(const Scene& scene) : scene_(scene) {
   for (int64_t n = 0; n < scene.pinned.rows(); ++n) {
     const int32_t holder = scene.holder(n);
     if (scene.pinned(n) != kPinnedNode || holder < 0) continue;
-    nodes_[size_t(holder)].push_back({int32_t(n), -1, scaled(scene.gravity, weighing_[size_t(n)])});
+    nodes_[size_t(holder)].push_back({int32_t(n), -1, weighing_[size_t(n)]});
     if (!holder_of(n).moves()) continue;
     moved_.push_back(int32_t(n));
     holders_of_moved_.push_back(holder);
@@ -60,8 +60,7 @@ void HeldNodes::find_fixed() {
       fixed_.push_back(int32_t(3 * n + d));
       std::vector<HeldNode>& nodes = nodes_[size_t(holder)];
       if (nodes.empty() || nodes.back().node != int32_t(n))
-        nodes.push_back(
-            {int32_t(n), -1, scaled(scene_.gravity, weighing_[size_t(n)]), parent[size_t(n)], 0});
+        nodes.push_back({int32_t(n), -1, weighing_[size_t(n)], parent[size_t(n)], 0});
       nodes.back().axes |= uint8_t(1 << d);
     }
   }
@@ -152,11 +151,11 @@ void HeldNodes::set_velocities(const double* x, double* v) const {
 std::vector<Reaction> HeldNodes::reactions(const double* r, const double* u,
                                            const double* load) const {
   const HeldForces forces{
-      scene_.grid.rest.data(),         u, r, load, scene_.dependent.filled().view(),
+      scene_.grid.rest.data(),         u, r, load, scene_.gravity, scene_.dependent.filled().view(),
       scene_.dependent.folded().view()};
   std::vector<HolderSums> sums(nodes_.size());
   for (size_t h = 0; h < sums.size(); ++h)
-    for (const HeldNode& held : nodes_[h]) forces.add(held, centres_[h], sums[h].data());
+    for (const HeldNode& held : nodes_[h]) forces.add(held, rates_[h], centres_[h], sums[h].data());
   return reactions(sums);
 }
 
@@ -179,11 +178,13 @@ double HeldNodes::power(const std::vector<Reaction>& reactions) const {
   double sum = 0;
   for (size_t h = 0; h < reactions.size(); ++h)
     sum += dot(rates_[h].turns ? reactions[h].moment : reactions[h].force, rates_[h].rate);
-  // held voxels
+  // held voxels, and what goes into the kinetic energy of moved nodes
   for (size_t k = 0; k < moved_.size(); ++k) {
-    const int32_t n = moved_[k];
-    const Vec3 v = rates_[size_t(holders_of_moved_[k])].velocity(plus(rest(n), place_[k]));
-    sum -= (scene_.mass(n) - weighing_[size_t(n)]) * dot(scene_.gravity, v);
+    const auto n = size_t(moved_[k]);
+    const HolderRate& holder = rates_[size_t(holders_of_moved_[k])];
+    const Vec3 x = plus(rest(moved_[k]), place_[k]), v = holder.velocity(x);
+    sum -= (scene_.mass(moved_[k]) - weighing_[n]) * dot(scene_.gravity, v);
+    sum -= weighing_[n] * dot(holder.acceleration(x), v);
   }
   return sum;
 }

@@ -55,7 +55,8 @@ class HeldNodes {
   /// Sets velocities of pinned nodes that move, at positions x [m/s], (nodes, 3).
   void set_velocities(const double* x, double* v) const;
 
-  /// What each holder does to the free part of the body, conjugate to its rigid motion: the sums of
+  /// What each holder does to the free part of the body, with the nodes in it that are pinned,
+  /// conjugate to its rigid motion: the sums of
   /// HeldForces over its nodes, in a fixed order; c is the centre of a turn, else the mean of these
   /// nodes.
   /// @param r  gradient of the potential before it is folded [N], at pinned nodes of the inner
@@ -65,7 +66,8 @@ class HeldNodes {
   std::vector<Reaction> reactions(const double* r, const double* u, const double* load) const;
   /// The same of sums that another machine has made, about centres() and (holders).
   std::vector<Reaction> reactions(const std::vector<HolderSums>& sums) const;
-  /// Power of what holders that move do to the body, the weight of what they hold included [W].
+  /// Power of what holders that move do to the body, the weight of what they hold included, their
+  /// nodes' kinetic energy not [W].
   double power(const std::vector<Reaction>& reactions) const;
 
   // for other machines

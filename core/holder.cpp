@@ -24,8 +24,10 @@ Vec3 held_displacement(const Holder& holder, const Vec3& rest, double time) {
 }
 
 HolderRate holder_rate(const Holder& holder, double time) {
-  // the axis of a turn is the same at all keys, so that the rate is its angular velocity
-  return {holder.turns, holder.centre, rate_at(holder.path, time)};
+  // the axis of a turn is the same at all keys, so that the rate is its angular velocity,
+  // and what changes that its angular acceleration
+  return {holder.turns, holder.centre, rate_at(holder.path, time),
+          acceleration_at(holder.path, time)};
 }
 
 Vec3 held_velocity(const Holder& holder, const Vec3& place, double time) {

@@ -25,11 +25,18 @@ struct Holder {
 /// How the points of a holder move at one time; shared by host and device.
 struct HolderRate {
   bool turns = false;
-  Vec3 centre = {}, rate = {};  ///< [m]; [m/s] or [rad/s]
+  Vec3 centre = {};             ///< [m]
+  Vec3 rate = {}, change = {};  ///< [m/s] or [rad/s]; of that in a second
 
   /// Velocity of a point at a place x [m/s].
   ELASTOGEN_HD Vec3 velocity(const Vec3& x) const {
     return turns ? cross(rate, minus(x, centre)) : rate;
+  }
+  /// Acceleration of a point at a place x [m/s^2].
+  ELASTOGEN_HD Vec3 acceleration(const Vec3& x) const {
+    if (!turns) return change;
+    const Vec3 arm = minus(x, centre);
+    return plus(cross(change, arm), cross(rate, cross(rate, arm)));
   }
 };
 

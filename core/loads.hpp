@@ -5,8 +5,8 @@
 //     f = c rho/2 |w . a| (w . a) a / |a|^2,     a = cof(F) A,     w = W(t) - v
 //
 // (F of its voxel, v its velocity): the pressure of a stream that is stopped, c = 1, on surfaces with two
-// sides, half of it on each side of closed bodies; a plate has the drag coefficient 1, a ball 1/2. It is
-// that of the start of a step, and no more than brings a node to the wind in the step.
+// sides, half of it on each side of closed bodies; a plate has the drag coefficient 1, a ball 1/2. All
+// are those of the end of a step or stage (core/wind_load.hpp).
 
 #pragma once
 
@@ -18,6 +18,7 @@
 namespace elastogen {
 
 struct Scene;
+struct VoxelGrid;
 
 /// A force that acts on each node by a share.
 struct TimedForce {
@@ -39,28 +40,7 @@ struct Wind {
 
 /// Whether something of it acts.
 bool has_loads(const Scene& scene);
-
-class NodeLoads {
- public:
-  /// The scene must be finished and outlive it.
-  explicit NodeLoads(const Scene& scene);
-
-  /// Takes the wind at the start of a step of length h from positions and velocities, (nodes, 3).
-  void begin_step(const double* x, const double* v, double time, double h);
-  /// Takes the forces of a time [s].
-  void set_time(double time);
-
-  /// The load on each node [N], (nodes, 3); null: none acts. The place never changes.
-  const double* data() const { return load_.empty() ? nullptr : load_.data(); }
-  /// Acceleration of a node by gravity and load, along an axis [m/s^2].
-  double pull(int64_t node, int axis) const;
-
- private:
-  void add_wind(const double* x, const double* v, double time);
-
-  const Scene& scene_;
-  Array<double> load_, wind_;  // (nodes, 3)
-  std::vector<double> drag_;   // of each node, force over relative speed [kg/s]
-};
+/// Whether what acts changes.
+bool has_changing_loads(const Scene& scene);
 
 }  // namespace elastogen

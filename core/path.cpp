@@ -59,6 +59,14 @@ Vec3 rate_at(const Path& path, double time) {
   return scaled(minus(b.offset, a.offset), slope / (b.time - a.time));
 }
 
+Vec3 acceleration_at(const Path& path, double time) {
+  const auto [first, share] = segment_at(path, time);
+  if (first < 0 || !path.eases) return {};
+  const PathKey &a = path.keys[size_t(first)], &b = path.keys[size_t(first + 1)];
+  const double duration = b.time - a.time;
+  return scaled(minus(b.offset, a.offset), (6 - 12 * share) / (duration * duration));
+}
+
 double next_key(const Path& path, double time) {
   double shift = 0;
   if (path.loops && path.moves() && time > path.keys.front().time)

@@ -31,6 +31,8 @@ struct Path {
 Vec3 offset_at(const Path& path, double time);
 /// Its rate just before a time [1/s].
 Vec3 rate_at(const Path& path, double time);
+/// What changes that rate there [1/s^2]; jumps of the rate at keys are not in it.
+Vec3 acceleration_at(const Path& path, double time);
 /// The first time after `time` at which a key stands [s]; infinite if there is none.
 double next_key(const Path& path, double time);
 

@@ -22,11 +22,14 @@ struct State {
   double h_before = 0;     ///< its length [s]; 0: the dt of the scene
 };
 
-/// What the last step of stages has beside the state, for those who recompute it. Valid until the
-/// next step.
+/// What the last step has beside the state, for those who recompute it. Valid until the next step.
 struct StageData {
+  // of steps of stages
   Span<const double> first;  ///< positions at the end of SDIRK2's first stage [m], (nodes, 3)
   Span<const double> bonds;  ///< slip that friction holds now [m], (colliders points, 3); empty: 0
+  // where loads change
+  Span<const double> load;        ///< on each node at the end of the step [N], (nodes, 3)
+  Span<const double> first_load;  ///< the same of SDIRK2's first stage
 };
 
 /// Parts to read of a state that is stepped elsewhere: the positions alone, or all.

@@ -7,6 +7,8 @@
 #include "core/state.hpp"
 #include "core/time_stage.hpp"
 
+#include <cmath>
+
 namespace elastogen {
 
 /// The scheme of one step, or of a stage of it: Phi contains a0/(2 dt^2) m |x - xhat|^2.
@@ -24,6 +26,8 @@ struct StepScheme {
 
   /// Time of its end after the start of the step [s].
   double end() const { return is_stage ? stage.t : dt; }
+  /// Velocity at the end that a force gives a mass, over their quotient [s].
+  double response() const { return dt / std::sqrt(a0); }
 };
 
 /// "euler", "bdf2", "sdirk2", "auto".

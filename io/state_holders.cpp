@@ -25,6 +25,36 @@ void write_dependent(hid_t group, const DependentNodes& dependent) {
   hdf5::write_dataset<double>(group, "parent_weight", weights);
 }
 
+namespace {
+
+/// What the motion of each holder is at each time: rates, and what changes them in a second.
+void write_motion(hid_t group, const Scene& scene, HeldNodes& held, const StateHeader& header,
+                  const std::vector<double>& times) {
+  const auto count = int64_t(scene.holders.size());
+  Array<uint8_t> turns(count);
+  Array<double> centre(count, 3), rate(count, 3), change(count, 3);
+  for (int64_t h = 0; h < count; ++h) {
+    turns(h) = scene.holders[size_t(h)].turns;
+    std::ranges::copy(scene.holders[size_t(h)].centre, centre.row(h));
+  }
+  hdf5::write_dataset<uint8_t>(group, "turns", turns);
+  hdf5::write_dataset<double>(group, "centre", centre);
+  const std::vector<hsize_t> extents = {hsize_t(times.size()), hsize_t(count), hsize_t(3)};
+  const hdf5::Handle rates = hdf5::create_dataset(group, "rate", H5T_IEEE_F64LE, extents),
+                     changes = hdf5::create_dataset(group, "change", H5T_IEEE_F64LE, extents);
+  for (size_t t = 0; t < times.size(); ++t) {
+    held.set_time(header.path_time * times[t]);
+    for (int64_t h = 0; h < count; ++h) {
+      std::ranges::copy(held.rates()[size_t(h)].rate, rate.row(h));
+      std::ranges::copy(held.rates()[size_t(h)].change, change.row(h));
+    }
+    hdf5::write_entry(rates, t, rate);
+    hdf5::write_entry(changes, t, change);
+  }
+}
+
+}  // namespace
+
 void write_holders(hid_t file, const Scene& of_grid, const StateHeader& header,
                    const std::vector<double>& times) {
   const Scene& scene = header.mesh ? header.mesh->nodes : of_grid;
@@ -35,8 +65,10 @@ void write_holders(hid_t file, const Scene& of_grid, const StateHeader& header,
   write_names(group, names);
   hdf5::write_dataset<int32_t>(group, "of_node", scene.holder);
   if (!scene.fixed.empty()) hdf5::write_dataset<int32_t>(group, "of_component", scene.fixed);
-  // offsets of dependent nodes
   HeldNodes held(scene);
+  if (!held.move()) return;
+  write_motion(group, scene, held, header, times);
+  // offsets of dependent nodes
   if (!held.moves_dependent()) return;
   const int64_t count = scene.dependent.count();
   const hdf5::Handle offsets = hdf5::create_dataset(

@@ -9,6 +9,7 @@
 #include "io/hdf5_file.hpp"
 #include "io/safe_file.hpp"
 #include "io/state_holders.hpp"
+#include "io/state_loads.hpp"
 #include "io/state_parts.hpp"
 
 #include <unistd.h>
@@ -119,7 +120,10 @@ std::vector<EntryField> entry_fields(const Scene& scene, const StateHeader& head
   }
   const int64_t nodes = header.mesh ? header.mesh->nodes.grid.rest.rows() : scene.grid.node_count();
   std::vector<EntryField> fields = {{"steps", "x", {nodes, 3}}, {"steps", "v", {nodes, 3}}};
+  if (has_changing_loads(scene, header)) fields.push_back({"steps", "load", {nodes, 3}, false});
   if (!makes_stages(scene, header)) return fields;
+  if (has_changing_loads(scene, header))
+    fields.push_back({"steps", "load_stage", {nodes, 3}, false});
   fields.push_back({"steps", "x_stage", {nodes, 3}, false});
   const int64_t points =
       header.mesh ? header.mesh->contact_nodes.rows() : scene.surface.voxel.rows();
@@ -273,13 +277,14 @@ void StateWriter::keep(const State& state, const ParticleStrain* strain, const S
   if (strain) values.insert(values.end(), {strain->F, strain->C, strain->memory});
   // steps of one stage have no first one, and before the first step no bond holds
   Array<double> none, free;
-  if (makes_stages(scene_, header_)) {
-    none = Array<double>(state.x.rows(), 3);
-    none.fill(std::numeric_limits<double>::quiet_NaN());
-    const bool has_first = report && report->scheme == TimeScheme::kSdirk2;
-    values.push_back(has_first ? data.first : Span<const double>(none));
-  }
-  if (fields.size() > values.size() && makes_stages(scene_, header_)) {
+  none = Array<double>(state.x.rows(), 3);
+  none.fill(std::numeric_limits<double>::quiet_NaN());
+  const bool stages = makes_stages(scene_, header_), loaded = has_changing_loads(scene_, header_);
+  const bool has_first = report && report->scheme == TimeScheme::kSdirk2;
+  if (loaded) values.push_back(report ? data.load : Span<const double>(none));
+  if (loaded && stages) values.push_back(has_first ? data.first_load : Span<const double>(none));
+  if (stages) values.push_back(has_first ? data.first : Span<const double>(none));
+  if (fields.size() > values.size() && stages) {
     free = Array<double>(fields.back().size());
     values.push_back(data.bonds.size() > 0 ? data.bonds : Span<const double>(free));
   }
@@ -325,6 +330,7 @@ void StateWriter::finish() {
   write_nets(file, header_);
   write_contact(file, scene_, header_, time_);
   if (!header_.particles) write_holders(file, scene_, header_, time_);
+  if (!header_.particles) write_loads(file, scene_, header_, time_);
   if (plastic_) write_plastic(file, *plastic_);
   {
     const hdf5::Handle steps = hdf5::create_group(file, "steps");

@@ -62,8 +62,9 @@ struct StateHeader {
   std::optional<ParticleSet> particles = {};  ///< in place of the grid
   Array<uint8_t> fixed = {};    ///< 1: the component's displacement is prescribed, (nodes, 3)
   Array<double> traction = {};  ///< dead load on each node [N], (nodes, 3); both empty: none
-  bool moved = false;           ///< prescribed displacements may change
-  double path_time = 1;         ///< of paths in a unit of time: in statics that is the load factor
+  std::vector<TimedForce> forces = {};
+  bool moved = false;    ///< prescribed displacements may change
+  double path_time = 1;  ///< of paths in a unit of time: in statics that is the load factor
 };
 
 /// What the file has of a report: long clips keep many of them.

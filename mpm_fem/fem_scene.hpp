@@ -11,6 +11,10 @@
 #include <functional>
 #include <vector>
 
+namespace elastogen {
+struct Scene;
+}
+
 namespace elastogen::fem {
 
 /// Newmark: the average acceleration scheme, beta = 1/4, gamma = 1/2, which keeps the energy of
@@ -37,6 +41,10 @@ struct FemScene {
   /// Writes additional forces on the nodes [N], (nodes, 3), at a time [s] (statics: the load factor
   /// 0..1); empty: none.
   std::function<void(double time, Out<double> force)> force;
+  std::vector<Path> paths;  ///< of both: no step of stages goes across their keys
+  /// The voxels whose wind blows in steps of implicit schemes; their nodes are the first ones of the
+  /// mesh. Null: none.
+  const Scene* in_wind = nullptr;
   std::vector<Collider> colliders;  ///< of time steps; statics ignore them
   ContactPoints contact;            ///< used where there are colliders
   double dt = 1.0 / 60;             ///< [s]

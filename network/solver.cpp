@@ -61,6 +61,8 @@ Solver::Impl::Impl(const Scene& s, const SolverOptions& o)
                   "the paper's algorithm knows no dependent nodes");
   ELASTOGEN_CHECK(mode != SolverMode::kPaper || scene.fixed.empty(),
                   "the paper's algorithm knows no holds along single axes");
+  ELASTOGEN_CHECK(mode != SolverMode::kPaper || !s.wind.blows(),
+                  "the paper's algorithm knows no wind");
   if (mode == SolverMode::kPaper) {
     check_paper_scene(*terms, o.paper);
     in_float = true;
@@ -78,12 +80,7 @@ Solver::Impl::Impl(const Scene& s, const SolverOptions& o)
 /// On the card where it is asked for or chosen, else on the host.
 void Solver::Impl::make_work(const EncoderChoice* encoder) {
   const bool asked = options.device == Device::kCuda;
-  // forces that change with time, and wind, are made on the host
-  const bool on_host = !scene.forces.empty() || scene.wind.blows();
-  const bool wanted =
-      asked || (options.device == Device::kAuto && in_float && !on_host && cuda::has_device());
-  ELASTOGEN_CHECK(!asked || !on_host, "the device knows no forces that change with time and no ",
-                  "wind: leave out --device cuda");
+  const bool wanted = asked || (options.device == Device::kAuto && in_float && cuda::has_device());
   if (asked && !cuda::has_device())
     throw Error("there is no CUDA device, or none that this build can use: leave out --device cuda",
                 ErrorKind::kDevice);

@@ -7,6 +7,7 @@
 #include "io/step_log.hpp"
 #include "scene/clip_frames.hpp"
 #include "scene/frame_mesh_error.hpp"
+#include "scene/moved_points.hpp"
 #include "scene/stepper.hpp"
 #include "scene/still.hpp"
 #include "scene/version.hpp"
@@ -132,6 +133,15 @@ class Clip {
         fmt::format("--max-time reached after {} of {} frames", report_.frames, run_.frames));
   }
 
+  /// A step, refused where what goes along with a move runs into a collider.
+  StepReport advance() {
+    StepReport r = stepper_->advance();
+    if (r.interrupted || !r.finite || (run_.fem && run_.fem->statics)) return r;
+    const std::string refusal = collider_in_the_way(setup_, r.time);
+    if (!refusal.empty()) r.finite = false, r.refusal = refusal;
+    return r;
+  }
+
   /// @return false if the clip ends here; end_ and a warning then say why.
   bool step_frame(int64_t frame, FrameCertificate& certificate) {
     // steps, until they make up the frame
@@ -139,7 +149,7 @@ class Clip {
       // a step, unless the clip ends here
       StepReport r;
       r.interrupted = stopped();
-      if (!r.interrupted) r = stepper_->advance();
+      if (!r.interrupted) r = advance();
       if (r.interrupted) {
         say_why();
         return false;

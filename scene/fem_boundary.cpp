@@ -74,6 +74,7 @@ struct HeldMesh {
 void add_moves(const Setup& setup, const RunDescription& run, fem::FemScene& scene) {
   if (run.moves.empty()) return;
   const double per_time = run.fem->statics ? end_of_moves(run) : 1;
+  for (const Move& move : run.moves) scene.paths.push_back(move.path);
   const auto mesh = std::make_shared<HeldMesh>(nodes_with_holders(setup, scene.mesh));
   scene.motion = [mesh, per_time](double time, Out<double> u) {
     mesh->held.set_time(per_time * time);
@@ -87,19 +88,23 @@ void add_moves(const Setup& setup, const RunDescription& run, fem::FemScene& sce
   };
 }
 
-/// In statics forces are those at the end of their path, times the load factor.
+/// In statics forces are those at the end of their path, times the load factor, like tractions.
 void add_timed_forces(const Setup& setup, const RunDescription& run, fem::FemScene& scene) {
   if (run.forces.empty()) return;
-  const Array<double> mass = fem::ElasticBody(scene.mesh, scene.materials).lumped_mass();
-  scene.force = [forces = timed_forces(setup, run, scene.mesh, mass), is_static = run.fem->statics](
-                    double time, Out<double> load) {
-    for (const TimedForce& force : forces) {
-      const Vec3 F =
-          is_static ? scaled(force.force.keys.back().offset, time) : offset_at(force.force, time);
-      for (int64_t n = 0; n < load.rows; ++n)
-        for (int d = 0; d < 3; ++d) load(n, d) += force.share(n) * F[size_t(d)];
-    }
+  const std::vector<TimedForce> forces = fem_forces(setup, run, scene);
+  const auto add = [](const TimedForce& force, const Vec3& F, Out<double> load) {
+    for (int64_t n = 0; n < load.rows; ++n)
+      for (int d = 0; d < 3; ++d) load(n, d) += force.share(n) * F[size_t(d)];
   };
+  if (!run.fem->statics) {
+    for (const TimedForce& force : forces) scene.paths.push_back(force.force);
+    scene.force = [forces, add](double time, Out<double> load) {
+      for (const TimedForce& force : forces) add(force, offset_at(force.force, time), load);
+    };
+    return;
+  }
+  if (scene.traction.empty()) scene.traction = Array<double>(scene.mesh.rest.rows(), 3);
+  for (const TimedForce& force : forces) add(force, force.force.keys.back().offset, scene.traction);
 }
 
 /// A piece of the mesh.
@@ -127,6 +132,12 @@ std::vector<Piece> pieces_of(const fem::FemScene& scene) {
 
 }  // namespace
 
+std::vector<TimedForce> fem_forces(const Setup& setup, const RunDescription& run,
+                                   const fem::FemScene& scene) {
+  const Array<double> mass = fem::ElasticBody(scene.mesh, scene.materials).lumped_mass();
+  return timed_forces(setup, run, scene.mesh, mass);
+}
+
 double end_of_moves(const RunDescription& run) {
   double end = 0;
   for (const Move& move : run.moves) end = std::max(end, move.path.keys.back().time);
@@ -144,6 +155,7 @@ void add_boundary(const Setup& setup, const RunDescription& run, const fem::Elem
     std::fill_n(scene.fixed.row(scene.dependent.node(i)), 3, uint8_t(0));
   scene.traction = surface_loads(setup, run, whole);
   add_timed_forces(setup, run, scene);
+  if (setup.scene.wind.blows()) scene.in_wind = &setup.scene;
 }
 
 std::vector<std::string> unheld_pieces(const fem::FemScene& scene) {

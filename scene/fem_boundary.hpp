@@ -11,7 +11,12 @@ namespace elastogen {
 /// Time of the last key of all moves [s].
 double end_of_moves(const RunDescription& run);
 
-/// Fills fixed, dependent, traction and motion of a scene that has its mesh. Holds and moves leave
+/// Forces of the run that change with time, on the nodes of a scene that has its mesh.
+/// @throws Error as timed_forces
+std::vector<TimedForce> fem_forces(const Setup& setup, const RunDescription& run,
+                                   const fem::FemScene& scene);
+
+/// Fills fixed, dependent, traction, force, in_wind and motion of a scene that has its mesh. Holds and moves leave
 /// dependent nodes to the pin that they follow. In a static run the load factor is the share of the
 /// last key's time at which the motion is evaluated.
 /// @throws Error (usage) naming the selections if a node is moved and held or moved twice, or if a

@@ -129,15 +129,18 @@ void describe_fem(const Setup& setup, const RunDescription& run, const fem::FemS
   header.element = fem::element_name(scene.mesh.element);
   if (!run.holds.empty() || !run.moves.empty()) header.fixed = scene.fixed;
   header.traction = scene.traction;
+  if (!run.fem->statics) header.forces = fem_forces(setup, run, scene);
   header.moved = bool(scene.motion);
   if (run.fem->statics) header.path_time = end_of_moves(run);
   if (!scene.colliders.empty())
     header.contact = {{"layer", scene.contact.layer},
                       {"slip_range", scene.contact.slip_range},
                       {"impact_speed", setup.scene.impact_speed}};
+  // tetrahedra in place of the grid
   if (!is_tets(scene.mesh.element)) return;
   StateMesh& mesh = header.mesh.emplace();
   mesh.nodes = nodes_with_holders(setup, scene.mesh);
+  mesh.nodes.fixed = holders_of_axes(setup, run, scene.mesh, mesh.nodes);
   mesh.corners = scene.mesh.elements;
   mesh.material = scene.mesh.material;
   mesh.mass = fem::ElasticBody(scene.mesh, scene.materials).lumped_mass();

@@ -30,7 +30,7 @@ class FemStepper : public HostStepper {
         run_(run),
         stop_(std::move(stop)),
         scene_(fem_scene(setup, run)),
-        holders_(setup, scene_) {
+        holders_(setup, run, scene_) {
     const fem::ImplicitOptions options{.tolerance = fem_tolerance(setup, run),
                                        .max_newton = scene_.yields.empty() ? 100 : kMostOfPart,
                                        .as_positions = true};
@@ -55,12 +55,16 @@ class FemStepper : public HostStepper {
   }
   std::optional<StatePlastic> plastic() const override;
   StageData stage_data() const override {
-    if (!stages_) return {};
-    return {first_, fem_.stages.bonds};
+    StageData data;
+    if (scene_.force || scene_.in_wind) data.load = loads();
+    if (!stages_) return data;
+    data.first = first_, data.bonds = fem_.stages.bonds, data.first_load = stages_->first_loads();
+    return data;
   }
 
  private:
   void show();
+  const Array<double>& loads() const { return stages_ ? stages_->loads() : solver_->loads(); }
   const fem::Potential& potential() const {
     return stages_ ? stages_->potential() : solver_->potential();
   }
@@ -130,8 +134,8 @@ StepReport FemStepper::advance() {
     report = step_in_parts(*solver_, fem_, stop_);
   if (!report.finite || report.interrupted) return report;
   show();
-  report.reactions =
-      holders_.reactions(stages_ ? stages_->holding() : solver_->holding(), fem_.u, fem_.time);
+  report.reactions = holders_.reactions(stages_ ? stages_->holding() : solver_->holding(), loads(),
+                                        fem_.u, fem_.time);
   return report;
 }
 

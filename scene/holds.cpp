@@ -43,15 +43,15 @@ void fix_node(int64_t n, const Hold& hold, int32_t holder, Scene& scene) {
 
 void fix_axes(const RunDescription& run, Setup& setup) {
   Scene& scene = setup.scene;
-  const bool by_network = !run.fem && method_of(run) == Method::kAuto;
-  if (by_network && !run.holds.empty()) {
+  const bool holds_axes = run.fem || method_of(run) == Method::kAuto;
+  if (holds_axes && !run.holds.empty()) {
     scene.fixed = Array<int32_t>(scene.grid.node_count(), 3);
     scene.fixed.fill(-1);
   }
   for (const Hold& hold : run.holds) {
     const Array<uint8_t> nodes = held_nodes(option_of(hold), hold.selection, setup);
     say_cut(hold, setup);
-    if (!by_network) continue;
+    if (!holds_axes) continue;
     const auto holder = int32_t(scene.holders.size());
     scene.holders.emplace_back().name = option_of(hold);
     for (int64_t n = 0; n < nodes.rows(); ++n)

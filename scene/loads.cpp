@@ -49,10 +49,21 @@ void add_forces(const RunDescription& run, Setup& setup) {
     scene.load = surface_loads(setup, run, mesh);
     scene.forces = timed_forces(setup, run, mesh, scene.mass);
   }
+}
+
+void add_wind(const RunDescription& run, Setup& setup) {
   if (run.wind.keys.empty()) return;
+  ELASTOGEN_CHECK(!run.fem || !run.fem->statics,
+                  "--static finds no equilibrium in wind, got --wind '", run.wind_text, "'");
+  Scene& scene = setup.scene;
   scene.wind.velocity = run.wind;
   scene.wind.share = setup.asset.closed ? 0.5 : 1;
-  add_wind_surface(scene.grid, setup.body.surface, scene.wind);
+  // what presses on parts behind borders goes to what holds them
+  const auto is_held = [&](const Vec3& place) {
+    return std::ranges::any_of(
+        setup.borders, [&](const HeldBorder& held) { return distance(held.border, place) <= 0; });
+  };
+  add_wind_surface(scene.grid, setup.body.surface, is_held, scene.wind);
 }
 
 Array<double> surface_loads(const Setup& setup, const RunDescription& run,

@@ -17,8 +17,12 @@ Array<uint8_t> with_middles(const Array<uint8_t>& grid_nodes, const fem::Element
 std::vector<TimedForce> timed_forces(const Setup& setup, const RunDescription& run,
                                      const fem::ElementMesh& mesh, const Array<double>& mass);
 
-/// Adds tractions, forces and wind to a finished scene of the network.
+/// Adds tractions and forces to a finished scene of the network.
 void add_forces(const RunDescription& run, Setup& setup);
+
+/// Adds wind to a finished scene of voxels.
+/// @throws Error (usage) for statics.
+void add_wind(const RunDescription& run, Setup& setup);
 
 /// Loads of the tractions of a run [N], (nodes, 3); empty: there is none.
 /// @throws Error (usage) naming a traction that selects no face.

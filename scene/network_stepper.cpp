@@ -48,6 +48,7 @@ class NetworkStepper : public Stepper {
   void describe(StateHeader& header) const override {
     header.solver = solver_name(solver_.mode());
     header.traction = scene_.load;
+    header.forces = scene_.forces;
     header.fixed = fixed_components();
     header.moved = std::ranges::any_of(scene_.holders, [](const Holder& h) { return h.moves(); });
     header.tolerance = tolerance_;

@@ -98,17 +98,36 @@ void pin_nodes(const HeldPart& part, int32_t holder, const std::optional<Border>
     if (has_point(setup, *part.selection, p)) setup.held_points.push_back({p, holder});
 }
 
-/// Says once that nodes hold pins whose borders cut voxels.
+/// The largest distance from a border of the nodes behind it that share a voxel with one in front [m].
+double border_shift(const Border& border, const VoxelGrid& grid) {
+  double largest = 0;
+  for (int64_t v = 0; v < grid.voxel_count(); ++v) {
+    double behind = 0;
+    bool is_cut = false;
+    for (int c = 0; c < 8; ++c) {
+      const double* X = grid.rest.row(grid.corners(v, c));
+      const double d = distance(border, {X[0], X[1], X[2]});
+      is_cut |= d > 0;
+      behind = std::max(behind, -d);
+    }
+    if (is_cut) largest = std::max(largest, behind);
+  }
+  return largest;
+}
+
+/// Says once that nodes hold parts whose borders cut voxels.
 void say_nodes_hold(const RunDescription& run, Setup& setup) {
   const PlacedBox& box = setup.body.surface.box;
-  for (const Pin& pin : run.pins) {
-    const std::optional<Border> border = border_of(pin.selection, box);
+  const VoxelGrid& grid = setup.scene.grid;
+  for (const HeldPart& part : held_parts(run, box)) {
+    const std::optional<Border> border = border_of(*part.selection, box);
     if (setup.tets || fits_grid(border, setup) || !reaches(*border, box)) continue;
+    const double shift = border_shift(*border, grid);
     setup.warnings.push_back(fmt::format(
-        "--pin '{}': its border cuts voxels, of which {} the nodes in it only, so that the body "
-        "moves there by a part of what its voxels do; the network and finite elements hold it at "
-        "the border",
-        pin.text, holder_of_nodes(run)));
+        "{}: its border cuts voxels, of which {} the nodes in it only, so that it lies up to "
+        "{:.3g} m "
+        "({:.2g} voxels) too far back; the network and finite elements hold the body at the border",
+        part.option, holder_of_nodes(run), shift, shift / grid.h));
     return;
   }
 }

@@ -16,6 +16,7 @@
 #include "scene/impact_speed.hpp"
 #include "scene/loads.hpp"
 #include "scene/loose_pieces.hpp"
+#include "scene/moved_points.hpp"
 #include "scene/particle_setup.hpp"
 #include "scene/pins.hpp"
 #include "scene/tet_pins.hpp"
@@ -186,23 +187,6 @@ void add_tets(const TetAsset& tets, const RunDescription& run, Setup& setup) {
   setup.scene.grid.h = fem::mean_edge(*setup.tets);
 }
 
-/// Takes the points that go with holders that move from those that meet colliders.
-void drop_moved(const std::vector<HeldPoint>& held, Scene& scene) {
-  SurfacePoints& surface = scene.surface;
-  Array<uint8_t> is_dropped(surface.voxel.rows());
-  for (const auto& [point, holder] : held)
-    is_dropped(point) = scene.holders[size_t(holder)].moves();
-  const auto keep = [&](auto& array) {
-    int64_t kept = 0;
-    for (int64_t p = 0; p < array.rows(); ++p)
-      if (!is_dropped(p)) std::copy_n(array.row(p), array.cols(), array.row(kept++));
-    auto rest = std::move(array);
-    array = std::decay_t<decltype(array)>(kept, rest.cols());
-    std::copy_n(rest.data(), array.size(), array.data());
-  };
-  keep(surface.voxel), keep(surface.weights), keep(surface.area), keep(surface.position);
-}
-
 /// Sets gravity, time step and scheme.
 void add_time(const RunDescription& run, Setup& setup) {
   Scene& scene = setup.scene;
@@ -342,7 +326,7 @@ Setup set_up(const Asset& asset, const RunDescription& run) {
     scene.surface = surface_points(scene.grid, setup.body.surface);
     drop_moved(rest_behind(setup.borders, setup.body.surface.box, scene.surface.position,
                            scene.surface.weights),
-               scene);
+               setup);
   }
   for (const Collider& collider : scene.colliders) check_clear(scene, collider);
   add_time(run, setup);
@@ -350,6 +334,7 @@ Setup set_up(const Asset& asset, const RunDescription& run) {
   judge_pieces(asset, run, setup);
   finish_scene(scene);
   if (!run.fem) add_forces(run, setup);
+  add_wind(run, setup);
   // particles in place of voxels, if the body falls apart into grains
   if (method_of(run) == Method::kMpm) add_particles(asset, run, setup);
   hold_tets(run, setup);
@@ -359,6 +344,8 @@ Setup set_up(const Asset& asset, const RunDescription& run) {
 }
 
 Setup set_up(const TetAsset& tets, const RunDescription& run) {
+  ELASTOGEN_CHECK(run.wind.keys.empty(), "--wind '", run.wind_text, "': tetrahedra of a file (",
+                  tets.asset.path, ") feel none");
   Setup setup;
   Scene& scene = setup.scene;
   const Stopwatch watch;

@@ -36,6 +36,11 @@ struct HeldPoint {
   int64_t point;
   int32_t holder;
 };
+/// A point of the surface behind the border of a move.
+struct MovedPoint {
+  Vec3 rest;  ///< [m]
+  int32_t holder;
+};
 
 /// Tetrahedra that pins and moves cut: what is free, and all nodes with what holds them
 /// (nodes_with_holders).
@@ -56,6 +61,7 @@ struct Setup {
   std::vector<HeldBorder> borders;         ///< that cut voxels or tetrahedra
   std::vector<AssetPart> parts;            ///< that options of the run select
   std::vector<HeldPoint> held_points;      ///< of parts that are held or moved by holders
+  std::vector<MovedPoint> moved_points;    ///< that no step asks about colliders (moved_points.hpp)
   std::optional<CutMesh> cut_mesh;         ///< in place of tetrahedra that borders cut
   int substeps = 1;
   double longest_edge = 0;                       ///< of the asset [m]

@@ -19,7 +19,7 @@ class StaticStepper : public HostStepper {
         setup_(setup),
         run_(run),
         scene_(fem_scene(setup, run)),
-        holders_(setup, scene_),
+        holders_(setup, run, scene_),
         residual_(scene_.mesh.rest.rows(), 3) {}
 
   void begin(const StartMotion&) override {

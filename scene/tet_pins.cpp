@@ -5,6 +5,7 @@
 #include "mpm_fem/fem/dependent_tet_nodes.hpp"
 #include "scene/fem_holders.hpp"
 #include "scene/fem_scene.hpp"
+#include "scene/moved_points.hpp"
 #include "scene/pins.hpp"
 #include "voxelize/regions.hpp"
 
@@ -182,9 +183,10 @@ void hold_tets(const RunDescription& run, Setup& setup) {
   // the nodes of the grid, and no contact behind borders
   setup.scene.dependent = {};
   std::copy_n(nodes.pinned.data(), setup.scene.pinned.rows(), setup.scene.pinned.data());
-  for (const HeldPoint& held :
-       points_behind(setup.borders, setup.body.surface.box, setup.scene.surface.position))
-    setup.scene.surface.area(held.point) = 0;
+  const std::vector<HeldPoint> behind =
+      points_behind(setup.borders, setup.body.surface.box, setup.scene.surface.position);
+  for (const HeldPoint& held : behind) setup.scene.surface.area(held.point) = 0;
+  if (setup.tets) note_moved(behind, setup);
   setup.cut_mesh = CutMesh{std::move(cut.mesh), std::move(nodes)};
 }
 

@@ -7,6 +7,7 @@
 #include "io/asset.hpp"
 #include "voxelize/border.hpp"
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -77,6 +78,8 @@ SurfacePoints surface_points(const VoxelGrid& grid, const Surface& surface);
 
 /// Fills the points of a wind: the centres of the surface's triangles, halved until no edge is longer
 /// than a voxel's.
-void add_wind_surface(const VoxelGrid& grid, const Surface& surface, Wind& wind);
+/// @param is_held  whether a centre is left out.
+void add_wind_surface(const VoxelGrid& grid, const Surface& surface,
+                      const std::function<bool(const Vec3&)>& is_held, Wind& wind);
 
 }  // namespace elastogen

@@ -11,7 +11,8 @@ namespace {
 /// Centres and area vectors of the triangles of a surface, large ones in parts.
 class Facets {
  public:
-  explicit Facets(double longest) : longest_(longest) {}
+  Facets(double longest, const std::function<bool(const Vec3&)>& is_held)
+      : longest_(longest), is_held_(is_held) {}
 
   void add(const Vec3& a, const Vec3& b, const Vec3& c, int32_t part) {
     const double ab = norm(minus(a, b)), bc = norm(minus(b, c)), ca = norm(minus(c, a));
@@ -24,8 +25,9 @@ class Facets {
       return;
     }
     const Vec3 area = scaled(cross(minus(b, a), minus(c, a)), 0.5);
-    if (!(dot(area, area) > 0)) return;
-    centres.push_back(scaled(plus(plus(a, b), c), 1.0 / 3));
+    const Vec3 centre = scaled(plus(plus(a, b), c), 1.0 / 3);
+    if (!(dot(area, area) > 0) || is_held_(centre)) return;
+    centres.push_back(centre);
     areas.push_back(area);
     parts.push_back(part);
   }
@@ -35,12 +37,14 @@ class Facets {
 
  private:
   double longest_;
+  const std::function<bool(const Vec3&)>& is_held_;
 };
 
 }  // namespace
 
-void add_wind_surface(const VoxelGrid& grid, const Surface& surface, Wind& wind) {
-  Facets facets(grid.h);
+void add_wind_surface(const VoxelGrid& grid, const Surface& surface,
+                      const std::function<bool(const Vec3&)>& is_held, Wind& wind) {
+  Facets facets(grid.h, is_held);
   for (int64_t t = 0; t < surface.triangles.rows(); ++t) {
     Vec3 corner[3];
     for (int c = 0; c < 3; ++c)

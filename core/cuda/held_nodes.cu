@@ -14,8 +14,7 @@ std::vector<std::vector<HeldNode>> lists_of(const Scene& scene, const HeldNodes&
   if (std::ranges::all_of(lists, [](const auto& list) { return list.empty(); })) return {};
   lists.emplace_back();
   for (int64_t n = 0; n < scene.pinned.rows(); ++n)
-    if (scene.pinned(n) == kPinnedNode && scene.holder(n) < 0)
-      lists.back().push_back({int32_t(n), -1, {}});
+    if (scene.pinned(n) == kPinnedNode && scene.holder(n) < 0) lists.back().push_back({int32_t(n)});
   return lists;
 }
 
@@ -48,6 +47,7 @@ std::vector<std::vector<int32_t>> places_of(const std::vector<std::vector<HeldNo
 
 DeviceHeldNodes::DeviceHeldNodes(const Scene& scene)
     : host_(scene),
+      gravity_(scene.gravity),
       dependent_(scene.dependent),
       fixed_(host_.fixed()),
       axes_(axes_of(scene, host_)),
@@ -107,16 +107,17 @@ void DeviceHeldNodes::set_velocities(const double* x, double* v) const {
 
 void DeviceHeldNodes::start_reactions(const double* rest, const double* load, const double* u,
                                       double* r) {
-  const HeldForces forces{rest, u, r, load, dependent_.sums(), dependent_.parents()};
+  const HeldForces forces{rest, u, r, load, gravity_, dependent_.sums(), dependent_.parents()};
   const HeldNode* const nodes = nodes_.data();
   const Vec3* const centres = centres_.data();
+  const HolderRate* const rates = rates_.data();
   const int64_t holders = centres_.size();
   DeviceSums* const to = sums_.data();
   groups_.sums(
       parts_,
       [=] __device__(int64_t h, int64_t k, DeviceSums & sum) {
         const HeldNode held = nodes[k];
-        if (h < holders) forces.add(held, centres[h], sum.value);
+        if (h < holders) forces.add(held, rates[h], centres[h], sum.value);
         if (held.dependent >= 0 || !held.is_whole()) return;
         for (int64_t d = 0; d < 3; ++d) r[3 * int64_t(held.node) + d] = 0;
       },

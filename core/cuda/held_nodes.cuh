@@ -56,6 +56,7 @@ class DeviceHeldNodes {
   using DeviceSums = Sums<kHolderSums>;
 
   HeldNodes host_;
+  Vec3 gravity_;
   DeviceDependentNodes dependent_;
   // fixed components
   DeviceArray<int32_t> fixed_;

@@ -12,6 +12,7 @@ ExplicitFem::ExplicitFem(const FemScene& scene)
   ELASTOGEN_CHECK(scene.dt > 0 && std::isfinite(scene.dt), "dt must be positive, got ", scene.dt);
   ELASTOGEN_CHECK(scene.mass_kind == Mass::kLumped, "explicit steps take a lumped mass");
   ELASTOGEN_CHECK(!terms_.viscous, "explicit steps have no damping");
+  ELASTOGEN_CHECK(!scene.in_wind, "explicit steps know no wind");
   ELASTOGEN_CHECK(scene.dependent.empty(), "explicit steps know no dependent nodes");
   ELASTOGEN_CHECK(scene.mesh.element != Element::kVoxel, "explicit steps take no voxel elements");
   ELASTOGEN_CHECK(scene.colliders.empty() || scene.contact.nodes.cols() == 1,

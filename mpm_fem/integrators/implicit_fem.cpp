@@ -16,6 +16,7 @@ ImplicitFem::ImplicitFem(const FemScene& scene, const ImplicitOptions& options)
       solve_(scene, options),
       terms_(solve_.terms()),
       potential_(terms_.potential),
+      applied_(scene),
       predictor_(scene.mesh.rest.rows(), 3),
       holding_(predictor_) {
   ELASTOGEN_CHECK(scene.scheme != Scheme::kSdirk2 && scene.scheme != Scheme::kAuto,
@@ -45,7 +46,9 @@ void ImplicitFem::begin(FemState& state) {
   if (newmark && state.a.empty()) start_newmark(state);
   // forces and contact of the step
   terms_.move_dependent(period_.end);
-  Array<double> force = applied_force(scene_, period_.end, 1);
+  applied_.begin(period_.end, scheme_.response());
+  applied_.start_wind(state.u, state.v);
+  set_force();
   if (terms_.contact.exists())
     terms_.contact.begin_step(state.u, period_.start, dt, dt / scene_.dt);
   // predictor; Newmark has gravity in the forces
@@ -55,7 +58,6 @@ void ImplicitFem::begin(FemState& state) {
     double motion;
     if (newmark) {
       motion = dt * v + dt * dt / 4 * state.a.data()[k];
-      force.data()[k] += solve_.weight().data()[k];
     } else {
       motion =
           predicted_motion(scheme_, u, v, history ? state.u_before.data()[k] : u,
@@ -63,20 +65,27 @@ void ImplicitFem::begin(FemState& state) {
     }
     predictor_.data()[k] = u + motion;
   }
-  potential_.set_force(force);
   potential_.set_inertia(scheme_.a0 / (dt * dt), predictor_);
   // of BDF2 E' = (3 E - 4 E_now + E_before) / (2 dt)
   terms_.begin_damping(std::sqrt(scheme_.a0) / dt, state.u,
                        scheme_.scheme == TimeScheme::kBdf2 ? -1.0 / 3 : 0, state.u_before);
 }
 
+/// Sets loads and, of Newmark's scheme, the weight, which others have in the predictor.
+void ImplicitFem::set_force() {
+  Array<double> force = applied_.force();
+  for (int64_t k = 0; scene_.scheme == Scheme::kNewmark && k < force.size(); ++k)
+    force.data()[k] += solve_.weight().data()[k];
+  potential_.set_force(force);
+}
+
 /// Accelerations of the free components from the equation of motion; 0 of fixed ones, and dependent
 /// nodes follow.
 void ImplicitFem::start_newmark(FemState& state) {
   // forces
-  Array<double> force = applied_force(scene_, state.time, 1);
-  for (int64_t k = 0; k < force.size(); ++k) force.data()[k] += solve_.weight().data()[k];
-  potential_.set_force(force);
+  applied_.begin(state.time, 0);
+  applied_.start_wind(state.u, state.v);
+  set_force();
   potential_.set_inertia(0, predictor_);
   state.a = Array<double>(state.u.rows(), 3);
   Array<double> gradient = predictor_;
@@ -101,22 +110,49 @@ void ImplicitFem::start_newmark(FemState& state) {
   constraint.follow(state.a.data());
 }
 
-/// Writes displacements, velocities and accelerations to the state.
-/// @param u  the minimum, from which velocities and accelerations follow.
-void ImplicitFem::finish(const Array<double>& u, Array<double> handed, FemState& state,
-                         FemStepReport& report) {
+/// Velocities at the end of the step, where displacements are u.
+Array<double> ImplicitFem::velocities(const Array<double>& u, const FemState& state) const {
   const double dt = period_.dt;
-  Array<double> v(u.rows(), 3), Mv(u.rows(), 3);
-  // velocities and accelerations by the scheme, and the energy of gravity
+  Array<double> v(u.rows(), 3);
   for (int64_t k = 0; k < u.size(); ++k) {
     const double before = state.u_before.empty() ? state.u.data()[k] : state.u_before.data()[k];
     if (scene_.scheme == Scheme::kNewmark) {
       const double a = 4 / (dt * dt) * (u.data()[k] - predictor_.data()[k]);
       v.data()[k] = state.v.data()[k] + dt / 2 * (state.a.data()[k] + a);
-      state.a.data()[k] = a;
     } else {
       v.data()[k] = velocity_after(scheme_, u.data()[k], state.u.data()[k], before);
     }
+  }
+  return v;
+}
+
+/// Moves u to the minimum. In wind, which a solve takes as given, again until the residual holds with
+/// that where it ends. @return the displacements that the state gets for u
+Array<double> ImplicitFem::minimise(const FemState& state, Array<double>& u,
+                                    FemStepReport& report) {
+  Array<double> handed = solve_.minimise(options_.tolerance, u, report);
+  for (int solves = 1; report.finite && applied_.blows(); ++solves) {
+    applied_.take_wind(handed, velocities(u, state));
+    set_force();
+    solve_.certify(options_.tolerance, handed, report);
+    if (report.converged || solves == kMostWind) break;
+    applied_.relax_wind();
+    set_force();
+    handed = solve_.minimise(options_.tolerance, u, report);
+  }
+  return handed;
+}
+
+/// Writes displacements, velocities and accelerations to the state.
+/// @param u  the minimum, from which velocities and accelerations follow.
+void ImplicitFem::finish(const Array<double>& u, Array<double> handed, FemState& state,
+                         FemStepReport& report) {
+  const double dt = period_.dt;
+  Array<double> v = velocities(u, state), Mv(u.rows(), 3);
+  // accelerations of Newmark's scheme, and the energy of gravity
+  for (int64_t k = 0; k < u.size(); ++k) {
+    if (scene_.scheme == Scheme::kNewmark)
+      state.a.data()[k] = 4 / (dt * dt) * (u.data()[k] - predictor_.data()[k]);
     const double x = scene_.mesh.rest.data()[k] + u.data()[k];
     report.energy.gravity -= solve_.weight().data()[k] * x;
   }
@@ -168,7 +204,7 @@ FemStepReport ImplicitFem::advance(FemState& state, const Period& period) {
   if (terms_.plastic) terms_.plastic->body().freeze(state.u);
   Array<double> u = solve_.start_value(state.u, {predictor_}, period.end);
   const bool clear = solve_.pass_colliders(u);
-  Array<double> handed = solve_.minimise(options_.tolerance, u, report);
+  Array<double> handed = minimise(state, u, report);
   report.inner = int(solve_.iterations() - inner);
   if (!clear) report.finite = false, report.refusal = kNoRoom;
   if (report.finite) finish(u, std::move(handed), state, report);

@@ -17,6 +17,7 @@
 #pragma once
 
 #include "core/time_scheme.hpp"
+#include "mpm_fem/integrators/fem_loads.hpp"
 #include "mpm_fem/integrators/fem_state.hpp"
 #include "mpm_fem/integrators/step_solve.hpp"
 
@@ -46,6 +47,8 @@ class ImplicitFem {
   /// before it is folded, at fixed components as Potential::held_gradient has it.
   const Array<double>& holding() const { return holding_; }
 
+  /// Loads at the end of the last step [N], (nodes, 3).
+  const Array<double>& loads() const { return applied_.force(); }
   /// Gradient of Phi at the last state [N], (nodes, 3), 0 at fixed components.
   const Array<double>& residual() const { return solve_.residual(); }
   const Potential& potential() const { return potential_; }
@@ -60,6 +63,9 @@ class ImplicitFem {
   StepScheme scheme_of(const FemState& state) const;
   void begin(FemState& state);
   void start_newmark(FemState& state);
+  void set_force();
+  Array<double> velocities(const Array<double>& u, const FemState& state) const;
+  Array<double> minimise(const FemState& state, Array<double>& u, FemStepReport& report);
   void finish(const Array<double>& u, Array<double> handed, FemState& state, FemStepReport& report);
 
   const FemScene& scene_;
@@ -69,6 +75,7 @@ class ImplicitFem {
   Potential& potential_;  // of the terms
   Period period_ = {};    // of the present step
   StepScheme scheme_;
+  FemLoads applied_;  // at its end
   Array<double> predictor_, holding_;
 };
 

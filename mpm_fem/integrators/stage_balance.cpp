@@ -18,7 +18,7 @@ void add_force(const Vec3& force, const Vec3& arm, Load& load) {
 }  // namespace
 
 /// What colliders and loads do to the pieces at the end of a stage, u.
-Loads StageFem::loads(const Array<double>& u) {
+Loads StageFem::actions_at(const Array<double>& u) {
   const std::vector<PieceMotion> at = pieces_.motions(u, u);  // for their centres
   Loads result;
   result.pieces.resize(pieces_.count());
@@ -42,7 +42,7 @@ Loads StageFem::loads(const Array<double>& u) {
   for (int64_t n = 0; n < u.rows(); ++n) {
     const Vec3 place = plus(row_of(scene_.mesh.rest, n), row_of(u, n));
     const size_t p = pieces_.of(n);
-    add_force(row_of(applied_, n), minus(place, at[p].centre), result.pieces[p].applied);
+    add_force(row_of(applied_.force(), n), minus(place, at[p].centre), result.pieces[p].applied);
   }
   return result;
 }

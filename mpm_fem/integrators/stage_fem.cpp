@@ -4,6 +4,7 @@
 #include "core/constants.hpp"
 #include "core/error.hpp"
 #include "core/reduce.hpp"
+#include "core/scene.hpp"
 #include "core/stopwatch.hpp"
 
 #include <algorithm>
@@ -15,14 +16,15 @@ namespace {
 
 constexpr double kOfTimeError = 0.01;     // that a residual may leave
 constexpr double kLoosest = 0.3;          // residual
-constexpr int kMostFriction = 20;         // solves of a stage for its friction
+constexpr int kMostFriction = 20;         // solves of a stage for its friction without wind
 constexpr double kMostGrowth = 2 + 1e-6;  // of a step of BDF2 over the one before
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
 bool is_driven(const FemScene& scene) {
   const bool moves = std::any_of(scene.colliders.begin(), scene.colliders.end(),
                                  [](const Collider& c) { return c.path.moves(); });
-  return moves || scene.motion || scene.dependent_motion || scene.force || !scene.traction.empty();
+  return moves || scene.motion || scene.dependent_motion || scene.force || scene.in_wind ||
+         !scene.traction.empty();
 }
 
 /// Adds a stage to the report of its step: the worst of both, energies of the last one.
@@ -51,7 +53,8 @@ StageFem::StageFem(const FemScene& scene, const StageOptions& options)
       potential_(terms_.potential),
       pieces_(scene, potential_.mass()),
       motion_(scene, pieces_),
-      is_driven_(is_driven(scene)) {
+      is_driven_(is_driven(scene)),
+      applied_(scene) {
   ELASTOGEN_CHECK(scene.scheme == Scheme::kSdirk2 || scene.scheme == Scheme::kAuto,
                   "a scheme of stages is sdirk2 or auto");
   ELASTOGEN_CHECK(!terms_.plastic, "a material that yields is not for sdirk2 and auto: their ",
@@ -60,15 +63,18 @@ StageFem::StageFem(const FemScene& scene, const StageOptions& options)
                   options.time_error);
 }
 
-/// The end of the interval dt that the present time lies in, or a break of a collider's path before
-/// it: no step goes across one.
+/// The end of the interval dt that the present time lies in, or a break of a path before it: no step
+/// goes across one.
 double StageFem::interval_end() const {
   const double dt = scene_.dt, close = 1e-6 * dt;
   double end = dt * (std::floor(now_->time / dt + 1e-9) + 1);
-  for (const Collider& collider : scene_.colliders) {
-    const double key = next_key(collider.path, now_->time + close);
+  const auto stop_at = [&](const Path& path) {
+    const double key = next_key(path, now_->time + close);
     if (key < end - close) end = key;
-  }
+  };
+  for (const Collider& collider : scene_.colliders) stop_at(collider.path);
+  for (const Path& path : scene_.paths) stop_at(path);
+  if (scene_.in_wind) stop_at(scene_.in_wind->wind.velocity);
   return end;
 }
 
@@ -94,8 +100,9 @@ void StageFem::begin_stage(const TimeStage& stage) {
   const double start = now_->time;
   motion_.begin_stage(stage);
   terms_.move_dependent(start + stage.t);
-  applied_ = applied_force(scene_, start + stage.t, 1);
-  potential_.set_force(applied_);
+  applied_.begin(start + stage.t, stage.k);
+  if (stage.t_b <= 0) applied_.start_wind(now_->u, now_->v);
+  potential_.set_force(applied_.force());
   potential_.set_inertia(1 / (stage.k * stage.k), motion_.predictor());
   terms_.begin_damping(1 / stage.k, now_->u, stage.w_v, stage.t_b > 0 ? u_ : now_->u_before);
   if (!terms_.contact.exists()) return;
@@ -105,14 +112,24 @@ void StageFem::begin_stage(const TimeStage& stage) {
                              is_second ? start + stage.t_b : start, now_->stages.bonds);
 }
 
-/// Friction depends on normal forces and normals that a solve takes as given: solves again until
-/// the residual holds with those of the displacements that it ends with.
+/// Takes friction and wind from where the last solve ended. False where there is none.
+bool StageFem::renew_lags() {
+  const bool rubs = terms_.contact.exists() && terms_.contact.renew_lags(u_);
+  if (!applied_.blows()) return rubs;
+  applied_.take_wind(u_, motion_.velocities(u_));
+  potential_.set_force(applied_.force());
+  return true;
+}
+
+/// Friction depends on normal forces and normals that a solve takes as given, as it does wind: solves
+/// again until the residual holds with those of the displacements that it ends with.
 void StageFem::minimise(double tolerance, Array<double>& u, FemStepReport& report) {
   u_ = solve_.minimise(tolerance, u, report);
-  if (!terms_.contact.exists()) return;
-  for (int solves = 1; report.finite && terms_.contact.renew_lags(u_); ++solves) {
+  for (int solves = 1; report.finite && renew_lags(); ++solves) {
     solve_.certify(tolerance, u_, report);
-    if (report.converged || solves == kMostFriction) return;
+    if (report.converged || solves == (applied_.blows() ? kMostWind : kMostFriction)) return;
+    applied_.relax_wind();
+    potential_.set_force(applied_.force());
     u_ = solve_.minimise(tolerance, u, report);
   }
 }
@@ -171,10 +188,11 @@ bool StageFem::make_step(TimeScheme kind, double h, FemStepReport& report) {
   if (kind == TimeScheme::kEuler) return make_stage(euler_stage(h), report);
   if (kind == TimeScheme::kBdf2) return make_stage(bdf2_stage(h, now_->stages.h_before), report);
   if (!make_stage(sdirk2_stage(0, h), report)) return false;
-  at_stage_ = loads(u_);
+  at_stage_ = actions_at(u_);
   booking_.at_first = actions(motion_.velocities(u_), at_stage_);
   motion_.keep_stage(u_);
   first_ = u_;
+  first_loads_ = applied_.force();
   return make_stage(sdirk2_stage(1, h), report);
 }
 
@@ -182,7 +200,7 @@ bool StageFem::make_step(TimeScheme kind, double h, FemStepReport& report) {
 bool StageFem::judge(FemStepReport& report) {
   v_ = motion_.velocities(u_);
   end_ = pieces_.motions(u_, v_);
-  at_end_ = loads(u_);
+  at_end_ = actions_at(u_);
   booking_.at_end = actions(v_, at_end_);
   holding_ = Array<double>(u_.rows(), 3);
   potential_.held_gradient(u_.data(), scene_.gravity, holding_.data());

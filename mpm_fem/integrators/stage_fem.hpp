@@ -16,6 +16,7 @@
 
 #pragma once
 
+#include "mpm_fem/integrators/fem_loads.hpp"
 #include "mpm_fem/integrators/stage_motion.hpp"
 #include "mpm_fem/integrators/step_solve.hpp"
 
@@ -52,8 +53,12 @@ class StageFem {
   /// Gradient of Phi at the last state [N], (nodes, 3), 0 at fixed components.
   const Array<double>& residual() const { return solve_.residual(); }
   const Potential& potential() const { return potential_; }
-  /// Displacements at the end of the first stage of the last step of SDIRK2 [m], (nodes, 3).
+  /// Loads at the end of the last step [N], (nodes, 3).
+  const Array<double>& loads() const { return applied_.force(); }
+  /// Displacements at the end of the first stage of the last step of SDIRK2 [m], and loads there [N],
+  /// (nodes, 3).
   const Array<double>& first_stage() const { return first_; }
+  const Array<double>& first_loads() const { return first_loads_; }
 
  private:
   // stage_fem.cpp: the order of a step
@@ -63,6 +68,7 @@ class StageFem {
   void begin_stage(const TimeStage& stage);
   bool make_stage(const TimeStage& stage, FemStepReport& report);
   bool meets_collider(const Array<double>& predicted);
+  bool renew_lags();
   void minimise(double tolerance, Array<double>& u, FemStepReport& report);
   bool make_step(TimeScheme kind, double h, FemStepReport& report);
   bool judge(FemStepReport& report);
@@ -75,7 +81,7 @@ class StageFem {
   void write_ledger(FemStepReport& report);
 
   // stage_balance.cpp: momentum and energy
-  Loads loads(const Array<double>& u);
+  Loads actions_at(const Array<double>& u);
   PieceMotion aim(size_t piece, const PieceMotion& end) const;
   void correct_momentum();
   bool touched(size_t piece) const;
@@ -105,10 +111,11 @@ class StageFem {
   const FemState* now_ = nullptr;  // where it starts
   TimeControl control_;
   bool meets_collider_ = false;      // the last stage was not begun for it
-  Array<double> applied_;            // force on the nodes at the end of the stage [N]
+  FemLoads applied_;                 // at the end of the stage
   Array<double> u_, v_;              // end of the last stage, velocities at the end of the step
   Array<double> holding_;            // forces at the end of the step
   Array<double> first_;              // end of the first stage of SDIRK2
+  Array<double> first_loads_;        // there
   bool guarded_ = false;             // energy was taken from the velocities
   std::vector<PieceMotion> end_;     // the pieces there before velocities are corrected
   Loads at_stage_, at_end_;          // of the first stage of SDIRK2; of the step

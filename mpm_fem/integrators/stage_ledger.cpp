@@ -66,10 +66,10 @@ BodyActions StageFem::actions(const Array<double>& v, const Loads& loads) {
     const Vec3 place = plus(row_of(scene_.mesh.rest, n), row_of(u_, n)), speed = row_of(v, n);
     const Vec3 left = row_of(rest, n), pin = minus(row_of(g, n), left);
     all.gravity.add(with_moment(row_of(solve_.weight(), n), place), 1);
-    all.loads.add(with_moment(row_of(applied_, n), place), 1);
+    all.loads.add(with_moment(row_of(applied_.force(), n), place), 1);
     all.pins.add(with_moment(pin, place), 1);
     all.moved += elastogen::dot(pin, speed);
-    all.loaded += elastogen::dot(row_of(applied_, n), speed);
+    all.loaded += elastogen::dot(row_of(applied_.force(), n), speed);
     all.residual += elastogen::dot(left, speed);
   }
   // contact, and what damping takes

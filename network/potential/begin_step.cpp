@@ -31,8 +31,30 @@ void IncrementalPotential::begin(In<double> positions, const Motion& motion) {
 
 void IncrementalPotential::begin_loads(const State& state, const StepScheme& scheme, bool first) {
   if (!loads_.data()) return;
-  if (first) loads_.begin_step(state.x.data(), state.v.data(), state.time, scheme.end());
-  loads_.set_time(state.time + scheme.end());
+  loads_.begin(state.time + scheme.end(), scheme.response());
+  if (first && loads_.blows()) loads_.start_wind(state.x.data(), state.v.data());
+}
+
+void IncrementalPotential::add_loads_to_predictor(double share) {
+  const double* load = loads_.data();
+  for_each(scene_.grid.node_count(), [&](int64_t n) {
+    for (int64_t k = 3 * n; k < 3 * n + 3 && !is_fixed(n); ++k)
+      predictor_[size_t(k)] += share * load[k] / inertia_[size_t(n)];
+  });
+}
+
+void IncrementalPotential::take_wind(const double* x, const double* v) {
+  add_loads_to_predictor(-1);
+  loads_.take_wind(x, v);
+  add_loads_to_predictor(1);
+  held_.place_pinned(predictor_.data());
+}
+
+void IncrementalPotential::relax_wind() {
+  add_loads_to_predictor(-1);
+  loads_.relax_wind();
+  add_loads_to_predictor(1);
+  held_.place_pinned(predictor_.data());
 }
 
 void IncrementalPotential::begin_step(const State& state, const StepScheme& scheme) {

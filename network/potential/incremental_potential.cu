@@ -81,6 +81,7 @@ void DevicePotential::begin_step(const IncrementalPotential& host) {
   const DeviceArray<double> now(host.now());
   s.held.set_time(host.held().time());
   s.predictor.upload(host.predictor().data());
+  if (s.load.size() > 0) s.load.upload(host.loads().data());
   s.inertia.upload(host.inertia().data());
   s.freeze_rotations(now.data());
   s.rate = rate_of(host.scheme());
@@ -107,6 +108,9 @@ double* DevicePotential::inertia() {
 }
 double* DevicePotential::predictor() {
   return impl_->predictor.data();
+}
+double* DevicePotential::load() {
+  return impl_->load.data();
 }
 void DevicePotential::freeze_rotations(const double* u) {
   impl_->freeze_rotations(u);

@@ -112,7 +112,7 @@ struct DevicePotential::Impl {
         rotation_float(9 * rotation_double.size()),
         rest(grid().rest.data(), grid().rest.size()),
         mass(terms.scene().mass.data(), nodes()),
-        load(terms.scene().load.data(), terms.scene().load.size()),
+        load(NodeLoads(terms.scene()).data(), has_loads(terms.scene()) ? 3 * nodes() : 0),
         inertia(nodes()),
         predictor(3 * nodes()),
         nodal_rotation(nodes()),

@@ -11,7 +11,7 @@
 #pragma once
 
 #include "core/held_nodes.hpp"
-#include "core/loads.hpp"
+#include "core/node_loads.hpp"
 #include "core/state.hpp"
 #include "network/potential/brick_rows.hpp"
 #include "network/potential/local_model.hpp"
@@ -32,9 +32,11 @@ class IncrementalPotential : public PotentialTerms {
   /// Sets scheme and inertia alone, for objects that need only the Hessian at rest.
   void set_scheme(const StepScheme& scheme);
 
-  /// Takes the loads at the end of a step or stage of the scheme, and with `first` the wind at its
-  /// start; before the calls below.
+  /// Takes the loads at the end of a step or stage; before the calls below. Of the first stage the wind
+  /// begins with that at its start.
   void begin_loads(const State& state, const StepScheme& scheme, bool first);
+  void take_wind(const double* x, const double* v);  ///< as NodeLoads, with the predictor
+  void relax_wind();
   const NodeLoads& loads() const { return loads_; }
   /// Sets the predictor, the frozen voxel rotations and the lagged normal forces of friction, all
   /// from the state at the start of the step.
@@ -109,6 +111,7 @@ class IncrementalPotential : public PotentialTerms {
   void fill_weights();
   template <class Motion>
   void begin(In<double> x, const Motion& motion);
+  void add_loads_to_predictor(double share);
   void rotations(const double* u, Zeroed<double>& result);
   void find_strains(const double* u, Zeroed<double>& strains);
   void begin_damping(const State& state, double weight, const double* other);

@@ -61,6 +61,7 @@ class DevicePotential {
   void set_scheme(const StepScheme& scheme);  ///< inertia alone
   double* inertia();                          ///< a0 m / dt^2 [N/m], (nodes)
   double* predictor();                        ///< xhat - X [m], (nodes, 3)
+  double* load();                             ///< [N], (nodes, 3); null: none acts
   /// Finds the frozen rotations from the displacement at the start of the step.
   void freeze_rotations(const double* u);
 

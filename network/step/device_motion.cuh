@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include "core/node_loads.hpp"
 #include "network/step/step_work.hpp"
 
 namespace elastogen::cuda {
@@ -19,6 +20,14 @@ struct Motion {
   __device__ double pull(int64_t k) const {
     return load == nullptr ? gravity[k % 3] : gravity[k % 3] + load[k] / mass[k / 3];
   }
+};
+
+/// Loads that change, which the host makes (device_loads.cu).
+struct HostLoads {
+  explicit HostLoads(const Scene& scene) : now(scene) {}
+  NodeLoads now;
+  Array<double> first;  ///< at the end of SDIRK2's first stage
+  Array<double> x, v;   ///< where the wind is found
 };
 
 /// The largest of what it is given.

@@ -57,8 +57,9 @@ void StepOnDevice::open_ledger(double* now) {
   stages_->open_ledger(now, value.elastic + value.hourglass);
 }
 
-bool StepOnDevice::renew_friction() {
-  return potential().contact() && potential().contact()->renew_lag(quasi_.u());
+void StepOnDevice::keep_stage() {
+  stages_.value().keep_stage(quasi_.u(), certificate_);
+  if (has_changing_loads(scene_)) loads_.first = loads_.now.all();
 }
 
 StageEnd StepOnDevice::end_step(const TimeErrorOptions* options) {
@@ -75,12 +76,15 @@ StageEnd StepOnDevice::end_step(const TimeErrorOptions* options) {
 }
 
 StageData StepOnDevice::stage_data() {
-  if (!stages_) return {};
+  StageData data;
+  if (has_changing_loads(scene_)) data.load = loads_.now.all(), data.first_load = loads_.first;
+  if (!stages_) return data;
   if (first_stage_.empty()) first_stage_ = Array<double>(size() / 3, 3);
   check(cudaMemcpy(first_stage_.data(), stage_machine_->first_stage(),
                    size_t(size()) * sizeof(double), cudaMemcpyDeviceToHost));
   if (DeviceContact* contact = potential().contact()) contact->download_bonds(bonds_);
-  return {first_stage_, bonds_};
+  data.first = first_stage_, data.bonds = bonds_;
+  return data;
 }
 
 /// The velocities of end_step() are those of the state that comes.

@@ -25,9 +25,11 @@ StepOnDevice::StepOnDevice(const PotentialTerms& terms, const EncoderChoice* enc
       gradient_(size()),
       largest_(1),
       pair_sums_(1),
-      numbers_(1) {
+      numbers_(1),
+      loads_(scene_) {
   if (!encoder) paper_.emplace(quasi_, loops);
-  if (pieces_.count() > 0 || has_stages(scene_.scheme) || potential().held().move())
+  if (pieces_.count() > 0 || has_stages(scene_.scheme) || potential().held().move() ||
+      loads_.now.blows())
     v_next_ = DeviceArray<double>(size());
   if (!has_stages(scene_.scheme)) return;
   stage_machine_.emplace(potential());
@@ -231,10 +233,10 @@ struct NextVelocity {
 }  // namespace
 
 bool StepOnDevice::has_velocities() {
-  return in_flight_ || scheme_.is_stage || potential().held().move();
+  return in_flight_ || scheme_.is_stage || potential().held().move() || loads_.now.blows();
 }
 
-/// Velocities that are not those of single nodes, or of holders. In flight they lose what the
+/// Velocities that are not those of single nodes, or of holders, or that wind needs. In flight they lose what the
 /// rounding of positions brings into their mean.
 void StepOnDevice::find_velocities() {
   const Motion m = motion();
@@ -285,6 +287,11 @@ MotionEnergy StepOnDevice::finish() {
   std::swap(x_, quasi_.trial());
   has_before_ = true;
   return numbers_[0].energy;
+}
+
+size_t StepOnDevice::later_bytes() {
+  if (paper_) return 0;
+  return DeviceQuasi::later_bytes(size() / 3) + DeviceNewton::bytes(potential());
 }
 
 DeviceNewton& StepOnDevice::newton_solver() {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The step on the device and the state that stays there, for the files that make it up:
-// predictor.cu (where iterations begin), device_stages.cu (stages), device_step.cu (all else).
+// predictor.cu (where iterations begin), device_stages.cu (stages), device_loads.cu (loads that change),
+// device_step.cu (all else).
 
 #pragma once
 
@@ -63,8 +64,9 @@ class StepOnDevice : public StepWork {
   double least_motion(double interval) override {
     return stages_.value().least_motion(v_.data(), interval);
   }
-  bool renew_friction() override;
-  void keep_stage() override { stages_.value().keep_stage(quasi_.u(), certificate_); }
+  bool renew_lags() override;
+  void relax_wind() override;
+  void keep_stage() override;
   StageEnd end_step(const TimeErrorOptions* options) override;
   StageData stage_data() override;
   MotionEnergy finish() override;
@@ -80,14 +82,13 @@ class StepOnDevice : public StepWork {
   }
 
   /// Most bytes that steps allocate beyond those of the constructor.
-  size_t later_bytes() {
-    if (paper_) return 0;
-    return DeviceQuasi::later_bytes(size() / 3) + DeviceNewton::bytes(potential());
-  }
+  size_t later_bytes();
 
   // called by the above; kernels may not be started from private functions
   DevicePotential& potential() { return quasi_.potential(); }
   Motion motion();
+  void begin_loads();
+  void put_loads();
   void begin_stage();
   void open_ledger(double* now);
   void round_positions();
@@ -125,7 +126,7 @@ class StepOnDevice : public StepWork {
   std::optional<DevicePaper> paper_;
   DevicePieces pieces_;
   DeviceArray<double> x_, v_, x_before_, v_before_;  // the state
-  DeviceArray<double> v_next_;    // in flight, of stages, or where a holder moves
+  DeviceArray<double> v_next_;    // in flight, of stages, in wind, or where a holder moves
   DeviceArray<double> gradient_;  // of the certificate
   DeviceArray<SumScratch<Largest>> largest_;
   DeviceArray<SumScratch<Sums<2>>> pair_sums_;
@@ -134,7 +135,8 @@ class StepOnDevice : public StepWork {
   std::optional<PinnedChunks> chunks_;    // that arrays of the state go through, if any did
   std::unique_ptr<DeviceFrames> frames_;  // where the card has memory for them, else
   std::optional<HostFrames> host_frames_;
-  Array<double> first_stage_, bonds_;                // of stage_data(), on the host
+  Array<double> first_stage_, bonds_;  // of stage_data(), on the host
+  HostLoads loads_;
   std::optional<DeviceStageMachine> stage_machine_;  // where the scene's scheme has some
   std::optional<Stages> stages_;
   StepScheme scheme_;

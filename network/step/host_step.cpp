@@ -276,6 +276,33 @@ void HostStep::filter(double interval, double* y) {
   precise_ ? filter(*precise_, interval, y) : filter(*single_, interval, y);
 }
 
+bool HostStep::renew_lags() {
+  Contact& contact = potential_.contact();
+  const bool rubs = scheme_.is_stage && contact.exists() && contact.renew_lag(u_.data());
+  if (!potential_.loads().blows()) return rubs;
+  if (scheme_.is_stage)
+    stages_.value().velocities(x_.data(), v_.data());
+  else
+    v_ = next_velocities();
+  potential_.take_wind(x_.data(), v_.data());
+  return true;
+}
+
+void HostStep::keep_stage() {
+  stages_.value().keep_stage(u_.data(), certificate_);
+  if (has_changing_loads(scene_)) first_load_ = potential_.loads().all();
+}
+
+StageData HostStep::stage_data() {
+  StageData data;
+  if (has_changing_loads(scene_))
+    data.load = potential_.loads().all(), data.first_load = first_load_;
+  if (!stages_) return data;
+  data.first = {stage_machine_->first_stage(), scene_.grid.node_count(), 3};
+  data.bonds = potential_.contact().bonds();
+  return data;
+}
+
 StageEnd HostStep::end_step(const TimeErrorOptions* options) {
   StageEnd end;
   end.keeps_energy = stages_.value().end_step(x_.data(), u_.data(), certificate_, v_.data());

@@ -55,15 +55,12 @@ class HostStep : public StepWork {
   double least_motion(double interval) override {
     return stages_.value().least_motion(state_->v.data(), interval);
   }
-  bool renew_friction() override {
-    return potential_.contact().exists() && potential_.contact().renew_lag(u_.data());
+  bool renew_lags() override;
+  void relax_wind() override {
+    if (potential_.loads().blows()) potential_.relax_wind();
   }
-  void keep_stage() override { stages_.value().keep_stage(u_.data(), certificate_); }
-  StageData stage_data() override {
-    if (!stages_) return {};
-    return {{stage_machine_->first_stage(), scene_.grid.node_count(), 3},
-            potential_.contact().bonds()};
-  }
+  void keep_stage() override;
+  StageData stage_data() override;
   StageEnd end_step(const TimeErrorOptions* options) override;
   MotionEnergy finish() override;
   void download_gradient(double* gradient) const override {
@@ -111,6 +108,7 @@ class HostStep : public StepWork {
   std::vector<Zeroed<double>> starts_;             // extrapolations, from order 1 on
   Zeroed<double> u_before_shift_;                  // by balance
   Array<double> x_, v_;                            // of the new state; v_ of steps of stages
+  Array<double> first_load_;                       // at the end of SDIRK2's first stage
   std::optional<HostStageMachine> stage_machine_;  // where the scene's scheme has some
   std::optional<Stages> stages_;
   StageCertificate certificate_;  // the last one

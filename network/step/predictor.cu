@@ -8,6 +8,7 @@ namespace elastogen::cuda {
 void StepOnDevice::begin_step(const StepScheme& scheme, double time) {
   scheme_ = scheme;
   time_ = time;
+  begin_loads();
   if (scheme.is_stage) return begin_stage();
   potential().held().set_time(time + scheme.end());
   const Motion m = motion();

@@ -50,7 +50,7 @@ struct Solver::Impl {
   StepReport advance_stages();
   bool make_stage(const TimeStage& stage, StepReport& report);
   bool make_step(TimeScheme kind, double h, StepReport& report);
-  bool solve_with_friction(StepReport& report);
+  bool solve_with_lags(StepReport& report);
   bool judge(StepReport& report);
   void complete(StepReport& report, double end);
   double interval_end() const;
@@ -75,7 +75,7 @@ struct Solver::Impl {
   double h_before = 0;   // of the step before [s]
   double tolerance = 0;  // of the present step
   bool between_intervals = true;
-  bool rubs = false;                // friction acted in the last stage
+  bool lags = false;                // the last solve had friction or wind
   bool meets_collider = false;      // the last stage was not begun for it
   mutable Zeroed<double> gradient;  // of the last certificate, once it was asked for
   mutable bool has_gradient = true;

@@ -12,8 +12,10 @@ namespace {
 
 constexpr double kOfTimeError = 0.01;     // that the solver may leave
 constexpr double kLoosest = 0.3;          // residual
-constexpr int kMostFriction = 20;         // solves of a stage for its friction
-constexpr double kRough = 50;             // by which a solve for given friction lowers a residual
+constexpr int kMostFriction = 20;         // solves for friction,
+constexpr int kMostWind = 40;             // and where wind blows
+constexpr double kRough = 50;             // by which a solve for given ones lowers a residual
+constexpr double kFiner = 0.3;            // by which solves in wind are finer, and every 4th again
 constexpr double kMostGrowth = 2 + 1e-6;  // of BDF2's step over the one before
 
 }  // namespace
@@ -29,6 +31,8 @@ double Solver::Impl::interval_end() const {
   };
   for (const Collider& collider : scene.colliders) stop_at(collider.path);
   for (const Holder& holder : scene.holders) stop_at(holder.path);
+  for (const TimedForce& force : scene.forces) stop_at(force.force);
+  stop_at(scene.wind.velocity);
   return end;
 }
 
@@ -41,12 +45,14 @@ double Solver::Impl::tolerance_of(const TimeStage& stage, double h) {
   return std::max(options.tolerance, std::min(enough, kLoosest));
 }
 
-/// Solves a stage with friction, which depends on normal forces and normals that a solve takes as
-/// given: solves again until it has those of the positions that it ends with. Each solve goes as far
-/// as it pays before they are taken anew. False where a solve was interrupted.
-bool Solver::Impl::solve_with_friction(StepReport& report) {
+/// Solves a step in wind, or a stage with wind and friction, which depends on normal forces and
+/// normals. A solve takes these as given: solves again until it has those of the positions that it ends
+/// with. Each solve goes as far as it pays before they are taken anew. False where a solve was
+/// interrupted.
+bool Solver::Impl::solve_with_lags(StepReport& report) {
   const double wanted = tolerance;
-  bool solved = true, rough = rubs;
+  const bool blows = scene.wind.blows();
+  bool solved = true, rough = lags;
   if (rough) tolerance = std::max(wanted, std::min(kRough * wanted, kLoosest));
   for (int pass = 0; solved; ++pass) {
     const int outer = report.outer, inner = report.inner;
@@ -56,13 +62,17 @@ bool Solver::Impl::solve_with_friction(StepReport& report) {
     report.inner += inner;
     if (!report.finite) break;
     // the certificate is of the friction of the positions that are written
-    rubs = work->renew_friction();
+    lags = work->renew_lags();
     tolerance = wanted;
-    if (rubs) certify(report);
+    if (lags) certify(report);
     report.converged = report.residual <= wanted;
-    if (report.converged || !(rubs || rough) || pass == kMostFriction || budget.spent()) break;
-    tolerance = std::max(wanted, report.residual / kRough);
+    const int most = blows ? kMostWind : kMostFriction;
+    if (report.converged || !(lags || rough) || pass == most || budget.spent()) break;
+    // a residual r of light bodies changes the wind by more than r
+    const double least = blows ? wanted * std::pow(kFiner, 1 + pass / 4) : wanted;
+    tolerance = std::max(least, report.residual / kRough);
     rough = tolerance > wanted;
+    work->relax_wind();
   }
   tolerance = report.tolerance = wanted;
   return solved;
@@ -82,7 +92,7 @@ bool Solver::Impl::make_stage(const TimeStage& stage, StepReport& report) {
   ++report.solves;
   // shorter steps are another way out, but for the shortest
   budget.begin(scene.scheme == TimeScheme::kAuto && control.level() < TimeControl::kMostLevel);
-  solved = solved && solve_with_friction(own);
+  solved = solved && solve_with_lags(own);
   if (own.converged) budget.learn(own.inner);
   // counts add up, of the certificates the worst
   report.outer += own.outer;

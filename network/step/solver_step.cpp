@@ -127,7 +127,8 @@ StepReport Solver::Impl::advance() {
   report.step = steps + 1;
   report.length = scene.dt;
   report.time = double(report.step) * scene.dt;
-  if (!start(report) || !solve(report)) return report;
+  if (!start(report)) return report;
+  if (!(scene.wind.blows() ? solve_with_lags(report) : solve(report))) return report;
   if (report.finite) finish(report);
   report.ms = watch.milliseconds();
   return report;

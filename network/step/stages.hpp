@@ -55,6 +55,8 @@ class Stages {
   void start(int order, double* u);
   int start_count() const { return at_.stage.t_b != 0 ? 3 : 2; }
 
+  /// Velocities at the end of the present stage, where positions are x.
+  void velocities(const double* x, double* v) { machine_.run(TakeVelocities{at_, x, v}); }
   /// Keeps the positions that the first stage of SDIRK2 ended with, and the forces there.
   void keep_stage(const double* u, const StageCertificate& certificate);
   /// Velocities at the end of the step, where positions are x and displacements u.

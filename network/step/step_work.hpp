@@ -88,28 +88,28 @@ class StepWork {
   /// Phi in float64 at u and at u_now.
   virtual double phi() = 0;
   virtual double phi_now() = 0;
-  /// u = u_now.
-  virtual void return_to_now() = 0;
+  virtual void return_to_now() = 0;  ///< u = u_now
 
   // the end
   /// Rounds the new positions from u, u to them, and measures the residual there. Pieces in free
   /// flight get the mean motion of their predictor (free_flight.hpp), unless something touches a
   /// collider or the step is the paper's.
   virtual Certificate certify() = 0;
+  /// Takes wind, and of stages the normal forces and normals of friction, from the positions of the
+  /// certificate, which has to be made again. False: there is neither.
+  virtual bool renew_lags() = 0;
+  virtual void relax_wind() = 0;  ///< then gives the next solve its wind (core/wind_load.hpp)
   // steps of stages (StepScheme::is_stage), where the scene's scheme has some
 
   /// The least motion that counts in an interval, of all pieces [m]: that at their present speed, or
   /// a share of their size.
   virtual double least_motion(double interval) = 0;
-  /// Takes the normal forces and normals of friction from the positions of the certificate, which has
-  /// to be made again. False: there is no friction.
-  virtual bool renew_friction() = 0;
   /// Keeps the positions of the certificate as those of the first stage of a step.
   virtual void keep_stage() = 0;
   /// Velocities of a step whose last stage has its certificate, which finish() takes, and what the
   /// step adds to the time error; null: not asked for.
   virtual StageEnd end_step(const TimeErrorOptions* options) = 0;
-  virtual StageData stage_data() { return {}; }  ///< of the last step, beside the state
+  virtual StageData stage_data() { return {}; }  ///< of the last step
   /// The positions of the certificate and the velocities to them become the state.
   virtual MotionEnergy finish() = 0;
   /// The gradient of the last certificate, (nodes, 3).

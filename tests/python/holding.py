@@ -135,6 +135,16 @@ class Holding:
             mask[part.pinned] = True
         return mask
 
+    def _accelerations(self, step: int, x: Floats) -> Floats:
+        """Of pinned nodes that go with their holders, at the end of a step [m/s^2]."""
+        result, motion = np.zeros_like(x), self.state.holders.motion if self.state.holders else None
+        for h, part in enumerate(self.parts if motion else []):
+            rate, change = motion["rate"][step + 1, h], motion["change"][step + 1, h]
+            arm = x[part.pinned] - motion["centre"][h]
+            turned = np.cross(change, arm) + np.cross(rate, np.cross(rate, arm))
+            result[part.pinned] = turned if motion["turns"][h] else change
+        return result
+
     def offset(self, record: int) -> Floats:
         """What dependent nodes have beside their parent nodes at an entry [m], (nodes, 3)."""
         result = np.zeros_like(self.body.rest)
@@ -190,7 +200,8 @@ class Holding:
 
     def reactions(self, step: int, found: Potential, x: Floats) -> tuple[Floats, Floats]:
         """Force [N] of each holder, and its moment [N m] about the point in the file, both (holders, 3)."""
-        away = found.gradient - found.inertial - self.weighing[:, None] * self.state.gravity
+        pull = self.state.gravity - self._accelerations(step, x)
+        away = found.gradient - found.inertial - self.weighing[:, None] * pull
         lever = self.beyond(x)
         force, moment = np.zeros((2, len(self.parts), 3))
         for h, (part, about) in enumerate(zip(self.parts, self.state.steps["reaction_about"][step])):

@@ -5,8 +5,8 @@
 
 Checked in each step: the residual |grad Phi|_2 / |M g_ref| over the free nodes (the largest of its
 stages), the flag `converged`, the velocity, without contact the time error, the bonds of friction
-that the step leaves, places, velocities and reactions of what is held; once: the layout of the file
-and the nodal masses. Where
+that the step leaves, loads that change, places, velocities and reactions of what is held; once: the
+layout of the file and the nodal masses. Where
 the step says that it was guarded, which takes energy from velocities, these are not checked, and
 the summary says in how many. `--energy-check` adds the recorded energies of these names; others are
 listed as not checked:
@@ -37,6 +37,7 @@ import damping
 import equations
 from equations import Body, Motion, Potential
 from holding import Holding
+from loading import Loading
 from nets import table_error
 from stages import Start, StageStep, find_pieces
 from state_file import SDIRK2, Floats, LayoutError, State, read_state, require
@@ -44,6 +45,7 @@ from state_file import SDIRK2, Floats, LayoutError, State, read_state, require
 RESIDUAL_SHARE, RESIDUAL_FLOOR = 0.05, 1e-6
 VELOCITY_SHARE = 1e-5
 BOND_SHARE = 1e-6
+LOAD_SHARE = 1e-6
 MASS_SHARE = 1e-6
 TABLE_SHARE = 2e-3
 ESTIMATE_SHARE = 0.01
@@ -176,6 +178,21 @@ def check_reactions(holding: Holding, step: int, found: Potential, x: Floats) ->
     return checks
 
 
+def check_loads(loading: Loading, step: int, x: Floats, v: Floats) -> list[Check]:
+    """Largest difference of a component of the load at the end of a step [N] against 0: rounding, and
+    what moves the residual by no more than its own comparison allows of the tolerance.
+
+    @param v  velocities that the scheme gives
+    """
+    if not loading.changes:
+        return []
+    recorded = loading.body_at(step).traction
+    off = float(np.abs(loading.own(step, x, v) - recorded).max())
+    left = RESIDUAL_SHARE * float(loading.state.steps["tolerance"][step]) * loading.state.g_ref
+    return [Check(step, "load", off, 0.0,
+                  LOAD_SHARE * float(np.abs(recorded).max()) + left * float(loading.body.mass.max()))]
+
+
 def check_bonds(step: int, own: Floats, recorded: Floats, x: Floats) -> Check:
     """Largest difference of a component of the slip that is held [m] against 0."""
     slack = ROUND_OFF * float(np.abs(x).max())
@@ -248,7 +265,7 @@ def judge(state: State, with_energies: bool) -> Verdict:
         return judge_stages(state, with_energies)
     body = equations.make_body(state)
     mass_check, factors = check_masses(state)
-    holding = Holding(state, body)
+    holding, loading = Holding(state, body), Loading(state, body)
     checks, own_energies = [mass_check, *check_tables(state)], []
     x_before, v_before = None, None
     x, v = read_record(state, 0)
@@ -256,7 +273,7 @@ def judge(state: State, with_energies: bool) -> Verdict:
     for step, scheme in enumerate(state.steps["scheme"]):
         motion = Motion(x, v, x_before, v_before) if scheme else Motion(x, v)
         x_next, v_next = read_record(state, step + 1)
-        found = equations.potential(body, motion, state.gravity, state.dt, x_next,
+        found = equations.potential(loading.body_at(step), motion, state.gravity, state.dt, x_next,
                                     equations.rotations(body, x))
         k, weight = (state.dt * 2 / 3, -1 / 3) if scheme else (state.dt, 0.0)
         before = damping.base(body, x, weight, motion.x_before)
@@ -269,6 +286,7 @@ def judge(state: State, with_energies: bool) -> Verdict:
         velocity = equations.velocity(motion, x_next, state.dt)
         velocity = np.where(holding.carried[:, None], v_next, velocity)  # checked as held
         checks.append(check_velocity(step, velocity, v_next, velocity_slack(state, x_next, state.dt)))
+        checks += check_loads(loading, step, x_next, v_next)
         own_energies.append(energies(state, body, found, x_next, v_next))
         x_before, v_before, x, v = x, v, x_next, v_next
     return verdict_of(state, checks, own_energies, factors, with_energies)
@@ -279,7 +297,7 @@ def judge_stages(state: State, with_energies: bool) -> Verdict:
     body = equations.make_body(state)
     pieces = find_pieces(state, body)
     mass_check, factors = check_masses(state)
-    holding = Holding(state, body)
+    holding, loading = Holding(state, body), Loading(state, body)
     checks, own_energies = [mass_check, *check_tables(state)], []
     touched: list[bool] = []
     start = Start(*read_record(state, 0))
@@ -294,9 +312,10 @@ def judge_stages(state: State, with_energies: bool) -> Verdict:
         checks += check_reactions(holding, step, own.found, x)
         if state.steps["scheme"][step] == SDIRK2:
             checks += check_stage(holding, step, state.x_stage[step])
+        follows = body.loose | body.dependent[:, None]
+        checks += check_loads(loading, step, x, np.where(follows, own.by_scheme, v))
         if not state.steps["guarded"][step]:
             # those of moved components are no result of the step
-            follows = body.loose | body.dependent[:, None]
             recorded = np.where(follows, v, own.velocity) if state.moved else v
             checks.append(check_velocity(step, own.velocity, recorded,
                                          velocity_slack(state, x, own.k)))

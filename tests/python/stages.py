@@ -20,6 +20,7 @@ import collision
 import damping
 import equations
 from equations import Body, Potential
+from loading import Loading
 from state_file import BDF2, SDIRK2, Floats, Ints, State
 
 SHARE = 1 - 1 / np.sqrt(2)  # of a step that SDIRK2's first stage takes
@@ -249,6 +250,7 @@ class Solved:
     x: Floats
     found: Potential
     velocity: Floats  # by the scheme alone
+    load: Floats  # [N]
     touch: collision.Bonded | None
 
 
@@ -260,6 +262,7 @@ class Step:
     slack: float  # of the residual, by the integration of rotations
     velocity: Floats
     found: Potential  # at its end
+    by_scheme: Floats  # velocity before momentum is set
     k: float  # of its last stage [s]
     bonds: Floats | None  # that it leaves
     rough: float  # estimate of the time error before the filter, without that of contact [m]
@@ -271,6 +274,7 @@ class StageStep:
 
     def __init__(self, state: State, body: Body, pieces: Pieces, step: int, start: Start) -> None:
         self.state, self.body, self.pieces, self.step, self.start = state, body, pieces, step, start
+        self.loading = Loading(state, body)
         self.reference = Reference(body, pieces, start)
         self.R = equations.rotations(body, start.x)
 
@@ -286,7 +290,7 @@ class StageStep:
     def _solved(self, stage: Stage, share: float, x_end: Floats, x_b: Floats | None,
                 v_b: Floats | None) -> Solved:
         """@param x_b, v_b  of the other point; v_b None: that of SDIRK2's first stage"""
-        s, g = stage, self.state.gravity
+        s, g, h = stage, self.state.gravity, float(self.state.steps["length"][self.step])
         z, z_v, z_a = self.reference.at(s.t)
         e_0 = self.start.v - self.reference.at(0.0)[1]
         d_b = e_b = np.zeros_like(z)
@@ -295,19 +299,21 @@ class StageStep:
             d_b = x_b - other[0]
             e_b = d_b / s.k if v_b is None else v_b - other[1]
         xhat = z + s.w_d * d_b + s.w_e * e_b + s.w_0 * e_0 + s.k**2 * (g - z_a)
-        found = equations.potential_about(self.body, 1 / s.k**2, xhat, x_end, self.R)
+        body = self.loading.body_at(self.step, of_stage=s.t < h)
+        found = equations.potential_about(body, 1 / s.k**2, xhat, x_end, self.R)
         before = damping.base(self.body, self.start.x, s.w_v, x_b)
         found = found.with_damping(*damping.damping(self.body, before, s.k, x_end))
         touch = self._touch(share, x_end)
         if touch is not None:
             found = found.with_contact(touch.energy, touch.gradient)
-        return Solved(s, x_end, found, z_v + (x_end - z - s.w_v * d_b) / s.k, touch)
+        velocity = z_v + (x_end - z - s.w_v * d_b) / s.k
+        return Solved(s, x_end, found, velocity, body.traction, touch)
 
     def _loads(self, p: int, solved: Solved) -> tuple[Floats, Floats]:
         """Force on a piece, but for gravity, and its torque about the centre of mass."""
         mine = self.pieces.of == p
         centre = self.body.mass[mine] @ solved.x[mine] / self.pieces.mass[p]
-        f = self.body.traction[mine]
+        f = solved.load[mine]
         force, torque = f.sum(0), np.cross(solved.x[mine] - centre, f).sum(0)
         if solved.touch is not None:
             points = self.pieces.of[solved.touch.nodes] == p
@@ -379,7 +385,7 @@ class StageStep:
         residual = max(equations.residual(self.body, s.found.gradient, self.state.g_ref)
                        for s in (first, last) if s is not None)
         return Step(residual, self._slack(last.stage), self._corrected(first, last), last.found,
-                    last.stage.k,
+                    last.velocity, last.stage.k,
                     last.touch.bonds if last.touch is not None else None,
                     self._rough(first, last, v_end),
                     any(s.touch is not None and bool(np.any(s.touch.force)) for s in (first, last) if s))

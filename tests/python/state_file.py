@@ -8,6 +8,7 @@ the positions and velocities of every step. Shapes are written with the letters
     records          T + 1, entry 0 is the start
     points           of the surface              colliders  of a run with contact
     followers        nodes that depend on others holders    what pins and moves nodes
+    facets           of the surface in wind      forces     that change in time
 
 Runs whose steps are made by stages (time_scheme sdirk2, auto) have the datasets of STAGES too.
 """
@@ -21,7 +22,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from state_layout import LayoutError, check_layout, number, require, text
+from state_layout import MOTION, LayoutError, check_layout, number, require, text
 
 __all__ = ["LayoutError", "require"]  # besides what is defined here
 
@@ -87,6 +88,7 @@ class Holders:
     of_node: Ints  # (nodes,), -1: free
     offset: Floats | None = None  # (records, followers, 3) [m]; None: none moves followers
     of_component: Ints | None = None  # (nodes, 3), -1: not held along the axis; None: nothing is
+    motion: dict[str, NDArray[Any]] | None = None  # the datasets of MOTION; None: none moves
 
     def rests(self, holder: int) -> bool:
         """Whether the option that it is named after is no move."""
@@ -114,6 +116,11 @@ class State:
     x_stage: h5py.Dataset | None = None  # of STAGES
     moved: bool = False  # prescribed components follow a motion
     holders: Holders | None = None
+    # of LOADS, where loads change; the datasets of FORCES; the group of WIND
+    load: h5py.Dataset | None = None
+    load_stage: h5py.Dataset | None = None
+    forces: dict[str, NDArray[Any]] | None = None
+    wind: h5py.Group | None = None
 
     @property
     def is_network(self) -> bool:
@@ -316,7 +323,20 @@ def _read_holders(file: h5py.File, grid: dict[str, NDArray[Any]], steps: dict[st
         require(np.isfinite(steps[name]).all(), f"/steps/{name} has values that are not finite")
         idle = np.setdiff1d(np.arange(len(names)), of_node if component is None else np.append(of_node, component))
         require((steps[name][:, idle] == 0).all(), f"/steps/{name} is not 0 of what holds no node")
-    return Holders(names, of_node, offset, component)
+    motion = {name: group[name][()] for name in MOTION} if "rate" in group else None
+    require(motion is None or all(np.isfinite(values).all() for values in motion.values()),
+            "/holders: a motion has values that are not finite")
+    return Holders(names, of_node, offset, component, motion)
+
+
+def _read_forces(file: h5py.File) -> dict[str, NDArray[Any]] | None:
+    """/forces; None where there is none."""
+    if "forces" not in file:
+        return None
+    forces = {name: node[()] for name, node in file["forces"].items()}
+    require(all(np.isfinite(values).all() for values in forces.values()), "/forces has values that are not finite")
+    require(np.allclose(forces["share"].sum(1), 1, rtol=0, atol=1e-9), "/forces/share must sum to 1")
+    return forces
 
 
 def read_state(file: h5py.File) -> State:
@@ -333,11 +353,12 @@ def read_state(file: h5py.File) -> State:
     materials = _read_materials(file)
     grid = {name: node[()] for name, node in file["grid"].items()}
     steps = {name: node[()] for name, node in file["steps"].items() 
-             if name not in ("x", "v", "x_stage")}
+             if name not in ("x", "v", "x_stage", "load", "load_stage")}
     _check_voxels(grid, len(materials), numbers["h"])
     _check_steps(steps, words["time_scheme"], numbers["dt"])
     return State(words, numbers["h"], numbers["dt"], gravity.astype(float), numbers["g_ref"],
                  numbers["tolerance"], materials, grid, steps, file["steps"]["x"],
                  file["steps"]["v"], _read_contact(file, len(grid["corners"])),
                  _read_nets(file, len(materials)), file["steps"].get("x_stage"),
-                 bool(file.attrs.get("moved", 0)), _read_holders(file, grid, steps))
+                 bool(file.attrs.get("moved", 0)), _read_holders(file, grid, steps),
+                 file["steps"].get("load"), file["steps"].get("load_stage"), _read_forces(file), file.get("wind"))

@@ -58,6 +58,16 @@ MESH_ERRORS: dict[str, tuple[str, Shape]] = {  # also in /steps, where frames ge
     "mesh_error_largest": ("f8", ("steps",)),
     "mesh_error_trusted": ("u1", ("steps",)),
 }
+LOADS: dict[str, tuple[str, Shape]] = {  # also in /steps, where loads change; of stages the second too
+    "load": ("f8", ("steps", "nodes", 3)), "load_stage": ("f8", ("steps", "nodes", 3)),
+}
+FORCES: dict[str, tuple[str, Shape]] = {
+    "share": ("f8", ("forces", "nodes")), "force": ("f8", ("steps", "forces", 3)),
+}
+WIND: dict[str, tuple[str, Shape]] = {
+    "voxel": ("i4", ("facets",)), "weights": ("f8", ("facets", 8)), "area": ("f8", ("facets", 3)),
+    "velocity": ("f8", ("steps", 3)),
+}
 REACTIONS: dict[str, tuple[str, Shape]] = {  # also in /steps, of the network where something is held
     "reaction_force": ("f8", ("steps", "holders", 3)),
     "reaction_moment": ("f8", ("steps", "holders", 3)),
@@ -67,6 +77,10 @@ HOLDERS: dict[str, tuple[str, Shape]] = {"name": ("S", ("holders",)), "of_node":
 # also in /holders, where it is needed
 MORE_OF_HOLDERS: dict[str, tuple[str, Shape]] = {"offset": ("f8", ("records", "followers", 3)),
                                                  "of_component": ("i4", ("nodes", 3))}
+MOTION: dict[str, tuple[str, Shape]] = {  # also in /holders, where one moves
+    "turns": ("u1", ("holders",)), "centre": ("f8", ("holders", 3)),
+    "rate": ("f8", ("records", "holders", 3)), "change": ("f8", ("records", "holders", 3)),
+}
 ENERGY: tuple[str, Shape] = ("f", ("steps",))
 CONTACT: dict[str, tuple[str, Shape]] = {
     "voxel": ("i4", ("points",)),
@@ -134,8 +148,14 @@ def _tables(file: h5py.File) -> dict[str, dict[str, tuple[str, Shape]]]:
         "grid": GRID | {name: BOUNDARY[name] for name in BOUNDARY if name in file["grid"]},
         "steps": STEPS | (STAGES if stages else {}) | energies,
         "contact": CONTACT | ({"bonds": BONDS} if stages else {}),
+        "forces": FORCES,
+        "wind": WIND,
         "holders": HOLDERS | {name: what for name, what in MORE_OF_HOLDERS.items() if name in file.get("holders", ())},
     }
+    if {"forces", "wind"} & set(file):
+        tables["steps"] = tables["steps"] | (LOADS if stages else {"load": LOADS["load"]})
+    if set(MOTION) & set(file.get("holders", ())):
+        tables["holders"] = tables["holders"] | MOTION
     if set(DEPENDENT) & set(file["grid"]):
         tables["grid"] = tables["grid"] | DEPENDENT
     if stages and int(file.attrs["version"]) >= 5:
@@ -149,8 +169,8 @@ def _tables(file: h5py.File) -> dict[str, dict[str, tuple[str, Shape]]]:
 
 
 def check_layout(file: h5py.File) -> None:
-    """Names, types and shapes of the groups `grid`, `steps` and, if they are there, `contact` and `holders`."""
-    places = {"grid", "steps"} | {"contact", "holders"} & set(file)
+    """Names, types and shapes of the groups `grid`, `steps` and of others, if they are there."""
+    places = {"grid", "steps"} | {"contact", "holders", "forces", "wind"} & set(file)
     _check_names(set(file), {"materials"} | places | ({"nets"} & set(file)), "/")
     for place in sorted(places):
         require(isinstance(file[place], h5py.Group), f"/{place} must be a group")

@@ -125,16 +125,48 @@ class Moves(unittest.TestCase):
                 ("no face of the body", ("--traction", "x>200%: 1,0,0 N")),
                 ("no node of the grid", ("--force", "x>200%: 1,0,0 N")),
                 ("must end as it begins", ("--move", "x>90%: shift loop 0:0,0,0; 1:1,0,0")),
-                ("--state does not hold", ("--wind", "1,0,0", "--state", self.folder / "a.h5")),
-                ("no holds along single axes", ("--solver", "paper", "--hold", "all: y"))):
+                ("no holds along single axes", ("--solver", "paper", "--hold", "all: y")),
+                ("knows no wind", ("--solver", "paper", "--wind", "1,0,0"))):
             done = animate(self.source, output, "--voxels", 8, "--frames", 1, *options)
             self.assertEqual(done.code, 2, (words, done.err))
             self.assertIn(words, done.err)
             self.assertFalse(output.exists())
-        done = run("simulate", self.source, "--voxels", 4, "--frames", 1, "--wind", "1,0,0", "-o",
+        done = run("simulate", self.source, "--voxels", 4, "--static", "--pin", "x<7%", "--wind", "1,0,0", "-o",
                    output, "--quiet")
         self.assertEqual(done.code, 2)
-        self.assertIn("feel no wind", done.err)
+        self.assertIn("no equilibrium in wind", done.err)
+
+    def test_options_that_a_solver_lacks_are_refused_before_the_asset_is_read(self) -> None:
+        for options in (("--hold", "all: y"), ("--wind", "1,0,0")):
+            done = run("animate", self.folder / "none.obj", "--solver", "paper", "-o",
+                       self.folder / "a.pc2", *options)
+            self.assertEqual(done.code, 2, done.err)
+            self.assertIn(options[0], done.err)
+
+    def test_a_run_ends_where_a_part_that_is_moved_meets_a_floor(self) -> None:
+        # the end reaches the floor, 0.15 m below the bar, at 0.3 s; the grid fits the pin and not the move
+        output = self.folder / "a.pc2"
+        for verb, more in (("animate", ()), ("simulate", ("--element", "voxel")),
+                           ("simulate", ("--element", "tet4"))):
+            done = run(verb, self.source, *GRID, "--frames", 30, "--fps", 30, "--pin", "x<7%", "--move",
+                       "x>93%: shift 0:0,0,0; 1:0,-50cm,0", "--floor", "y=-0.25", "-o", output, *more)
+            self.assertNotEqual(done.code, 0, done.err)
+            self.assertIn("floor", done.err)
+            self.assertIn("--move 'x>93%", done.err)
+            frames = int(np.frombuffer(output.read_bytes()[28:32], np.int32)[0])
+            self.assertIn(frames, (9, 10), done.err)  # with the rest frame, and the layer of the contact
+            output.unlink()
+
+    def test_paper_says_how_far_behind_borders_nodes_hold(self) -> None:
+        # planes of nodes every 55 mm from the pin's on; the move's border is 0.344 m from it
+        done = animate(self.source, self.folder / "a.pc2", *GRID, "--frames", 1, "--solver", "paper",
+                       "--pin", "x<7%", "--move", "x>93%: shift 0:0,0,0; 1:0,1cm,0")
+        self.assertIn("--move 'x>93%", done.err)
+        self.assertIn("0.041 m (0.75 voxels) too far back", done.err)
+
+    def test_gusts_move_the_network_as_they_do_finite_elements(self) -> None:
+        self.check_same("--pin", "x<7%", "--density", 60, "--wind", "0:0,0,0; 0.1:2,9,0; 0.3:0,4,8",
+                        "--force", "x>90%: 0:0,0,0; 0.05:0,0,0.3; 0.15:0,0,0")
 
 
 if __name__ == "__main__":

@@ -141,12 +141,23 @@ def held_runs() -> Case:
 
 
 def loaded_runs() -> Case:
-    """Runs of the network with tractions, one of them of a body that nothing holds."""
+    """Runs with tractions, forces in time and wind, some of them of a body that nothing holds."""
+    gusts = ("--wind", "0:0,0,0; 0.03:3,9,0; 0.1:0,2,6", "--density", "60")
     return {
+        "thrown into gusts": (*THROWN, *gusts),
+        "in gusts, under a force in time, moved at a border that cuts voxels": (
+            *HELD, *gusts, "--move", "x>92%: turn(0,0,0, 1,0.3,0.2) ease 0:0; 0.2:60deg", "--force",
+            "z<-1cm: 0:0,0,0; 0.03:0.2,0,0.5; 0.09:0,0,0", "--traction", "z<-3cm: 0.05,-0.02,0.1"),
+        "under a force in time": (*THROWN, "--force", "all: 0:0,0,0; 0.05:0,3,1"),
         "pulled in flight": (*THROWN, "--traction", "z<-3cm: 0.5,-0.2,1"),
         "pulled and moved": (*HELD, "--move", "x>92%: shift 0:0,0,0; 0.1:0,1cm,1cm", "--traction",
                              "z<-3cm: 0.5,-0.2,1"),
     }
+
+
+def soft(options: tuple[str, ...]) -> tuple[str, ...]:
+    """SOFT, with the density of the options where they have one."""
+    return SOFT[:4] if "--density" in options else SOFT
 
 
 class Runs(unittest.TestCase):
@@ -232,7 +243,7 @@ class Runs(unittest.TestCase):
                 with self.subTest(f"{name}, {scheme}"):
                     verdict, _ = self.judged("animate", "--voxels", 12, "--frames", 4, "--time-scheme", scheme,
                                              *(() if scheme == "auto" else ("--substeps", 1)), "--analytic",
-                                             *SOFT, *more, *options)
+                                             *soft(options), *more, *options)
                     self.assertFalse(verdict.disagreements,
                                      referee.summary(verdict) + "\n" + referee.table(verdict))
                     self.assertEqual(verdict.unchecked, [])
@@ -246,6 +257,33 @@ class Runs(unittest.TestCase):
 
     def test_loads_of_the_network_are_what_the_file_says(self) -> None:
         self.check_in_all_schemes(loaded_runs())
+
+    def test_loads_of_finite_elements_are_what_the_file_says(self) -> None:
+        for name, options in loaded_runs().items():
+            for scheme in ("euler", "bdf2", "sdirk2", "auto"):
+                with self.subTest(f"{name}, {scheme}"):
+                    verdict, _ = self.judged("simulate", "--voxels", 8, "--frames", 3, "--time-scheme", scheme,
+                                             *(() if scheme == "auto" else ("--substeps", 1)), *soft(options), *options)
+                    self.assertFalse(verdict.disagreements,
+                                     referee.summary(verdict) + "\n" + referee.table(verdict))
+
+    def test_loads_count_each_for_itself(self) -> None:
+        """Without the load residuals are others; without wind or forces the load is."""
+        state = self.path / "loads.h5"
+        options = loaded_runs()["in gusts, under a force in time, moved at a border that cuts voxels"]
+        for verb, scheme in (("animate", "sdirk2"), ("simulate", "bdf2")):
+            done = run(verb, self.source, "-o", self.path / "out.glb", "--quiet", "--voxels", 10, "--frames", 4,
+                       "--substeps", 1, "--time-scheme", scheme, "--state", state, *soft(options), *options)
+            self.assertEqual(done.code, 0, done.err)
+            with h5py.File(state) as file, np.errstate(all="ignore"):
+                read = read_state(file)
+                self.assertFalse(referee.judge(read, False).disagreements)
+                still = {"force": 0 * read.forces["force"], "share": read.forces["share"]}
+                for wrong, quantity in ((replace(read, load=None, load_stage=None), "residual"),
+                                        (replace(read, load=np.roll(read.load[()], 1, axis=0)), "residual"),
+                                        (replace(read, forces=still), "load"), (replace(read, wind=None), "load")):
+                    found = referee.judge(wrong, False).disagreements
+                    self.assertIn(quantity, {check.quantity for check in found})
 
     def test_reactions_bring_what_momentum_lacks_and_stand_in_log_and_report(self) -> None:
         """By Newton's law, from masses and velocities alone; steps of implicit Euler."""

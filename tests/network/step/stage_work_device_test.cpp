@@ -58,7 +58,7 @@ StageSaid make_stage(StepWork& work, const Scene& scene, const StepScheme& schem
   for (size_t k = 0; k < u.size(); ++k) u[k] += scene.pinned(int64_t(k / 3)) ? 0 : more[k];
   work.upload_u(u.data());
   work.certify();
-  said.rubs = work.renew_friction();
+  said.rubs = work.renew_lags();
   said.certificate = work.certify();
   said.gradient.resize(u.size());
   work.download_gradient(said.gradient.data());
