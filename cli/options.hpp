@@ -18,8 +18,8 @@ namespace elastogen {
 
 /// A run, and options of the command itself.
 struct AnimateOptions : RunDescription {
-  PictureOptions picture;   ///< for .png
-  bool strict = false;      ///< warnings are errors
+  PictureOptions picture;    ///< for .png
+  bool strict = false;       ///< warnings are errors
   bool strict_time = false;  ///< exit code 4 for frames above the time error
   bool quiet = false;
   bool print_resolved = false;  ///< print the resolved scene instead of running it

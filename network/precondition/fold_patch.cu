@@ -106,6 +106,20 @@ SmootherStep smooth(const FoldView& v, const FoldSmoother& smoother, float* z, f
   return {v, z, smoother.keep[step], smoother.add[step]};
 }
 
+/// Inverses of the diagonal blocks of H.
+void find_inverses(const FoldView& v, float* inverse) {
+  cuda::for_each(v.count, [=] __device__(int64_t row) {
+    int32_t number = v.begin[row];
+    while (v.columns[number] != row) ++number;
+    Mat3<double> D;
+    for (int k = 0; k < 9; ++k) D.m[k] = double(v.blocks[9 * int64_t(number) + k]);
+    const Mat3<double> found = elastogen::inverse(D);
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j)
+        inverse[9 * row + 3 * i + j] = float((found(i, j) + found(j, i)) / 2);
+  });
+}
+
 /// Sets the bound by the power method on D^-1 H, as FoldPatch does. x and y: (count, 3); x has 0 at
 /// places beyond.
 void find_bound(const FoldView& v, SumScratch<Sums<1>>* sums, float* x, float* y, double* bound) {
@@ -236,7 +250,7 @@ void DeviceFoldPatch::assemble() {
   const double* inertia = s.potential.inertia();
   const FrozenStiffness contact =
       s.potential.contact() ? s.potential.contact()->frozen_stiffness() : FrozenStiffness{};
-  float *blocks = s.blocks.data(), *inverse = s.inverse.data();
+  float* blocks = s.blocks.data();
   cuda::for_each(s.transposed.size(), [=] __device__(int64_t t) {
     const auto [row, number] = v.transposed[t];
     const int32_t column = v.columns[number];
@@ -255,17 +269,7 @@ void DeviceFoldPatch::assemble() {
     contact.add(v.reached[row], v.reached[column], sum);
     for (int k = 0; k < 9; ++k) blocks[9 * int64_t(number) + k] = sum[k];
   });
-  // inverses of the diagonal blocks
-  cuda::for_each(s.count(), [=] __device__(int64_t row) {
-    int32_t number = v.begin[row];
-    while (v.columns[number] != row) ++number;
-    Mat3<double> D;
-    for (int k = 0; k < 9; ++k) D.m[k] = double(blocks[9 * int64_t(number) + k]);
-    const Mat3<double> found = elastogen::inverse(D);
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j)
-        inverse[9 * row + 3 * i + j] = float((found(i, j) + found(j, i)) / 2);
-  });
+  find_inverses(v, s.inverse.data());
   find_bound(v, s.sums.data(), s.z[0].data(), s.d.data(), s.bound.data());
 }
 
