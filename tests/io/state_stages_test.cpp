@@ -34,7 +34,7 @@ class StateStagesTest : public StateWriterTest {
   void write_stages(const Scene& of) {
     StateWriter writer(path, of, header, state_at(0));
     for (int step = 1; step <= kSteps; ++step)
-      writer.step(state_at(step), report(step), nullptr, {first(step), bonds(step)});
+      writer.step(state_at(step), report(step), nullptr, {first(step), bonds(step), {}, {}});
     writer.finish();
     open();
   }
@@ -126,8 +126,8 @@ TEST_F(StateStagesTest, LengthAndToleranceAreThoseOfTheRunWhereAStepNamesNone) {
 TEST_F(StateStagesTest, RefusesArraysOfOtherSizes) {
   StateWriter writer(path, scene, header, state_at(0));
   const Array<double> few(kNodes - 1, 3);
-  EXPECT_THROW(writer.step(state_at(1), report(1), nullptr, {few, bonds(1)}), Error);
-  EXPECT_THROW(writer.step(state_at(1), report(1), nullptr, {first(1), few}), Error);
+  EXPECT_THROW(writer.step(state_at(1), report(1), nullptr, {few, bonds(1), {}, {}}), Error);
+  EXPECT_THROW(writer.step(state_at(1), report(1), nullptr, {first(1), few, {}, {}}), Error);
   EXPECT_THROW(writer.step(state_at(1), report(1)), Error);  // two stages, but not the first one
 }
 
