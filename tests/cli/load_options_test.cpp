@@ -28,11 +28,9 @@ TEST(LoadOptions, BothVerbsTakeHoldsMovesAndLoads) {
                     ErrorKind::kUsage),
                 option);
   }
-  // wind is the other way round
-  EXPECT_NO_THROW(animate_options({"a.obj", "-o", "a.glb", "--wind", "1,0,0"}));
-  EXPECT_THROW(simulate_options({"a.obj", "-o", "a.glb", "--wind", "1,0,0"}), Error);
-  expect_says(refusal({"a.obj", "-o", "a.glb", "--wind", "1,0,0", "--state", "s.h5"}),
-              "--state does not hold");
+  // wind too, and state files have it
+  EXPECT_NO_THROW(animate_options({"a.obj", "-o", "a.glb", "--wind", "1,0,0", "--state", "s.h5"}));
+  EXPECT_NO_THROW(simulate_options({"a.obj", "-o", "a.glb", "--wind", "1,0,0"}));
   const std::string scene = folder.write("s.toml", "[[hold]]\nselect = 'all'\naxes = 'x'\n");
   const AnimateOptions held = animate_options({"a.obj", "-o", "a.glb", "--scene", scene});
   ASSERT_EQ(held.holds.size(), 1u);
