@@ -91,8 +91,7 @@ bool Solver::Impl::solve(StepReport& report) {
   const double target = 0.95 * tolerance * force;
   const bool is_paper = mode == SolverMode::kPaper;
   IterationResult result = choose(target, report.step);
-  if (!result.converged && !is_paper && !stopped())
-    result = sum(result, retreat(target));
+  if (!result.converged && !is_paper && !stopped()) result = sum(result, retreat(target));
   report.interrupted = options.interrupted();
   if (report.interrupted) return false;
   certify(report);
