@@ -14,13 +14,14 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import os
 import platform
 import re
 import subprocess
 import sys
 import tempfile
 import time
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -86,8 +87,9 @@ def drop(arguments: argparse.Namespace, asset: Path, options: list[str]) -> tupl
         log, report = Path(folder) / "log", Path(folder) / "report"
         begin = time.monotonic()
         code = subprocess.run([arguments.command, "animate", asset, *options, "--device", arguments.device,
-                               "--frames", str(arguments.frames), "--quiet", "--log-json", log, "--report", report,
-                               "-o", Path(folder) / "x.pc2"], check=False, stderr=subprocess.DEVNULL).returncode
+                               "--frames", str(arguments.frames), "--quiet",
+                               "--threads", str(max(1, (os.cpu_count() or 1) // arguments.jobs)),
+                               "--log-json", log, "--report", report, "-o", Path(folder) / "x.pc2"], check=False, stderr=subprocess.DEVNULL).returncode
         return (code, [json.loads(line) for line in log.read_text().splitlines()], json.loads(report.read_text()),
                 time.monotonic() - begin)
 
@@ -149,13 +151,16 @@ def main() -> int:
     parser.add_argument("--json", type=Path)
     arguments = parser.parse_args()
     free = FreeSteps(arguments.command)
-    rows = []
+    rows: dict[int, Row] = {}
     with ThreadPoolExecutor(arguments.jobs) as pool:
-        cases = product(arguments.names, arguments.materials, arguments.floors, arguments.voxels)
-        for row in pool.map(lambda case: measure(arguments, free, case), cases):
-            rows.append(row)
+        cases = product(arguments.voxels, arguments.names, arguments.materials, arguments.floors)
+        runs = {pool.submit(measure, arguments, free, (name, material, floor, voxels)): k
+                for k, (voxels, name, material, floor) in enumerate(cases)}
+        for run in as_completed(runs):
+            row = rows[runs[run]] = run.result()
             if arguments.json:  # what is there where the rest takes too long
-                arguments.json.write_text(json.dumps({"header": header(arguments.command), "rows": rows}, indent=1) + "\n")
+                done = {"header": header(arguments.command), "rows": [rows[k] for k in sorted(rows)]}
+                arguments.json.write_text(json.dumps(done, indent=1) + "\n")
             print(" ".join(f"{value:.3g}" if isinstance(value, float) else str(value) for value in row.values()),
                   flush=True)
     return 0

@@ -67,6 +67,7 @@ class Clip {
     report_.stage_seconds.write += watch.seconds();
     report_.converged_share = report_.steps > 0 ? double(converged_) / double(report_.steps) : 1;
     if (solved_ < report_.steps) raise(ClipEnd::kDraft);
+    if (!why_draft_.empty()) report_.warnings.push_back(why_draft_);
     if (report_.min_j <= 0) {
       report_.warnings.push_back(fmt::format("a voxel is inverted: min J = {:.3g}", report_.min_j));
       raise(ClipEnd::kDraft);
@@ -199,11 +200,19 @@ class Clip {
     steps_outside_ += r.outside_fit > 0;
     report_.step_ms.push_back(r.ms);
     work_.push_back(r.inner);
-    if (!r.converged && !r.refusal.empty()) report_.warnings.push_back(r.refusal);
+    if (!r.converged && !r.refusal.empty()) note_draft(r);
     // files
     if (log_) log_->write(frame, r, stepper_->cloud());
     if (state_file_) keep_state(r);
     if (hooks_.on_step) hooks_.on_step(r);
+  }
+
+  /// Of all drafts the one that missed its tolerance by most is told of.
+  void note_draft(const StepReport& r) {
+    const double missed = r.residual / std::max(r.tolerance, 1e-300);
+    if (missed <= worst_draft_) return;
+    worst_draft_ = missed;
+    why_draft_ = r.refusal;
   }
 
   void keep_state(const StepReport& r) {
@@ -255,8 +264,10 @@ class Clip {
   std::unique_ptr<Stepper> stepper_;
   ClipFrames frames_;
   FrameMeshError mesh_;
-  int64_t converged_ = 0;      ///< steps
-  int64_t solved_ = 0;         ///< steps whose residual is as asked for, whatever their time error
+  int64_t converged_ = 0;    ///< steps
+  int64_t solved_ = 0;       ///< steps whose residual is as asked for, whatever their time error
+  double worst_draft_ = -1;  ///< residual over its tolerance, and what is to be said of it
+  std::string why_draft_;
   int64_t steps_outside_ = 0;  ///< steps in which voxels were outside the box of their nets
   std::vector<double> work_;   ///< inner iterations of the steps
   Stopwatch watch_;            ///< of the steps

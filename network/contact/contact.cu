@@ -207,7 +207,7 @@ void DeviceContact::add_hessian_product(const T* p, T* f) {
 }
 
 NodalStiffness DeviceContact::nodal_stiffness(const Quaternion<float>* rotation,
-                                              const uint8_t* pinned) {
+                                              const uint8_t* pinned, const double* share) {
   const GatherView g = impl_->at_free.view();
   const double* frozen = impl_->frozen.data();
   double* to = impl_->blocks.data();
@@ -223,7 +223,7 @@ NodalStiffness DeviceContact::nodal_stiffness(const Quaternion<float>* rotation,
       for (int j = 0; j < 3; ++j) K(i, j) = sum[symmetric_place(i, j)];
     const Mat3<double> turned = transposed_times(R, K * R);
     for (int i = 0; i < 3; ++i)
-      for (int j = i; j < 3; ++j) to[6 * s + symmetric_place(i, j)] = turned(i, j);
+      for (int j = i; j < 3; ++j) to[6 * s + symmetric_place(i, j)] = *share * turned(i, j);
   });
   return {g.nodes, to, g.count};
 }

@@ -78,10 +78,12 @@ class DeviceContact {
   /// Adds the frozen Hessian times p to f.
   template <class T>
   void add_hessian_product(const T* p, T* f);
-  /// Row sums of the frozen stiffness in the nodes' frames, 0 at dependent nodes.
+  /// Row sums of the frozen stiffness in the nodes' frames, times a share; 0 at dependent nodes.
   /// @param rotation  (nodes)
   /// @param pinned    NodeKind, (nodes)
-  NodalStiffness nodal_stiffness(const Quaternion<float>* rotation, const uint8_t* pinned);
+  /// @param share     a number on the device
+  NodalStiffness nodal_stiffness(const Quaternion<float>* rotation, const uint8_t* pinned,
+                                 const double* share);
   /// The frozen stiffness between nodes, for kernels.
   FrozenStiffness frozen_stiffness();
   /// The nodes of nodal_stiffness, on the host.

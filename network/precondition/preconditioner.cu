@@ -16,6 +16,7 @@ DevicePreconditioner::DevicePreconditioner(DevicePotential& potential, const Enc
     : potential_(potential),
       multigrid_(potential),
       z_(3 * potential.nodes()),
+      share_(std::vector<double>{1}),
       built_with_(inertia_over_mass(potential.terms().scheme())),
       used_(built_with_) {
   const Scene& scene = potential.terms().scene();
@@ -55,17 +56,20 @@ void DevicePreconditioner::take_contact() {
   in_contact_ = contact->is_stiff();
   use_added();
   if (in_contact_)
-    update_graph_.run(
-        [&] { add(contact->nodal_stiffness(potential_.nodal_rotation(), potential_.pinned())); });
+    update_graph_.run([&] {
+      add(contact->nodal_stiffness(potential_.nodal_rotation(), potential_.pinned(),
+                                   share_.data()));
+    });
   else if (other_inertia_)
     add({});
 }
 
 void DevicePreconditioner::update_inertia(const StepScheme& scheme) {
   constexpr double kNear = 0.1;  // enough for a preconditioner
-  // damping: as Preconditioner::update_inertia; contact keeps its stiffness, which is far higher
-  const double stiffer = 1 + potential_.terms().beta(rate_of(scheme));
-  scale_ = float(1 / stiffer);
+  // damping: as Preconditioner::update_inertia
+  const double stiffer = 1 + potential_.terms().beta(rate_of(scheme)), share = 1 / stiffer;
+  if (float(share) != scale_) share_.upload(&share);
+  scale_ = float(share);
   const double wanted = inertia_over_mass(scheme) / stiffer;
   if (std::abs(wanted / used_ - 1) < kNear) return;
   used_ = std::abs(wanted / built_with_ - 1) < kNear ? built_with_ : wanted;

@@ -91,6 +91,7 @@ class DevicePreconditioner {
   std::optional<DeviceEncoder<float>> encoder_;
   DeviceBranch branch_;  // the encoder runs on it beside the coarse levels
   DeviceArray<float> z_;
+  DeviceArray<double> share_;            // scale_, of the stiffness of contact
   DeviceArray<float> turned_, encoded_;  // input and output of the encoder
   DeviceGraph graph_, added_graph_, update_graph_;
   double built_with_, used_;  // a0 / dt^2 [1/s^2]

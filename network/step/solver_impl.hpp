@@ -44,6 +44,11 @@ struct Solver::Impl {
   IterationResult retreat(double target);
   bool solve(StepReport& report);
   void certify(StepReport& report);
+  Span<const double> residual() const;
+  /// What was solved did not converge; the published algorithm does not aim at that.
+  bool is_draft(const StepReport& r) const {
+    return r.finite && !r.converged && !r.interrupted && mode != SolverMode::kPaper;
+  }
   void finish(StepReport& report);
 
   // steps of stages (solver_stages.cpp)

@@ -2,6 +2,7 @@
 // Steps of stages: SDIRK2 at a fixed length, and `auto`, whose steps follow their time error.
 #include "core/constants.hpp"
 #include "core/stopwatch.hpp"
+#include "network/step/draft.hpp"
 #include "network/step/solver_impl.hpp"
 
 #include <algorithm>
@@ -94,6 +95,7 @@ bool Solver::Impl::make_stage(const TimeStage& stage, StepReport& report) {
   budget.begin(scene.scheme == TimeScheme::kAuto && control.level() < TimeControl::kMostLevel);
   solved = solved && solve_with_lags(own);
   if (own.converged) budget.learn(own.inner);
+  if (is_draft(own)) own.refusal = why_draft(scene, own, residual());
   // counts add up, of the certificates the worst
   report.outer += own.outer;
   report.inner += own.inner;

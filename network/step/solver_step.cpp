@@ -2,6 +2,7 @@
 // A step on either machine: where it starts, how it is solved, how it ends.
 #include "core/error.hpp"
 #include "core/stopwatch.hpp"
+#include "network/step/draft.hpp"
 #include "network/step/predictor.hpp"
 #include "network/step/solver_impl.hpp"
 
@@ -85,6 +86,13 @@ void Solver::Impl::certify(StepReport& report) {
   report.outside_fit = value.outside;
 }
 
+/// The gradient of the last certificate, (nodes, 3).
+Span<const double> Solver::Impl::residual() const {
+  if (!has_gradient) work->download_gradient(gradient.data());
+  has_gradient = true;
+  return {gradient.data(), int64_t(gradient.size() / 3), 3};
+}
+
 /// Iterates and certifies; false where the step was given up on request.
 bool Solver::Impl::solve(StepReport& report) {
   // a margin, because the state that is written is rounded once more
@@ -128,6 +136,7 @@ StepReport Solver::Impl::advance() {
   report.time = double(report.step) * scene.dt;
   if (!start(report)) return report;
   if (!(scene.wind.blows() ? solve_with_lags(report) : solve(report))) return report;
+  if (is_draft(report)) report.refusal = why_draft(scene, report, residual());
   if (report.finite) finish(report);
   report.ms = watch.milliseconds();
   return report;
