@@ -126,7 +126,7 @@ def measure(arguments: argparse.Namespace, free: FreeSteps, case: tuple[str, str
             "most_ms_a_frame": max(ms) if arguments.jobs == 1 else None,
             "cycles_near_rest": sum(step["inner"] for step in rest) / max(sum(step["solves"] for step in rest), 1),
             "min_j": min(step["min_j"] for step in log), "seconds": seconds if arguments.jobs == 1 else None,
-            "device": report["device"]}
+            "device": report["device"], "commit": report["commit"]}
 
 
 def header(command: str) -> Row:

@@ -60,6 +60,22 @@ ELASTOGEN_HD inline Vec3 bonded_slip(const ContactLengths& of, double stiffness,
   return size > most ? scaled(across, most / size) : across;
 }
 
+/// The lag that the next solve takes, a share of the way from that of the last solve to that of the
+/// positions where it ended: where a solve answers more normal force with less, and the other way
+/// round, the whole way would lead to and fro for ever.
+ELASTOGEN_HD inline ContactLag relaxed_lag(const ContactLag& last, const ContactLag& end,
+                                           double share) {
+  const double of_last = (1 - share) * last.limit, of_end = share * end.limit;
+  ContactLag result{of_last + of_end, end.normal};
+  if (!(of_last > 0)) return result;
+  if (!(of_end > 0)) return {of_last, last.normal};
+  for (size_t i = 0; i < 3; ++i)
+    result.normal[i] = (1 - share) * last.normal[i] + share * end.normal[i];
+  const double size = safe_norm(result.normal);
+  result.normal = size > 0 ? scaled(result.normal, 1 / size) : end.normal;
+  return result;
+}
+
 /// The slip that the bond of a point keeps at the end of a step.
 ELASTOGEN_HD inline Vec3 kept_slip(const ContactLengths& of, const ContactPoint& point,
                                    const ObstaclePath& path, const ContactLag& lag,

@@ -26,7 +26,8 @@ def present() -> dict[str, dict[str, Any]]:
 
 def drops_machine() -> str:
     """Commits, days and machines."""
-    return "; ".join(f"{on}: commit {run['header']['commit']}, {run['header']['date']}, "
+    return "; ".join(f"{on}: commit " + ", ".join(sorted({row.get('commit', run['header']['commit']) for row in run["rows"]}))
+                     + f", {run['header']['date']}, "
                      + " and ".join(sorted({row["device"] if row["device"] != "cpu" else run["header"]["cpu"]
                                             for row in run["rows"]})) for on, run in present().items())
 
@@ -62,4 +63,17 @@ def rows_of(on: str) -> Callable[[], Lines]:
     return lines
 
 
-TABLES = {"drops asked": summary, "drops cpu": rows_of("on a CPU"), "drops card": rows_of("on a card")}
+def peers() -> Lines:
+    """A drop on a card beside libuipc (bench/peers/libuipc_drop.py)."""
+    lines = [[r["run"], str(r["cells"]), f"{r['median']:.0f}", f"{r['p95']:.0f}", f"{r['most']:.0f}",
+              "" if r["error"] is None else "reference" if r["error"] == 0 else f"{1e3 * r['error']:.2g} mm"]
+             for r in read("drop_peers")["rows"]]
+    return ["", "cells", "ms a step in contact, median", "95 %", "most", "centre of mass off"], lines
+
+
+def peers_machine() -> str:
+    head = read("drop_peers")["header"]
+    return f"commit {head['commit']}, {head['date']}, {head['card']}"
+
+
+TABLES = {"drops peers": peers, "drops asked": summary, "drops cpu": rows_of("on a CPU"), "drops card": rows_of("on a card")}

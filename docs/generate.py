@@ -24,11 +24,11 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tests" / "scenes"))
 from definitions import definitions_hash  # noqa: E402
 from drop_tables import TABLES as DROP_TABLES  # noqa: E402
-from drop_tables import drops_machine  # noqa: E402
+from drop_tables import drops_machine, peers_machine  # noqa: E402
 from equation_names import missing_names  # noqa: E402
 from fit_tables import fine_tuning, fits, generation  # noqa: E402
 from hold_tables import TABLES as HOLD_TABLES  # noqa: E402
-from hold_tables import measured_on  # noqa: E402
+from hold_tables import measured_on, times_measured_on  # noqa: E402
 from metal_tables import TABLES as METAL_TABLES  # noqa: E402
 from motion_tables import MACHINES  # noqa: E402
 from motion_tables import TABLES as MOTION_TABLES  # noqa: E402
@@ -265,7 +265,10 @@ TABLES: dict[str, Callable[[], str]] = {"accuracy": accuracy, "peers": peers,
                                     "fits": lambda: table(*fits()), "neural": neural,
                                     "generation": lambda: table(*generation()),
                                     "fine tuning": lambda: table(*fine_tuning()),
-                                    "held machine": measured_on, "drops machine": drops_machine} | MACHINES | {
+                                    "held machine": measured_on,
+                                    "held times machine": times_measured_on,
+                                    "drops machine": drops_machine,
+                                    "drops peers machine": peers_machine} | MACHINES | {
     f"study {name}": (lambda n=name: study(n)) for name in STUDIES} | {
     f"{title} {part.replace('-', ' ')}": (lambda f=file, p=part: bench(f, p))
     for title, file in (("bench", "benchmarks"), ("device", "device")) for part in BENCH_PARTS} | {

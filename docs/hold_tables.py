@@ -63,4 +63,18 @@ def steps() -> Lines:
     return ["", "found"], lines
 
 
-TABLES = {"held sag": sagging, "held moves": pulled, "held shapes": shaped, "held cases": special, "held steps": steps}
+def times() -> Lines:
+    """Steps of a bar where borders fit and where one cuts voxels (bench/hold_times.py)."""
+    of = json.loads((RESULTS.parent / "hold_times.json").read_text())
+    lines = [[str(r["voxels"]), r["solver"], f"{r['fit'][0]:.3g}, {r['cut'][0]:.3g}", f"{r['fit'][1]:.2g}, {r['cut'][1]:.2g}",
+              f"{r['fit'][2]:.0f}, {r['cut'][2]:.0f}"] for r in of["rows"]]
+    return ["voxels along the bar", "solver", "ms a step: fits, cuts", "ms an iteration", "iterations of 24 steps"], lines
+
+
+def times_measured_on() -> str:
+    of = json.loads((RESULTS.parent / "hold_times.json").read_text())
+    return f"commit {of['header']['commit']}, {of['header']['date']}, {of['rows'][0]['machine']}"
+
+
+TABLES = {"held sag": sagging, "held moves": pulled, "held shapes": shaped, "held cases": special, "held steps": steps,
+          "held times": times}

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "core/cuda/groups.cuh"
+#include "core/point_contact.hpp"
 #include "core/scene.hpp"
 
 namespace elastogen::cuda {
@@ -13,7 +14,8 @@ struct ContactBonds {
 
   explicit ContactBonds(const Scene& scene);
 
-  DeviceArray<Vec3> held, slip;  // kept and in the present step [m], (obstacles, points)
+  DeviceArray<Vec3> held, slip;       // kept and in the present step [m], (obstacles, points)
+  DeviceArray<ContactLag> last_lags;  // before renew_lag()
   DeviceArray<SumScratch<Sums<1>>> sums;
   double end_time = 0, per_dt = 0;  // of the present step [s], [1/s]
   DeviceGroups pieces;              // points of each piece

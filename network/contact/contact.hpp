@@ -43,6 +43,8 @@ class Contact {
   /// Takes normals and normal forces of friction from u, at the end of the stage.
   /// @return whether any point rubs, or did before.
   bool renew_lag(const double* u);
+  /// Goes only a share of the way to what renew_lag() has found.
+  void relax_lag(double share);
   /// Keeps the slip of the bonds at u, the end of a step, as far as they hold.
   void keep_bonds(const double* u);
   void forget_bonds() { held_.clear(); }
@@ -136,6 +138,7 @@ class Contact {
   double slip_range_ = 0;                  // in a step of the scene's dt
   std::vector<double> stiffness_;          // of each point [J]
   std::vector<ContactLag> lags_;           // collider by collider
+  std::vector<ContactLag> last_lags_;      // before renew_lag()
   std::vector<Vec3> held_, slip_;          // of the bonds, kept and in the present step
   std::vector<Vec3> start_, place_, end_;  // of each point [m]
   std::vector<Box> boxes_;                 // of blocks of points

@@ -41,6 +41,7 @@ class DeviceContact {
   // steps of stages, as in Contact, for a scene that has them
   void begin_stage(const double* u, double time, double dt, const double* of_lag, double lag_time);
   bool renew_lag(const double* u);  ///< waits for the device
+  void relax_lag(double share);
   void keep_bonds(const double* u);
   void forget_bonds();
   void download_bonds(Array<double>& bonds) const;  ///< Contact::bonds; waits for the device

@@ -44,8 +44,23 @@ bool Contact::renew_lag(const double* u) {
                        [](const Obstacle& obstacle) { return obstacle.rubs; });
   };
   const bool rubbed = rubs();
+  last_lags_ = lags_;
   if (exists()) set_lag(u, start_time_ + dt_);
   return rubbed || rubs();
+}
+
+void Contact::relax_lag(double share) {
+  for (size_t w = 0; w < obstacles_.size(); ++w) {
+    const size_t first = w * size_t(points_);
+    for_each(points_, [&](int64_t p) {
+      const size_t k = first + size_t(p);
+      lags_[k] = relaxed_lag(last_lags_[k], lags_[k], share);
+      slip_[k] = bonded_slip(lengths_, stiffness_[size_t(p)], lags_[k], held_[k]);
+    });
+    obstacles_[w].rubs =
+        std::any_of(lags_.begin() + int64_t(first), lags_.begin() + int64_t(first) + points_,
+                    [](const ContactLag& l) { return l.limit > 0; });
+  }
 }
 
 void Contact::keep_bonds(const double* u) {

@@ -19,6 +19,7 @@ std::vector<std::vector<int32_t>> points_of_pieces(const Scene& scene) {
 ContactBonds::ContactBonds(const Scene& scene)
     : held(int64_t(scene.colliders.size()) * scene.surface.voxel.rows()),
       slip(held.size()),
+      last_lags(held.size()),
       sums(1),
       pieces(points_of_pieces(scene)),
       about(pieces.count()),
@@ -65,9 +66,25 @@ bool DeviceContact::renew_lag(const double* u) {
   for (size_t w = 0; w < s.cores.size(); ++w) s.host_obstacles[w].lag = s.host_obstacles[w].to;
   s.obstacles.upload(s.host_obstacles.data());  // waits, so that the count is complete
   const bool rubbed = s.numbers[0].rubbing > 0;
+  check(cudaMemcpyAsync(s.bonds->last_lags.data(), s.lags.data(),
+                        size_t(s.lags.size()) * sizeof(ContactLag), cudaMemcpyDeviceToDevice,
+                        cudaStreamPerThread));
   s.set_lags(u);
   synchronise();
   return rubbed || s.numbers[0].rubbing > 0;
+}
+
+void DeviceContact::relax_lag(double share) {
+  const ContactView v = impl_->view();
+  const ContactLag* const last = impl_->bonds->last_lags.data();
+  const Vec3* const held = impl_->bonds->held.data();
+  cuda::for_each(v.points, [=] __device__(int64_t p) {
+    for (int w = 0; w < v.obstacle_count; ++w) {
+      const int64_t k = w * v.points + p;
+      v.lags[k] = relaxed_lag(last[k], v.lags[k], share);
+      v.slip[k] = bonded_slip(v.lengths, v.stiffness[p], v.lags[k], held[k]);
+    }
+  });
 }
 
 void DeviceContact::keep_bonds(const double* u) {

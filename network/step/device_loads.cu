@@ -58,7 +58,9 @@ bool StepOnDevice::renew_lags() {
   return true;
 }
 
-void StepOnDevice::relax_wind() {
+void StepOnDevice::relax_lags(double share) {
+  DeviceContact* contact = potential().contact();
+  if (share < 1 && scheme_.is_stage && contact) contact->relax_lag(share);
   if (!loads_.now.blows()) return;
   loads_.now.relax_wind();
   put_loads();

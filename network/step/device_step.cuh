@@ -65,7 +65,7 @@ class StepOnDevice : public StepWork {
     return stages_.value().least_motion(v_.data(), interval);
   }
   bool renew_lags() override;
-  void relax_wind() override;
+  void relax_lags(double share) override;
   void keep_stage() override;
   StageEnd end_step(const TimeErrorOptions* options) override;
   StageData stage_data() override;

@@ -56,8 +56,10 @@ class HostStep : public StepWork {
     return stages_.value().least_motion(state_->v.data(), interval);
   }
   bool renew_lags() override;
-  void relax_wind() override {
+  void relax_lags(double share) override {
     if (potential_.loads().blows()) potential_.relax_wind();
+    Contact& contact = potential_.contact();
+    if (share < 1 && scheme_.is_stage && contact.exists()) contact.relax_lag(share);
   }
   void keep_stage() override;
   StageData stage_data() override;

@@ -13,7 +13,9 @@ namespace {
 
 constexpr double kOfTimeError = 0.01;     // that the solver may leave
 constexpr double kLoosest = 0.3;          // residual
-constexpr int kMostFriction = 20;         // solves for friction,
+constexpr int kMostFriction = 30;         // solves for friction,
+constexpr int kWholeWay = 5;              // so many take all of its change,
+constexpr int kHalfWay = 15;              // then half of it, from here on a quarter,
 constexpr int kMostWind = 40;             // and where wind blows
 constexpr double kRough = 50;             // by which a solve for given ones lowers a residual
 constexpr double kFiner = 0.3;            // by which solves in wind are finer, and every 4th again
@@ -73,7 +75,7 @@ bool Solver::Impl::solve_with_lags(StepReport& report) {
     const double least = blows ? wanted * std::pow(kFiner, 1 + pass / 4) : wanted;
     tolerance = std::max(least, report.residual / kRough);
     rough = tolerance > wanted;
-    work->relax_wind();
+    work->relax_lags(pass < kWholeWay ? 1 : pass < kHalfWay ? 0.5 : 0.25);
   }
   tolerance = report.tolerance = wanted;
   return solved;

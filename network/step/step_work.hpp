@@ -98,7 +98,9 @@ class StepWork {
   /// Takes wind, and of stages the normal forces and normals of friction, from the positions of the
   /// certificate, which has to be made again. False: there is neither.
   virtual bool renew_lags() = 0;
-  virtual void relax_wind() = 0;  ///< then gives the next solve its wind (core/wind_load.hpp)
+  /// Then gives the next solve its wind (core/wind_load.hpp), and friction that goes only a share of
+  /// the way from that of the last solve.
+  virtual void relax_lags(double share) = 0;
   // steps of stages (StepScheme::is_stage), where the scene's scheme has some
 
   /// The least motion that counts in an interval, of all pieces [m]: that at their present speed, or

@@ -242,6 +242,51 @@ TEST(Contact, ActsOnAPieceWithTheSumOfItsNodalForces) {
               -2 * action.normal, 1e-12 * action.normal);
 }
 
+TEST(Contact, RelaxedFrictionGoesAShareOfTheWay) {
+  // a body that slides far, so that friction is mu N, and sinks in between
+  const double h = 0.05, layer = h / 4, dt = 0.01, share = 0.3;
+  const Scene scene =
+      box_scene(4, 3, 5, h, {0, 0, 0}, solid(1e5, 0.3), {half_space({0, 1, 0}, 0.6 * layer, 0.5)});
+  Contact contact(scene);
+  std::vector<double> u(size_t(scene.grid.rest.size()));
+  contact.begin_stage(u.data(), 0, dt, u.data(), 0);
+  for (size_t k = 0; k < u.size(); ++k) u[k] = k % 3 == 0 ? 10 * h : k % 3 == 1 ? -0.2 * layer : 0;
+  const auto pull = [&] {  // of the floor along the slip [N]
+    std::vector<double> g(u.size());
+    contact.evaluate(u.data(), g.data());
+    double sum = 0;
+    for (size_t k = 0; k < g.size(); k += 3) sum += g[k];
+    return sum;
+  };
+  const double first = pull();
+  ASSERT_TRUE(contact.renew_lag(u.data()));
+  const double end = pull();
+  ASSERT_GT(end, 1.2 * first);
+  contact.relax_lag(share);
+  EXPECT_NEAR(pull(), (1 - share) * first + share * end, 1e-9 * end);
+  // one that does not touch any more has a share of its friction left
+  contact.renew_lag(u.data());
+  const std::vector<double> there = u;
+  for (size_t k = 1; k < u.size(); k += 3) u[k] = layer;
+  ASSERT_TRUE(contact.renew_lag(u.data()));
+  u = there;
+  EXPECT_EQ(pull(), 0);
+  contact.relax_lag(share);
+  EXPECT_NEAR(pull(), (1 - share) * end, 1e-9 * end);
+}
+
+TEST(Contact, RelaxedFrictionTakesANormalBetween) {
+  const ContactLag last{2, {1, 0, 0}}, end{4, {0, 1, 0}};
+  for (const double share : {0.25, 0.5}) {
+    const ContactLag lag = relaxed_lag(last, end, share);
+    EXPECT_NEAR(lag.limit, 2 + 2 * share, 1e-12);
+    EXPECT_NEAR(safe_norm(lag.normal), 1, 1e-12);
+    EXPECT_NEAR(lag.normal[1] / lag.normal[0], share / (1 - share), 1e-12);
+  }
+  // opposite normals have none between
+  EXPECT_EQ(relaxed_lag(last, {2, {-1, 0, 0}}, 0.5).normal, (Vec3{-1, 0, 0}));
+}
+
 TEST(Contact, FloorsThatMoveAndSlidingHavePowers) {
   // all points slide at one velocity along a floor that rises and moves along, with full friction
   const double h = 0.05, layer = h / 4, dt = 0.01;

@@ -81,6 +81,12 @@ TEST_F(OnCard, BondsAndActionsOfStagesAreThoseOfTheHost) {
     EXPECT_TRUE(both.host().renew_lag(both.u.data()));
     EXPECT_TRUE(both.card().renew_lag(both.place.data()));
     expect_forces_of_host(both);
+    // that of a solve between the one before and this one, and back
+    both.host().relax_lag(0.25);
+    both.card().relax_lag(0.25);
+    expect_forces_of_host(both);
+    both.host().renew_lag(both.u.data());
+    both.card().renew_lag(both.place.data());
     both.host().keep_bonds(both.u.data());
     both.card().keep_bonds(both.place.data());
     time += dt;
