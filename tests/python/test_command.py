@@ -296,21 +296,28 @@ class Outputs(Command):
         self.assertEqual(r["min_j"], min(line["min_j"] for line in lines))
 
     def test_threads_do_not_change_a_bit(self) -> None:
-        states, documents = [], []
-        for threads in (1, 2):
-            place = self.folder / str(threads)
-            place.mkdir()
-            words = [BINARY, "animate", self.source, *small(voxels=20), "--threads",
-                     threads, "--state", "s.h5", "-o", "out.glb", "--quiet"]
-            done = subprocess.run([str(w) for w in words], cwd=place, timeout=120, check=False)
-            self.assertEqual(done.returncode, 0)
-            with h5py.File(place / "s.h5") as file:
-                states.append([file[f"steps/{name}"][()].tobytes() for name in "xv"])
-            document = parse_glb((place / "out.glb").read_bytes())
-            del document.json["asset"]["extras"]["elastogen"]["command"]
-            documents.append(document)
-        self.assertEqual(states[0], states[1])
-        self.assertEqual(documents[0], documents[1])
+        held = small(voxels=20)
+        dropped = ("--voxels", 16, "--frames", 8, "--young", "3e4", "--floor", "auto=-9cm", "--collider",
+                   "sphere(0,-0.13,0, 0.05)", "--size", "20cm")
+        for name, options in (("held", held), ("dropped", dropped)):
+            states, documents = [], []
+            for threads in (1, 2):
+                place = self.folder / name / str(threads)
+                place.mkdir(parents=True)
+                words = [BINARY, "animate", self.source, *options, "--threads", threads, "--state", "s.h5",
+                         "-o", "out.glb", "--log-json", "log", "--quiet"]
+                done = subprocess.run([str(w) for w in words], cwd=place, timeout=120, check=False,
+                                      capture_output=True, text=True)
+                self.assertEqual(done.returncode, 0, done.stderr)
+                with h5py.File(place / "s.h5") as file:
+                    states.append([file[f"steps/{name}"][()].tobytes() for name in "xv"])
+                document = parse_glb((place / "out.glb").read_bytes())
+                del document.json["asset"]["extras"]["elastogen"]["command"]
+                documents.append(document)
+            steps = [json.loads(line) for line in (place / "log").read_text().splitlines()]
+            self.assertEqual(name == "dropped", any(step["energies"]["contact"] > 0 for step in steps))
+            self.assertEqual(states[0], states[1], name)
+            self.assertEqual(documents[0], documents[1], name)
 
     def test_without_load_nothing_moves_by_a_bit(self) -> None:
         for solver in ("quasi", "newton"):
