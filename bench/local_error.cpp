@@ -146,7 +146,8 @@ double largest_rigid_rms(const Pieces& pieces, const Scene& scene, const Array<d
   for (size_t p = 0; p < pieces.count(); ++p) {
     if (!pieces.is_free(p)) continue;
     const PieceState state = state_of(pieces, p, scene, x, v);
-    const double square = dot(state.velocity, state.velocity) + spin_square(state) / pieces.mass(p);
+    const double square =
+        dot(state.velocity, state.velocity) + pieces.spin_square(p, state) / pieces.mass(p);
     most = std::max(most, std::sqrt(square));
   }
   return most;

@@ -18,11 +18,12 @@ double without(double speed, double spin) {
 
 }  // namespace
 
-/// rms speed of the spin of a free piece [m/s].
+/// rms speed of the spin of a loose piece [m/s].
 double StageFem::spin_speed(size_t p, const PieceMotion& motion) const {
-  if (!pieces_.is_free(p)) return 0;
-  const Vec3 w = times(rigid_motion(motion).per_inertia, motion.spin);
-  return std::sqrt(std::max(0.0, dot(w, motion.spin)) / pieces_.mass(p));
+  if (!pieces_.is_loose(p)) return 0;
+  const RigidMotion rigid = pieces_.rigid_motion(p, motion);
+  const Vec3 w = times(rigid.per_inertia, rigid.spin);
+  return std::sqrt(std::max(0.0, dot(w, rigid.spin)) / pieces_.mass(p));
 }
 
 /// Speeds of the pieces, and at which they met colliders.
@@ -64,7 +65,7 @@ double StageFem::least_motion() const {
 
 /// W rms(u) of a piece [m].
 double StageFem::contact_error(size_t p, const StepWeights& weights) const {
-  if (!pieces_.is_free(p) || !touched()) return 0;
+  if (!pieces_.is_loose(p) || !touched()) return 0;
   const double g = safe_norm(scene_.gravity), closing = memory_[p].closing;
   if (g > 0 && closing * closing / (2 * g) < kLowBounce * pieces_.size(p)) return 0;
   const double W = g > 0 ? std::min(scene_.dt, closing / g) : scene_.dt;
@@ -79,9 +80,11 @@ double StageFem::contact_error(size_t p, const StepWeights& weights) const {
   add(at_end_, weights.end);
   add(now_->stages.now, weights.start);
   add(motion_.stage().t_b > 0 ? at_stage_ : now_->stages.before, weights.other);
-  const Vec3 turn = times(rigid_motion(end_[p]).per_inertia, impulse.torque);
+  const RigidMotion given =
+      pieces_.rigid_motion(p, {end_[p].centre, impulse.force, impulse.torque, end_[p].inertia});
+  const Vec3 turn = times(given.per_inertia, given.spin);
   const double m = pieces_.mass(p),
-               square = dot(impulse.force, impulse.force) / (m * m) + dot(turn, impulse.torque) / m;
+               square = dot(given.velocity, given.velocity) / (m * m) + dot(turn, given.spin) / m;
   return W * std::sqrt(std::max(0.0, square));
 }
 

@@ -14,8 +14,9 @@ void Stages::note_speeds(const double* v, double share) {
   for (size_t p = 0; p < pieces_.count(); ++p) {
     // at the start and at the end
     const double m = pieces_.mass(p), whole[2] = {squares[p][0] / m, squares[p][2] / m};
-    const double turn[2] = {pieces_.is_free(p) ? spin_square(now_[p]) / m : 0,
-                            pieces_.is_free(p) ? spin_square(last_[p]) / m : 0};
+    const bool loose = pieces_.is_loose(p);
+    const double turn[2] = {loose ? pieces_.spin_square(p, now_[p]) / m : 0,
+                            loose ? pieces_.spin_square(p, last_[p]) / m : 0};
     const double rest = std::max({whole[0] - turn[0], whole[1] - turn[1], 0.0});
     speed_next_[p] = std::max(std::sqrt(rest), std::pow(kSpeedRemembered, share) * speed_[p]);
     spin_next_[p] = std::sqrt(std::max(turn[0], turn[1]));
@@ -43,7 +44,7 @@ double Stages::least_motion(const double* v, double interval) {
 /// W rms(u) of a piece [m].
 double Stages::contact_error(size_t p, const StepWeights& weights,
                              const TimeErrorOptions& options) {
-  if (!pieces_.is_free(p) || !touched()) return 0;
+  if (!pieces_.is_loose(p) || !touched()) return 0;
   const double g = safe_norm(scene_.gravity), closing = closing_next_[p];
   if (g > 0 && closing * closing / (2 * g) < kLowBounce * pieces_.size(p)) return 0;
   const double W = g > 0 ? std::min(options.interval, closing / g) : options.interval;
@@ -57,7 +58,8 @@ double Stages::contact_error(size_t p, const StepWeights& weights,
   add(at_end_, weights.end);
   add(at_start_, weights.start);
   add(at_.stage.t_b > 0 ? at_stage_ : at_before_, weights.other);
-  const Vec3 turn = times(rigid_motion(last_[p]).per_inertia, torque);
+  force = pieces_.slide(p, force);
+  const Vec3 turn = times(pieces_.rigid_motion(p, last_[p]).per_inertia, torque);
   const double square =
       dot(force, force) / std::pow(pieces_.mass(p), 2) + dot(turn, torque) / pieces_.mass(p);
   return W * std::sqrt(std::max(0.0, square));
