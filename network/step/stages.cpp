@@ -31,6 +31,7 @@ void Stages::forget() {
   speed_.assign(pieces_.count(), 0);
   spin_.assign(pieces_.count(), 0);
   closing_.assign(pieces_.count(), 0);
+  struck_.assign(pieces_.count(), {});
   turn_.assign(pieces_.count(), {});
   turn_last_ = turn_;
   gain_.assign(pieces_.count(), 0);
@@ -308,6 +309,7 @@ void Stages::accept(double time) {
   speed_ = speed_next_;
   spin_ = spin_next_;
   closing_ = closing_next_;
+  struck_ = struck_next_;
   ledger_before_ = ledger_;
 }
 
