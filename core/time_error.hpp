@@ -9,7 +9,9 @@
 //     c   the speed at which the piece met a collider, which fades by 0.8 in each T.
 //
 // The step is accepted where (T/h) est <= tolerance max(T v, 0.04 size), v the rms speed, in contact
-// without spin.
+// without spin. What is said of it has T in place of W where c, or the change of velocity of the piece
+// while it touches, of late, is that of a bounce that counts: no steps are spent on the error of what
+// the last of many small impacts bring, but it is no secret.
 
 #pragma once
 
@@ -23,6 +25,7 @@ inline constexpr double kErrorSafety = 1.8;   ///< factor of the estimate
 inline constexpr double kMotionFloor = 0.04;  ///< of the size that counts as motion in T
 inline constexpr double kLowBounce = 0.01;    ///< height of bounces that are let die, of the size
 inline constexpr double kClosingFades = 0.8;  ///< closing speed that is left after T
+inline constexpr double kStrikeLasts = 2;     ///< in T: then 1/e of a change of velocity is left
 inline constexpr double kSpeedRemembered = 0.9;  ///< speed that counts after T
 inline constexpr double kClearRatio = 0.1;  ///< below it S, which lowers the estimate, is left out
 /// S y is found by PCG to this residual, of the right-hand side, in so many iterations at most.
@@ -47,9 +50,27 @@ struct TimeErrorOptions {
 };
 
 struct TimeError {
-  double estimate = 0;  ///< [m]
-  double ratio = 0;     ///< to what is accepted, of the piece where that is largest
+  double estimate = 0;  ///< what is said of the piece where `ratio` is largest [m]
+  double ratio = 0;     ///< of what counts to what is accepted
 };
+
+/// What the error u of a piece's velocity by contact adds to the two [m].
+struct ContactError {
+  double said = 0, counted = 0;
+};
+
+/// @param closing  c [m/s]
+/// @param struck   change of velocity while the piece touches, of late [m/s].
+/// @param u        rms [m/s].
+inline ContactError contact_error(double closing, double struck, double gravity, double interval,
+                                  double size, double u) {
+  const bool counts = !(gravity > 0 && closing * closing / (2 * gravity) < kLowBounce * size);
+  const double W = gravity > 0 ? std::min(interval, closing / gravity) : interval;
+  ContactError error = {counts ? W * u : 0, counts ? W * u : 0};
+  if (bounce_counts(std::max(closing, struck), gravity, interval, size))
+    error.said = std::max(error.said, interval * u);
+  return error;
+}
 
 /// The end of a step of stages.
 struct StageEnd {

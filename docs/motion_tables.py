@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tables of motion: ten scenes against fine steps (docs/results/motion.json, bench/motion.py), five before and after
-(before_after.json, bench/before_after.py), total error over time (total_error.json, bench/total_error.py)."""
+(before_after.json, bench/before_after.py), total error over time (total_error.json, bench/total_error.py), what an impact
+costs by steps a frame (impact_cost.json, bench/impact_cost.py)."""
 
 from __future__ import annotations
 
@@ -102,7 +103,22 @@ def peers() -> Lines:
         for r in read("total_error")["peers"]]
 
 
+def impact() -> Lines:
+    """V-cycles of an impact by steps a frame, with friction and without."""
+    rows = {(r["voxels"], r["steps"], r["friction"] > 0): r for r in read("impact_cost")["rows"]}
+    lines = []
+    for voxels, steps in dict.fromkeys(key[:2] for key in rows):
+        with_it, without = (rows[voxels, steps, rubs] for rubs in (True, False))
+        over = [f"{r['inner'] / rows[voxels, 1, rubs]['inner']:.2f}" for r, rubs in ((with_it, True), (without, False))]
+        lines.append([str(voxels), str(steps) if steps else "`auto`", str(with_it["inner"]), str(without["inner"]),
+                      f"{with_it['inner'] / without['inner']:.2f}", *over, str(with_it["solves"]), str(without["solves"]),
+                      f"{share(with_it['converged'])}, {share(without['converged'])}"])
+    return ["voxels along", "steps a frame", "V-cycles with friction", "without", "ratio", "with, over one step a frame",
+            "without, over one", "minima with", "without", "steps within the tolerance"], lines
+
+
 TABLES = {"motion scenes": scenes, "motion frames": frames, "before after": before_after, "total error": total_error,
-          "total truths": truths, "total peers": peers}
+          "total truths": truths, "total peers": peers, "impact cost": impact}
 MACHINES = {f"{title} machine": (lambda of=name: measured_on(of)) for title, name in (
-    ("motion", "motion"), ("before after", "before_after"), ("total", "total_error"))}
+    ("motion", "motion"), ("before after", "before_after"), ("total", "total_error"),
+    ("impact", "impact_cost"))}

@@ -30,13 +30,10 @@ Mat3<double> inverse_moments(const Mat3<double>& I) {
 
 }  // namespace
 
-RigidMotion rigid_motion(const PieceMotion& piece) {
-  return {piece.centre, piece.velocity, piece.spin, inverse_moments(piece.inertia)};
-}
-
 FemPieces::FemPieces(const FemScene& scene, const MassMatrix& mass)
     : scene_(scene), matrix_(mass), piece_(mesh_pieces(scene.mesh)), node_mass_(piece_.rows()) {
   find_masses();
+  find_holds();
   find_pins();
   // the trace of the moments is twice sum r . M r
   const Array<double> rest(piece_.rows(), 3);
@@ -71,26 +68,45 @@ void FemPieces::find_masses() {
   }
 }
 
-/// Which pieces are held, and where.
-void FemPieces::find_pins() {
-  free_.assign(count(), 1);
-  pins_.resize(count());
-  std::vector<double> pinned(count());
+/// Which pieces are held, and along which axes alone.
+void FemPieces::find_holds() {
+  loose_.assign(count(), 1);
+  stops_.resize(count());
+  for (int64_t i = 0; i < scene_.dependent.count(); ++i) loose_[of(scene_.dependent.node(i))] = 0;
   for (int64_t n = 0; n < piece_.rows() && !scene_.fixed.empty(); ++n) {
     const uint8_t* fixed = scene_.fixed.row(n);
-    if (fixed[0] || fixed[1] || fixed[2]) free_[of(n)] = 0;
-    if (!(fixed[0] && fixed[1] && fixed[2]) || scene_.motion) continue;
-    pins_[of(n)] = plus(pins_[of(n)], row_of(scene_.mesh.rest, n));
-    pinned[of(n)] += 1;
+    const int held = (fixed[0] != 0) + (fixed[1] != 0) + (fixed[2] != 0);
+    if (held == 3 || (held > 0 && scene_.motion)) loose_[of(n)] = 0;
+    for (size_t d = 0; d < 3 && held < 3; ++d)
+      if (fixed[d]) stops_[of(n)][d] = true;
   }
-  // those with dependent nodes have no pins to turn about
-  std::vector<uint8_t> follows(count());
-  for (int64_t i = 0; i < scene_.dependent.count(); ++i) follows[of(scene_.dependent.node(i))] = 1;
+}
+
+/// Where pieces are held, if nothing moves them there.
+void FemPieces::find_pins() {
+  pins_.resize(count());
   pinned_.resize(count());
+  if (scene_.motion || scene_.dependent_motion) return;
+  std::vector<double> share(count());
+  const auto add = [&](size_t p, int32_t n, double weight) {
+    pins_[p] = plus(pins_[p], scaled(row_of(scene_.mesh.rest, n), weight));
+    share[p] += weight;
+  };
+  for (int64_t n = 0; n < piece_.rows() && !scene_.fixed.empty(); ++n) {
+    const uint8_t* fixed = scene_.fixed.row(n);
+    if (fixed[0] && fixed[1] && fixed[2] && node_mass_(n) > 0) add(of(n), int32_t(n), 1);
+  }
+  // the points of borders that dependent nodes follow from
+  const DependentNodes& dependent = scene_.dependent;
+  for (int64_t i = 0; i < dependent.count(); ++i) {
+    const size_t p = of(dependent.node(i));
+    add(p, dependent.node(i), 1);
+    for (int64_t m = 0; m < dependent.parents(i).size(); ++m)
+      add(p, dependent.parents(i).data[m], -dependent.weights(i).data[m]);
+  }
   for (size_t p = 0; p < count(); ++p) {
-    if (follows[p]) free_[p] = 0, pinned[p] = 0;
-    pinned_[p] = pinned[p] > 0;
-    if (pinned_[p]) pins_[p] = scaled(pins_[p], 1 / pinned[p]);
+    pinned_[p] = share[p] > 0;
+    if (pinned_[p]) pins_[p] = scaled(pins_[p], 1 / share[p]);
   }
 }
 
@@ -149,22 +165,47 @@ double FemPieces::product(In<double> y, In<double> z) const {
   return elastogen::dot(y.data, Mz.data(), y.size());
 }
 
+/// What makes of a piece's angular momentum its angular velocity, about the axes that it may turn about.
+Mat3<double> FemPieces::per_inertia(size_t piece, const Mat3<double>& inertia) const {
+  const std::array<bool, 3>& stops = stops_[piece];
+  const auto count = std::count(stops.begin(), stops.end(), true);
+  if (count == 0) return inverse_moments(inertia);
+  Mat3<double> result = {};
+  const auto axis = int(std::find(stops.begin(), stops.end(), true) - stops.begin());
+  if (count == 1 && inertia(axis, axis) > 0) result(axis, axis) = 1 / inertia(axis, axis);
+  return result;
+}
+
+RigidMotion FemPieces::rigid_motion(size_t piece, const PieceMotion& motion) const {
+  RigidMotion result{motion.centre, motion.velocity, motion.spin,
+                     per_inertia(piece, motion.inertia)};
+  for (size_t d = 0; d < 3; ++d)
+    if (stops_[piece][d]) result.velocity[d] = 0;
+  // what is left of the spin is about the axis that it may turn about
+  for (int d = 0; d < 3; ++d)
+    if (!(result.per_inertia(d, d) > 0)) result.spin[size_t(d)] = 0;
+  return result;
+}
+
 Vec3 FemPieces::turn_about_pins(size_t piece, const PieceMotion& motion) const {
   const Vec3 arm = minus(motion.centre, pins_[piece]);
   const Vec3 spin = plus(motion.spin, scaled(cross(arm, motion.velocity), mass_[piece]));
-  return times(inverse_moments(moments_about(motion, mass_[piece], arm)), spin);
+  return times(per_inertia(piece, moments_about(motion, mass_[piece], arm)), spin);
 }
 
 Array<double> FemPieces::rigid_part(In<double> u, const std::vector<PieceMotion>& motion) const {
-  std::vector<Vec3> w(count());
-  for (size_t p = 0; p < count(); ++p)
-    w[p] = times(inverse_moments(motion[p].inertia), motion[p].spin);
+  std::vector<Vec3> V(count()), w(count());
+  for (size_t p = 0; p < count(); ++p) {
+    const RigidMotion rigid = rigid_motion(p, motion[p]);
+    V[p] = rigid.velocity;
+    w[p] = times(rigid.per_inertia, rigid.spin);
+  }
   Array<double> field(u.rows, 3);
   for (int64_t n = 0; n < u.rows; ++n) {
     const size_t p = of(n);
-    if (!is_free(p)) continue;
+    if (!is_loose(p)) continue;
     const Vec3 arm = minus(plus(row_of(scene_.mesh.rest, n), row_of(u, n)), motion[p].centre);
-    const Vec3 value = plus(motion[p].velocity, cross(w[p], arm));
+    const Vec3 value = plus(V[p], cross(w[p], arm));
     std::copy(value.begin(), value.end(), field.row(n));
   }
   return field;

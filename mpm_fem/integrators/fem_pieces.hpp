@@ -26,9 +26,6 @@ struct PieceMotion {
   Mat3<double> inertia = {};  ///< moments about it [kg m^2]
 };
 
-/// The motion of a free piece without forces from there on.
-RigidMotion rigid_motion(const PieceMotion& piece);
-
 class FemPieces {
  public:
   /// Both must outlive it.
@@ -37,11 +34,11 @@ class FemPieces {
 
   size_t count() const { return mass_.size(); }
   size_t of(int64_t node) const { return size_t(piece_(node)); }
-  /// No component of the piece is prescribed, and no node dependent.
-  bool is_free(size_t piece) const { return free_[piece]; }
-  /// Nodes of the piece stay at their places, and none is dependent.
+  /// No node of the piece is held whole or dependent, and single components that are stay at 0.
+  bool is_loose(size_t piece) const { return loose_[piece]; }
+  /// Nodes of the piece stay at their places, or depend on others.
   bool is_pinned(size_t piece) const { return pinned_[piece]; }
-  /// Mean place of these nodes [m].
+  /// Mean place of the former and of the points (X_i - sum w_im X_m)/(1 - sum w_im) of the latter [m].
   const Vec3& pins(size_t piece) const { return pins_[piece]; }
   double mass(size_t piece) const { return mass_[piece]; }  ///< [kg]
   /// Twice the rms distance of a piece from its centre at rest [m].
@@ -53,15 +50,20 @@ class FemPieces {
   std::vector<double> rms(In<double> y) const;
   /// y.M z
   double product(In<double> y, In<double> z) const;
+  /// The motion of a loose piece without forces from there on, along the axes of which no component is
+  /// prescribed, and about the axis of the only one that is.
+  RigidMotion rigid_motion(size_t piece, const PieceMotion& motion) const;
   /// Angular velocity of a piece about its pins, weighted with mass [rad/s].
   Vec3 turn_about_pins(size_t piece, const PieceMotion& motion) const;
   /// Writes V + w x r, the rigid motion of least distance from a field whose momenta `motion` has,
-  /// on free pieces, 0 on the others.
+  /// on loose pieces, 0 on the others.
   Array<double> rigid_part(In<double> u, const std::vector<PieceMotion>& motion) const;
 
  private:
   void find_masses();
+  void find_holds();
   void find_pins();
+  Mat3<double> per_inertia(size_t piece, const Mat3<double>& inertia) const;
   Array<double> multiplied(In<double> y) const;
 
   const FemScene& scene_;
@@ -69,7 +71,8 @@ class FemPieces {
   Array<int32_t> piece_;
   Array<double> node_mass_;     // M 1 [kg], (nodes, 1)
   std::vector<int64_t> first_;  // node of each piece
-  std::vector<uint8_t> free_, pinned_;
+  std::vector<uint8_t> loose_, pinned_;
+  std::vector<std::array<bool, 3>> stops_;  // axes along which single components are prescribed
   std::vector<double> mass_, size_;
   std::vector<Vec3> pins_;
 };

@@ -76,7 +76,7 @@ PieceMotion StageFem::aim(size_t p, const PieceMotion& end) const {
   return result;
 }
 
-/// Adds to the velocities of each free piece the rigid motion that it lacks.
+/// Adds to the velocities of each loose piece the rigid motion that it lacks.
 void StageFem::correct_momentum() {
   for (int pass = 0; pass < 2; ++pass) {  // the second one takes what the first one rounded
     std::vector<PieceMotion> lack = pieces_.motions(u_, v_);
@@ -133,7 +133,7 @@ bool StageFem::guard(double elastic_energy) {
     rise -= solve_.weight().data()[k] * (u_.data()[k] - now_->u.data()[k]);
   guarded_ = rise > allowed;
   if (!guarded_) return true;
-  // the rigid part, then what else free pieces have
+  // the rigid part, then what else loose pieces have
   const Array<double> e = motion_.relative(v_);
   const Array<double> rigid = pieces_.rigid_part(u_, pieces_.motions(u_, e));
   double left = take_energy(rigid, rise);
@@ -142,7 +142,7 @@ bool StageFem::guard(double elastic_energy) {
   Array<double> rest = pieces_.rigid_part(u_, pieces_.motions(u_, now));
   for (int64_t n = 0; n < rest.rows(); ++n)
     for (int d = 0; d < 3; ++d)
-      rest(n, d) = pieces_.is_free(pieces_.of(n)) ? now(n, d) - rest(n, d) : 0;
+      rest(n, d) = pieces_.is_loose(pieces_.of(n)) ? now(n, d) - rest(n, d) : 0;
   left = take_energy(rest, left);
   return left <= allowed;
 }

@@ -18,11 +18,12 @@ double without(double speed, double spin) {
 
 }  // namespace
 
-/// rms speed of the spin of a free piece [m/s].
+/// rms speed of the spin of a loose piece [m/s].
 double StageFem::spin_speed(size_t p, const PieceMotion& motion) const {
-  if (!pieces_.is_free(p)) return 0;
-  const Vec3 w = times(rigid_motion(motion).per_inertia, motion.spin);
-  return std::sqrt(std::max(0.0, dot(w, motion.spin)) / pieces_.mass(p));
+  if (!pieces_.is_loose(p)) return 0;
+  const RigidMotion rigid = pieces_.rigid_motion(p, motion);
+  const Vec3 w = times(rigid.per_inertia, rigid.spin);
+  return std::sqrt(std::max(0.0, dot(w, rigid.spin)) / pieces_.mass(p));
 }
 
 /// Speeds of the pieces, and at which they met colliders.
@@ -42,6 +43,8 @@ void StageFem::remember_speeds(double share) {
     for (const Loads* loads : {&at_stage_, &at_end_})
       if (!loads->pieces.empty() && loads->pieces[p].push > 0)
         piece.closing = std::max(piece.closing, loads->pieces[p].closing);
+    piece.struck = scaled(piece.struck, std::exp(-share / kStrikeLasts));
+    if (touched(p)) piece.struck = plus(piece.struck, minus(end_[p].velocity, first[p].velocity));
     piece.turn = motion_.turns()[p];
   }
 }
@@ -62,12 +65,8 @@ double StageFem::least_motion() const {
   return least;
 }
 
-/// W rms(u) of a piece [m].
-double StageFem::contact_error(size_t p, const StepWeights& weights) const {
-  if (!pieces_.is_free(p) || !touched()) return 0;
-  const double g = safe_norm(scene_.gravity), closing = memory_[p].closing;
-  if (g > 0 && closing * closing / (2 * g) < kLowBounce * pieces_.size(p)) return 0;
-  const double W = g > 0 ? std::min(scene_.dt, closing / g) : scene_.dt;
+ContactError StageFem::contact_error_of(size_t p, const StepWeights& weights) const {
+  if (!pieces_.is_loose(p) || !touched()) return {};
   // the combination of impulses, and the rigid motion that it gives the piece
   Load impulse;
   const auto add = [&](const Loads& loads, double weight) {
@@ -79,10 +78,13 @@ double StageFem::contact_error(size_t p, const StepWeights& weights) const {
   add(at_end_, weights.end);
   add(now_->stages.now, weights.start);
   add(motion_.stage().t_b > 0 ? at_stage_ : now_->stages.before, weights.other);
-  const Vec3 turn = times(rigid_motion(end_[p]).per_inertia, impulse.torque);
+  const RigidMotion given =
+      pieces_.rigid_motion(p, {end_[p].centre, impulse.force, impulse.torque, end_[p].inertia});
+  const Vec3 turn = times(given.per_inertia, given.spin);
   const double m = pieces_.mass(p),
-               square = dot(impulse.force, impulse.force) / (m * m) + dot(turn, impulse.torque) / m;
-  return W * std::sqrt(std::max(0.0, square));
+               square = dot(given.velocity, given.velocity) / (m * m) + dot(turn, given.spin) / m;
+  return contact_error(memory_[p].closing, safe_norm(memory_[p].struck), safe_norm(scene_.gravity),
+                       scene_.dt, pieces_.size(p), std::sqrt(std::max(0.0, square)));
 }
 
 /// The estimate of the piece where it is largest in relation to what is accepted.
@@ -91,11 +93,12 @@ TimeError StageFem::worst(const Array<double>& y, const StepWeights& weights) co
   const double share = motion_.stage().t / scene_.dt;
   TimeError result;
   for (size_t p = 0; p < rms.size(); ++p) {
-    const double estimate = kErrorSafety * (rms[p] + contact_error(p, weights));
+    const ContactError contact = contact_error_of(p, weights);
+    const double estimate = kErrorSafety * (rms[p] + contact.counted);
     const double speed = counted_speed(memory_[p].speed, memory_[p].spin, touched(p));
     const double motion = std::max(scene_.dt * speed, kMotionFloor * pieces_.size(p));
     const double ratio = estimate / (share * options_.time_error * motion);
-    if (!(ratio <= result.ratio)) result = {estimate, ratio};
+    if (!(ratio <= result.ratio)) result = {kErrorSafety * (rms[p] + contact.said), ratio};
   }
   return result;
 }

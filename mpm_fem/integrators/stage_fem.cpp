@@ -144,8 +144,8 @@ bool StageFem::meets_collider(const Array<double>& predicted) {
   const std::vector<PieceMotion> motions = pieces_.motions(now_->u, now_->v);
   for (size_t p = 0; p < pieces_.count(); ++p)
     fast |=
-        pieces_.is_free(p) && bounce_counts(safe_norm(motions[p].velocity),
-                                            safe_norm(scene_.gravity), scene_.dt, pieces_.size(p));
+        pieces_.is_loose(p) && bounce_counts(safe_norm(motions[p].velocity),
+                                             safe_norm(scene_.gravity), scene_.dt, pieces_.size(p));
   return fast && terms_.contact.exists() && terms_.contact.obstacle(predicted);
 }
 

@@ -93,7 +93,7 @@ class StageFem {
   double spin_speed(size_t piece, const PieceMotion& motion) const;
   void remember_speeds(double share);
   double least_motion() const;
-  double contact_error(size_t piece, const StepWeights& weights) const;
+  ContactError contact_error_of(size_t piece, const StepWeights& weights) const;
   TimeError worst(const Array<double>& y, const StepWeights& weights) const;
   Array<double> filtered(const Array<double>& y);
   TimeError error();

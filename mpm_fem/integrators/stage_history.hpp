@@ -40,6 +40,7 @@ struct PieceMemory {
   double speed = 0;    ///< the largest one of late, rms, without spin [m/s]
   double spin = 0;     ///< rms speed of the spin about the centre of a free piece [m/s]
   double closing = 0;  ///< the largest one of late [m/s]
+  Vec3 struck = {};    ///< change of velocity while it touches, of late [m/s]
   Vec3 turn = {};      ///< about its pins at the start of the last step [rad/s]
 };
 

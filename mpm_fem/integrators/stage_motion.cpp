@@ -39,7 +39,7 @@ StageMotion::Reference StageMotion::reference_at(double t) const {
   // the pose of each piece
   std::vector<RigidPose> poses(pieces_.count());
   for (size_t p = 0; p < poses.size(); ++p) {
-    if (pieces_.is_free(p)) poses[p] = pose_at(rigid_motion(now_[p]), t);
+    if (pieces_.is_loose(p)) poses[p] = pose_at(pieces_.rigid_motion(p, now_[p]), t);
     if (pieces_.is_pinned(p)) poses[p] = turned_about(pieces_.pins(p), turn_[p], gain_[p], t);
   }
   // what it means for its nodes
@@ -48,7 +48,7 @@ StageMotion::Reference StageMotion::reference_at(double t) const {
               Array<double>(rest.rows(), 3)};
   for (int64_t n = 0; n < rest.rows(); ++n) {
     const size_t p = pieces_.of(n);
-    if (!pieces_.is_free(p) && !pieces_.is_pinned(p)) continue;
+    if (!pieces_.is_loose(p) && !pieces_.is_pinned(p)) continue;
     const Vec3 x0 = plus(row_of(rest, n), row_of(state_->u, n));
     const Vec3 shift = reference_motion(poses[p], x0), velocity = reference_velocity(poses[p], x0),
                acceleration = reference_acceleration(poses[p], x0);
@@ -56,6 +56,8 @@ StageMotion::Reference StageMotion::reference_at(double t) const {
     std::copy(velocity.begin(), velocity.end(), z.velocity.row(n));
     std::copy(acceleration.begin(), acceleration.end(), z.acceleration.row(n));
   }
+  for (Array<double>* field : {&z.shift, &z.velocity, &z.acceleration})
+    scene_.dependent.fill(field->data());
   return z;
 }
 
@@ -159,7 +161,7 @@ TwoMomenta StageMotion::gain_of_references(const Vec3& about, const Array<double
   const auto add = [&](const Reference& z, const Array<double>& of, double weight) {
     for (int64_t n = 0; n < of.rows(); ++n) {
       const size_t p = pieces_.of(n);
-      if (pieces_.is_free(p) || !pieces_.is_pinned(p)) continue;
+      if (!pieces_.is_pinned(p)) continue;
       Vec3 value = scaled(row_of(of, n), weight * mass(n));
       for (int d = 0; d < 3; ++d)
         if (is_fixed(3 * n + d)) value[size_t(d)] = 0;

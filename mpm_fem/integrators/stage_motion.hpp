@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The motion of nodes in a step of stages, relative to rigid references (core/time_stage.hpp):
-// pieces without prescribed components are carried by the rigid motion that they begin the step
-// with (core/rigid_motion.hpp), pieces with pins turn about these as they do at its start and as
-// that changed in the last step. Other pieces have none, nor those with dependent nodes. Prescribed
-// components have predictors of their own,
+// The motion of nodes in a step of stages, relative to rigid references (core/time_stage.hpp): loose
+// pieces are carried by the rigid motion that they begin the step with (core/rigid_motion.hpp), as
+// far as prescribed components admit it, pieces with pins turn about these as they do at its start
+// and as that changed in the last step. Pieces that are moved have none. References of dependent
+// nodes follow from those of their parent nodes. Prescribed components have predictors of their own,
 //
 //     uhat = u + k^2 (g - u''),
 //

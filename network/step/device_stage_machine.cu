@@ -26,6 +26,7 @@ DeviceStageMachine::DeviceStageMachine(DevicePotential& potential)
       pieces_(scene()),
       groups_(pieces_.nodes()),
       piece_(scene().grid.piece.data(), scene().grid.node_count()),
+      kinds_(pieces_.kinds()),
       first_stage_(3 * potential.nodes()),
       field_(3 * potential.nodes()),
       poses_(groups_.count()),
@@ -37,10 +38,11 @@ StageNodes DeviceStageMachine::nodes() {
   StageNodes nodes;
   nodes.rest = potential_.rest();
   nodes.mass = potential_.mass();
-  nodes.pinned = potential_.pinned();
+  nodes.pinned = kinds_.data();
   nodes.piece = piece_.data();
   nodes.first = groups_.view().first;
   nodes.first_stage = first_stage_.data();
+  nodes.parents = potential_.held().dependent().sums();
   nodes.gravity = scene().gravity;
   nodes.load = potential_.load();
   return nodes;

@@ -38,6 +38,7 @@ class DeviceStageMachine : public StageMachine {
   Pieces pieces_;
   DeviceGroups groups_;         // nodes of the pieces
   DeviceArray<int32_t> piece_;  // of each node
+  DeviceArray<uint8_t> kinds_;  // Pieces::kinds()
   DeviceArray<double> first_stage_, field_;
   DeviceArray<PiecePoses> poses_;
   DeviceArray<PieceMotion> motions_;

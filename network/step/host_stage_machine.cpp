@@ -15,10 +15,11 @@ StageNodes HostStageMachine::nodes() {
   StageNodes nodes;
   nodes.rest = s.grid.rest.data();
   nodes.mass = s.mass.data();
-  nodes.pinned = s.pinned.data();
+  nodes.pinned = pieces_.kinds().data();
   nodes.piece = s.grid.piece.data();
   nodes.first = first_.data();
   nodes.first_stage = first_stage_.data();
+  nodes.parents = s.dependent.filled().view();
   nodes.gravity = s.gravity;
   nodes.load = potential_.loads().data();
   return nodes;

@@ -27,11 +27,20 @@ class Pieces {
   size_t count() const { return nodes_.size(); }
   /// No node of the piece is pinned, or fixed along an axis.
   bool is_free(size_t piece) const { return !held_[piece]; }
-  /// Mean place of a piece's pinned nodes at rest, where they stay [m].
+  /// No node is pinned or depends on others: the piece is free but for components that are fixed.
+  bool is_loose(size_t piece) const { return is_loose_[piece]; }
+  /// Mean place of what pins a piece at rest, where it stays [m]: of pinned nodes, and of the points
+  /// of a border that dependent nodes follow from, (X_i - sum w_im X_m) / (1 - sum w_im).
   const Vec3& pins(size_t piece) const { return pins_[piece]; }
-  /// Nodes of the piece depend on others or are fixed along an axis: no turn about the pins meets what
-  /// they must.
-  bool is_bound(size_t piece) const { return is_bound_[piece]; }
+  /// What is left of the velocity of a piece without components along which nodes are fixed.
+  Vec3 slide(size_t piece, Vec3 velocity) const;
+  /// The motion of a piece without forces from a state on, that its fixed components admit whatever
+  /// nodes have them: along the other axes, and about the axis of the only one.
+  RigidMotion rigid_motion(size_t piece, const PieceState& state) const;
+  /// sum m |w x r|^2 of the spin w of that motion [J].
+  double spin_square(size_t piece, const PieceState& state) const;
+  /// Angular velocity of a piece about its pins, weighted with mass [rad/s].
+  Vec3 turn_about_pins(size_t piece, const PieceState& state) const;
   double mass(size_t piece) const { return mass_[piece]; }  ///< [kg]
   /// Twice the rms distance of its nodes from the centre at rest [m], weighted with mass.
   double size(size_t piece) const { return size_[piece]; }
@@ -54,21 +63,19 @@ class Pieces {
 
   /// Nodes of each piece.
   const std::vector<std::vector<int32_t>>& nodes() const { return nodes_; }
+  /// Scene::pinned, (nodes), with nodes that are fixed along all axes as pinned ones.
+  const std::vector<uint8_t>& kinds() const { return kinds_; }
 
  private:
+  void find_holds(const Scene& scene);
+  void find_masses(const Scene& scene);
+  void find_pins(const Scene& scene);
+
   std::vector<std::vector<int32_t>> nodes_;
-  std::vector<uint8_t> held_, is_bound_;
+  std::vector<uint8_t> kinds_, held_, is_loose_;
+  std::vector<uint8_t> axes_;  // bit d: component d of a node is fixed, of one that is not pinned
   std::vector<double> mass_, size_;
   std::vector<Vec3> pins_;
 };
-
-/// sum m |w x r|^2 of the spin w of a piece [J].
-double spin_square(const PieceState& state);
-
-/// The motion of a free piece without forces from there on.
-RigidMotion rigid_motion(const PieceState& state);
-
-/// Angular velocity of a piece about a point, weighted with mass [rad/s].
-Vec3 spin_about(const PieceState& state, double mass, const Vec3& point);
 
 }  // namespace elastogen

@@ -11,11 +11,13 @@ void Stages::note_speeds(const double* v, double share) {
   speed_next_.resize(pieces_.count());
   spin_next_.resize(pieces_.count());
   closing_next_.resize(pieces_.count());
+  struck_next_.resize(pieces_.count());
   for (size_t p = 0; p < pieces_.count(); ++p) {
     // at the start and at the end
     const double m = pieces_.mass(p), whole[2] = {squares[p][0] / m, squares[p][2] / m};
-    const double turn[2] = {pieces_.is_free(p) ? spin_square(now_[p]) / m : 0,
-                            pieces_.is_free(p) ? spin_square(last_[p]) / m : 0};
+    const bool loose = pieces_.is_loose(p);
+    const double turn[2] = {loose ? pieces_.spin_square(p, now_[p]) / m : 0,
+                            loose ? pieces_.spin_square(p, last_[p]) / m : 0};
     const double rest = std::max({whole[0] - turn[0], whole[1] - turn[1], 0.0});
     speed_next_[p] = std::max(std::sqrt(rest), std::pow(kSpeedRemembered, share) * speed_[p]);
     spin_next_[p] = std::sqrt(std::max(turn[0], turn[1]));
@@ -24,6 +26,9 @@ void Stages::note_speeds(const double* v, double share) {
       if (!f->pieces.empty() && f->pieces[p].normal > 0)
         closing_next_[p] =
             std::max(closing_next_[p], std::abs(f->pieces[p].power) / f->pieces[p].normal);
+    struck_next_[p] = scaled(struck_[p], std::exp(-share / kStrikeLasts));
+    if (touched(p))
+      struck_next_[p] = plus(struck_next_[p], minus(last_[p].velocity, now_[p].velocity));
   }
 }
 
@@ -40,13 +45,9 @@ double Stages::least_motion(const double* v, double interval) {
   return least;
 }
 
-/// W rms(u) of a piece [m].
-double Stages::contact_error(size_t p, const StepWeights& weights,
-                             const TimeErrorOptions& options) {
-  if (!pieces_.is_free(p) || !touched()) return 0;
-  const double g = safe_norm(scene_.gravity), closing = closing_next_[p];
-  if (g > 0 && closing * closing / (2 * g) < kLowBounce * pieces_.size(p)) return 0;
-  const double W = g > 0 ? std::min(options.interval, closing / g) : options.interval;
+ContactError Stages::contact_error_of(size_t p, const StepWeights& weights,
+                                      const TimeErrorOptions& options) const {
+  if (!pieces_.is_loose(p) || !touched()) return {};
   // the impulse of the combination, and the rigid motion that it gives the piece
   Vec3 force = {}, torque = {};
   const auto add = [&](const Forces& f, double weight) {
@@ -57,10 +58,12 @@ double Stages::contact_error(size_t p, const StepWeights& weights,
   add(at_end_, weights.end);
   add(at_start_, weights.start);
   add(at_.stage.t_b > 0 ? at_stage_ : at_before_, weights.other);
-  const Vec3 turn = times(rigid_motion(last_[p]).per_inertia, torque);
+  force = pieces_.slide(p, force);
+  const Vec3 turn = times(pieces_.rigid_motion(p, last_[p]).per_inertia, torque);
   const double square =
       dot(force, force) / std::pow(pieces_.mass(p), 2) + dot(turn, torque) / pieces_.mass(p);
-  return W * std::sqrt(std::max(0.0, square));
+  return contact_error(closing_next_[p], safe_norm(struck_next_[p]), safe_norm(scene_.gravity),
+                       options.interval, pieces_.size(p), std::sqrt(std::max(0.0, square)));
 }
 
 /// Of the piece where it is worst, by what is in the field.
@@ -71,11 +74,12 @@ TimeError Stages::worst_error(const StepWeights& weights, const TimeErrorOptions
   TimeError worst;
   for (size_t p = 0; p < pieces_.count(); ++p) {
     const double rms = std::sqrt(squares[p][0] / pieces_.mass(p));
-    const double estimate = kErrorSafety * (rms + contact_error(p, weights, options));
+    const ContactError contact = contact_error_of(p, weights, options);
+    const double estimate = kErrorSafety * (rms + contact.counted);
     const double speed = counted_speed(speed_next_[p], spin_next_[p], touched(p));
     const double motion = std::max(options.interval * speed, kMotionFloor * pieces_.size(p));
     const double ratio = estimate / (share * options.tolerance * motion);
-    if (!(ratio <= worst.ratio)) worst = {estimate, ratio};
+    if (!(ratio <= worst.ratio)) worst = {kErrorSafety * (rms + contact.said), ratio};
   }
   return worst;
 }

@@ -79,7 +79,7 @@ BodyActions Stages::actions(const double* x, const Forces& contact,
 TwoMomenta Stages::gain_of_references() {
   TwoMomenta gain;
   bool any = false;
-  for (size_t p = 0; p < pieces_.count(); ++p) any |= !pieces_.is_free(p);
+  for (size_t p = 0; p < pieces_.count(); ++p) any |= !pieces_.is_loose(p);
   if (!any) return gain;
   for (const PieceSums& of : machine_.sum(ReferenceGain{at_, ledger_before_.about}))
     gain.add({{of[0], of[1], of[2]}, {of[3], of[4], of[5]}}, 1);

@@ -27,7 +27,7 @@ struct StartDisplacement {
   ELASTOGEN_HD void operator()(int64_t n) const {
     Vec3 way = {};
     if (!of.pinned[n] && order == 0) {
-      const Vec3 turning = reference_acceleration(of.poses_of(n).end, of.x0(n));
+      const Vec3 turning = of.reference_pull(of.poses_of(n).end, n);
       way = plus(vector_at(motion, n), scaled(turning, of.stage.k * of.stage.k));
     } else if (!of.pinned[n]) {
       way = of.extrapolated(n, order);
@@ -70,13 +70,13 @@ struct AddRigidMotion {
   }
 };
 
-/// D = the velocities of free pieces relative to their references, 0 of the others.
+/// D = the velocities of loose pieces relative to their references, 0 of the others.
 struct RelativeVelocities {
   StageNodes of;
   const double* v;
   double* D;
   ELASTOGEN_HD void operator()(int64_t n) const {
-    set_vector(D, n, of.poses_of(n).is_free ? of.e1(n, v) : Vec3{});
+    set_vector(D, n, of.poses_of(n).is_loose ? of.e1(n, v) : Vec3{});
   }
 };
 

@@ -116,8 +116,8 @@ struct LoadForces {
   }
 };
 
-/// What the momentum and the angular momentum of the reference of free nodes gain in a step beyond
-/// their integral by its stages.
+/// What the momentum and the angular momentum of the reference of nodes of pinned pieces gain in a step
+/// beyond their integral by its stages.
 struct ReferenceGain {
   StageNodes of;
   Vec3 about;
@@ -125,21 +125,20 @@ struct ReferenceGain {
   /// Adds weight m times a vector of the reference and its moment.
   ELASTOGEN_HD void add(int64_t n, const RigidPose& pose, double weight, const Vec3& of_reference,
                         double* sum) const {
-    const Vec3 place = plus(of.x0(n), reference_motion(pose, of.x0(n)));
+    const Vec3 place = plus(of.x0(n), of.reference_way(pose, n));
     const Vec3 value = scaled(of_reference, weight * of.mass[n]);
     const Vec3 moment = cross(minus(place, about), value);
     for (size_t i = 0; i < 3; ++i) sum[i] += value[i], sum[3 + i] += moment[i];
   }
   ELASTOGEN_HD void operator()(int64_t n, double* sum) const {
     const PiecePoses& at = of.poses_of(n);
-    if (of.pinned[n] == kPinnedNode || at.is_free) return;
+    if (of.pinned[n] == kPinnedNode || at.is_loose) return;
     const TimeStage& s = of.stage;
-    const Vec3 x0 = of.x0(n);
-    add(n, at.end, 1, reference_velocity(at.end, x0), sum);
-    add(n, at.end, -s.k, reference_acceleration(at.end, x0), sum);
-    add(n, at.start, s.t_b < 0 ? s.w_d - 1 : -1, reference_velocity(at.start, x0), sum);
-    if (s.t_b < 0) add(n, at.other, -s.w_d, reference_velocity(at.other, x0), sum);
-    if (s.t_b > 0) add(n, at.other, s.k - s.t, reference_acceleration(at.other, x0), sum);
+    add(n, at.end, 1, of.reference_speed(at.end, n), sum);
+    add(n, at.end, -s.k, of.reference_pull(at.end, n), sum);
+    add(n, at.start, s.t_b < 0 ? s.w_d - 1 : -1, of.reference_speed(at.start, n), sum);
+    if (s.t_b < 0) add(n, at.other, -s.w_d, of.reference_speed(at.other, n), sum);
+    if (s.t_b > 0) add(n, at.other, s.k - s.t, of.reference_pull(at.other, n), sum);
   }
 };
 

@@ -22,7 +22,7 @@ Stages::Stages(StageMachine& machine)
                std::ranges::any_of(scene_.colliders, [](auto& c) { return c.path.moves(); }) ||
                holders_move_;
   poses_.resize(pieces_.count());
-  for (size_t p = 0; p < pieces_.count(); ++p) poses_[p].is_free = pieces_.is_free(p);
+  for (size_t p = 0; p < pieces_.count(); ++p) poses_[p].is_loose = pieces_.is_loose(p);
   forget();
 }
 
@@ -31,6 +31,7 @@ void Stages::forget() {
   speed_.assign(pieces_.count(), 0);
   spin_.assign(pieces_.count(), 0);
   closing_.assign(pieces_.count(), 0);
+  struck_.assign(pieces_.count(), {});
   turn_.assign(pieces_.count(), {});
   turn_last_ = turn_;
   gain_.assign(pieces_.count(), 0);
@@ -74,15 +75,15 @@ std::vector<PieceState> Stages::states(const double* x, const double* v) {
 }
 
 RigidPose Stages::pose(size_t p, double t) const {
-  return pieces_.is_free(p) ? pose_at(motions_[p], t)
-                            : turned_about(pieces_.pins(p), turn_[p], gain_[p], t);
+  return pieces_.is_loose(p) ? pose_at(motions_[p], t)
+                             : turned_about(pieces_.pins(p), turn_[p], gain_[p], t);
 }
 
-/// The turn of a piece about its pins, which goes on as it changed in the last step; none where nodes
-/// depend on others or are fixed along an axis, or something that is held moves.
+/// The turn of a piece about its pins, which goes on as it changed in the last step; none where
+/// something that is held moves.
 void Stages::turn_about_pins(size_t p) {
-  if (pieces_.is_bound(p) || holders_move_) return;
-  turn_[p] = spin_about(now_[p], pieces_.mass(p), pieces_.pins(p));
+  if (holders_move_) return;
+  turn_[p] = pieces_.turn_about_pins(p, now_[p]);
   const double rate = safe_norm(turn_[p]);
   gain_[p] = 0;
   if (h_last_ > 0 && rate > kStill)
@@ -96,8 +97,8 @@ void Stages::take_poses() {
   if (t_b < 0) before_ = states(at_.state.x_before, at_.state.v_before);
   motions_.assign(pieces_.count(), {});
   for (size_t p = 0; p < pieces_.count(); ++p) {
-    if (pieces_.is_free(p))
-      motions_[p] = rigid_motion(now_[p]);
+    if (pieces_.is_loose(p))
+      motions_[p] = pieces_.rigid_motion(p, now_[p]);
     else
       turn_about_pins(p);
     poses_[p].start = pose(p, 0);
@@ -154,7 +155,7 @@ void Stages::keep_stage(const double* u, const StageCertificate& certificate) {
   booking_.at_first = actions(x, at_stage_, certificate);
 }
 
-/// Velocity and angular momentum that the scheme gives a free piece at the end of the step.
+/// Velocity and angular momentum that the scheme gives a loose piece at the end of the step.
 PieceState Stages::aim(size_t p, const PieceState& end) const {
   const TimeStage& s = at_.stage;
   // contact and load
@@ -190,11 +191,12 @@ void Stages::correct_momentum(const double* x, double* v) {
     const std::vector<PieceState> end = pass == 0 ? last_ : states(x, v);
     std::vector<PieceMotion> change(pieces_.count());
     for (size_t p = 0; p < pieces_.count(); ++p) {
-      if (!pieces_.is_free(p)) continue;
+      if (!pieces_.is_loose(p)) continue;
       const PieceState wanted = aim(p, end[p]);
       change[p].centre = end[p].centre;
-      change[p].velocity = minus(wanted.velocity, end[p].velocity);
-      change[p].turn = times(rigid_motion(end[p]).per_inertia, minus(wanted.spin, end[p].spin));
+      change[p].velocity = pieces_.slide(p, minus(wanted.velocity, end[p].velocity));
+      change[p].turn =
+          times(pieces_.rigid_motion(p, end[p]).per_inertia, minus(wanted.spin, end[p].spin));
     }
     machine_.run(AddRigidMotion{at_, machine_.put(change), 1, 1, x, v});
   }
@@ -206,8 +208,8 @@ bool Stages::flies_fast() const {
   bool fast = false;
   for (size_t p = 0; p < pieces_.count(); ++p)
     fast |=
-        pieces_.is_free(p) && bounce_counts(safe_norm(now_[p].velocity), safe_norm(scene_.gravity),
-                                            scene_.dt, pieces_.size(p));
+        pieces_.is_loose(p) && bounce_counts(safe_norm(now_[p].velocity), safe_norm(scene_.gravity),
+                                             scene_.dt, pieces_.size(p));
   return fast;
 }
 
@@ -223,7 +225,7 @@ bool Stages::touched() const {
   return false;
 }
 
-/// The rigid part of the velocities of free pieces relative to their references, or what is left of
+/// The rigid part of the velocities of loose pieces relative to their references, or what is left of
 /// them without it, by node; 0 for the others. It is in the field of the machine.
 void Stages::relative_velocities(const double* x, const double* v, bool rigid) {
   double* const D = machine_.field();
@@ -231,9 +233,9 @@ void Stages::relative_velocities(const double* x, const double* v, bool rigid) {
   const std::vector<PieceState> relative = states(x, D);
   std::vector<PieceMotion> part(pieces_.count());
   for (size_t p = 0; p < pieces_.count(); ++p)
-    if (pieces_.is_free(p))
-      part[p] = {relative[p].centre, relative[p].velocity,
-                 times(rigid_motion(relative[p]).per_inertia, relative[p].spin)};
+    if (pieces_.is_loose(p))
+      part[p] = {relative[p].centre, pieces_.slide(p, relative[p].velocity),
+                 times(pieces_.rigid_motion(p, relative[p]).per_inertia, relative[p].spin)};
   const double before = rigid ? 0 : 1, share = rigid ? 1 : -1;
   machine_.run(AddRigidMotion{at_, machine_.put(part), before, share, x, D});
 }
@@ -307,6 +309,7 @@ void Stages::accept(double time) {
   speed_ = speed_next_;
   spin_ = spin_next_;
   closing_ = closing_next_;
+  struck_ = struck_next_;
   ledger_before_ = ledger_;
 }
 

@@ -101,7 +101,8 @@ class Stages {
   double take_energy(double rise, double* v);
   bool touched() const;
   bool touched(size_t piece) const;
-  double contact_error(size_t piece, const StepWeights& weights, const TimeErrorOptions& options);
+  ContactError contact_error_of(size_t piece, const StepWeights& weights,
+                                const TimeErrorOptions& options) const;
   TimeError worst_error(const StepWeights& weights, const TimeErrorOptions& options);
   void note_speeds(const double* v, double share);
   // stage_ledger.cpp
@@ -125,6 +126,7 @@ class Stages {
   double voxels_start_ = 0, voxels_end_ = 0;  // energy of the voxels [J]
   // of the pieces, in this step and as the last one left them
   std::vector<double> speed_, spin_, closing_, speed_next_, spin_next_, closing_next_;
+  std::vector<Vec3> struck_, struck_next_;  // change of velocity while it touches, of late [m/s]
   bool holders_move_ = false;
   bool is_driven_ = false;  // colliders or holders move, or loads act: the energy may rise
   bool guarded_ = false;

@@ -92,5 +92,26 @@ TEST(TimeError, WeightsSeeTheThirdDerivativeAlone) {
               2e-3 * h * h * h);
 }
 
+TEST(TimeError, SaysOfSmallImpactsWhatItSpendsNoStepsOn) {
+  // a body of 0.2 m, whose bounces count from 2 mm on: 0.198 m/s
+  const double g = 9.81, T = 1.0 / 30, size = 0.2, u = 1e-3;
+  const auto of = [&](double closing, double struck) {
+    return contact_error(closing, struck, g, T, size, u);
+  };
+  const ContactError rests = of(0.1, 0.1), meets = of(0.25, 0), jolted = of(0.1, 0.25),
+                     lands = of(2, 0);
+  EXPECT_EQ(rests.counted, 0);
+  EXPECT_EQ(rests.said, 0);
+  EXPECT_NEAR(meets.counted, 0.25 / g * u, 1e-18);  // as long as the bounce rises
+  EXPECT_EQ(meets.said, T * u);
+  EXPECT_EQ(jolted.counted, 0);
+  EXPECT_EQ(jolted.said, T * u);
+  EXPECT_EQ(lands.counted, T * u);
+  EXPECT_EQ(lands.said, T * u);
+  // where nothing pulls it, it counts for all of the frame
+  EXPECT_EQ(contact_error(1e-3, 0, 0, T, size, u).counted, T * u);
+  EXPECT_EQ(contact_error(1e-3, 0, 0, T, size, u).said, T * u);
+}
+
 }  // namespace
 }  // namespace elastogen

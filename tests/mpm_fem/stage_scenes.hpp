@@ -56,7 +56,9 @@ inline fem::FemScene as_fem(const Scene& scene, fem::Element element = fem::Elem
   if (!scene.colliders.empty()) result.contact = fem::voxel_contact(scene);
   result.fixed = Array<uint8_t>(scene.pinned.rows(), 3);
   for (int64_t n = 0; n < scene.pinned.rows(); ++n)
-    std::fill_n(result.fixed.row(n), 3, scene.pinned(n) == kPinnedNode);
+    for (int d = 0; d < 3; ++d)
+      result.fixed(n, d) =
+          scene.pinned(n) == kPinnedNode || (!scene.fixed.empty() && scene.fixed(n, d) >= 0);
   result.dependent = scene.dependent;
   return result;
 }

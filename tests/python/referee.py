@@ -40,7 +40,8 @@ from held_checks import RESIDUAL_FLOOR, ROUND_OFF, Check, check_held, check_reac
 from holding import Holding
 from loading import Loading
 from nets import table_error
-from stages import Start, StageStep, find_pieces
+from references import Start, find_pieces
+from stages import StageStep
 from state_file import SDIRK2, Floats, LayoutError, State, read_state, require
 
 RESIDUAL_SHARE = 0.05
@@ -89,16 +90,15 @@ def check_residual(state: State, step: int, own: float, slack: float = 0) -> lis
             Check(step, "converged", flag, float(state.steps["converged"][step]), 0.0)]
 
 
-def check_time_error(state: State, step: int, rough: float, touches: bool, speed: float) -> list[Check]:
+def check_time_error(state: State, step: int, rough: float, touches: bool, slack: float) -> list[Check]:
     """The estimate [m] of a step without contact, here or in two steps before: `rough` but for a filter
-    that lowers it, and is left out far below what is accepted. @param speed  the largest [m/s]"""
+    that lowers it, and is left out far below what is accepted. @param slack  [m]"""
     said, ratio = (float(state.steps[name][step]) if name in state.steps else 0.0
                    for name in ("time_error", "time_ratio"))
     if ratio == 0 or touches:
         return []
     is_rough = rough * ratio < UNFILTERED * said  # rough over what is accepted
     own = rough if is_rough else min(rough, said)
-    slack = ROUND_OFF * speed * float(state.steps["length"][step])
     return [Check(step, "time_error", own, said, ESTIMATE_SHARE * said + slack)]
 
 
@@ -244,7 +244,8 @@ def judge_stages(state: State, with_energies: bool) -> Verdict:
         x, v = read_record(state, step + 1)
         own = StageStep(state, body, pieces, step, start).recompute(x, v)
         touched.append(own.touches)
-        checks += check_time_error(state, step, own.rough, any(touched[-3:]), float(np.abs(v).max()))
+        rounded = own.off + ROUND_OFF * float(np.abs(v).max()) * float(length)
+        checks += check_time_error(state, step, own.rough, any(touched[-3:]), rounded)
         checks += check_residual(state, step, own.residual, own.slack)
         checks += check_held(holding, step, x, v)
         checks += check_reactions(holding, step, own.found, x)

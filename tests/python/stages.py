@@ -5,9 +5,7 @@ velocities with the momentum that external forces leave.
     r_n  = m_n (x'_n - xhat_n)/k^2 + ...,
     xhat = z(t) + w_d d_b + w_e e_b + w_0 e_0 + k^2 (g - z''(t)),     d = x - z,   e = v - z'
 
-with z the rigid motion that carries a piece from the start of the step. Free pieces move as Newton
-and Euler say; pieces with pins turn about these as they do at the start and as that changed in the
-step before.
+with z the rigid motion that carries a piece from the start of the step (references.py).
 """
 
 from __future__ import annotations
@@ -21,12 +19,10 @@ import damping
 import equations
 from equations import Body, Potential
 from loading import Loading
-from state_file import BDF2, SDIRK2, Floats, Ints, State
+from references import Pieces, Reference, Start, momenta, per_inertia
+from state_file import BDF2, SDIRK2, Floats, State
 
 SHARE = 1 - 1 / np.sqrt(2)  # of a step that SDIRK2's first stage takes
-ANGLE = 2e-3  # of a step of the integration of a free rotation [rad]
-# the program's: in equal parts of at most PART [rad], each with an error up to ERROR a^5
-PART, ERROR = 0.05, 0.032
 SAFETY, OF_SDIRK2 = 1.8, 0.0808  # of the estimate of the time error, and of y by SDIRK2
 
 
@@ -62,187 +58,6 @@ def sdirk2(h: float) -> tuple[Stage, Stage]:
 
 
 @dataclass(frozen=True)
-class Pieces:
-    """The connected pieces of a body."""
-
-    of: Ints  # piece of each node
-    mass: Floats  # (pieces,) [kg]
-    free: list[bool]  # no component of it is prescribed
-    pins: list[Floats | None]  # mean place of its pinned nodes [m], None: no reference turns it
-
-
-def find_pieces(state: State, body: Body) -> Pieces:
-    """Voxels that share a node belong to one piece."""
-    corners, label = state.grid["corners"].astype(np.int64), np.arange(len(body.rest))
-    while True:
-        least = label[corners].min(1)
-        new = label.copy()
-        np.minimum.at(new, corners.ravel(), np.repeat(least, 8))
-        new = new[new]
-        if (new == label).all():
-            break
-        label = new
-    of = np.unique(label, return_inverse=True)[1]
-    count = int(of.max()) + 1
-    held = ~body.loose
-    free = [not held[of == p].any() for p in range(count)]
-    pins: list[Floats | None] = []
-    components = state.holders.of_component if state.holders else None
-    bound = np.zeros(len(of), bool) if components is None else (components >= 0).any(1)
-    for p in range(count):
-        pinned = (of == p) & held.all(1)
-        rests = state.moved or not pinned.any() or body.dependent[of == p].any() or bound[of == p].any()
-        pins.append(None if rests else body.rest[pinned].mean(0))
-    return Pieces(of, np.bincount(of, body.mass), free, pins)
-
-
-@dataclass(frozen=True)
-class Momenta:
-    """A piece at one time: centre [m], its velocity [m/s], angular momentum and moments about it."""
-
-    centre: Floats
-    velocity: Floats
-    spin: Floats  # [kg m^2/s]
-    inertia: Floats  # (3, 3) [kg m^2]
-
-
-def momenta(mass: Floats, x: Floats, v: Floats) -> Momenta:
-    """Of point masses."""
-    centre, velocity = (mass @ x) / mass.sum(), (mass @ v) / mass.sum()
-    r = x - centre
-    spin = mass @ np.cross(r, v - velocity)
-    inertia = (mass * (r * r).sum(1)).sum() * np.eye(3) - np.einsum("n,ni,nj->ij", mass, r, r)
-    return Momenta(centre, velocity, spin, inertia)
-
-
-def turn_about(m: Momenta, mass: float, point: Floats) -> Floats:
-    """Angular velocity about a point [rad/s], weighted with mass."""
-    arm = m.centre - point
-    inertia = m.inertia + mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
-    return np.linalg.solve(inertia, m.spin + mass * np.cross(arm, m.velocity))
-
-
-def skew(w: Floats) -> Floats:
-    """[w], [w] r = w x r."""
-    return np.array([[0, -w[2], w[1]], [w[2], 0, -w[0]], [-w[1], w[0], 0]])
-
-
-def turned(axis: Floats, angle: float) -> Floats:
-    """Rotation matrix (Rodrigues)."""
-    K = skew(axis)
-    return np.eye(3) + np.sin(angle) * K + (1 - np.cos(angle)) * K @ K
-
-
-@dataclass(frozen=True)
-class Pose:
-    """z(t) = place + R (x0 - origin), with the angular velocity and its rate."""
-
-    origin: Floats
-    place: Floats
-    R: Floats
-    velocity: Floats  # of `place`
-    w: Floats
-    w_rate: Floats
-
-    def motion(self, x0: Floats) -> tuple[Floats, Floats, Floats]:
-        """z, z', z'' of nodes that start at x0, (n, 3)."""
-        r = (x0 - self.origin) @ self.R.T
-        speed = np.cross(self.w, r)
-        return (self.place + r, self.velocity + speed,
-                np.cross(self.w_rate, r) + np.cross(self.w, speed))
-
-
-def free_pose(m: Momenta, t: float) -> Pose:
-    """Newton and Euler without forces: R' = [w] R, w = R I^-1 R^T L, by Runge and Kutta's method."""
-    inverse = np.linalg.inv(m.inertia)
-
-    def w_of(R: Floats) -> Floats:
-        return R @ (inverse @ (R.T @ m.spin))
-
-    R = np.eye(3)
-    steps = 1 + int(np.linalg.norm(w_of(R)) * abs(t) / ANGLE)
-    h = t / steps
-    for _ in range(steps):
-        a = skew(w_of(R)) @ R
-        b = skew(w_of(R + h / 2 * a)) @ (R + h / 2 * a)
-        c = skew(w_of(R + h / 2 * b)) @ (R + h / 2 * b)
-        d = skew(w_of(R + h * c)) @ (R + h * c)
-        U, _, V = np.linalg.svd(R + h / 6 * (a + 2 * b + 2 * c + d))
-        R = U @ V
-    w = w_of(R)
-    return Pose(m.centre, m.centre + t * m.velocity, R, m.velocity, w,
-                -R @ (inverse @ (R.T @ np.cross(w, m.spin))))
-
-
-def pinned_pose(pin: Floats, w: Floats, gain: float, t: float) -> Pose:
-    """A turn about a point by |w| t + gain t^2/2 about the axis of w."""
-    rate, still = float(np.linalg.norm(w)), np.zeros(3)
-    if rate == 0:
-        return Pose(pin, pin, np.eye(3), still, still, still)
-    axis = w / rate
-    return Pose(pin, pin, turned(axis, rate * t + gain * t * t / 2), still,
-                (rate + gain * t) * axis, gain * axis)
-
-
-@dataclass(frozen=True)
-class Start:
-    """What a step begins with: the start, the start of the step before and that step's length."""
-
-    x: Floats
-    v: Floats
-    x_before: Floats | None = None
-    v_before: Floats | None = None
-    h_before: float = 0.0
-
-
-class Reference:
-    """z of all nodes in one step."""
-
-    def __init__(self, body: Body, pieces: Pieces, start: Start) -> None:
-        self.pieces, self.x0 = pieces, start.x
-        self.now = [self._momenta(body, p, start.x, start.v) for p in range(len(pieces.mass))]
-        self.turns: list[tuple[Floats, float] | None] = []
-        for p, pin in enumerate(pieces.pins):
-            self.turns.append(None if pin is None else self._turn(body, p, pin, start))
-
-    def _momenta(self, body: Body, p: int, x: Floats, v: Floats) -> Momenta:
-        mine = self.pieces.of == p
-        return momenta(body.mass[mine], x[mine], v[mine])
-
-    def _turn(self, body: Body, p: int, pin: Floats, start: Start) -> tuple[Floats, float]:
-        w = turn_about(self.now[p], float(self.pieces.mass[p]), pin)
-        rate = float(np.linalg.norm(w))
-        if start.x_before is None or start.v_before is None or rate == 0:
-            return w, 0.0
-        m = self._momenta(body, p, start.x_before, start.v_before)
-        last = turn_about(m, float(self.pieces.mass[p]), pin)
-        return w, float((w - last) @ w) / (rate * start.h_before)
-
-    def at(self, t: float) -> tuple[Floats, Floats, Floats]:
-        """z, z', z'' at a time after the start of the step."""
-        z, v, a = self.x0.copy(), np.zeros_like(self.x0), np.zeros_like(self.x0)
-        for p, turn in enumerate(self.turns):
-            mine, pin = self.pieces.of == p, self.pieces.pins[p]
-            if self.pieces.free[p]:
-                z[mine], v[mine], a[mine] = free_pose(self.now[p], t).motion(self.x0[mine])
-            elif pin is not None and turn is not None:
-                z[mine], v[mine], a[mine] = pinned_pose(pin, *turn, t).motion(self.x0[mine])
-        return z, v, a
-
-
-    def rounding(self, t: float) -> Floats:
-        """(nodes,) how far z of the program may be off at a time, by its integration [m]."""
-        result = np.zeros(len(self.x0))
-        for p in np.flatnonzero(self.pieces.free):
-            mine, m = self.pieces.of == p, self.now[p]
-            angle = float(np.linalg.norm(np.linalg.solve(m.inertia, m.spin))) * abs(t)
-            parts = 1 + int(angle / PART)
-            off = parts * ERROR * (angle / parts) ** 5
-            result[mine] = off * np.linalg.norm(self.x0[mine] - m.centre, axis=1)
-        return result
-
-
-@dataclass(frozen=True)
 class Solved:
     """The end of a stage."""
 
@@ -260,6 +75,7 @@ class Step:
 
     residual: float  # the largest of its stages
     slack: float  # of the residual, by the integration of rotations
+    off: float  # places of the reference by that [m]
     velocity: Floats
     found: Potential  # at its end
     by_scheme: Floats  # velocity before momentum is set
@@ -323,12 +139,12 @@ class StageStep:
         return force, torque
 
     def _corrected(self, first: Solved | None, last: Solved) -> Floats:
-        """Velocities with the linear and angular momentum that external forces give free pieces."""
+        """Velocities with the linear and angular momentum that external forces give loose pieces."""
         follows = self.body.loose | self.body.dependent[:, None]
         s, v = last.stage, np.where(follows, last.velocity, 0.0)
         start, before = self.start, None
-        for p in np.flatnonzero(self.pieces.free):
-            mine, mass = self.pieces.of == p, self.pieces.mass[p]
+        for p in np.flatnonzero(self.pieces.loose):
+            mine, mass, stops = self.pieces.of == p, self.pieces.mass[p], self.pieces.stops[p]
             end, now = momenta(self.body.mass[mine], last.x[mine], v[mine]), self.reference.now[p]
             velocity, spin = now.velocity.copy(), now.spin.copy()
             if s.t_b is not None and s.t_b < 0:
@@ -341,8 +157,9 @@ class StageStep:
                     velocity += time / mass * force
                     spin += time * torque
             velocity += (s.t if before is None else s.k) * self.state.gravity
-            turn = np.linalg.solve(end.inertia, spin - end.spin)
-            v[mine] += velocity - end.velocity + np.cross(turn, last.x[mine] - end.centre)
+            turn = per_inertia(end.inertia, stops) @ (spin - end.spin)
+            slide = np.where(stops, 0.0, velocity - end.velocity)
+            v[mine] += slide + np.cross(turn, last.x[mine] - end.centre)
         return v
 
     def _slack(self, stage: Stage) -> float:
@@ -384,7 +201,8 @@ class StageStep:
             last = self._solved(euler(h), 1.0, x_end, None, None)
         residual = max(equations.residual(self.body, s.found.gradient, self.state.g_ref)
                        for s in (first, last) if s is not None)
-        return Step(residual, self._slack(last.stage), self._corrected(first, last), last.found,
+        off = float(self.reference.rounding(last.stage.t).max())
+        return Step(residual, self._slack(last.stage), off, self._corrected(first, last), last.found,
                     last.velocity, last.stage.k,
                     last.touch.bonds if last.touch is not None else None,
                     self._rough(first, last, v_end),

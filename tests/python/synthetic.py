@@ -14,7 +14,8 @@ import numpy as np
 import equations
 from equations import BITS, Body, Motion, Potential
 from holding import Holding
-from stages import SHARE, Start, StageStep, find_pieces, turned
+from references import Start, find_pieces, turned
+from stages import SHARE, StageStep
 from state_file import BDF2, EULER, FIELDS, LAWS, LENGTHS, SDIRK2, Floats, Holders, Material, State
 
 H, DT = 0.05, 1 / 60

@@ -111,6 +111,12 @@ def stage_runs() -> Case:
         "pendulum by auto": (*damped, *HELD, "--time-scheme", "auto"),
         "held at borders that cut voxels, by auto": (*damped, *CUT, "--time-scheme", "auto"),
         "held at such borders, by sdirk2": (*damped, *CUT, "--time-scheme", "sdirk2"),
+        "on an edge that is cut out of voxels, by auto": (
+            *damped, "--pin", "box(-13cm,2.9cm,-1,-11cm,3.1cm,1)", "--time-scheme", "auto"),
+        "held along an axis in flight, by auto": (
+            *SOFT, "--damping", "0", "--frames", "6", "--hold", "x<8%: x", "--spin", "6,0,0", "--velocity", "0,1,2",
+            "--time-scheme", "auto"),
+        "held along an axis on a floor, by auto": (*falls, "--hold", "z<10%: z", "--time-scheme", "auto"),
         "pendulum by bdf2 of auto": (*damped, *HELD, "--time-scheme", "auto", "--time-error", "20%"),
         "dropped, with friction and damping, by auto": (*falls, "--spin", "0,0,3", "--time-scheme",
                                                         "auto"),

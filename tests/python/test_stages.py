@@ -11,9 +11,10 @@ import numpy as np
 import collision
 import damping
 import equations
+import references
 import stages
 from holding import Holding, fit_motion, fit_velocity
-from stages import Momenta, Start, find_pieces
+from references import Start, find_pieces
 from state_file import Material
 from synthetic import DT, H, add_contact, central_differences, held_records, held_state, make_state
 from test_referee import Records, add
@@ -40,53 +41,6 @@ class Schemes(unittest.TestCase):
     def test_of_equal_steps_bdf2_is_the_known_one(self) -> None:
         s = stages.bdf2(0.1, 0.1)
         np.testing.assert_allclose([s.k, s.w_d, s.w_e, s.w_0], [0.2 / 3, -1 / 3, -0.2 / 9, 0.8 / 9])
-
-
-class References(unittest.TestCase):
-    """Rigid motions."""
-
-    def test_a_symmetric_top_precesses(self) -> None:
-        """w turns about L at |L|/I_1, the body about its axis at the rest."""
-        I = np.diag([2.0, 2.0, 3.0])
-        L, t = np.array([0.6, 0.0, 1.5]), 1.7
-        m = Momenta(np.zeros(3), np.zeros(3), L, I)
-        pose = stages.free_pose(m, t)
-        size = float(np.linalg.norm(L))
-        precession = stages.turned(L / size, size / 2 * t)
-        own = stages.turned(np.array([0, 0, 1.0]), L[2] * (1 / 3 - 1 / 2) * t)
-        np.testing.assert_allclose(pose.R, precession @ own, atol=1e-11)
-        np.testing.assert_allclose(pose.R @ I @ pose.R.T @ pose.w, L, atol=1e-12)
-
-    def test_velocity_and_acceleration_are_derivatives(self) -> None:
-        random = np.random.default_rng(2)
-        m = Momenta(random.normal(size=3), random.normal(size=3), random.normal(size=3),
-                    np.diag([1.0, 2.0, 2.5]))
-        x0, t, e = random.normal(size=(4, 3)), 0.8, 1e-4
-        for pose in (lambda t: stages.free_pose(m, t),
-                     lambda t: stages.pinned_pose(m.centre, m.spin, 0.6, t)):
-            low, here, high = (pose(s).motion(x0) for s in (t - e, t, t + e))
-            np.testing.assert_allclose((high[0] - low[0]) / (2 * e), here[1], atol=1e-7)
-            np.testing.assert_allclose((high[1] - low[1]) / (2 * e), here[2], atol=1e-7)
-
-    def test_a_rigid_turn_has_its_angular_velocity(self) -> None:
-        random = np.random.default_rng(3)
-        mass, x, w = random.uniform(1, 2, 9), random.normal(size=(9, 3)), np.array([1.0, -2, 0.5])
-        about = np.array([0.3, 0.2, -0.1])
-        m = stages.momenta(mass, x, np.cross(w, x - about))
-        np.testing.assert_allclose(stages.turn_about(m, mass.sum(), about), w, atol=1e-12)
-
-    def test_pieces_are_voxels_that_share_nodes(self) -> None:
-        state = make_state(cells=[(0, 0, 0), (1, 1, 1), (4, 0, 0), (5, 0, 0), (9, 0, 0)])
-        pieces = find_pieces(state, equations.make_body(state))
-        voxels = pieces.of[state.grid["corners"][:, 0]]
-        self.assertEqual(len(pieces.mass), 3)
-        self.assertEqual(voxels[0], voxels[1])
-        self.assertEqual(voxels[2], voxels[3])
-        self.assertEqual([pieces.free[p] for p in (voxels[0], voxels[2], voxels[4])],
-                         [False, True, True])
-        self.assertAlmostEqual(pieces.mass.sum(), state.grid["mass"].sum())
-        pinned = state.grid["rest"][state.grid["pinned"] != 0]
-        np.testing.assert_allclose(pieces.pins[voxels[0]], pinned.mean(0))
 
 
 class Damping(unittest.TestCase):
@@ -121,7 +75,7 @@ class Damping(unittest.TestCase):
     def test_a_turn_costs_nothing(self) -> None:
         body, random = self.make()
         x = body.rest + random.normal(0, 0.1 * H, body.rest.shape)
-        R = stages.turned(np.array([0.6, 0, 0.8]), 1.2)
+        R = references.turned(np.array([0.6, 0, 0.8]), 1.2)
         energy, force = damping.damping(body, damping.base(body, x, 0, None), DT, x @ R.T + 0.3)
         self.assertLess(energy, 1e-20)
         self.assertLess(np.abs(force).max(), 1e-8)
@@ -205,7 +159,7 @@ class Held(unittest.TestCase):
             p = self.random.normal(size=(count, 3)) * [1, 1, flat]
             s = self.random.uniform(-3, 5, count)
             for angle in (0.0, 1.2, np.pi, 5.5):
-                A = stages.turned(axis, angle)
+                A = references.turned(axis, angle)
                 fit = fit_motion(p, s, p @ A.T + np.outer(s, b))
                 self.assertTrue(fit.is_unique)
                 np.testing.assert_allclose(fit.A, A, atol=1e-12)

@@ -7,6 +7,7 @@
 #include "core/error.hpp"
 #include "network/step/step_work.hpp"
 #include "tests/network/held_bodies.hpp"
+#include "tests/network/step/hung_scenes.hpp"
 #include "tests/network/step/motion_machines.hpp"
 #include "tests/network/step/moving_scenes.hpp"
 
@@ -55,7 +56,11 @@ StageSaid make_stage(StepWork& work, const Scene& scene, const StepScheme& schem
   // the end, with friction of the positions there
   u = said.starts[0];
   const std::vector<double> more = random_field(scene, 2e-3 * scene.grid.h, 5);
-  for (size_t k = 0; k < u.size(); ++k) u[k] += scene.pinned(int64_t(k / 3)) ? 0 : more[k];
+  for (size_t k = 0; k < u.size(); ++k) {
+    const bool held =
+        scene.pinned(int64_t(k / 3)) || (!scene.fixed.empty() && scene.fixed.data()[k] >= 0);
+    u[k] += held ? 0 : more[k];
+  }
   work.upload_u(u.data());
   work.certify();
   said.rubs = work.renew_lags();
@@ -181,6 +186,15 @@ TEST_F(OnCard, StagesOfPiecesWithAndWithoutPinsAreTheHosts) {
 TEST_F(OnCard, StagesOfNodesThatFollowOthersAreTheHosts) {
   const Scene scene = in_stages(swinging_bar(TimeScheme::kEuler), 1.0 / 60);
   EXPECT_EQ(expect_steps(scene, bar_in_motion(scene)), 0);
+}
+
+TEST_F(OnCard, StagesOfBodiesThatTurnThoughTheyAreHeldAreTheHosts) {
+  // on a corner that voxels are cut for, and along an axis
+  const MovingScene hung = block_on_a_corner(1), thrown = thrown_box(true);
+  for (const MovingScene& m : {hung, thrown}) {
+    const Scene scene = in_stages(m.scene, kFrame);
+    EXPECT_EQ(expect_steps(scene, m.start), 0);
+  }
 }
 
 TEST_F(OnCard, StagesOfABlockThatRubsAreTheHosts) {
