@@ -40,11 +40,9 @@ class Contact {
   /// point would hold without force, which it keeps from step to step.
   /// @param of_lag  displacement at the time of the lag, which gives normals and normal forces.
   void begin_stage(const double* u, double time, double dt, const double* of_lag, double lag_time);
-  /// Takes normals and normal forces of friction from u, at the end of the stage.
-  /// @return whether any point rubs, or did before.
+  /// Takes normals and normal forces of friction from u. @return whether a point rubs, or did before.
   bool renew_lag(const double* u);
-  /// Goes only a share of the way to what renew_lag() has found.
-  void relax_lag(double share);
+  void relax_lag(double share);  ///< goes only a share of the way to what that has found
   /// Keeps the slip of the bonds at u, the end of a step, as far as they hold.
   void keep_bonds(const double* u);
   void forget_bonds() { held_.clear(); }
@@ -135,15 +133,14 @@ class Contact {
   int64_t points_ = 0;
   double start_time_ = 0, dt_ = 0;
   ContactLengths lengths_;
-  double slip_range_ = 0;                  // in a step of the scene's dt
-  std::vector<double> stiffness_;          // of each point [J]
-  std::vector<ContactLag> lags_;           // collider by collider
-  std::vector<ContactLag> last_lags_;      // before renew_lag()
-  std::vector<Vec3> held_, slip_;          // of the bonds, kept and in the present step
-  std::vector<Vec3> start_, place_, end_;  // of each point [m]
-  std::vector<Box> boxes_;                 // of blocks of points
-  std::vector<Proximity> near_;            // of each point, to the core of one collider at a time
-  std::vector<uint8_t> carried_;           // nodes
+  double slip_range_ = 0;                     // in a step of the scene's dt
+  std::vector<double> stiffness_;             // of each point [J]
+  std::vector<ContactLag> lags_, last_lags_;  // collider by collider; before renew_lag()
+  std::vector<Vec3> held_, slip_;             // of the bonds, kept and in the present step
+  std::vector<Vec3> start_, place_, end_;     // of each point [m]
+  std::vector<Box> boxes_;                    // of blocks of points
+  std::vector<Proximity> near_;   // of each point, to the core of one collider at a time
+  std::vector<uint8_t> carried_;  // nodes
   std::vector<Frozen> active_;
   std::vector<int32_t> stiff_nodes_, stiff_place_;  // stiff_place_: of each node, -1 if none
   std::vector<double> stiff_blocks_;

@@ -46,8 +46,7 @@ class StepWork {
   /// arrays in place.
   virtual void borrow(State& state) { upload(state); }
   virtual void give_back(State& state) { download(state, StateParts::kAll); }
-  /// Largest |x| of a component [m].
-  virtual double reach() = 0;
+  virtual double reach() = 0;  ///< largest |x| of a component [m]
 
   // where iterations start
 
@@ -98,8 +97,7 @@ class StepWork {
   /// Takes wind, and of stages the normal forces and normals of friction, from the positions of the
   /// certificate, which has to be made again. False: there is neither.
   virtual bool renew_lags() = 0;
-  /// Then gives the next solve its wind (core/wind_load.hpp), and friction that goes only a share of
-  /// the way from that of the last solve.
+  /// Then gives the next solve wind (core/wind_load.hpp), and a share of the change of friction.
   virtual void relax_lags(double share) = 0;
   // steps of stages (StepScheme::is_stage), where the scene's scheme has some
 
