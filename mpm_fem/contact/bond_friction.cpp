@@ -57,9 +57,25 @@ void ColliderContact::begin_stage(In<double> u, double time, double dt, In<doubl
 
 bool ColliderContact::renew_lags(In<double> u) {
   const bool rubbed = rubs();
+  last_lags_ = lags_;
   set_lags(u, end_);
   set_bonds();
   return rubbed || rubs();
+}
+
+void ColliderContact::relax_lags(double share) {
+  for (size_t k = 0; k < lags_.size(); ++k) {
+    const Lag& last = last_lags_[k];
+    Lag& lag = lags_[k];
+    const Vec3 between = plus(scaled(last.normal, 1 - share), scaled(lag.normal, share));
+    const double length = norm(between);
+    if (!(lag.limit > 0))
+      lag.normal = last.normal;
+    else if (last.limit > 0 && length > 0)
+      lag.normal = scaled(between, 1 / length);
+    lag.limit = (1 - share) * last.limit + share * lag.limit;
+  }
+  set_bonds();
 }
 
 Array<double> ColliderContact::bonds(In<double> u) {

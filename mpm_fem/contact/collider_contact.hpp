@@ -52,6 +52,7 @@ class ColliderContact final : public Term {
   /// Takes normals and normal forces of friction from u, at the end of the stage.
   /// @return whether any point rubs, or did before
   bool renew_lags(In<double> u);
+  void relax_lags(double share);  ///< goes a share of the way from the lags before renew_lags()
   /// Slip that bonds hold at u, the end of a step: what the next begin_stage gets.
   Array<double> bonds(In<double> u);
   /// What colliders do at u to the points that they touch, in a stage.
@@ -129,8 +130,8 @@ class ColliderContact final : public Term {
   ContactPoints points_;
   Stencils stencils_;
   std::vector<Obstacle> obstacles_;
-  std::vector<Lag> lags_;    // collider by collider
-  std::vector<Vec3> start_;  // position of each point at the start of the step
+  std::vector<Lag> lags_, last_lags_;  // collider by collider
+  std::vector<Vec3> start_;            // position of each point at the start of the step
   std::vector<Touch> touches_;
   double slip_range_ = 0;  // of the present step [m]
   // of bonds: k_t over A kappa [1/m^2], 0: friction is smoothed; the slip that they hold at the

@@ -16,7 +16,8 @@ namespace {
 
 constexpr double kOfTimeError = 0.01;     // that a residual may leave
 constexpr double kLoosest = 0.3;          // residual
-constexpr int kMostFriction = 20;         // solves of a stage for its friction without wind
+constexpr int kMostFriction = 30;         // solves of a stage for its friction without wind,
+constexpr int kToAndFro = 6;              // after so many only a part of its change is taken
 constexpr double kMostGrowth = 2 + 1e-6;  // of a step of BDF2 over the one before
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
@@ -128,6 +129,8 @@ void StageFem::minimise(double tolerance, Array<double>& u, FemStepReport& repor
   for (int solves = 1; report.finite && renew_lags(); ++solves) {
     solve_.certify(tolerance, u_, report);
     if (report.converged || solves == (applied_.blows() ? kMostWind : kMostFriction)) return;
+    if (solves >= kToAndFro && terms_.contact.exists())
+      terms_.contact.relax_lags(solves < 2 * kToAndFro ? 0.5 : 0.25);
     applied_.relax_wind();
     potential_.set_force(applied_.force());
     u_ = solve_.minimise(tolerance, u, report);
