@@ -4,9 +4,11 @@
 // table 1). Their explicit run has a lower Young's modulus, which allows longer steps; so has one
 // here.
 //
-//   bench_metal_frame SCENE.toml [--explicit] [--json FILE]
+//   bench_metal_frame SCENE.toml [--explicit] [--json FILE] [--fine DT] [--implicit DT,DT]
+//                     [--frames N] [--explicit-frames N] [--explicit-dt DT]
 //
-// SCENE has a file of triangles or tetrahedra. The push of its last collider is reported.
+// SCENE has a file of triangles or tetrahedra. The push of its last collider is reported. Large
+// scenes may take longer fine steps, and fewer frames of explicit steps than of implicit ones.
 
 #include "cli/options.hpp"
 #include "core/stopwatch.hpp"
@@ -21,14 +23,21 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <sstream>
 
 namespace elastogen::bench {
 namespace {
 
-constexpr double kFine = 2e-4;                           // dt of the reference [s]
-constexpr double kImplicit[] = {1e-2, 2e-3, 1e-3};       // [s]
-constexpr double kExplicit = 1e-6, kReducedStep = 1e-5;  // [s]
-constexpr double kReduced = 1e-2;  // factor of Young's modulus with a step ten times as long
+constexpr double kLonger = 10;  // of explicit steps where Young's modulus is less by its square
+
+struct Wanted {
+  std::string scene, json;
+  double fine = 2e-4;                                 // dt of the reference [s]
+  std::vector<double> implicit = {1e-2, 2e-3, 1e-3};  // [s]
+  double explicit_dt = 1e-6;                          // [s]
+  int64_t frames = 0, explicit_frames = 0;            // 0: all of the scene
+  bool with_explicit = false;
+};
 
 struct Played {
   std::string name;
@@ -54,7 +63,7 @@ void play(const fem::FemScene& scene, int64_t frames, double frame, const Advanc
   run.seconds = watch.seconds();
 }
 
-Played implicit_run(fem::FemScene scene, const AnimateOptions& o, double dt) {
+Played implicit_run(fem::FemScene scene, const AnimateOptions& o, int64_t frames, double dt) {
   scene.contact.slip_range *= dt / scene.dt;
   scene.dt = dt;
   Played run{fmt::format("implicit {:g} s", dt), dt, scene.materials[0].young};
@@ -66,19 +75,20 @@ Played implicit_run(fem::FemScene scene, const AnimateOptions& o, double dt) {
     run.residual = std::max(run.residual, report.residual);
   };
   play(
-      scene, o.frames, 1 / o.fps, advance,
+      scene, frames, 1 / o.fps, advance,
       [&](const fem::FemState& state) { return solver.pushes(state.u); }, run);
   return run;
 }
 
-Played explicit_run(fem::FemScene scene, const AnimateOptions& o, double dt, double share) {
+Played explicit_run(fem::FemScene scene, const AnimateOptions& o, int64_t frames, double dt,
+                    double share) {
   scene.dt = dt;
   for (Material& m : scene.materials) m.young *= share;
   for (int64_t p = 0; p < scene.contact.stiffness.rows(); ++p) scene.contact.stiffness(p) *= share;
   Played run{fmt::format("explicit {:g} s", dt), dt, scene.materials[0].young};
   fem::ExplicitFem solver(scene);
   play(
-      scene, o.frames, 1 / o.fps, [&](fem::FemState& state) { solver.step(state); },
+      scene, frames, 1 / o.fps, [&](fem::FemState& state) { solver.step(state); },
       [&](const fem::FemState&) { return solver.pushes(); }, run);
   return run;
 }
@@ -123,19 +133,39 @@ nlohmann::ordered_json row_of(const Played& run, const Played& fine, double diag
           {"push", run.push}};
 }
 
+nlohmann::ordered_json result_of(const fem::FemScene& scene, const AnimateOptions& o,
+                                 const Wanted& wanted, const std::vector<Played>& runs) {
+  nlohmann::ordered_json result = {
+      {"scene", wanted.scene.substr(wanted.scene.find_last_of('/') + 1)},
+      {"element", fem::element_name(scene.mesh.element)},
+      {"nodes", scene.mesh.rest.rows()},
+      {"elements", scene.mesh.elements.rows()},
+      {"frame", 1 / o.fps},
+      {"fine", wanted.fine}};
+  for (const Played& run : runs)
+    result["rows"].push_back(row_of(run, runs[0], diagonal_of(scene.mesh.rest)));
+  return result;
+}
+
 std::vector<Played> runs_of(const fem::FemScene& scene, const AnimateOptions& o,
-                            bool with_explicit) {
-  std::vector<Played> runs = {implicit_run(scene, o, kFine)};
+                            const Wanted& wanted) {
+  const int64_t frames = wanted.frames ? wanted.frames : o.frames;
+  const int64_t few = wanted.explicit_frames ? wanted.explicit_frames : frames;
+  std::vector<Played> runs;
   const auto take = [&](Played run) {
     fmt::print("{}: {} steps, {:.3g} s each, {} drafts\n", run.name, run.steps,
                run.seconds / double(run.steps), run.drafts);
     std::fflush(stdout);
     runs.push_back(std::move(run));
+    // what there is, should the program be ended
+    if (!wanted.json.empty())
+      std::ofstream(wanted.json) << result_of(scene, o, wanted, runs).dump(1) << '\n';
   };
-  for (const double dt : kImplicit) take(implicit_run(scene, o, dt));
-  if (!with_explicit) return runs;
-  take(explicit_run(scene, o, kReducedStep, kReduced));
-  take(explicit_run(scene, o, kExplicit, 1));
+  take(implicit_run(scene, o, frames, wanted.fine));
+  for (const double dt : wanted.implicit) take(implicit_run(scene, o, frames, dt));
+  if (!wanted.with_explicit) return runs;
+  take(explicit_run(scene, o, few, kLonger * wanted.explicit_dt, 1 / (kLonger * kLonger)));
+  take(explicit_run(scene, o, few, wanted.explicit_dt, 1));
   return runs;
 }
 
@@ -149,48 +179,61 @@ void print(const nlohmann::ordered_json& rows) {
                r["mean"].get<double>(), r["drafts"].get<int64_t>());
 }
 
-int compare(const std::string& file, bool with_explicit, const std::string& json) {
+int compare(const Wanted& wanted) {
+  const std::string& file = wanted.scene;
   const char* words[] = {"elastogen", "simulate", "--scene", file.c_str()};
   const CommandLine line = parse_command_line(4, words);
   if (!line.animate) return line.code;
   const AnimateOptions& o = *line.animate;
   const Setup setup = set_up(read_tet_asset(o.input), o);
   const fem::FemScene scene = fem_scene(setup, o);
-  const std::vector<Played> runs = runs_of(scene, o, with_explicit);
-  nlohmann::ordered_json result = {{"scene", file.substr(file.find_last_of('/') + 1)},
-                                   {"element", fem::element_name(scene.mesh.element)},
-                                   {"nodes", scene.mesh.rest.rows()},
-                                   {"elements", scene.mesh.elements.rows()},
-                                   {"frame", 1 / o.fps},
-                                   {"fine", kFine}};
-  for (const Played& run : runs)
-    result["rows"].push_back(row_of(run, runs[0], diagonal_of(scene.mesh.rest)));
-  print(result["rows"]);
-  if (!json.empty()) std::ofstream(json) << result.dump(1) << '\n';
+  const std::vector<Played> runs = runs_of(scene, o, wanted);
+  print(result_of(scene, o, wanted, runs)["rows"]);
   return 0;
+}
+
+std::vector<double> numbers_of(const std::string& list) {
+  std::vector<double> numbers;
+  std::istringstream words(list);
+  for (std::string word; std::getline(words, word, ',');) numbers.push_back(std::stod(word));
+  return numbers;
+}
+
+Wanted wanted_of(int argc, char** argv) {
+  Wanted wanted;
+  for (int k = 1; k < argc; ++k) {
+    const std::string word = argv[k];
+    if (word == "--explicit") {
+      wanted.with_explicit = true;
+    } else if (!word.starts_with("--")) {
+      wanted.scene = word;
+    } else if (k + 1 < argc) {
+      const std::string value = argv[++k];
+      if (word == "--json") wanted.json = value;
+      if (word == "--fine") wanted.fine = std::stod(value);
+      if (word == "--implicit") wanted.implicit = numbers_of(value);
+      if (word == "--explicit-dt") wanted.explicit_dt = std::stod(value);
+      if (word == "--frames") wanted.frames = std::stoll(value);
+      if (word == "--explicit-frames") wanted.explicit_frames = std::stoll(value);
+    }
+  }
+  return wanted;
 }
 
 }  // namespace
 }  // namespace elastogen::bench
 
 int main(int argc, char** argv) {
-  std::string scene, json;
-  bool with_explicit = false;
-  for (int k = 1; k < argc; ++k) {
-    const std::string word = argv[k];
-    if (word == "--explicit")
-      with_explicit = true;
-    else if (word == "--json" && k + 1 < argc)
-      json = argv[++k];
-    else
-      scene = word;
-  }
-  if (scene.empty()) {
-    fmt::print(stderr, "usage: bench_metal_frame SCENE.toml [--explicit] [--json FILE]\n");
-    return 2;
-  }
   try {
-    return elastogen::bench::compare(scene, with_explicit, json);
+    const elastogen::bench::Wanted wanted = elastogen::bench::wanted_of(argc, argv);
+    if (wanted.scene.empty()) {
+      fmt::print(
+          stderr,
+          "usage: bench_metal_frame SCENE.toml [--explicit] [--json FILE] [--fine DT]\n"
+          "       [--implicit DT,DT] [--frames N] [--explicit-frames N] [--explicit-dt DT]\n");
+      return 2;
+    }
+    return elastogen::bench::compare(wanted);
   } catch (const std::exception& error) {
     fmt::print(stderr, "bench_metal_frame: {}\n", error.what());
     return 1;

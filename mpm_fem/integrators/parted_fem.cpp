@@ -10,18 +10,37 @@
 namespace elastogen::fem {
 namespace {
 
-constexpr int kMostParts = 16;   // that a step begins with
-constexpr int kTicks = 16;       // of each: four halvings
-constexpr double kFarthest = 1;  // motion of a collider in a part, in edges of an element
+constexpr int kMostParts = 16;    // that a step begins with
+constexpr int kTicks = 16;        // of each: four halvings
+constexpr double kFarthest = 1;   // motion of a collider in a part, in edges of an element
+constexpr double kPressed = 0.1;  // of one that touches the body
 
-/// Count of equal parts in which no collider goes too far.
-int parts_of(const FemScene& scene, double start, double edge) {
-  double farthest = 0;
-  for (const Collider& collider : scene.colliders)
-    farthest = std::max(
-        farthest, norm(minus(offset_at(collider, start + scene.dt), offset_at(collider, start))));
-  const double parts = std::ceil(farthest / (kFarthest * edge) - 1e-9);
-  return int(std::clamp(parts, 1.0, double(kMostParts)));
+/// Whether a collider at a time touches the body as it is now.
+bool touches(const FemScene& scene, const Array<double>& u, const Collider& collider, double time) {
+  const ContactPoints& points = scene.contact;
+  const Vec3 offset = offset_at(collider, time);
+  for (int64_t p = 0; p < points.position.rows(); ++p) {
+    const double* rest = points.position.row(p);
+    Vec3 x = {rest[0], rest[1], rest[2]};
+    for (int64_t k = 0; k < points.nodes.cols(); ++k)
+      for (int a = 0; a < 3; ++a) x[size_t(a)] += points.weights(p, k) * u(points.nodes(p, k), a);
+    if (proximity(collider, offset, x).distance <= 0) return true;
+  }
+  return false;
+}
+
+/// Count of equal parts in which no collider goes too far. Where it touches the body now or would
+/// at the end, its way is that of the flow.
+int parts_of(const FemScene& scene, const Array<double>& u, double start, double edge) {
+  double parts = 1;
+  const double end = start + scene.dt;
+  for (const Collider& collider : scene.colliders) {
+    const double way = norm(minus(offset_at(collider, end), offset_at(collider, start)));
+    if (way == 0) continue;
+    const bool presses = touches(scene, u, collider, start) || touches(scene, u, collider, end);
+    parts = std::max(parts, std::ceil(way / ((presses ? kPressed : kFarthest) * edge) - 1e-9));
+  }
+  return int(std::min(parts, double(kMostParts)));
 }
 
 /// Adds the cost of a try to a report and, if the try is kept, its result.
@@ -69,7 +88,8 @@ FemStepReport step_in_parts(ImplicitFem& solver, FemState& state,
                             const std::function<bool()>& stop) {
   const Stopwatch watch;
   const double dt = solver.scene().dt;
-  const int ticks = kTicks * parts_of(solver.scene(), double(state.steps) * dt, solver.edge());
+  const int ticks =
+      kTicks * parts_of(solver.scene(), state.u, double(state.steps) * dt, solver.edge());
   FemState now = state;
   FemStepReport all;
   all.converged = true, all.parts = 0;

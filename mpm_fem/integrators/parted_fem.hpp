@@ -8,8 +8,9 @@
 
 namespace elastogen::fem {
 
-/// Advances the state by dt in equal parts in which no collider goes farther than an element's
-/// edge; a part that does not converge is undone and halved, up to four times. The last try is kept
+/// Advances the state by dt in equal parts, at most 16, in which no collider goes farther than an
+/// element's edge, and none that touches the body farther than a tenth of it; a part that does not
+/// converge is undone and halved, up to four times. The last try is kept
 /// even so: a draft. Colliders and prescribed motions are those at the ends of the parts; each part
 /// commits the history of its materials.
 ///

@@ -108,15 +108,11 @@ TEST(PartedFem, WhatNeverConvergesIsADraftOfSixteenParts) {
   EXPECT_EQ(state.steps, 1);
 }
 
-TEST(PartedFem, CollidersAreWhereTheyAreAtTheEndsOfTheParts) {
-  // a plate that goes 2.5 edges in the step: three parts, and the contact of each from its own
-  // start
+/// A block without weight on which a plate comes from below; its step is 10 ms.
+FemScene block_and_plate() {
   FemScene scene = torn_block(1e-2);
   scene.mesh = test::block(Element::kTet4, 1, 1, 1, 0.1);
   scene.fixed = Array<uint8_t>(scene.mesh.rest.rows(), 3);
-  Collider plate = half_space({0, 1, 0}, -0.35, 0);
-  plate.path = {{0, {0, 0, 0}}, {1e-2, {0, 0.25, 0}}};
-  scene.colliders = {plate};
   const int64_t count = scene.mesh.rest.rows();
   fem::ContactPoints& points = scene.contact;
   points.nodes = Array<int32_t>(count);
@@ -125,18 +121,26 @@ TEST(PartedFem, CollidersAreWhereTheyAreAtTheEndsOfTheParts) {
   for (int64_t n = 0; n < count; ++n) points.nodes(n) = int32_t(n);
   points.weights.fill(1), points.area.fill(2.5e-3), points.stiffness.fill(1e5);
   points.layer = 0.02, points.slip_range = 1e-4;
+  scene.colliders = {half_space({0, 1, 0}, -0.35, 0)};
+  return scene;
+}
 
+TEST(PartedFem, CollidersAreWhereTheyAreAtTheEndsOfTheParts) {
+  // a plate that goes 2.5 edges in the step: three parts, and the contact of each from its own
+  // start
+  FemScene scene = block_and_plate();
+  Collider& plate = scene.colliders[0];
+  plate.path = {{0, {0, 0, 0}}, {1e-2, {0, 0.25, 0}}};
   ImplicitFem solver(scene);
   FemState state = rest_state(scene);
   const double edge = solver.edge();
   const FemStepReport report = step_in_parts(solver, state);
   EXPECT_EQ(report.parts, int(std::ceil(0.25 / edge)));
   // the plate stopped before it reached the body, whichever part it was in
-  EXPECT_EQ(state.u, Array<double>(count, 3));
+  EXPECT_EQ(state.u, Array<double>(scene.mesh.rest.rows(), 3));
 
   // a part alone sees the plate as it is then
   plate.path = {{0, {0, 0, 0}}, {5e-3, {0, 0.355, 0}}, {1e-2, {0, 0, 0}}};
-  scene.colliders = {plate};
   ImplicitFem back(scene);
   state = rest_state(scene);
   back.step_part(state, 5e-3);
@@ -144,6 +148,27 @@ TEST(PartedFem, CollidersAreWhereTheyAreAtTheEndsOfTheParts) {
   state = rest_state(scene);
   back.step(state);
   EXPECT_EQ(state.u(0, 1), 0);  // at the end of the step the plate is gone
+}
+
+TEST(PartedFem, ACollidersWayWhereItTouchesIsATenthOfAnEdge) {
+  FemScene scene = block_and_plate();
+  Collider& plate = scene.colliders[0];
+  const double edge = ImplicitFem(scene).edge();
+  // the ways end 5 mm inside the block; a step has at most 16 parts
+  for (const auto& [way, parts] : {std::pair{0.3 * edge, 3}, {0.95 * edge, 10}, {2.5 * edge, 16}}) {
+    plate.path = {{0, {0, 0, 0}}, {1e-2, {0, way, 0}}};
+    plate.centre = {0, 0.005 - way, 0};
+    ImplicitFem solver(scene);
+    FemState state = rest_state(scene);
+    EXPECT_EQ(step_in_parts(solver, state).parts, parts) << way;
+    EXPECT_GT(state.u(0, 1), 0) << way;
+  }
+  // one that withdraws touches at the start
+  plate.path = {{0, {0, 0, 0}}, {1e-2, {0, -0.3 * edge, 0}}};
+  plate.centre = {0, 0.005, 0};
+  ImplicitFem solver(scene);
+  FemState state = rest_state(scene);
+  EXPECT_EQ(step_in_parts(solver, state).parts, 3);
 }
 
 TEST(PartedFem, StepsOnTrueForcesFallBackOnFrozenOnesAndAreCounted) {
