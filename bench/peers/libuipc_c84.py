@@ -20,6 +20,7 @@ import time
 import numpy as np
 from c84_mesh import (
     DENSITY, DT, FRAMES, GRAVITY, POISSON, YOUNG, arguments, lattice, outcome, tip_of)
+from libuipc_stop import tighten
 
 
 def make_scene(uipc, nodes: np.ndarray, tets: np.ndarray, tight: bool):  # noqa: ANN001, ANN201
@@ -32,10 +33,7 @@ def make_scene(uipc, nodes: np.ndarray, tets: np.ndarray, tight: bool):  # noqa:
     config["contact"]["enable"] = 0
     config["sanity_check"]["enable"] = 0
     if tight:
-        config["newton"]["velocity_tol"] /= 100
-        config["newton"]["transrate_tol"] /= 100
-        config["newton"]["semi_implicit"]["enable"] = 0
-        config["linear_system"]["tol_rate"] /= 100
+        tighten(config)
     scene = uipc.Scene(config)
     body = tetmesh(nodes, tets)
     label_surface(body)

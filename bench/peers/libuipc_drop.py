@@ -24,6 +24,7 @@ from typing import Any
 
 import numpy as np
 from c84_mesh import EVEN, ODD
+from libuipc_stop import tighten
 
 YOUNG, POISSON, DENSITY, GRAVITY = 2e4, 0.45, 1050.0, 9.81
 LONGEST, DROP, DT, FRAMES, FRICTION = 0.3, 0.2, 1 / 60, 40, 0.5
@@ -104,10 +105,7 @@ def libuipc(uipc: Any, nodes: np.ndarray, tets: np.ndarray, tight: bool) -> tupl
     config["contact"]["friction"]["enable"] = 1
     config["contact"]["d_hat"] = 1e-3
     if tight:
-        config["newton"]["velocity_tol"] /= 100
-        config["newton"]["transrate_tol"] /= 100
-        config["newton"]["semi_implicit"]["enable"] = 0
-        config["linear_system"]["tol_rate"] /= 100
+        tighten(config)
     scene = uipc.Scene(config)
     table = scene.contact_tabular()
     table.default_model(FRICTION, 1e9)
