@@ -17,7 +17,8 @@ namespace {
 constexpr double kOfTimeError = 0.01;     // that a residual may leave
 constexpr double kLoosest = 0.3;          // residual
 constexpr int kMostFriction = 30;         // solves of a stage for its friction without wind,
-constexpr int kToAndFro = 6;              // after so many only a part of its change is taken
+constexpr int kFirstFriction = 4;         // after so many only a part of its change is taken
+constexpr double kSettles = 0.7;          // where the residual did not fall to this share
 constexpr double kMostGrowth = 2 + 1e-6;  // of a step of BDF2 over the one before
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
@@ -126,11 +127,14 @@ bool StageFem::renew_lags() {
 /// again until the residual holds with those of the displacements that it ends with.
 void StageFem::minimise(double tolerance, Array<double>& u, FemStepReport& report) {
   u_ = solve_.minimise(tolerance, u, report);
+  double share = 1, before = 0;
   for (int solves = 1; report.finite && renew_lags(); ++solves) {
     solve_.certify(tolerance, u_, report);
     if (report.converged || solves == (applied_.blows() ? kMostWind : kMostFriction)) return;
-    if (solves >= kToAndFro && terms_.contact.exists())
-      terms_.contact.relax_lags(solves < 2 * kToAndFro ? 0.5 : 0.25);
+    if (solves >= kFirstFriction && report.residual > kSettles * before)
+      share = std::max(0.25, share / 2);
+    before = report.residual;
+    if (share < 1 && terms_.contact.exists()) terms_.contact.relax_lags(share);
     applied_.relax_wind();
     potential_.set_force(applied_.force());
     u_ = solve_.minimise(tolerance, u, report);

@@ -14,8 +14,9 @@ namespace {
 constexpr double kOfTimeError = 0.01;     // that the solver may leave
 constexpr double kLoosest = 0.3;          // residual
 constexpr int kMostFriction = 30;         // solves for friction,
-constexpr int kWholeWay = 5;              // so many take all of its change,
-constexpr int kHalfWay = 15;              // then half of it, from here on a quarter,
+constexpr int kFirstFriction = 3;         // so many take all of its change, more of them
+constexpr double kSettles = 0.7;          // where each lowers the residual by this at least,
+constexpr double kLeastShare = 0.25;      // else a share that is halved each time,
 constexpr int kMostWind = 40;             // and where wind blows
 constexpr double kRough = 50;             // by which a solve for given ones lowers a residual
 constexpr double kFiner = 0.3;            // by which solves in wind are finer, and every 4th again
@@ -56,6 +57,7 @@ bool Solver::Impl::solve_with_lags(StepReport& report) {
   const double wanted = tolerance;
   const bool blows = scene.wind.blows();
   bool solved = true, rough = lags;
+  double share = 1, before = 0;  // of the change of friction that is taken, residual
   if (rough) tolerance = std::max(wanted, std::min(kRough * wanted, kLoosest));
   for (int pass = 0; solved; ++pass) {
     const int outer = report.outer, inner = report.inner;
@@ -75,7 +77,10 @@ bool Solver::Impl::solve_with_lags(StepReport& report) {
     const double least = blows ? wanted * std::pow(kFiner, 1 + pass / 4) : wanted;
     tolerance = std::max(least, report.residual / kRough);
     rough = tolerance > wanted;
-    work->relax_lags(pass < kWholeWay ? 1 : pass < kHalfWay ? 0.5 : 0.25);
+    if (pass >= kFirstFriction && report.residual > kSettles * before)
+      share = std::max(share / 2, kLeastShare);
+    before = report.residual;
+    work->relax_lags(share);
   }
   tolerance = report.tolerance = wanted;
   return solved;
