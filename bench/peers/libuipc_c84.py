@@ -20,7 +20,7 @@ import time
 import numpy as np
 from c84_mesh import (
     DENSITY, DT, FRAMES, GRAVITY, POISSON, YOUNG, arguments, lattice, outcome, tip_of)
-from libuipc_stop import tighten
+from libuipc_steps import steps, tighten
 
 
 def make_scene(uipc, nodes: np.ndarray, tets: np.ndarray, tight: bool):  # noqa: ANN001, ANN201
@@ -56,14 +56,8 @@ def run(uipc, size: float, tight: bool, backend: str) -> dict:  # noqa: ANN001
         world.init(scene)
         setup = time.perf_counter() - begin
         ms, way = [], []
-        for _ in range(FRAMES):
-            begin = time.perf_counter()
-            world.advance()
-            world.sync()
-            ms.append(1e3 * (time.perf_counter() - begin))
-            world.retrieve()
-            positions = slot.geometry().positions()
-            places = np.asarray(uipc.view(positions)).reshape(-1, 3)
+        for taken, places in steps(uipc, world, slot, FRAMES):
+            ms.append(taken)
             way.append(float((places[tip, 2] - nodes[tip, 2]).mean()))
     return outcome("libuipc, tight" if tight else "libuipc", cells, setup, ms, way)
 

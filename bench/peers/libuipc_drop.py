@@ -18,13 +18,12 @@ import json
 import subprocess
 import sys
 import tempfile
-import time
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from c84_mesh import EVEN, ODD
-from libuipc_stop import tighten
+from libuipc_steps import steps, tighten
 
 YOUNG, POISSON, DENSITY, GRAVITY = 2e4, 0.45, 1050.0, 9.81
 LONGEST, DROP, DT, FRAMES, FRICTION = 0.3, 0.2, 1 / 60, 40, 0.5
@@ -122,13 +121,8 @@ def libuipc(uipc: Any, nodes: np.ndarray, tets: np.ndarray, tight: bool) -> tupl
         engine = uipc.Engine("cuda", folder)  # the world does not keep it
         world = uipc.World(engine)
         world.init(scene)
-        for _ in range(FRAMES):
-            begin = time.perf_counter()
-            world.advance()
-            world.sync()
-            ms.append(1e3 * (time.perf_counter() - begin))
-            world.retrieve()
-            at = np.asarray(uipc.view(slot.geometry().positions())).reshape(-1, 3)
+        for taken, at in steps(uipc, world, slot, FRAMES):
+            ms.append(taken)
             height.append(float(share @ at[:, 1]))
     return ms, height
 
