@@ -24,8 +24,7 @@
 namespace elastogen::bench {
 namespace {
 
-constexpr int kStepsBefore = 2;
-constexpr int kRepeats = 5;
+constexpr int kStepsTimed = 5;
 constexpr double kReferenceTolerance = 1e-9;
 constexpr int kNoTorch = 3, kNotStarted = 127;  // exit codes of the script
 
@@ -71,8 +70,8 @@ Json solver_row(const Case& c, const BenchTask& task, SolverMode mode) {
                               .device = card ? Device::kCuda : Device::kCpu,
                               .tolerance = task.tolerance,
                               .paper = task.loops};
-  const Timing t =
-      time_step(c.scene, c.start, options, task.repeats > 0 ? task.repeats : kRepeats, c.reference);
+  const Timing t = time_step(c.scene, c.start, options,
+                             task.repeats > 0 ? task.repeats : kStepsTimed, c.reference);
   return {{"run", std::string("elastogen ") + std::string(solver_name(mode))},
           {"device", card ? "cuda" : "cpu"},
           {"ms", t.ms},
@@ -94,7 +93,7 @@ Json script_row(const Case& c, const BenchTask& task, const std::string& run,
   const int code = run_program(
       task.python, {task.script, folder, "--out", out, "--mode", run.substr(0, dash), "--svd",
                     run.substr(dash + 1), "--device", card ? "cuda" : "cpu", "--repeat",
-                    std::to_string(task.repeats > 0 ? task.repeats : kRepeats)});
+                    std::to_string(task.repeats > 0 ? task.repeats : kStepsTimed)});
   ELASTOGEN_CHECK(code != kNotStarted, task.python, ": cannot be started; name one with --python");
   ELASTOGEN_CHECK(code != kNoTorch, task.python,
                   " has no PyTorch; name one that has with --python");

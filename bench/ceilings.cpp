@@ -67,8 +67,7 @@ double loop_microseconds(int threads) {
 }
 
 Json host_ceilings() {
-  using Control = tbb::global_control;
-  const auto all = int(Control::active_value(Control::max_allowed_parallelism));
+  const int all = thread_count();
   Json rows = Json::array();
   for (int threads = 1;; threads = std::min(2 * threads, all)) {
     const ThreadLimit limit(threads);

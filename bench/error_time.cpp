@@ -14,8 +14,7 @@
 namespace elastogen::bench {
 namespace {
 
-constexpr int kStepsBefore = 2;
-constexpr int kRepeats = 5;
+constexpr int kSolveRepeats = 5;
 
 /// The runs of a solver: a tolerance each, or outer loops.
 std::vector<SolverOptions> budgets(const BenchTask& task, SolverMode mode) {
@@ -78,7 +77,7 @@ void add_rows(const BenchTask& task, const std::string& name, SceneOptions o, do
   o.hourglass = paper ? Hourglass::kVariance : Hourglass::kFull;
   const Scene scene = step_scene(name, o, fill);
   const Reference reference = make_reference(scene, {}, kStepsBefore);
-  const int repeats = task.repeats > 0 ? task.repeats : kRepeats;
+  const int repeats = task.repeats > 0 ? task.repeats : kSolveRepeats;
   for (const SolverOptions& s : runs)
     rows.push_back(json(name, scene, fill, s,
                         time_step(scene, reference.start, s, repeats, reference.next.x)));

@@ -7,6 +7,8 @@
 
 namespace elastogen::bench {
 
+constexpr int kStepsBefore = 2;  ///< from rest; the next step is timed again and again
+
 /// Mass-weighted rms distance of two sets of positions [m].
 double rms(const Scene& scene, const Array<double>& a, const Array<double>& b);
 

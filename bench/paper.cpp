@@ -23,7 +23,6 @@
 namespace elastogen::bench {
 namespace {
 
-constexpr int kStepsBefore = 2;
 constexpr int kGrowthSteps = 20;
 constexpr double kPoisson = 0.3;
 

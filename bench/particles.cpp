@@ -20,7 +20,7 @@ namespace elastogen::bench {
 namespace {
 
 constexpr double kSpacing = 0.01;                             // of the grid [m]
-constexpr double kDensity = 1000;                             // [kg/m^3]
+constexpr double kSandDensity = 1000;                         // [kg/m^3]
 constexpr double kExplicitStep = 7e-5, kImplicitStep = 1e-3;  // [s]
 constexpr int kExplicitSteps = 20, kImplicitSteps = 5;        // that are timed
 // what an explicit step must read (x v C F stress history mass volume solid) and write (x v C F
@@ -33,7 +33,7 @@ mpm::MpmScene sand_scene(double dt) {
   scene.dt = dt;
   scene.gravity = {0, -9.81, 0};
   Solid sand;
-  sand.elastic = {"sand", Law::kHencky, 1e6, 0.35, kDensity};
+  sand.elastic = {"sand", Law::kHencky, 1e6, 0.35, kSandDensity};
   sand.yield = SandYield{std::numbers::pi / 6, 0, false};
   scene.solids = {sand};
   scene.obstacles.push_back({half_space({0, 1, 0}, 0, 0), true});
@@ -46,7 +46,7 @@ mpm::Particles cube_of(int64_t count) {
   std::uniform_real_distribution<double> in(0, edge);
   Array<double> x(count, 3);
   for (int64_t k = 0; k < x.size(); ++k) x.data()[k] = in(random);
-  return mpm::particles_at(x, edge * edge * edge / double(count), 0, kDensity);
+  return mpm::particles_at(x, edge * edge * edge / double(count), 0, kSandDensity);
 }
 
 struct Measured {
@@ -136,8 +136,7 @@ Json row_of(bool implicit, int64_t count, int threads, const Measured& m, const 
 Json measure_particles(const BenchTask& task, const CopyRates& rates) {
   std::vector<double> sizes = task.sizes;
   if (sizes.empty()) sizes = {1e4, 1e5, 1e6};
-  using Control = tbb::global_control;
-  const auto all = int(Control::active_value(Control::max_allowed_parallelism));
+  const int all = thread_count();
   Json result = Json::array();
   for (const double size : sizes)
     for (const std::string& name : task.integrators)

@@ -2,6 +2,7 @@
 #include "bench/bench.hpp"
 #include "bench/card.hpp"
 #include "bench/lattice.hpp"
+#include "bench/measure.hpp"
 #include "bench/timing.hpp"
 
 #include <fmt/format.h>
@@ -14,8 +15,7 @@
 namespace elastogen::bench {
 namespace {
 
-constexpr int kStepsBefore = 2;  // from rest; the next one is timed again and again
-constexpr int kRepeats = 20;
+constexpr int kStepRepeats = 20;
 
 /// Share of the box of a grid that is voxels.
 double filled_share(const VoxelGrid& grid) {
@@ -66,7 +66,7 @@ Row run(const BenchTask& task, Row row) {
     if (!report.converged) row.drafts.push_back(report.residual);
   }
   std::vector<double> ms;
-  const int repeats = task.repeats > 0 ? task.repeats : kRepeats;
+  const int repeats = task.repeats > 0 ? task.repeats : kStepRepeats;
   for (int k = 0; k <= repeats; ++k) {
     solver.begin(start);
     row.report = solver.advance();

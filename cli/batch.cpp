@@ -94,10 +94,8 @@ class Batch {
     ++ended_, ++written_;
     voxel_steps_ += double(r.voxels) * double(r.steps);
     if (quiet_) return;
-    fmt::print("{}/{} {}: {} frames, {} of {} steps converged, worst residual {:.2e}, {:.2f} s\n",
-               ended_, scenes_.size(), scene.file, r.frames,
-               std::llround(r.converged_share * double(r.steps)), r.steps, r.worst_residual,
-               seconds);
+    fmt::print("{}/{} {}: {} frames, {}, worst residual {:.2e}, {:.2f} s\n", ended_, scenes_.size(),
+               scene.file, r.frames, step_counts(r), r.worst_residual, seconds);
     std::fflush(stdout);
   }
 

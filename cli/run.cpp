@@ -145,8 +145,8 @@ void print_mesh_error(const RunMeshError& e) {
 /// @param time_error  what was asked for
 void print_summary(const RunReport& r, double time_error) {
   // the certificate: solve, time, mesh; then the ledger
-  fmt::print("{} of {} steps converged, worst residual {:.2e}, min J {:.3f}\n",
-             std::llround(r.converged_share * double(r.steps)), r.steps, r.worst_residual, r.min_j);
+  fmt::print("{}, worst residual {:.2e}, min J {:.3f}\n", step_counts(r), r.worst_residual,
+             r.min_j);
   if (r.loosest_tolerance > SolverOptions{}.tolerance)
     fmt::print(
         "short steps were solved to a hundredth of their time error, to a residual of {:.2g} "
@@ -238,6 +238,14 @@ ClipEnd play(const Asset& asset, const Setup& setup, const AnimateOptions& optio
 }
 
 }  // namespace
+
+std::string step_counts(const RunReport& r) {
+  const auto count = [&](double share) { return std::llround(share * double(r.steps)); };
+  std::string text = fmt::format("{} of {} steps solved", count(r.solved_share), r.steps);
+  if (r.converged_share < r.solved_share)
+    text += fmt::format(", {} of them within the time error", count(r.converged_share));
+  return text;
+}
 
 CommandResult run_animation(const Asset& asset, const AnimateOptions& options, double read_seconds,
                             const RunHooks& hooks) {

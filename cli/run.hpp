@@ -9,6 +9,7 @@
 #include "scene/tet_asset.hpp"
 
 #include <functional>
+#include <string>
 
 namespace elastogen {
 
@@ -29,5 +30,8 @@ struct CommandResult {
 /// @throws Error for all errors before the first step, and for failing disks.
 CommandResult run_animation(const Asset& asset, const AnimateOptions& options, double read_seconds,
                             const RunHooks& hooks = {});
+
+/// "5 of 5 steps solved", and how many of them are within the time error where some are not.
+std::string step_counts(const RunReport& report);
 
 }  // namespace elastogen

@@ -4,16 +4,9 @@
 
 #pragma once
 
-#include <oneapi/tbb/global_control.h>
-#include <oneapi/tbb/parallel_for.h>
-
-#ifdef __SANITIZE_THREAD__
-#include <atomic>
-#include <thread>
-#endif
-
 #include <algorithm>
 #include <cstdint>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -24,28 +17,27 @@ inline constexpr int64_t kBlock = 2048;
 /// Limits the threads of all loops while it lives.
 class ThreadLimit {
  public:
-  explicit ThreadLimit(int threads)
-      : control_(tbb::global_control::max_allowed_parallelism, size_t(threads)) {}
+  explicit ThreadLimit(int threads);
+  ~ThreadLimit();
+  ThreadLimit(const ThreadLimit&) = delete;
+  ThreadLimit& operator=(const ThreadLimit&) = delete;
 
  private:
-  tbb::global_control control_;
+  struct Control;
+  std::unique_ptr<Control> control_;
 };
+
+/// The most threads that a loop may have now.
+int thread_count();
+
+/// Calls call(task, b) for each b of [0, tasks), in any order: the one loop of TBB under all loops,
+/// so that its templates are compiled once.
+void run_tasks(int64_t tasks, const void* task, void (*call)(const void*, int64_t));
 
 /// Calls task(b) for each b of [0, tasks), in any order.
 template <class Task>
 void run_tasks(int64_t tasks, const Task& task) {
-#ifdef __SANITIZE_THREAD__
-  // the sanitizer cannot see into TBB's scheduler, whose hand-overs look like races to it
-  std::atomic<int64_t> next = 0;
-  const auto work = [&] {
-    for (int64_t b; (b = next++) < tasks;) task(b);
-  };
-  std::thread other(work);
-  work();
-  other.join();
-#else
-  tbb::parallel_for(int64_t(0), tasks, task);
-#endif
+  run_tasks(tasks, &task, [](const void* t, int64_t b) { (*static_cast<const Task*>(t))(b); });
 }
 
 /// Calls body(begin, end) for the blocks of [0, n).

@@ -2,15 +2,16 @@
 #include "io/gltf_hidden.hpp"
 
 #include "core/error.hpp"
+#include "core/svd3.hpp"
 #include "io/flat_stream.hpp"
 #include "io/gltf_nodes.hpp"
 
-#include <Eigen/Dense>
 #define TINYGLTF_NO_STB_IMAGE
 #define TINYGLTF_NO_STB_IMAGE_WRITE
 #include <tiny_gltf.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace elastogen {
 
@@ -66,13 +67,17 @@ std::vector<char> hidden_nodes(const std::string& path, const nlohmann::ordered_
 bool is_singular(const Matrix4& matrix) {
   constexpr double kRounding = 1e-7;
   if (!std::ranges::all_of(matrix, [](double m) { return std::isfinite(m); })) return false;
-  const Eigen::Matrix3d linear =
-      Eigen::Map<const Eigen::Matrix4d>(matrix.data()).topLeftCorner<3, 3>();
-  const double largest = linear.cwiseAbs().maxCoeff();
+  Mat3<double> linear;
+  double largest = 0;
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 3; ++column) {
+      linear(row, column) = matrix[size_t(4 * column + row)];
+      largest = std::max(largest, std::abs(linear(row, column)));
+    }
   if (largest == 0) return true;
-  const Eigen::Vector3d stretch =
-      Eigen::JacobiSVD<Eigen::Matrix3d>(linear / largest).singularValues();
-  return stretch[2] <= kRounding * stretch[0];
+  for (double& a : linear.m) a /= largest;
+  const Svd3<double> svd = svd3(linear);
+  return std::abs(svd.sigma[2]) <= kRounding * svd.sigma[0];
 }
 
 std::string node_names(const std::vector<AssetNode>& nodes, const std::vector<int>& some) {

@@ -107,6 +107,7 @@ void write_report(const std::string& path, const RunReport& report) {
       {"steps", report.steps},
       {"frames", report.frames},
       {"converged_share", report.converged_share},
+      {"solved_share", report.solved_share},
       {"worst_residual", report.worst_residual},
       {"min_j", report.min_j},
       {"time_error",

@@ -41,6 +41,7 @@ struct RunReport {
   int64_t steps = 0;              ///< number of time steps
   int64_t frames = 0;             ///< frames written, without the rest frame
   double converged_share = 0;     ///< share of the steps, 0 ... 1 (core/step_verdict.hpp)
+  double solved_share = 0;        ///< of the steps, whatever their time errors
   double worst_residual = 0;      ///< largest of all steps
   double min_j = 1;               ///< smallest det F of all steps
   double time_error = 0;          ///< estimates of the time error, summed over the steps [m]

@@ -66,6 +66,7 @@ class Clip {
     if (state_file_) finish_state();
     report_.stage_seconds.write += watch.seconds();
     report_.converged_share = report_.steps > 0 ? double(converged_) / double(report_.steps) : 1;
+    report_.solved_share = report_.steps > 0 ? double(solved_) / double(report_.steps) : 1;
     if (solved_ < report_.steps) raise(ClipEnd::kDraft);
     if (!why_draft_.empty()) report_.warnings.push_back(why_draft_);
     if (report_.min_j <= 0) {

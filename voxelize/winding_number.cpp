@@ -11,7 +11,7 @@
 namespace elastogen {
 namespace {
 
-constexpr int32_t kLeaf = 8;
+constexpr int32_t kLeafTriangles = 8;
 constexpr double kFar = 3;  // distance from which on a cluster is a dipole [radii]
 
 Vec3 area_vector(const WindingNumber::Triangle& t) {
@@ -60,7 +60,7 @@ WindingNumber::Node WindingNumber::summary(int32_t first, int32_t last) const {
 int32_t WindingNumber::build(int32_t first, int32_t last) {
   const auto index = static_cast<int32_t>(nodes_.size());
   nodes_.push_back(summary(first, last));
-  if (last - first <= kLeaf) return index;
+  if (last - first <= kLeafTriangles) return index;
 
   // halves along the longest axis of the triangles' centres
   Box box;

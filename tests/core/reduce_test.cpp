@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/reduce.hpp"
 
+#include "core/parallel.hpp"
+
 #include <gtest/gtest.h>
-#include <oneapi/tbb/global_control.h>
 
 #include <random>
 
@@ -78,7 +79,7 @@ TEST(Parallel, GroupedHasEachNumberInItsGroupInOrder) {
 TEST(Reduce, SumsHaveTheSameBitsOnOneAndTwoThreads) {
   const std::vector<float> a = random_values<float>(100003, 5), b = random_values<float>(100003, 6);
   const auto with = [&](size_t threads) {
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    const ThreadLimit limit(threads);
     return dot(a.data(), b.data(), 100003);
   };
   const double one = with(1);

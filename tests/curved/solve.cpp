@@ -16,7 +16,7 @@ using fem::ElementMesh;
 using fem::FemScene;
 using fem::StaticResult;
 
-constexpr double kEps = 1e-9;        // [m] about planes
+constexpr double kOnPlane = 1e-9;    // [m] about planes
 constexpr double kTolerance = 1e-7;  // of the forces
 
 Vec3 row(const Array<double>& table, int64_t n) {
@@ -49,7 +49,7 @@ FemScene fem_scene(ElementMesh mesh, const CurvedScene& scene, Array<double> loa
   fem.fixed = Array<uint8_t>(rest.rows(), 3);
   for (int64_t n = 0; n < rest.rows(); ++n)
     for (int d = 0; d < 3; ++d) {
-      const bool mirror = scene.octant && std::abs(rest(n, d)) < kEps;
+      const bool mirror = scene.octant && std::abs(rest(n, d)) < kOnPlane;
       fem.fixed(n, d) = mirror || scene.held(row(rest, n), d, 1);
     }
   fem.motion = [&scene, rest, fixed = fem.fixed](double factor, Out<double> u) {
@@ -107,7 +107,7 @@ ElementMesh octant_of(const ElementMesh& mesh, std::vector<int32_t>& node_of) {
   std::vector<int64_t> voxels;
   for (int64_t v = 0; v < mesh.elements.rows(); ++v) {
     const Vec3 corner = row(mesh.rest, mesh.elements(v, 0));
-    if (std::min({corner[0], corner[1], corner[2]}) < -kEps) continue;
+    if (std::min({corner[0], corner[1], corner[2]}) < -kOnPlane) continue;
     voxels.push_back(v);
     for (int c = 0; c < 8; ++c) {
       const int32_t node = mesh.elements(v, c);

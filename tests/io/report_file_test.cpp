@@ -48,7 +48,7 @@ TEST(ReportFile, HasEveryFieldOfTheDocumentation) {
   report.nets = {"0123abcd", ""};
   report.steps = 4;
   report.frames = 2;
-  report.converged_share = 0.75;
+  report.converged_share = 0.75, report.solved_share = 1;
   report.worst_residual = 2e-3;
   report.min_j = 0.5;
   report.damped = 3.5;
@@ -79,7 +79,7 @@ TEST(ReportFile, HasEveryFieldOfTheDocumentation) {
         {"name": "band", "law": "gent=8", "young": 1.0, "poisson": 0.0, "density": 1.0, "loss_factor": 0.0,
         "loss_frequency": 5.0}], "device": "cpu",
       "steps": 4, "frames": 2,
-      "converged_share": 0.75, "worst_residual": 2e-3, "min_j": 0.5,
+      "converged_share": 0.75, "solved_share": 1.0, "worst_residual": 2e-3, "min_j": 0.5,
       "time_error": {"sum": 1e-3, "largest_of_a_frame": 2e-4, "frames_over": 1, "loosest_tolerance": 0.1,
         "solves": 9, "rejected": 1},
       "mesh_error": {"rms": 0.001, "largest": 0.004, "largest_motion": 0.2, "frames": 6,

@@ -82,7 +82,7 @@ class Batch(Verbs):
             lines = done.out.splitlines()
             self.assertEqual(len(lines), 4)
             for k, line in enumerate(lines[:3]):
-                self.assertRegex(line, rf"^{k + 1}/3 [abc]\.toml: 5 frames, 5 of 5 steps converged")
+                self.assertRegex(line, rf"^{k + 1}/3 [abc]\.toml: 5 frames, 5 of 5 steps solved")
             self.assertTrue(lines[3].startswith("3 of 3 scenes in "), lines[3])
 
     def test_quiet_prints_nothing(self) -> None:

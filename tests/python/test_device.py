@@ -6,6 +6,8 @@ from __future__ import annotations
 import json
 import unittest
 
+import h5py
+
 from test_command import Command, animate, run
 
 
@@ -22,6 +24,20 @@ class Device(Command):
             self.refused(done, 7, "CUDA", "--device")
         self.assertEqual(animate(self.source, self.output, *options, "--device", "cpu").code, 0)
         self.assertEqual(json.loads(report.read_text())["device"], "cpu")
+
+    def test_a_drop_has_the_same_bits_again(self) -> None:
+        options = ("--voxels", 8, "--frames", 6, "--fps", 24, "--material", "jelly", "--size", "20cm",
+                   "--floor", "y=-15cm", "--device", "cuda", "--quiet")
+        states = []
+        for name in "ab":
+            state = self.folder / f"{name}.h5"
+            done = animate(self.source, self.output, *options, "--state", state)
+            if done.code == 7:
+                self.skipTest("no card")
+            self.assertEqual(done.code, 0, done.err)
+            with h5py.File(state) as file:
+                states.append([file[f"steps/{table}"][()].tobytes() for table in "xv"])
+        self.assertEqual(*states)
 
     def test_finite_elements_have_none(self) -> None:
         self.refused(run("simulate", self.source, "-o", self.output, "--device", "cuda"), 2,

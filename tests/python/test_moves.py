@@ -57,6 +57,18 @@ class Moves(unittest.TestCase):
         self.assertEqual(done.code, 2)
         self.assertIn("contradict each other", done.err)
 
+    def test_pins_hold_alike_in_any_order(self) -> None:
+        pins = [("--pin", "x<7%"), ("--pin", "x>93%"), ("--pin", "sphere(50%,50%,50%,0.09m)")]
+        for verb in (("animate",), ("simulate", "--element", "voxel")):
+            one, other = (self.last(*verb, *(word for pin in order for word in pin))
+                          for order in (pins, pins[::-1]))
+            np.testing.assert_array_equal(one, other)
+
+    def test_a_pin_beside_the_body_changes_nothing(self) -> None:
+        free = self.last("animate")
+        for pin in ("x<-5%", "x<-0.1%"):
+            np.testing.assert_array_equal(self.last("animate", "--pin", pin), free)
+
     def test_the_parts_in_a_move_go_along_exactly(self) -> None:
         output = self.folder / "a.pc2"
         done = animate(self.source, output, *GRID, "--frames", 6, *ENDS)

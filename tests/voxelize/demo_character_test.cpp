@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "voxelize/demo_character.hpp"
 
+#include "core/parallel.hpp"
 #include "io/weld.hpp"
 #include "tests/voxelize/shapes.hpp"
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 namespace elastogen {
 namespace {
@@ -61,7 +61,7 @@ TEST(DemoCharacter, HasTwoMaterialsOnTheSurfaceAndInTheGrid) {
 TEST(DemoCharacter, IsTheSameToTheBitOnAnyThreads) {
   std::vector<Mesh> mesh;
   for (const int threads : {1, 2}) {
-    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+    const ThreadLimit control(threads);
     mesh.push_back(demo_character().meshes.at(0));
   }
   EXPECT_EQ(mesh[0].position, mesh[1].position);

@@ -3,12 +3,12 @@
 
 #include "core/bricks/index.hpp"
 #include "core/error.hpp"
+#include "core/parallel.hpp"
 #include "tests/voxelize/shapes.hpp"
 #include "voxelize/bricks.hpp"
 #include "voxelize/nearest_voxel.hpp"
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include <numbers>
 #include <random>
@@ -295,7 +295,7 @@ TEST(Embedding, ThreadsDoNotChangeABit) {
   const Array<double> x = random_points(grid.node_count(), 0, 1, 3);
   Array<double> displacement[2];
   for (const int threads : {1, 2}) {
-    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+    const ThreadLimit control(threads);
     displacement[threads - 1] = Array<double>(points.rows(), 3);
     deform_asset(grid, embed(grid, points), x, displacement[threads - 1]);
   }

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "voxelize/particle_surface.hpp"
 
+#include "core/parallel.hpp"
 #include "core/vec3.hpp"
 #include "tests/io/test_files.hpp"
 
 #include <openvdb/io/File.h>
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/LevelSetMeasure.h>
-#include <tbb/global_control.h>
 
 #include <cmath>
 #include <map>
@@ -106,7 +106,7 @@ TEST(ParticleSurface, AParticleByItselfIsABallOfItsVolume) {
 TEST(ParticleSurface, IsTheSameOnAnyNumberOfThreads) {
   const Cloud cloud = ball(0.08, 1);
   const ParticleSurface all = particle_surface(cloud.view());
-  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  const ThreadLimit one(1);
   const ParticleSurface alone = particle_surface(cloud.view());
   EXPECT_EQ(all.position, alone.position);
   EXPECT_EQ(all.triangle, alone.triangle);

@@ -2,6 +2,7 @@
 #include "voxelize/slivers.hpp"
 
 #include "core/error.hpp"
+#include "core/parallel.hpp"
 #include "tests/voxelize/shapes.hpp"
 #include "tests/voxelize/sliver_rules.hpp"
 #include "voxelize/bricks.hpp"
@@ -9,7 +10,6 @@
 #include "voxelize/thin_features.hpp"
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include <random>
 
@@ -222,7 +222,7 @@ TEST(Slivers, OrderOfTheVoxelsAndThreadsDoNotMatter) {
     std::copy(coords.row(v), coords.row(v) + 3, backward.row(last));
     backward_fill(last) = fill(v);
   }
-  const tbb::global_control control(tbb::global_control::max_allowed_parallelism, 1);
+  const ThreadLimit control(1);
   std::vector<uint8_t> result = find_slivers(backward, backward_fill);
   std::reverse(result.begin(), result.end());
   EXPECT_EQ(result, expected);

@@ -2,10 +2,10 @@
 #include "voxelize/voxelize.hpp"
 
 #include "core/error.hpp"
+#include "core/parallel.hpp"
 #include "tests/voxelize/shapes.hpp"
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include <cstdio>
 #include <random>
@@ -354,7 +354,7 @@ TEST(Voxelize, ThreadsDoNotChangeABit) {
   for (const Soup& soup : {sphere(1, {}, 4), open}) {
     VoxelGrid grid[2];
     for (const int threads : {1, 2}) {
-      const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+      const ThreadLimit control(threads);
       grid[threads - 1] = voxelize(soup.surface(), {.voxels = 30}).grid;
     }
     expect_same(grid[0], grid[1]);

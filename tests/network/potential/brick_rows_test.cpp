@@ -2,10 +2,10 @@
 #include "network/potential/brick_rows.hpp"
 
 #include "core/hex8.hpp"
+#include "core/parallel.hpp"
 #include "tests/network/scenes.hpp"
 
 #include <gtest/gtest.h>
-#include <oneapi/tbb/global_control.h>
 
 #include <atomic>
 
@@ -88,7 +88,7 @@ TEST(BrickRows, GiveTheSameBitsForOneAndTwoThreads) {
   std::vector<int> finished;
   std::vector<double> sums[2];
   for (int threads = 1; threads <= 2; ++threads) {
-    tbb::global_control control(tbb::global_control::max_allowed_parallelism, size_t(threads));
+    const ThreadLimit control(threads);
     sums[threads - 1] = f.row_sums(finished);
   }
   EXPECT_EQ(sums[0], sums[1]);
@@ -98,7 +98,7 @@ TEST(BrickRows, AreTheSameForOneAndTwoThreads) {
   const Fixture f;
   BrickRows rows[2];
   for (int threads = 1; threads <= 2; ++threads) {
-    tbb::global_control control(tbb::global_control::max_allowed_parallelism, size_t(threads));
+    const ThreadLimit control(threads);
     rows[threads - 1] = make_brick_rows(f.grid, f.material);
   }
   EXPECT_EQ(rows[0].slot, rows[1].slot);

@@ -2,11 +2,11 @@
 #include "network/solver.hpp"
 
 #include "core/error.hpp"
+#include "core/parallel.hpp"
 #include "tests/network/scenes.hpp"
 
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
-#include <oneapi/tbb/global_control.h>
 
 namespace elastogen::test {
 namespace {
@@ -175,7 +175,7 @@ TEST(Solver, GivesTheSameBitsForOneAndTwoThreads) {
     finish_scene(scene);
     State states[2];
     for (int threads = 1; threads <= 2; ++threads) {
-      tbb::global_control control(tbb::global_control::max_allowed_parallelism, size_t(threads));
+      const ThreadLimit control(threads);
       states[threads - 1] = after(scene, 20, {.mode = mode});
     }
     EXPECT_TRUE(states[0].x == states[1].x);
