@@ -140,6 +140,7 @@ mpm::MpmScene mpm_scene(const Setup& setup, const ParticleOptions& options) {
     obstacle.collider.centre = minus(collider.centre, of.grid.origin);
     scene.obstacles.push_back(std::move(obstacle));
   }
+  for (const Border& border : setup.particles->held) scene.obstacles.push_back({{}, true, border});
   return scene;
 }
 

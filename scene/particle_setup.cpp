@@ -54,6 +54,20 @@ Asset shown_cloud(const Asset& asset, const Setup& setup, const ParticleSetup& p
   return cloud;
 }
 
+/// Borders of the pins. @throws Error (usage) where a pin is not a place.
+std::vector<Border> held_borders(const RunDescription& run, const Setup& setup) {
+  const Vec3& origin = setup.scene.grid.origin;
+  std::vector<Border> held;
+  for (const Pin& pin : run.pins) {
+    std::optional<Border> border = border_of(pin.selection, setup.body.surface.box);
+    ELASTOGEN_CHECK(border, "--pin '", pin.text,
+                    "': particles are held by place only, in a plane, a box or a ball");
+    border->lower = minus(border->lower, origin), border->upper = minus(border->upper, origin);
+    held.push_back(*border);
+  }
+  return held;
+}
+
 ParticleSetup filled(const RunDescription& run, const Setup& setup) {
   const VoxelGrid& grid = setup.scene.grid;
   const mpm::FillOptions options{.per_edge = run.particles.per_edge,
@@ -80,7 +94,6 @@ ParticleSetup filled(const RunDescription& run, const Setup& setup) {
 
 void add_particles(const Asset& asset, const RunDescription& run, Setup& setup) {
   // what particles cannot do
-  refuse(!run.pins.empty(), "--pin");
   refuse(!run.holds.empty(), "--hold");
   refuse(!run.moves.empty(), "--move");
   refuse(!run.tractions.empty(), "--traction");
@@ -90,7 +103,9 @@ void add_particles(const Asset& asset, const RunDescription& run, Setup& setup) 
   check_endings(run);
   // fill the voxels; positions count from the grid's origin
   const VoxelGrid& grid = setup.scene.grid;
+  std::vector<Border> held = held_borders(run, setup);
   ParticleSetup particles = filled(run, setup);
+  particles.held = std::move(held);
   if (particles.dimension == 2) check_surfaces(run);
   const Array<double>& x = particles.particles.x;
   particles.nodes.h = grid.h;

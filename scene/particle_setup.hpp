@@ -11,8 +11,8 @@
 namespace elastogen {
 
 /// Fills the voxels of a setup with particles. They replace its nodes and carried points.
-/// @throws Error (usage) if particles are to be held, moved or loaded, or if an output cannot show
-///         them.
+/// @throws Error (usage) if particles are to be held by a part of the asset or along axes, moved or
+///         loaded, or if an output cannot show them.
 void add_particles(const Asset& asset, const RunDescription& run, Setup& setup);
 
 /// The asset that outputs show: for particles their cloud with the asset's colours, else the asset.

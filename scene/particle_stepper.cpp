@@ -200,6 +200,7 @@ void ParticleStepper::measure(StepReport& report) const {
 void ParticleStepper::measure_overlap(StepReport& report) const {
   double deepest = 0;
   for (const mpm::Obstacle& obstacle : scene_.obstacles) {
+    if (obstacle.held) continue;
     const Vec3 offset = offset_at(obstacle.collider, state_.time);
     for (int64_t k = 0; k < particles_.count(); ++k) {
       const double* x = particles_.x.row(k);

@@ -18,12 +18,13 @@ namespace elastogen {
 
 /// Particles that replace the grid in the steps.
 struct ParticleSetup {
-  mpm::Particles particles;        ///< positions relative to the grid's origin [m]
-  VoxelGrid nodes;                 ///< only h, origin and rest positions of the particles [m]
-  Array<int32_t> voxel;            ///< voxel that each particle fills, (particles, 1), or empty
-  int dimension = 3;               ///< 2: in the plane z = 0
-  double spacing = 0;              ///< of particles in a full voxel [m]
-  Asset shown;                     ///< the particles as a cloud with the asset's colours
+  mpm::Particles particles;  ///< positions relative to the grid's origin [m]
+  VoxelGrid nodes;           ///< only h, origin and rest positions of the particles [m]
+  Array<int32_t> voxel;      ///< voxel that each particle fills, (particles, 1), or empty
+  int dimension = 3;         ///< 2: in the plane z = 0
+  double spacing = 0;        ///< of particles in a full voxel [m]
+  std::vector<Border> held;  ///< behind which grid nodes are pinned, positions as of particles
+  Asset shown;               ///< the particles as a cloud with the asset's colours
   std::vector<std::string> notes;  ///< notes on these colours
 };
 

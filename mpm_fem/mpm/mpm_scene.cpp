@@ -17,7 +17,8 @@ void check_scene(const MpmScene& scene) {
   ELASTOGEN_CHECK(scene.h > 0 && std::isfinite(scene.h), "h must be positive, got ", scene.h);
   ELASTOGEN_CHECK(scene.dt > 0 && std::isfinite(scene.dt), "dt must be positive, got ", scene.dt);
   ELASTOGEN_CHECK(!scene.solids.empty(), "the scene has no solids");
-  for (const Obstacle& obstacle : scene.obstacles) check_collider(obstacle.collider);
+  for (const Obstacle& obstacle : scene.obstacles)
+    if (!obstacle.held) check_collider(obstacle.collider);
   ELASTOGEN_CHECK(scene.transfer.blend_time > 0, "blend_time must be positive, got ",
                   scene.transfer.blend_time);
   ELASTOGEN_CHECK(scene.transfer.flip >= 0 && scene.transfer.flip <= 1,

@@ -53,8 +53,10 @@ void ObstacleContact::begin(const ParticleGrid<d>& grid, const std::vector<Obsta
   const double h = grid.h();
   const auto distance = [&](const Obstacle& obstacle, int64_t i) {
     const std::array<int32_t, 3>& at = grid.place(i);
-    return proximity(obstacle.collider, offset_at(obstacle.collider, time + dt),
-                     {at[0] * h, at[1] * h, at[2] * h});
+    const Vec3 x = {at[0] * h, at[1] * h, at[2] * h};
+    if (const auto& held = obstacle.held)
+      return Proximity{elastogen::distance(*held, x), distance_gradient(*held, x)};
+    return proximity(obstacle.collider, offset_at(obstacle.collider, time + dt), x);
   };
   // nodes inside a collider at the end of the step
   std::vector<Vec3> motion;
@@ -73,8 +75,8 @@ void ObstacleContact::begin(const ParticleGrid<d>& grid, const std::vector<Obsta
     for (size_t w = 0; w < obstacles.size(); ++w) {
       const Proximity near = distance(obstacles[w], i);
       if (near.distance > kOn * h) continue;
-      obstacle_.push_back(
-          {near.normal, motion[w], obstacles[w].collider.friction, obstacles[w].sticky});
+      obstacle_.push_back({near.normal, motion[w], obstacles[w].collider.friction,
+                           obstacles[w].sticky || obstacles[w].held});
     }
     first_.push_back(int32_t(obstacle_.size()));
   }

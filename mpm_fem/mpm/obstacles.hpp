@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Contact of the nodes of a particle grid with colliders: a node inside a collider does not move
+// Contact of the nodes of a particle grid with colliders, and pins: a node inside a collider does not move
 // into it. Coulomb's friction is exact: a node sticks while the force along the collider stays
 // below mu times that across it.
 
@@ -8,14 +8,17 @@
 #include "core/collider.hpp"
 #include "core/mat3.hpp"
 #include "mpm_fem/mpm/particle_grid.hpp"
+#include "voxelize/border.hpp"
 
+#include <optional>
 #include <vector>
 
 namespace elastogen::mpm {
 
 struct Obstacle {
   Collider collider;
-  bool sticky = false;  ///< nodes that touch it move with it and do not come off
+  bool sticky = false;              ///< nodes that touch it move with it and do not come off
+  std::optional<Border> held = {};  ///< a pin, not a collider: nodes behind it stay
 };
 
 /// Contact of a node with one collider.

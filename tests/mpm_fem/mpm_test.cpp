@@ -14,6 +14,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace elastogen::mpm {
@@ -43,6 +44,30 @@ void expect_same(const Momentum& a, const Momentum& b) {
     EXPECT_NEAR(a.linear[k], b.linear[k], 1e-12 * b.mass);
     EXPECT_NEAR(a.angular[k], b.angular[k], 1e-12 * b.mass);
   }
+}
+
+/// Velocities of particles after ten steps beside what holds them.
+template <int d>
+Array<double> held_by(const Obstacle& obstacle) {
+  MpmScene scene = particle_scene(d);
+  scene.gravity = {0, -10, 0};
+  scene.obstacles = {obstacle};
+  Particles p = random_particles<d>(500, 4);
+  ExplicitMpm<d> steps(scene);
+  for (int k = 0; k < 10; ++k) steps.step(k * scene.dt, p);
+  return p.v;
+}
+
+TEST(ObstacleContact, APinHoldsAsAWallThatSticksDoes) {
+  Obstacle wall, pin;
+  wall.collider.shape = Collider::Shape::kPlane;
+  wall.collider.normal = {0, 1, 0};
+  wall.collider.centre = {0, -0.2, 0};
+  wall.sticky = true;
+  const double all = std::numeric_limits<double>::infinity();
+  pin.held = {.lower = {-all, -all, -all}, .upper = {all, -0.2, all}, .is_plane = true};
+  EXPECT_EQ(held_by<2>(pin), held_by<2>(wall));
+  EXPECT_EQ(held_by<3>(pin), held_by<3>(wall));
 }
 
 TEST(Spline, IsAPartitionOfUnityThatMeetsAffineFields) {

@@ -66,8 +66,29 @@ class Particles(unittest.TestCase):
         is_red = colours[:, 0] > 200
         self.assertTrue(np.all(is_red[inner] == (first[inner, 0] < 0)))
 
+    def test_a_pin_holds_what_lies_in_it(self) -> None:
+        border = 0.6 * EDGE
+        for pin in ("y>60%", "box(-20%,60%,-20%,120%,120%,120%)"):
+            with self.subTest(pin):
+                done = run("animate", self.cube, "--material", "packed-snow", "--method", "mpm",
+                           "--voxels", 10, "--frames", 6, "--fps", 24, "-o",
+                           self.folder / "h.ply", "--pin", pin)
+                self.assertEqual(done.code, 0, done.err)
+                frames = sorted(self.folder.glob("h_*.ply"))
+                rest, last = (read_ply(frame).x for frame in (frames[0], frames[-1]))
+                # a cell and a half behind the border all nodes around a particle are held
+                inner = rest[:, 1] > border + 1.5 * EDGE / 10
+                self.assertGreater(inner.sum(), 0)
+                np.testing.assert_allclose(last[inner], rest[inner], rtol=0, atol=1e-7)
+                # the rest hangs from the border: rho g L^2/2E
+                sag = (rest - last)[rest[:, 1] < EDGE / 20, 1].mean()
+                self.assertLess(abs(sag / (400 * 9.81 * border ** 2 / (2 * 3e6)) - 1), 0.1)
+                for frame in frames:
+                    frame.unlink()
+
     def test_what_particles_cannot_do_is_refused_before_anything_is_written(self) -> None:
-        for verb, option, value in (("animate", "--pin", "y<5%"), ("simulate", "--hold", "y<5%: y")):
+        for verb, option, value in (("animate", "--pin", "all"), ("simulate", "--hold", "y<5%: y"),
+                                    ("animate", "--move", "y<5%: shift 1cm")):
             with self.subTest(option):
                 done = run(verb, self.cube, "--material", "sand", "--voxels", 8, "--frames", 1,
                            "-o", self.folder / "r.ply", option, value)

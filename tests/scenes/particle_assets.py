@@ -3,7 +3,7 @@
 """Drops every closed mesh of a folder as sand, snow and clay on a floor, and looks at what is left.
 
     tests/scenes/particle_assets.py --binary build/cpu/elastogen [--assets FOLDER] [--short]
-                                    [--json docs/results/particle_assets.json]
+                                    [--jobs 1] [--json docs/results/particle_assets.json]
 
 Without a folder (default: ELASTOGEN_ASSETS) or with --short a cube of its own takes the place of the
 assets. A row is wrong if the command ends by a signal or a code that is not documented for it, a
@@ -19,6 +19,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from pathlib import Path
 from typing import Any
 
@@ -47,26 +48,25 @@ def is_closed(binary: Path, asset: Path) -> bool:
     return bool(said.get("usable") and said.get("closed"))
 
 
-def filled_volume(binary: Path, asset: Path, voxels: int, folder: Path) -> float:
+def filled_volume(options: argparse.Namespace, asset: Path, state: Path) -> float:
     """Volume of the filled voxels [m^3], by the nodes' masses of an elastic run that does not move; the
     floor has the voxels lie as in the other runs."""
-    state = folder / "state.h5"
-    subprocess.run([binary, "animate", asset, *BODY, "--voxels", str(voxels), "--frames", "1",
-                    "--density", "1", "--gravity", "0,0,0", "--floor", "--quiet", "--state", state, "-o",
-                    folder / "still.pc2"], capture_output=True, check=True)
+    subprocess.run([options.binary, "animate", asset, *BODY, "--voxels", str(options.voxels), "--frames",
+                    "1", "--density", "1", "--gravity", "0,0,0", "--floor", "--quiet", "--state", state,
+                    "-o", state.with_suffix(".pc2")], capture_output=True, check=True)
     with h5py.File(state) as file:
         return float(file["grid/mass"][()].sum())
 
 
-def row_of(binary: Path, asset: Path, name: str, material: str, options: argparse.Namespace,
+def row_of(asset: Path, name: str, material: str, options: argparse.Namespace,
            volume: float) -> dict[str, Any]:
     """One run and what it left."""
     with tempfile.TemporaryDirectory() as text:
         folder, start = Path(text), time.monotonic()
         done = subprocess.run(
-            [binary, "animate", asset, *BODY, *DROP, "--voxels", str(options.voxels), "--frames",
+            [options.binary, "animate", asset, *BODY, *DROP, "--voxels", str(options.voxels), "--frames",
              str(options.frames), "--material", material, "--max-time", f"{options.max_time}s",
-             "-o", folder / "p.pvd", "--report", folder / "report.json"],
+             *(("--threads", "1") if options.jobs > 1 else ()), "-o", folder / "p.pvd", "--report", folder / "report.json"],
             capture_output=True, text=True, check=False)
         row: dict[str, Any] = {"asset": name, "material": material, "code": done.returncode,
                                "seconds": round(time.monotonic() - start, 2)}
@@ -99,6 +99,34 @@ def assets_of(options: argparse.Namespace, folder: Path) -> list[tuple[Path, str
             if is_closed(options.binary, path)]
 
 
+def rows_of(options: argparse.Namespace, folder: Path) -> list[dict[str, Any]]:
+    """All runs, --jobs at a time; the file has those that have ended."""
+    version = subprocess.run([options.binary, "--version"], capture_output=True, text=True,
+                             check=True).stdout
+    assets = assets_of(options, folder)
+    ended: dict[tuple[str, str], dict[str, Any]] = {}
+    rows: list[dict[str, Any]] = []
+    with ThreadPoolExecutor(options.jobs) as pool:
+        volumes = {name: pool.submit(filled_volume, options, asset, folder / f"{k}.h5")
+                   for k, (asset, name) in enumerate(assets)}
+        runs = [pool.submit(row_of, asset, name, material, options, volumes[name].result())
+                for asset, name in assets for material in MATERIALS]
+        for run in as_completed(runs):
+            row = run.result()
+            ended[row["asset"], row["material"]] = row
+            print(json.dumps(row), flush=True)
+            rows = [ended[name, material] for _, name in assets for material in MATERIALS
+                    if (name, material) in ended]
+            if options.json:  # what there is, should the run be ended
+                result = {"header": run_header() | {
+                    "commit": version.split()[-1].strip("()"), "voxels": options.voxels,
+                    "frames": options.frames, "max_time": options.max_time, "jobs": options.jobs,
+                    "run": " ".join(BODY + DROP)}, "rows": rows,
+                    "definitions": {"files": FILES, "sha256": definitions_hash(FILES)}}
+                options.json.write_text(json.dumps(result, indent=1) + "\n")
+    return rows
+
+
 def main() -> int:
     """Runs all, prints a line each."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
@@ -107,26 +135,14 @@ def main() -> int:
     parser.add_argument("--voxels", type=int, default=32)
     parser.add_argument("--frames", type=int, default=10)
     parser.add_argument("--max-time", type=float, default=300)
+    parser.add_argument("--jobs", type=int, default=1, help="runs at a time, of one thread each if many")
     parser.add_argument("--short", action="store_true", help="a cube at 6 voxels, 3 frames")
     parser.add_argument("--json", type=Path)
     options = parser.parse_args()
     if options.short:
         options.voxels, options.frames = 6, 3
-    rows = []
-    version = subprocess.run([options.binary, "--version"], capture_output=True, text=True,
-                             check=True).stdout
     with tempfile.TemporaryDirectory() as text:
-        for asset, name in assets_of(options, Path(text)):
-            volume = filled_volume(options.binary, asset, options.voxels, Path(text))
-            for material in MATERIALS:
-                rows.append(row_of(options.binary, asset, name, material, options, volume))
-                print(json.dumps(rows[-1]), flush=True)
-                if options.json:  # what there is, should the run be ended
-                    result = {"header": run_header() | {
-                        "commit": version.split()[-1].strip("()"), "voxels": options.voxels, "frames": options.frames,
-                        "max_time": options.max_time, "run": " ".join(BODY + DROP)}, "rows": rows,
-                        "definitions": {"files": FILES, "sha256": definitions_hash(FILES)}}
-                    options.json.write_text(json.dumps(result, indent=1) + "\n")
+        rows = rows_of(options, Path(text))
     return int(not rows or any(row["fault"] for row in rows))
 
 
