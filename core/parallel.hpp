@@ -30,14 +30,18 @@ class ThreadLimit {
 /// The most threads that a loop may have now.
 int thread_count();
 
-/// Calls call(task, b) for each b of [0, tasks), in any order: the one loop of TBB under all loops,
-/// so that its templates are compiled once.
-void run_tasks(int64_t tasks, const void* task, void (*call)(const void*, int64_t));
+/// Calls call(task, begin, end) for ranges that make up [0, tasks), in any order: the one loop of TBB
+/// under all loops, so that its templates are compiled once.
+void run_ranges(int64_t tasks, const void* task, void (*call)(const void*, int64_t, int64_t));
 
 /// Calls task(b) for each b of [0, tasks), in any order.
 template <class Task>
 void run_tasks(int64_t tasks, const Task& task) {
-  run_tasks(tasks, &task, [](const void* t, int64_t b) { (*static_cast<const Task*>(t))(b); });
+  // the loop over a range is inside, where the compiler sees the task: outside it cost 6 % of a step
+  run_ranges(tasks, &task, [](const void* t, int64_t begin, int64_t end) {
+    const Task& run = *static_cast<const Task*>(t);
+    for (int64_t b = begin; b < end; ++b) run(b);
+  });
 }
 
 /// Calls body(begin, end) for the blocks of [0, n).
