@@ -138,7 +138,7 @@ TEST(Shape, WhatThePlaneCannotDoIsRefused) {
                 run.colliders = {parse_obstacle("sphere(0,0.1,0, 0.05) name ball")};
               }),
               "'ball'");
-  expect_says(refused([](RunDescription& run) { run.pins = {parse_pin("y<5%")}; }), "--pin");
+  expect_says(refused([](RunDescription& run) { run.pins = {parse_pin("all")}; }), "--pin");
 }
 
 TEST(Shape, OnlyParticlesStick) {

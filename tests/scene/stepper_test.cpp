@@ -331,12 +331,19 @@ TEST(Stepper, SandFallsAndLiesOnAFloor) {
   EXPECT_GT(highest, ground + h / 2);
 }
 
-TEST(Stepper, ParticlesRefuseToBeHeldAndToBeAGlb) {
+TEST(Stepper, ParticlesAreHeldByPlaceAndRefuseToBeAGlb) {
   RunDescription run;
   run.yield = SandYield{};
   auto setup = yielding_setup(run.yield);
-  run.pins = {parse_pin("y<5%")};
+  run.pins = {parse_pin("all")};
   EXPECT_THROW(add_particles({}, run, setup), Error);
+  run.pins = {parse_pin("y<5%")};
+  add_particles({}, run, setup);
+  // as positions, the border counts from the grid's origin
+  const Box& box = setup.body.surface.box;
+  ASSERT_EQ(setup.particles->held.size(), 1u);
+  EXPECT_NEAR(setup.particles->held[0].upper[1] + setup.scene.grid.origin[1],
+              box.lower[1] + 0.05 * (box.upper[1] - box.lower[1]), 1e-12);
   run.pins.clear();
   run.outputs = {"a.glb"};
   EXPECT_THROW(add_particles({}, run, setup), Error);
