@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Contact of the nodes of a particle grid with colliders, and pins: a node inside a collider does not move
+// Contact of the nodes of a particle grid with colliders: a node inside a collider does not move
 // into it. Coulomb's friction is exact: a node sticks while the force along the collider stays
-// below mu times that across it.
+// below mu times that across it. A pin is an obstacle that all nodes behind its border stick to.
 
 #pragma once
 

@@ -285,7 +285,8 @@ class Outputs(Command):
         r = json.loads(report.read_text())
         self.assertLessEqual({"asset", "voxels", "nodes", "h", "materials", "steps", "frames",
                               "converged_share", "solved_share", "worst_residual", "min_j",
-                              "stage_seconds", "ms_per_step", "peak_memory_bytes", "warnings", "command", "commit"},
+                              "stage_seconds", "ms_per_step", "peak_memory_bytes", "warnings",
+                              "command", "commit"},
                              set(r))
         self.assertLessEqual({"vertices", "faces", "closed", "findings"}, set(r["asset"]))
         self.assertEqual((r["asset"]["vertices"], r["asset"]["faces"]), (8, 12))
